@@ -1,0 +1,3 @@
+"""urdfcheck: a linter and physics audit for robot models."""
+
+__version__ = "0.1.0"

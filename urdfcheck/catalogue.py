@@ -1,0 +1,137 @@
+"""The rule pages of ``rules/`` as :class:`Rule` objects, and the check that belongs to each page.
+
+A page ``INR003-triangle-inequality.md`` belongs to ``urdfcheck/checks/inr003_triangle_inequality.py``: the stem is the
+only link, there is no registry.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import re
+import sys
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from urdfcheck.core import Confidence, Option, Rule, Severity, UrdfcheckError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+Check = Callable[..., Iterable[Any]]
+
+SCOPES = ("file", "model", "launch", "package", "run")
+NEEDS = ("source", "mesh", "dynamics", "collision", "package")
+_KEYS = {
+    "severity",
+    "confidence",
+    "status",
+    "since",
+    "scope",
+    "needs",
+    "tags",
+    "hidden_by",
+    "options",
+    "messages",
+    "fixes",
+    "causes",
+    "consumers",
+}
+_TITLE = re.compile(r"# ([A-Z]{3}\d{3}) ([a-z0-9]+(?:-[a-z0-9]+)*)\n")
+_HEADER = re.compile(r"^```toml\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def pages_folder() -> Path:
+    """Where the pages are: in the installed package, or in the source tree beside it."""
+    installed = Path(__file__).parent / "_rules"
+    return installed if installed.is_dir() else Path(__file__).parent.parent / "rules"
+
+
+@cache
+def rules() -> Mapping[str, Rule]:
+    """All rules by code, in the order of their codes."""
+    pages = sorted(pages_folder().glob("[A-Z][A-Z][A-Z][0-9][0-9][0-9]-*.md"))
+    loaded = [load_page(page) for page in pages]
+    return MappingProxyType({rule.code: rule for rule in loaded})
+
+
+def load_page(path: Path) -> Rule:
+    """Read one page.
+
+    :raises UrdfcheckError: when the page is not a rule page; the message names the page and what is missing.
+    """
+    text = path.read_text(encoding="utf-8")
+    title, header = _TITLE.match(text), _HEADER.search(text)
+    if not title or not header:
+        raise UrdfcheckError(f"{path}: a rule page begins with '# CODE name' and a toml block")
+    code, name = title.groups()
+    if path.stem != f"{code}-{name}":
+        raise UrdfcheckError(f"{path}: the file of rule {code} {name} must be called {code}-{name}.md")
+    try:
+        meta = tomllib.loads(header.group(1))
+        unknown = sorted(set(meta) - _KEYS)
+        if unknown:
+            raise ValueError(f"unknown key {unknown[0]!r}")
+        return Rule(
+            code=code,
+            name=name,
+            severity=Severity.parse(meta["severity"]),
+            confidence=Confidence(meta["confidence"]),
+            status=meta["status"],
+            since=meta["since"],
+            scope=meta.get("scope", "model"),
+            needs=tuple(meta["needs"]),
+            tags=tuple(meta["tags"]),
+            hidden_by=tuple(meta.get("hidden_by", ())),
+            options={
+                key: Option(key, o["default"], o["unit"], o["doc"]) for key, o in meta.get("options", {}).items()
+            },
+            messages=meta["messages"],
+            fixes=meta["fixes"],
+            causes=meta.get("causes", {}),
+            consumers=meta.get("consumers", {}),
+            stem=path.stem.lower().replace("-", "_"),
+            page=text,
+        )
+    except (KeyError, ValueError, TypeError) as error:
+        raise UrdfcheckError(f"{path}: {type(error).__name__}: {error}") from error
+
+
+def has_check(rule: Rule) -> bool:
+    """Whether the rule has a check module; rules about urdfcheck itself (URC) are found by the engine."""
+    return importlib.util.find_spec(f"urdfcheck.checks.{rule.stem}") is not None
+
+
+def check_of(rule: Rule) -> Check:
+    """The ``check`` function of the module with the page's stem."""
+    check: Check = importlib.import_module(f"urdfcheck.checks.{rule.stem}").check
+    return check
+
+
+def select(names: Iterable[str]) -> set[str]:
+    """The codes meant by codes, prefixes (``INR``, ``JNT0``), rule names, tags or ``ALL``.
+
+    :raises UrdfcheckError: for a word that means no rule; the message names the nearest.
+    """
+    found: set[str] = set()
+    for word in names:
+        upper = word.upper()
+        codes = {
+            code
+            for code, rule in rules().items()
+            if upper == "ALL" or code.startswith(upper) or rule.name == word.lower() or word.lower() in rule.tags
+        }
+        if not codes:
+            import difflib
+
+            known = {*rules(), *(r.name for r in rules().values()), *(t for r in rules().values() for t in r.tags)}
+            near = difflib.get_close_matches(word, known, n=1, cutoff=0.5) or difflib.get_close_matches(upper, known, n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            raise UrdfcheckError(f"no rule, prefix, name or tag is called {word!r}{hint} (urdfcheck rule lists them)")
+        found |= codes
+    return found

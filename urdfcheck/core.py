@@ -1,0 +1,357 @@
+"""Every public type of urdfcheck. Standard library only, so that no import of it costs anything."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum, IntEnum
+from typing import Any, Protocol
+
+__all__ = [
+    "Applicability",
+    "Cause",
+    "Confidence",
+    "Edit",
+    "Finding",
+    "Fix",
+    "Located",
+    "Location",
+    "ModelInfo",
+    "Option",
+    "Rule",
+    "Run",
+    "Scene",
+    "SceneFrame",
+    "SceneJoint",
+    "SceneLink",
+    "SceneShape",
+    "Severity",
+    "Skip",
+    "Span",
+    "Unavailable",
+    "UrdfcheckError",
+]
+
+
+class UrdfcheckError(Exception):
+    """urdfcheck or its configuration failed: the command ends with exit code 2 and this text."""
+
+
+class Unavailable(Exception):
+    """A fact cannot be had for this model; the text says why. The engine lists the check as skipped."""
+
+
+class Severity(IntEnum):
+    """How bad a finding is. ``error``: a reference parser refuses or drops it, or it is impossible."""
+
+    INFO = 1
+    WARNING = 2
+    ERROR = 3
+
+    def __str__(self) -> str:
+        return self.name.lower()
+
+    @classmethod
+    def parse(cls, text: str) -> Severity:
+        """:raises ValueError: when ``text`` names no severity."""
+        try:
+            return cls[text.upper()]
+        except KeyError:
+            raise ValueError(f"{text!r} is no severity: error, warning or info") from None
+
+
+class Confidence(str, Enum):
+    """How sure a finding is. ``proof``: follows from the file whatever the author meant."""
+
+    PROOF = "proof"
+    STRONG = "strong"
+    HEURISTIC = "heuristic"
+
+    __str__ = str.__str__
+
+
+class Applicability(str, Enum):
+    """Whether a fix may be applied without asking (``safe``), on request (``unsafe``) or only shown (``display``)."""
+
+    SAFE = "safe"
+    UNSAFE = "unsafe"
+    DISPLAY = "display"
+
+    __str__ = str.__str__
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Span:
+    """A piece of source text. Lines and columns are 1-based code points, ends exclusive; offsets count code points."""
+
+    file: str
+    line: int
+    col: int
+    end_line: int
+    end_col: int
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Location:
+    """Where a finding is: its subject in the model, its text, and the calls that brought the text there.
+
+    ``subject`` reads like ``link[wheel_1]/inertial/inertia@izz``; ``via`` holds macro calls and includes, outermost first.
+    """
+
+    subject: str
+    span: Span | None
+    via: tuple[Span, ...] = ()
+
+
+class Located(Protocol):
+    """Anything that knows where it was typed: an element, an attribute, a link, a joint."""
+
+    @property
+    def location(self) -> Location: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """Replace the text at ``span``, which must still read ``expected``."""
+
+    span: Span
+    expected: str
+    replacement: str
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """What repairs a finding. Without edits it is advice (``display``)."""
+
+    title: str
+    applicability: Applicability = Applicability.DISPLAY
+    edits: tuple[Edit, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """Why it happened: a stable id and a sentence."""
+
+    id: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One defect at its cause. ``subjects`` has more than one entry when one source text made several elements."""
+
+    code: str
+    name: str
+    severity: Severity
+    confidence: Confidence
+    message_id: str
+    message: str
+    location: Location
+    subjects: tuple[str, ...]
+    related: tuple[Location, ...] = ()
+    cause: Cause | None = None
+    consequences: Mapping[str, str] = field(default_factory=dict)
+    data: Mapping[str, Any] = field(default_factory=dict)
+    fix: Fix | None = None
+    model: str = ""
+    suppressed: str | None = None
+
+    @property
+    def fingerprints(self) -> tuple[str, ...]:
+        """One per subject; they change neither with lines nor with the working directory."""
+        return tuple(
+            hashlib.sha256("\0".join((self.code, self.model, subject, self.message_id)).encode()).hexdigest()[:32]
+            for subject in self.subjects
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Skip:
+    """A check that could not run on a model, and why."""
+
+    code: str
+    model: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """A threshold of a rule as its page declares it."""
+
+    name: str
+    default: Any
+    unit: str
+    doc: str
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A rule as its page in ``rules/`` declares it."""
+
+    code: str
+    name: str
+    severity: Severity
+    confidence: Confidence
+    status: str
+    since: str
+    scope: str
+    needs: tuple[str, ...]
+    tags: tuple[str, ...]
+    hidden_by: tuple[str, ...]
+    options: Mapping[str, Option]
+    messages: Mapping[str, str]
+    fixes: Mapping[str, str]
+    causes: Mapping[str, str]
+    consumers: Mapping[str, Any]
+    stem: str
+    page: str
+
+    @property
+    def summary(self) -> str:
+        """The first paragraph under *What it checks*."""
+        _, _, rest = self.page.partition("## What it checks")
+        return " ".join(rest.strip().split("\n\n")[0].split())
+
+    def finding(
+        self,
+        message: str,
+        *,
+        at: Located | Location,
+        cause: str | None = None,
+        edits: Iterable[Edit] = (),
+        applicability: Applicability = Applicability.UNSAFE,
+        related: Iterable[Located | Location] = (),
+        severity: Severity | None = None,
+        confidence: Confidence | None = None,
+        **data: Any,
+    ) -> Finding:
+        """A finding of this rule: ``message`` is an id of the page's ``[messages]``, ``data`` fills its templates.
+
+        The repair is the page's ``[fixes]`` template of the same id; ``edits`` make it applicable.
+
+        :raises KeyError: when the page lacks the message, the cause or a value that a template names.
+        """
+        location = at if isinstance(at, Location) else at.location
+        edits = tuple(edits)
+        consumers = {k: v for k, v in self.consumers.items() if isinstance(v, str)}
+        consumers.update(self.consumers.get(message, {}))
+        return Finding(
+            code=self.code,
+            name=self.name,
+            severity=self.severity if severity is None else severity,
+            confidence=self.confidence if confidence is None else confidence,
+            message_id=message,
+            message=self.messages[message].format_map(data),
+            location=location,
+            subjects=(location.subject,),
+            related=tuple(r if isinstance(r, Location) else r.location for r in related),
+            cause=None if cause is None else Cause(cause, self.causes[cause].format_map(data)),
+            consequences={k: v.format_map(data) for k, v in consumers.items()},
+            data=data,
+            fix=Fix(
+                self.fixes[message].format_map(data), applicability if edits else Applicability.DISPLAY, edits
+            ),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ModelInfo:
+    """What a run knows of one model. ``status``: checked | needs-arguments | failed. ``mass`` in kg."""
+
+    path: str
+    robot: str
+    args: Mapping[str, str]
+    links: int
+    joints: int
+    mass: float | None
+    status: str
+    id: str
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class SceneShape:
+    """A drawn or colliding shape. ``kind``: mesh | box | cylinder | sphere | capsule; ``size`` in metres as URDF gives it
+    (box x y z, cylinder and capsule r l, sphere r, mesh: scale x y z); ``pose`` 4x4 row-major in the link frame."""
+
+    role: str
+    kind: str
+    size: tuple[float, ...]
+    pose: tuple[float, ...]
+    mesh: str = ""
+    triangles: int = 0
+    watertight: bool | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class SceneLink:
+    """A link: mass in kg, COM in metres and inertia (ixx ixy ixz iyy iyz izz, kg m²) in the link frame's terms,
+    principal moments ascending, ``density`` in kg/m³ against its drawn geometry, ``world`` 4x4 row-major at the neutral pose."""
+
+    name: str
+    mass: float | None
+    com: tuple[float, ...] | None
+    inertia: tuple[float, ...] | None
+    principal: tuple[float, ...] | None
+    density: float | None
+    world: tuple[float, ...] | None
+    shapes: tuple[SceneShape, ...]
+    span: Span | None
+
+
+@dataclass(frozen=True, slots=True)
+class SceneJoint:
+    """A joint: ``axis`` in base coordinates at the neutral pose, limits in rad or m."""
+
+    name: str
+    type: str
+    parent: str
+    child: str
+    axis: tuple[float, ...] | None
+    lower: float | None
+    upper: float | None
+    span: Span | None
+
+
+@dataclass(frozen=True, slots=True)
+class SceneFrame:
+    """A static transform that a launch file publishes beside the model."""
+
+    parent: str
+    child: str
+    xyz: tuple[float, ...]
+    rpy: tuple[float, ...]
+    span: Span | None
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What outputs that draw need of a model, as plain values."""
+
+    model: str
+    root: str
+    links: tuple[SceneLink, ...]
+    joints: tuple[SceneJoint, ...]
+    frames: tuple[SceneFrame, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """The whole outcome, immutable: what every output renders. ``sources`` holds the text of files with findings."""
+
+    models: tuple[ModelInfo, ...]
+    findings: tuple[Finding, ...]
+    skipped: tuple[Skip, ...]
+    rules: Mapping[str, Rule]
+    versions: Mapping[str, str]
+    sources: Mapping[str, str]
+    scenes: tuple[Scene, ...] = ()
+    seconds: float = 0.0
+    failures: tuple[str, ...] = ()
+
+    def count(self, severity: Severity) -> int:
+        """Findings of exactly this severity that are not suppressed."""
+        return sum(f.severity == severity and f.suppressed is None for f in self.findings)

@@ -1,0 +1,166 @@
+"""The facade that checks see: a robot with lazy facts. Heavy libraries load when a fact first needs them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from urdfcheck.core import Location, Unavailable
+from urdfcheck.model.meshes import Meshes
+from urdfcheck.model.parts import Joint, Link, Shape
+from urdfcheck.model.tree import Tree
+from urdfcheck.source.load import Source
+from urdfcheck.source.packages import Package
+from urdfcheck.source.xml import Element
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from urdfcheck.facts.inertia import Solid
+    from urdfcheck.model.dynamics import Dynamics
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A robot. ``robot`` is its expanded root element; ``tier`` says which facts may be computed."""
+
+    source: Source
+    robot: Element
+    tier: str = "full"
+
+    @property
+    def name(self) -> str:
+        return self.robot.get("name")
+
+    @property
+    def package(self) -> Package | None:
+        return self.source.package
+
+    @property
+    def location(self) -> Location:
+        return self.robot.location
+
+    @cached_property
+    def links(self) -> tuple[Link, ...]:
+        return tuple(Link(e) for e in self.robot.all("link"))
+
+    @cached_property
+    def joints(self) -> tuple[Joint, ...]:
+        """The joints of the kinematic tree (not those named inside transmissions or ros2_control)."""
+        return tuple(Joint(e) for e in self.robot.all("joint"))
+
+    @cached_property
+    def link_by_name(self) -> Mapping[str, Link]:
+        """The first link of each name, as the reference parser would keep it."""
+        found: dict[str, Link] = {}
+        for link in self.links:
+            found.setdefault(link.name, link)
+        return found
+
+    @cached_property
+    def joint_by_name(self) -> Mapping[str, Joint]:
+        found: dict[str, Joint] = {}
+        for joint in self.joints:
+            found.setdefault(joint.name, joint)
+        return found
+
+    @cached_property
+    def tree(self) -> Tree:
+        """The kinematic tree.
+
+        :raises Unavailable: when links and joints do not form one tree (the KIN rules say why).
+        """
+        return Tree.build(self.links, self.joints)
+
+    @cached_property
+    def frames(self) -> Mapping[str, NDArray[np.float64]]:
+        """4x4 placement of each link's frame in the root link's frame, all joints at zero.
+
+        :raises Unavailable: when the tree is broken or an origin is malformed.
+        """
+        from urdfcheck.facts.kinematics import forward
+
+        order = self.tree.order
+        index = {name: i for i, name in enumerate(order)}
+        import numpy as np
+
+        parents, placements = [-1], [np.eye(4)]
+        for name in order[1:]:
+            joint = self.tree.parent_joint[name]
+            matrix = joint.origin.matrix
+            if matrix is None:
+                raise Unavailable(f"the origin of joint {joint.name!r} is malformed")
+            parents.append(index[joint.parent])
+            placements.append(matrix)
+        world = forward(parents, np.array(placements))
+        return dict(zip(order, world, strict=True))
+
+    @cached_property
+    def axes(self) -> Mapping[str, NDArray[np.float64]]:
+        """Unit axis in root coordinates of each joint that has one, by joint name, all joints at zero."""
+        import numpy as np
+
+        found: dict[str, NDArray[np.float64]] = {}
+        for joint in self.joints:
+            axis = joint.axis
+            if not joint.has_axis or axis is None:
+                continue
+            norm = float(np.linalg.norm(axis))
+            if norm > 0 and joint.child in self.frames:
+                found[joint.name] = self.frames[joint.child][:3, :3] @ (np.array(axis) / norm)
+        return found
+
+    @cached_property
+    def meshes(self) -> Meshes:
+        """Every mesh that the model draws or collides with, resolved, and read once per content."""
+        return Meshes.of(self.links, self.source, read=self.tier != "source")
+
+    @cached_property
+    def dynamics(self) -> Dynamics:
+        """The model in Pinocchio.
+
+        :raises Unavailable: when Pinocchio is not installed (Windows) or the model must not be handed to it.
+        """
+        from urdfcheck.model.dynamics import build
+
+        return build(self)
+
+    def solid(self, link: Link, role: str = "visual") -> Solid | None:
+        """Volume, COM and second moments of what a link draws (or collides with), in the link frame.
+
+        None when it has no such shape, or one whose volume is not known (unread, or not watertight).
+        """
+        from urdfcheck.facts.inertia import combine
+
+        shapes = link.visuals if role == "visual" else link.collisions
+        solids = [self.shape_solid(shape) for shape in shapes]
+        known = [s for s in solids if s is not None]
+        return combine(known) if known and len(known) == len(solids) else None
+
+    def shape_solid(self, shape: Shape) -> Solid | None:
+        """Like :meth:`solid` for one shape."""
+        import numpy as np
+
+        from urdfcheck.facts import inertia
+        from urdfcheck.facts.mesh import transformed_moments
+
+        size, pose = shape.size, shape.origin.matrix
+        if size is None or pose is None or any(s == 0 for s in size):
+            return None
+        if shape.kind == "mesh":
+            facts = self.meshes.facts_of(shape)
+            if facts is None or not facts.watertight or facts.volume == 0:
+                return None
+            return transformed_moments(facts, np.array(size), pose[:3, :3], pose[:3, 3])
+        if any(s < 0 for s in size):
+            return None
+        made = {
+            "box": lambda: inertia.box_solid(size),
+            "cylinder": lambda: inertia.cylinder_solid(*size),
+            "sphere": lambda: inertia.sphere_solid(*size),
+            "capsule": lambda: inertia.capsule_solid(*size),
+        }[shape.kind or ""]()
+        return inertia.placed(made, pose[:3, :3], pose[:3, 3])

@@ -1,0 +1,42 @@
+"""Reading numbers of URDF attributes exactly as strictly as the reference parser does."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from urdfcheck.source.xml import Attribute, Element
+
+# What urdfdom's locale-independent conversion takes in full; Python's float() takes more (1_000, infinity, nan).
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+
+
+def number(text: str) -> float | None:
+    """A finite number as URDF spells it, else None."""
+    stripped = text.strip()
+    if not _NUMBER.fullmatch(stripped):
+        return None
+    value = float(stripped)
+    return value if math.isfinite(value) else None
+
+
+def numbers(text: str, count: int) -> tuple[float, ...] | None:
+    """Exactly ``count`` finite numbers separated by white space, else None."""
+    values = [number(word) for word in text.split()]
+    if len(values) != count or any(v is None for v in values):
+        return None
+    return tuple(v for v in values if v is not None)
+
+
+def attribute_number(element: Element | None, name: str) -> float | None:
+    """The number of an attribute; None when the element, the attribute or a number is not there."""
+    attribute = element.attributes.get(name) if element is not None else None
+    return None if attribute is None else number(attribute.value)
+
+
+def attribute_numbers(
+    element: Element | None, name: str, count: int, default: tuple[float, ...]
+) -> tuple[float, ...] | None:
+    """The numbers of an attribute, ``default`` when it is absent, None when it is malformed."""
+    attribute: Attribute | None = element.attributes.get(name) if element is not None else None
+    return default if attribute is None else numbers(attribute.value, count)

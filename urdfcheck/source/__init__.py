@@ -1,0 +1,1 @@
+"""From a path to located XML: every element and attribute knows where it was typed."""

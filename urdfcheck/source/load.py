@@ -1,0 +1,111 @@
+"""One model's source: the files that were read, the expanded tree, and what went wrong on the way."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from urdfcheck.core import Location, Span
+from urdfcheck.source.packages import Package, PackageFinder, display_name
+from urdfcheck.source.problems import Problem
+from urdfcheck.source.xml import Element, SourceFile, XmlError, parse, unbound_prefix
+
+_USES_XACRO = re.compile(r"<xacro:|\$\{|\$\((?:find|arg|eval|env|optenv|dirname)\b")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Source:
+    """What was read for one model.
+
+    ``root`` is the expanded ``<robot>`` (or whatever the root element is), None when nothing could be expanded.
+    ``files`` and ``trees`` hold each file reached, by display name, as typed; ``main`` is the first of them.
+    ``explicit`` says that the user named this file on the command line.
+    """
+
+    path: Path
+    name: str
+    is_xacro: bool
+    arguments: Mapping[str, str]
+    root: Element | None
+    files: Mapping[str, SourceFile]
+    trees: Mapping[str, Element]
+    problems: tuple[Problem, ...]
+    finder: PackageFinder
+    package: Package | None
+    explicit: bool = True
+    arguments_read: frozenset[str] = field(default_factory=frozenset)
+
+    @property
+    def main(self) -> Element | None:
+        """The tree of the model's own file as typed, None when it could not be parsed."""
+        return self.trees.get(self.name)
+
+    @property
+    def file_location(self) -> Location:
+        """The model's file as a whole: its first character."""
+        root = self.main
+        span = root.span if root is not None else Span(self.name, 1, 1, 1, 1, 0, 0)
+        return Location(root.subject if root is not None else "robot", span)
+
+    def problems_of(self, *kinds: str) -> list[Problem]:
+        """The recorded problems of these kinds."""
+        return [p for p in self.problems if p.kind in kinds]
+
+
+def load(
+    path: Path,
+    arguments: Mapping[str, str],
+    finder: PackageFinder,
+    *,
+    explicit: bool = True,
+) -> Source:
+    """Read a model. What is wrong with the file becomes a problem of the result, never an exception."""
+    name = display_name(path)
+    package = finder.package_of(path.absolute())
+    files: dict[str, SourceFile] = {}
+    trees: dict[str, Element] = {}
+    problems: list[Problem] = []
+    root: Element | None = None
+    is_xacro = path.suffix == ".xacro"
+    try:
+        source = SourceFile.read(path, name)
+        files[name] = source
+        root = trees[name] = parse(source)
+    except OSError as error:
+        start = Span(name, 1, 1, 1, 1, 0, 0)
+        problems.append(Problem("unreadable", error.strerror or str(error), Location("robot", start)))
+    except XmlError as error:
+        problems.append(Problem(error.reason, str(error), Location("robot", error.span)))
+    else:
+        is_xacro = is_xacro or (path.suffix == "" and bool(_USES_XACRO.search(source.text)))
+        prefixed = unbound_prefix(root)
+        if prefixed is not None and not is_xacro:
+            element, prefix = prefixed
+            problems.append(
+                Problem("prefix", f"the prefix {prefix!r} is not declared (xmlns:{prefix}=…)", element.location)
+            )
+    arguments_read: frozenset[str] = frozenset()
+    if root is not None and is_xacro:
+        from urdfcheck.source.xacro import expand
+
+        expansion = expand(path, arguments, finder)
+        root, problems = expansion.root, [*problems, *expansion.problems]
+        files.update(expansion.files)
+        trees.update(expansion.trees)
+        arguments_read = expansion.arguments
+    return Source(
+        path,
+        name,
+        is_xacro,
+        dict(arguments),
+        root,
+        files,
+        trees,
+        tuple(problems),
+        finder,
+        package,
+        explicit,
+        arguments_read,
+    )

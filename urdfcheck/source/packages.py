@@ -1,0 +1,273 @@
+"""Finding ROS packages without ROS, and resolving the paths that models use."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import unquote
+
+from urdfcheck.source.xml import Element, SourceFile, XmlError, parse
+
+# How far up from a model its workspace is looked for, and how many folders are looked into on each level.
+LEVELS_UP = 6
+MAX_SIBLINGS = 2000
+_NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
+_SCHEME = re.compile(r"^([A-Za-z][A-Za-z0-9+.-]*)://(.*)$", re.DOTALL)
+
+
+def display_name(path: Path) -> str:
+    """How findings call a file: relative to the working directory, with forward slashes."""
+    try:
+        return Path(os.path.relpath(path)).as_posix()
+    except ValueError:  # another drive
+        return path.as_posix()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Package:
+    """A folder with a package.xml: ``name`` as the manifest states it, else the folder's. ``root`` is the manifest's XML."""
+
+    name: str
+    path: Path
+    root: Element | None
+    file: SourceFile | None
+
+    @property
+    def dependencies(self) -> frozenset[str]:
+        """The packages that the manifest depends on, in whatever way."""
+        if self.root is None:
+            return frozenset()
+        return frozenset(e.text.strip() for e in self.root.children if e.tag.endswith("depend"))
+
+
+@dataclass(frozen=True, slots=True)
+class Resource:
+    """A path as a model writes it, taken apart and looked up.
+
+    ``kind``: package | file | absolute | home | relative | other (a scheme that no loader of URDF resolves to a file).
+    ``path`` is None when the package is unknown or the kind has no file; ``exists`` is exact in upper and lower case.
+    """
+
+    text: str
+    kind: str
+    package: str | None
+    path: Path | None
+    exists: bool
+    actual: str | None = None
+
+
+class PackageFinder:
+    """Finds packages by name, in this order: ``explicit`` folders, folders below ``paths``, package.xml in the folders
+    around ``start``, ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and last a folder of that name around ``start``."""
+
+    def __init__(
+        self,
+        start: Path,
+        explicit: Mapping[str, Path] | None = None,
+        paths: Sequence[Path] = (),
+        environment: Mapping[str, str] | None = None,
+    ) -> None:
+        self.start = start if start.is_dir() else start.parent
+        self.explicit = dict(explicit or {})
+        self.paths = list(paths)
+        self.environment = os.environ if environment is None else environment
+        self._found: dict[str, Path | None] = {}
+        self._around: dict[str, Path] | None = None
+        self._below: dict[str, Path] | None = None
+        self._ros: dict[str, Path] | None = None
+        self._packages: dict[Path, Package | None] = {}
+
+    def find(self, name: str) -> Path | None:
+        """The folder of a package, or None."""
+        if name not in self._found:
+            self._found[name] = self._look_for(name)
+        return self._found[name]
+
+    def _look_for(self, name: str) -> Path | None:
+        if not name or name in {".", ".."} or "/" in name or "\\" in name:
+            return None
+        return (
+            self.explicit.get(name)
+            or self._below_paths().get(name)
+            or self._around_start().get(name)
+            or self._in_ros().get(name)
+            or self._by_folder_name(name)
+        )
+
+    def _below_paths(self) -> dict[str, Path]:
+        if self._below is None:
+            self._below = {}
+            for path in self.paths:
+                for folder in (path, *_folders(path)):
+                    self._below.setdefault(folder.name, folder)
+                    manifest = _manifest_name(folder)
+                    if manifest:
+                        self._below.setdefault(manifest, folder)
+        return self._below
+
+    def _around_start(self) -> dict[str, Path]:
+        if self._around is None:
+            self._around = {}
+            for level in self._levels():
+                for folder in (level, *_folders(level)):
+                    name = _manifest_name(folder)
+                    if name:
+                        self._around.setdefault(name, folder)
+                        continue
+                    for inner in _folders(folder) if folder is not level else ():
+                        name = _manifest_name(inner)
+                        if name:
+                            self._around.setdefault(name, inner)
+        return self._around
+
+    def _levels(self) -> list[Path]:
+        """The folders from the start upwards that can belong to the same workspace."""
+        levels: list[Path] = []
+        for level in (self.start, *self.start.parents):
+            if len(levels) > LEVELS_UP or level == Path(level.anchor) or level == Path.home():
+                break
+            levels.append(level)
+            if (level / ".git").exists():
+                break
+        return levels
+
+    def _in_ros(self) -> dict[str, Path]:
+        if self._ros is None:
+            self._ros = {}
+            for entry in self.environment.get("ROS_PACKAGE_PATH", "").split(os.pathsep):
+                for folder in (Path(entry), *_folders(Path(entry))) if entry else ():
+                    name = _manifest_name(folder)
+                    if name:
+                        self._ros.setdefault(name, folder)
+            for entry in self.environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+                for folder in _folders(Path(entry) / "share") if entry else ():
+                    self._ros.setdefault(folder.name, folder)
+        return self._ros
+
+    def _by_folder_name(self, name: str) -> Path | None:
+        for level in self._levels():
+            if level.name == name:
+                return level
+            if (level / name).is_dir():
+                return level / name
+        return None
+
+    def looked_in(self) -> list[str]:
+        """Where packages were looked for, for the finding that one was not found."""
+        places = [f"--package {name}={display_name(path)}" for name, path in sorted(self.explicit.items())]
+        places += [display_name(path) for path in self.paths]
+        levels = self._levels()
+        if levels:
+            places.append(f"package.xml from {display_name(self.start)} up to {display_name(levels[-1])}")
+        for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
+            value = self.environment.get(variable)
+            places.append(f"{variable}={value}" if value else f"{variable} (not set)")
+        return places
+
+    def near(self, name: str) -> list[str]:
+        """Names of packages in reach that are spelled like ``name``."""
+        known = {*self.explicit, *self._below_paths(), *self._around_start(), *self._in_ros()}
+        folded = name.replace("-", "_").lower()
+        alike = [k for k in sorted(known) if k.replace("-", "_").lower() == folded]
+        return alike or difflib.get_close_matches(name, sorted(known), n=3, cutoff=0.75)
+
+    def package_of(self, path: Path) -> Package | None:
+        """The package that a file belongs to: the nearest folder above it with a package.xml."""
+        for folder in path.parents:
+            if folder not in self._packages:
+                self._packages[folder] = load_package(folder)
+            package = self._packages[folder]
+            if package is not None:
+                return package
+        return None
+
+    def resolve(self, text: str, base: Path) -> Resource:
+        """Take a path of a model apart; relative ones start at ``base`` (the folder of the file that names it)."""
+        scheme = _SCHEME.match(text)
+        if scheme and scheme.group(1) in {"package", "model"}:
+            package, _, rest = scheme.group(2).partition("/")
+            folder = self.find(package)
+            return _looked_up(text, "package", package, None if folder is None else folder / unquote(rest))
+        if scheme and scheme.group(1) == "file":
+            return _looked_up(text, "file", None, Path(unquote(scheme.group(2))))
+        if scheme:
+            return Resource(text, "other", None, None, False)
+        if text.startswith("~"):
+            return _looked_up(text, "home", None, Path(text).expanduser())
+        if os.path.isabs(text) or re.match(r"^[A-Za-z]:[\\/]", text):
+            return _looked_up(text, "absolute", None, Path(text))
+        return _looked_up(text, "relative", None, base / text)
+
+
+def load_package(folder: Path) -> Package | None:
+    """The package at a folder, or None when it holds no package.xml. A broken manifest gives a package without root."""
+    manifest = folder / "package.xml"
+    if not manifest.is_file():
+        return None
+    try:
+        file = SourceFile.read(manifest, display_name(manifest))
+        root = parse(file)
+    except (OSError, XmlError):
+        return Package(folder.name, folder, None, None)
+    name = root.child("name")
+    return Package(name.text.strip() if name is not None else folder.name, folder, root, file)
+
+
+def _looked_up(text: str, kind: str, package: str | None, path: Path | None) -> Resource:
+    if path is None:
+        return Resource(text, kind, package, None, False)
+    try:
+        exists = path.is_file()
+    except (OSError, ValueError):  # a name too long, or with a NUL
+        return Resource(text, kind, package, None, False)
+    actual = _actual_spelling(path)
+    # On a file system that ignores case the file opens, but its name is still another one.
+    return Resource(text, kind, package, path, exists and (actual is None or actual == path.name), actual)
+
+
+def _actual_spelling(path: Path) -> str | None:
+    """The path's last parts as they are spelled on disk when they differ only in case, else None.
+
+    Compares folder by folder, so ``Meshes/Wheel.STL`` finds ``meshes/wheel.stl``.
+    """
+    try:
+        if path.is_file() and path.name in os.listdir(path.parent):
+            return path.name
+        missing: list[str] = []
+        folder = path
+        while not folder.is_dir():
+            missing.insert(0, folder.name)
+            if folder.parent == folder or len(missing) > 8:
+                return None
+            folder = folder.parent
+        spelled: list[str] = []
+        for part in missing:
+            match = [e for e in os.listdir(folder) if e.casefold() == part.casefold()]
+            if len(match) != 1:
+                return None
+            spelled.append(match[0])
+            folder = folder / match[0]
+        return "/".join(spelled) if folder.is_file() else None
+    except (OSError, ValueError):
+        return None
+
+
+def _folders(path: Path) -> list[Path]:
+    try:
+        with os.scandir(path) as entries:
+            found = [Path(e.path) for e in entries if not e.name.startswith(".") and e.is_dir()]
+    except OSError:
+        return []
+    return sorted(found)[:MAX_SIBLINGS]
+
+
+def _manifest_name(folder: Path) -> str | None:
+    try:
+        match = _NAME.search((folder / "package.xml").read_text(encoding="utf-8", errors="replace"))
+    except OSError:
+        return None
+    return match.group(1) if match else None

@@ -1,0 +1,629 @@
+"""Expanding xacro without ROS, with a record of where everything was typed.
+
+The PyPI package ``xacro`` does the expansion; its functions are wrapped while one file is expanded, so that each
+element of the result carries its :class:`Origin` and each property, argument and macro parameter its
+:class:`~urdfcheck.source.xml.Definition`. The expanded document is the one that plain xacro gives, to the byte.
+
+xacro keeps its state in module globals: one expansion at a time in a process.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from unittest import mock
+from xml.dom import UserDataHandler, minidom
+
+from urdfcheck.core import Location, Span
+from urdfcheck.source.expressions import FORBIDDEN_FUNCTIONS, refusal
+from urdfcheck.source.packages import PackageFinder, display_name
+from urdfcheck.source.problems import Problem
+from urdfcheck.source.xml import Attribute, Definition, Element, SourceFile, XmlError, parse, unbound_prefix
+
+_KEY = "urdfcheck"
+_ARGUMENT = re.compile(r"^\$\(arg\s+(\S+?)\s*\)$")
+_SUBSTITUTION = re.compile(r"\$[({]")
+
+
+@dataclass(slots=True, eq=False)
+class Origin:
+    """Where a node of the document was typed. ``via`` is set when the node is evaluated."""
+
+    raw: Element
+    via: tuple[Span, ...] | None = None
+    reads: dict[str, tuple[Definition, ...]] = field(default_factory=dict)
+    added: dict[str, Attribute] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Expansion:
+    """The outcome: ``root`` is None when it failed, and ``problems`` says why."""
+
+    root: Element | None
+    document: minidom.Document | None
+    files: Mapping[str, SourceFile]
+    trees: Mapping[str, Element]
+    problems: tuple[Problem, ...]
+    arguments: frozenset[str]
+
+
+class _Refused(Exception):
+    """An expression that must not be evaluated."""
+
+
+class _NoPackage(Exception):
+    """``$(find p)`` of an unknown package."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(f"package {name!r} is not found")
+        self.name = name
+
+
+def expand(path: Path, arguments: Mapping[str, str], finder: PackageFinder) -> Expansion:
+    """Expand a xacro file with the given arguments. Never raises for what the file contains."""
+    tracer = _Tracer(path, finder)
+    document: minidom.Document | None = None
+    root: Element | None = None
+    with tracer.installed():
+        import xacro
+
+        try:
+            document = xacro.process_file(str(path), mappings=dict(arguments))
+        except XmlError as error:
+            tracer.problem(error.reason, str(error), Location("", error.span, tracer.via()))
+        except RecursionError:
+            tracer.fail("the expansion never ends: a macro or an include calls itself", RecursionError())
+        except Exception as error:  # whatever a stranger's expression raises is a finding, not a crash
+            tracer.fail(tracer.explain(error), error)
+        else:
+            root = _convert(document.documentElement, None)
+    return Expansion(
+        root,
+        document if root is not None else None,
+        tracer.files,
+        tracer.trees,
+        tuple(tracer.problems),
+        frozenset(tracer.arguments_read),
+    )
+
+
+@dataclass(slots=True)
+class _Call:
+    """A macro call or an include that is being expanded."""
+
+    node: minidom.Element
+    span: Span | None
+    name: str
+
+
+@dataclass(slots=True)
+class _Frame:
+    """An element whose attributes are being evaluated: their names in the order in which xacro takes them."""
+
+    node: minidom.Element
+    pending: list[str]
+
+
+class _Tracer:
+    """The wrappers around xacro's functions, and what they learn."""
+
+    def __init__(self, path: Path, finder: PackageFinder) -> None:
+        self.path = path
+        self.finder = finder
+        self.files: dict[str, SourceFile] = {}
+        self.trees: dict[str, Element] = {}
+        self.problems: list[Problem] = []
+        self.arguments_read: set[str] = set()
+        self.calls: list[_Call] = []
+        self.frames: list[_Frame] = []
+        self.readers: list[list[Definition]] = []
+        self.argument_definitions: dict[str, Definition] = {}
+        self.node: minidom.Element | None = None
+        self.attribute: str | None = None
+        self.evaluating = 0
+        self.last_reads: tuple[Definition, ...] = ()
+        self.defining: tuple[str, Span | None] | None = None
+        self.adding: tuple[minidom.Element, list[str]] | None = None
+        self.failed_at: Location | None = None
+
+    # -- reporting ---------------------------------------------------------------------------------------------
+
+    def problem(self, kind: str, message: str, location: Location, **data: Any) -> None:
+        self.problems.append(Problem(kind, message, location, data))
+
+    def via(self) -> tuple[Span, ...]:
+        return tuple(c.span for c in self.calls if c.span is not None)
+
+    def here(self) -> Location:
+        """The attribute or element that is being evaluated."""
+        origin = _origin(self.node)
+        if origin is None:
+            return Location("", None, self.via())
+        raw = origin.raw
+        attribute = raw.attributes.get(self.attribute or "")
+        if attribute is not None:
+            return Location(attribute.location.subject, attribute.span, self.via())
+        return Location(raw.subject, raw.span, self.via())
+
+    def fail(self, message: str, error: BaseException) -> None:
+        """Record what stopped the expansion, at the place where it was first raised."""
+        at = self.failed_at or self.here()
+        import xacro.substitution_args as substitution
+
+        missing: str | None = None
+        cause: BaseException | None = error
+        while cause is not None:
+            if isinstance(cause, _Refused):
+                self.problem("unsafe-expression", str(cause), at)
+                return
+            if isinstance(cause, _NoPackage):
+                self.problem("package-not-found", str(cause), at, package=cause.name)
+                return
+            if isinstance(cause, XmlError):
+                self.problem(cause.reason, str(cause), Location("", cause.span, at.via))
+                return
+            if isinstance(cause, substitution.ArgException):
+                missing = str(cause)
+            cause = getattr(cause, "exc", None) or cause.__cause__
+        self.problem(
+            "argument-missing" if missing else "expansion-failed", message, at, argument=missing, macros=self.macros()
+        )
+
+    def macros(self) -> tuple[str, ...]:
+        return tuple(c.name for c in self.calls)
+
+    def explain(self, error: BaseException) -> str:
+        """xacro's own words in one line, without what the location already says."""
+        text = " ".join(str(error).split()) or repr(error)
+        match = re.match(r"^<class '[^']+'>: (.*)$", text)
+        return match.group(1) if match else text
+
+    # -- installation ------------------------------------------------------------------------------------------
+
+    @contextmanager
+    def installed(self) -> Iterator[None]:
+        """xacro with our wrappers, for the duration of one expansion."""
+        import xacro
+        import xacro.substitution_args as substitution
+
+        with ExitStack() as stack:
+
+            def patch(target: Any, name: str, wrapper: Any) -> None:
+                stack.enter_context(mock.patch.object(target, name, wrapper))
+
+            for name in (
+                "parse",
+                "eval_all",
+                "eval_text",
+                "safe_eval",
+                "eval_extension",
+                "handle_macro_call",
+                "process_include",
+                "grab_property",
+                "grab_macro",
+                "eval_default_arg",
+                "check_attrs",
+                "reqd_attrs",
+                "load_yaml",
+            ):
+                patch(xacro, name, getattr(self, name)(getattr(xacro, name)))
+            patch(xacro, "warning", self.warning)
+            patch(xacro, "message", _silent("message"))
+            patch(xacro, "error", _silent("error"))
+            patch(xacro, "print_location", _silent("print_location"))
+            patch(xacro.Table, "_setitem", self.set_item(xacro.Table._setitem))
+            patch(xacro.Table, "_resolve_", self.resolve(xacro.Table._resolve_))
+            patch(substitution, "_eval_find", self.find)
+            patch(substitution, "_eval", self.evaluate_extension(substitution._eval))
+            patch(xacro, "root_dir", os.curdir)
+            patch(xacro, "filestack", None)
+            patch(xacro, "macrostack", None)
+            patch(xacro, "all_includes", [])
+            # $(dirname) of the file that is being read; plain xacro's command line leaves it unset.
+            patch(xacro, "substitution_args_context", _Context(lambda: self.current_file()))
+            symbols = xacro.create_global_symbols()
+            for name in FORBIDDEN_FUNCTIONS:
+                symbols["python"][name] = _refusing(name)
+            patch(xacro, "_global_symbols", symbols)
+            self._xacro = xacro
+            yield
+
+    def current_file(self) -> str:
+        stack = self._xacro.filestack
+        return str(stack[-1] if stack else self.path)
+
+    # -- files -------------------------------------------------------------------------------------------------
+
+    def parse(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(inp: Any, filename: str | None = None) -> Any:
+            if inp is not None or filename is None:
+                return original(inp, filename)
+            path = Path(filename)
+            name = display_name(path)
+            try:
+                source = SourceFile.read(path, name)
+            except OSError as error:
+                self._xacro.filestack.pop()
+                raise self._xacro.XacroException(f"{error.strerror}: {error.filename}", exc=error) from error
+            tree = parse(source)
+            prefixed = unbound_prefix(tree)
+            if prefixed is not None:
+                element, prefix = prefixed
+                assert element.span is not None
+                raise XmlError("prefix", f"the prefix {prefix!r} is not declared (xmlns:{prefix}=…)", element.span)
+            self.files[name] = source
+            self.trees[name] = tree
+            document = minidom.parseString(source.text)
+            _attach(document.documentElement, tree)
+            return document
+
+        return wrapper
+
+    def load_yaml(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(filename: str) -> Any:
+            from urdfcheck.source.yaml import traced
+
+            try:
+                value = original(filename)
+            except self._xacro.XacroException:
+                raise
+            except Exception as error:
+                # yaml's message names line and column, and spans several lines.
+                text = " ".join(str(error).split())
+                raise self._xacro.XacroException(f"yaml file {filename}: {text}") from error
+            path = Path(self._xacro.abs_filename_spec(filename))
+            return traced(value, path, display_name(path), self.read)
+
+        return wrapper
+
+    def find(self, package: str) -> str:
+        folder = self.finder.find(package)
+        if folder is None:
+            raise _NoPackage(package)
+        return str(folder)
+
+    # -- evaluation --------------------------------------------------------------------------------------------
+
+    def eval_all(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(node: minidom.Element, macros: Any, symbols: Any) -> None:
+            # The blocks inside a macro call are the caller's own text, not the macro's.
+            own_call = bool(self.calls) and self.calls[-1].node is node
+            inner = self.calls.pop() if own_call else None
+            origin = _origin(node)
+            if origin is not None and origin.via is None:
+                origin.via = self.via()
+            pending = [name for name in node.attributes.keys() if not name.startswith("xacro:")]  # noqa: SIM118
+            self.frames.append(_Frame(node, pending))
+            self.at(node)
+            try:
+                with self.failing():
+                    original(node, macros, symbols)
+            finally:
+                self.frames.pop()
+                if inner is not None:
+                    self.calls.append(inner)
+
+        return wrapper
+
+    def eval_text(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(text: Any, symbols: Any) -> Any:
+            if self.evaluating:
+                return original(text, symbols)
+            frame = self.frames[-1] if self.frames else None
+            own = bool(frame and frame.pending)
+            if own and frame is not None:
+                self.at(frame.node, frame.pending.pop(0))
+            self.evaluating += 1
+            self.readers.append([])
+            try:
+                with self.failing():
+                    result = original(text, symbols)
+            finally:
+                self.evaluating -= 1
+                self.last_reads = tuple(dict.fromkeys(self.readers.pop()))
+            origin = _origin(self.node)
+            if own and origin is not None and self.attribute is not None:
+                origin.reads[self.attribute] = self.last_reads
+            elif self.adding is not None:
+                self.add_attribute(str(result))
+            return result
+
+        return wrapper
+
+    def add_attribute(self, result: str) -> None:
+        """One of the two values of ``<xacro:attribute name= value=/>``: the second completes the attribute."""
+        assert self.adding is not None
+        node, values = self.adding
+        values.append(result)
+        if len(values) < 2:
+            return
+        self.adding = None
+        raw, parent = _origin(node), _origin(node.parentNode)
+        if raw is None or parent is None:
+            return
+        typed = raw.raw.attributes["value"]
+        parent.added[values[0]] = Attribute(
+            values[0], values[1], parent.raw, typed.span, typed.typed, typed.literal, self.last_reads
+        )
+
+    def safe_eval(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(expression: str, symbols: Any, local: Any = None) -> Any:
+            reason = refusal(expression)
+            if reason is not None:
+                raise _Refused(reason)
+            return original(expression, symbols, local)
+
+        return wrapper
+
+    def evaluate_extension(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(expression: str, context: Any) -> Any:
+            reason = refusal(expression)
+            if reason is not None:
+                raise _Refused(reason)
+            return original(expression, context)
+
+        return wrapper
+
+    def eval_extension(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(text: str) -> Any:
+            argument = _ARGUMENT.match(text)
+            if argument:
+                self.arguments_read.add(argument.group(1))
+                definition = self.argument_definitions.get(argument.group(1))
+                if definition is not None:
+                    self.read(definition)
+            return original(text)
+
+        return wrapper
+
+    def handle_macro_call(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(node: minidom.Element, macros: Any, symbols: Any) -> Any:
+            if not node.tagName.startswith("xacro:") or node.tagName == "xacro:call":
+                if node.tagName == "xacro:call":
+                    self.at(node)
+                return original(node, macros, symbols)
+            self.at(node)
+            origin = _origin(node)
+            span = None if origin is None else origin.raw.span
+            self.calls.append(_Call(node, span, node.tagName[6:]))
+            self.frames.append(_Frame(node, list(node.attributes.keys())))
+            depth = len(self.calls)
+            try:
+                with self.failing():
+                    return original(node, macros, symbols)
+            finally:
+                self.frames.pop()
+                del self.calls[depth - 1 :]
+
+        return wrapper
+
+    def process_include(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(node: minidom.Element, macros: Any, symbols: Any, func: Any) -> Any:
+            self.at(node)
+            origin = _origin(node)
+            name = node.getAttribute("filename")
+            self.calls.append(_Call(node, None if origin is None else origin.raw.span, f"include {name}"))
+            stack = [str(Path(f).resolve()) for f in self._xacro.filestack if f]
+            if len(stack) != len(set(stack)):
+                raise self._xacro.XacroException(f"include cycle: {display_name(Path(stack[-1]))} includes itself")
+            try:
+                with self.failing():
+                    return original(node, macros, symbols, func)
+            finally:
+                self.calls.pop()
+
+        return wrapper
+
+    def grab_property(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(node: minidom.Element, table: Any) -> Any:
+            self.at(node)
+            raw = getattr(_origin(node), "raw", None)
+            value = None if raw is None else raw.attributes.get("value") or raw.attributes.get("default")
+            self.last_reads = ()
+            self.defining = ("property", None if raw is None else value.span if value is not None else raw.span)
+            try:
+                with self.failing():
+                    return original(node, table)
+            finally:
+                self.defining = None
+
+        return wrapper
+
+    def grab_macro(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(node: minidom.Element, macros: Any) -> Any:
+            self.at(node)
+            with self.failing():
+                return original(node, macros)
+
+        return wrapper
+
+    def eval_default_arg(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(forward: Any, default: Any, symbols: Any, macro: Any) -> Any:
+            self.last_reads = ()
+            value = original(forward, default, symbols, macro)
+            raw = getattr(_origin(macro.body), "raw", None)
+            params = None if raw is None else raw.attributes.get("params")
+            self.defining = ("parameter", None if params is None else params.span)
+            return value
+
+        return wrapper
+
+    def check_attrs(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(tag: minidom.Element, required: list[str], optional: list[str]) -> Any:
+            self.at(tag)
+            with self.failing():
+                values = original(tag, required, optional)
+            raw = getattr(_origin(tag), "raw", None)
+            if tag.tagName == "xacro:arg" and raw is not None and values[0] not in self.argument_definitions:
+                default = raw.attributes.get("default")
+                span = default.span if default is not None else raw.span
+                self.argument_definitions[values[0]] = Definition("argument", values[0], span)
+            elif tag.tagName in {"xacro:if", "xacro:unless"}:
+                self.at(tag, "value")
+            return values
+
+        return wrapper
+
+    def reqd_attrs(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(tag: minidom.Element, names: list[str]) -> Any:
+            self.at(tag)
+            with self.failing():
+                values = original(tag, names)
+            if tag.tagName == "xacro:attribute":
+                self.adding = (tag, [])
+            return values
+
+        return wrapper
+
+    # -- definitions -------------------------------------------------------------------------------------------
+
+    def read(self, definition: Definition) -> None:
+        if self.readers:
+            self.readers[-1].append(definition)
+
+    def set_item(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(table: Any, key: str, value: Any, unevaluated: bool) -> Any:
+            origin = _origin(self.node)
+            if self.defining is not None:
+                kind, span = self.defining
+                if kind == "parameter":  # set once for each default
+                    self.defining = None
+            elif self.calls and origin is not None and self.calls[-1].node is self.node:
+                typed = origin.raw.attributes.get(key)
+                kind, span = "parameter", None if typed is None else typed.span
+            else:
+                kind, span = "property", None
+            result = original(table, key, value, unevaluated)
+            reads = () if unevaluated else self.last_reads
+            _definitions(table)[key] = Definition(kind, key, span, reads)
+            return result
+
+        return wrapper
+
+    def resolve(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(table: Any, key: str) -> Any:
+            lazy = key in table.unevaluated
+            if lazy:
+                self.readers.append([])
+            try:
+                value = original(table, key)
+            finally:
+                reads = tuple(dict.fromkeys(self.readers.pop())) if lazy else ()
+            definition = _definitions(table).get(key)
+            if definition is not None:
+                if lazy:
+                    definition = Definition(definition.kind, definition.name, definition.span, reads)
+                    _definitions(table)[key] = definition
+                self.read(definition)
+            return value
+
+        return wrapper
+
+    # -- helpers -----------------------------------------------------------------------------------------------
+
+    def at(self, node: minidom.Element, attribute: str | None = None) -> None:
+        self.node, self.attribute = node, attribute
+
+    @contextmanager
+    def failing(self) -> Iterator[None]:
+        """Remember where the first exception of the expansion came from."""
+        try:
+            yield
+        except BaseException:
+            if self.failed_at is None:
+                self.failed_at = self.here()
+            raise
+
+    def warning(self, *args: Any, **_: Any) -> None:
+        text = " ".join(" ".join(map(str, args)).split())
+        self.problem("xacro-warning", text, self.here())
+
+
+class _Context(dict[str, Any]):
+    """xacro's substitution context, in which ``filename`` is always the file that is being read."""
+
+    def __init__(self, current_file: Callable[[], str]) -> None:
+        super().__init__()
+        self.current_file = current_file
+
+    def get(self, key: str, default: Any = None) -> Any:
+        return self.current_file() if key == "filename" else super().get(key, default)
+
+    def __getitem__(self, key: str) -> Any:
+        return self.current_file() if key == "filename" else super().__getitem__(key)
+
+
+def _silent(name: str) -> Callable[..., None]:
+    def silent(*_: Any, **__: Any) -> None:
+        """xacro prints; findings speak for us."""
+
+    silent.__name__ = name  # xacro exposes these functions to expressions under their own names
+    return silent
+
+
+def _refusing(name: str) -> Callable[..., None]:
+    def refuse(*_: Any, **__: Any) -> None:
+        raise _Refused(f"python.{name} leads out of xacro's language")
+
+    return refuse
+
+
+def _definitions(table: Any) -> dict[str, Definition]:
+    found: dict[str, Definition] = table.__dict__.setdefault("_urdfcheck", {})
+    return found
+
+
+class _Handler(UserDataHandler):
+    """Copies an origin to a clone, so that each use of a macro's body keeps its own chain of calls."""
+
+    def handle(self, operation: int, key: str, data: Origin, src: Any, dst: Any) -> None:
+        # A clone below a node that an include brought in counts as an import from the other document.
+        if operation in (self.NODE_CLONED, self.NODE_IMPORTED):
+            clone = Origin(data.raw, data.via, dict(data.reads), dict(data.added))
+            dst.setUserData(key, clone, self)
+
+
+_HANDLER = _Handler()
+
+
+def _attach(node: minidom.Element, raw: Element) -> None:
+    """Give each node of a freshly parsed document the located element of the same place."""
+    stack = [(node, raw)]
+    while stack:
+        node, raw = stack.pop()
+        node.setUserData(_KEY, Origin(raw), _HANDLER)
+        children = [c for c in node.childNodes if c.nodeType == c.ELEMENT_NODE]
+        stack.extend(zip(children, raw.children, strict=True))
+
+
+def _origin(node: Any) -> Origin | None:
+    return None if node is None else node.getUserData(_KEY)
+
+
+def _convert(node: minidom.Element, parent: Element | None) -> Element:
+    """The expanded document as located elements."""
+    origin = _origin(node)
+    raw = None if origin is None else origin.raw
+    via = (origin.via or ()) if origin is not None else ()
+    element = Element(node.tagName, None if raw is None else raw.span, parent, via=via)
+    for name, value in node.attributes.items():
+        typed = None if raw is None else raw.attributes.get(name)
+        reads = () if origin is None else origin.reads.get(name, ())
+        if origin is not None and name in origin.added:
+            typed, reads = origin.added[name], origin.added[name].reads
+        if typed is None:
+            element.attributes[name] = Attribute(name, value, element, None, "", False, reads)
+        else:
+            literal = typed.literal and typed.value == value
+            element.attributes[name] = Attribute(name, value, element, typed.span, typed.typed, literal, reads)
+    for child in node.childNodes:
+        if child.nodeType == child.ELEMENT_NODE:
+            element.children.append(_convert(child, element))
+        elif child.nodeType in (child.TEXT_NODE, child.CDATA_SECTION_NODE):
+            element.text += child.data
+    return element

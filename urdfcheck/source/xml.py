@@ -1,0 +1,300 @@
+"""Located XML: a file's text, and its elements and attributes with the exact span at which each was typed.
+
+``xml.etree`` and lxml keep at most the line of an element. A fix needs the span of one attribute's value, so the
+positions that expat reports for start tags are refined by reading the tag's own text.
+"""
+
+from __future__ import annotations
+
+import codecs
+import re
+from bisect import bisect_right
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.parsers import expat
+
+from urdfcheck.core import Location, Span
+
+MAX_DEPTH = 256
+
+_DECLARED = re.compile(rb"""^\s*<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+_NEWLINE = re.compile(r"\r\n|\n|\r")
+_ATTRIBUTE = re.compile(r"""\s+([^\s=/>"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
+_SUBSTITUTION = re.compile(r"\$[({]")
+
+
+class XmlError(Exception):
+    """The text is not XML that may be read. ``reason``: malformed | encoding | doctype | depth."""
+
+    def __init__(self, reason: str, message: str, span: Span) -> None:
+        super().__init__(message)
+        self.reason = reason
+        self.span = span
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """Where a value that went into an expression was defined: a property, argument, macro parameter or yaml key."""
+
+    kind: str
+    name: str
+    span: Span | None
+    reads: tuple[Definition, ...] = ()
+
+    @property
+    def location(self) -> Location:
+        return Location(f"{self.kind}[{self.name}]", self.span)
+
+
+@dataclass(slots=True, eq=False)
+class Attribute:
+    """An attribute of the (expanded) model. ``span`` covers the value as typed, without quotes.
+
+    ``typed`` is that text; ``literal`` says that it is the value itself, so that an edit of the span edits the value.
+    """
+
+    name: str
+    value: str
+    owner: Element
+    span: Span | None
+    typed: str
+    literal: bool
+    reads: tuple[Definition, ...] = ()
+
+    @property
+    def location(self) -> Location:
+        return Location(f"{self.owner.subject}@{self.name}", self.span, self.owner.via)
+
+    def related(self) -> tuple[Definition, ...]:
+        """Every definition that the value was computed from, nearest first, each once."""
+        seen: dict[Span | None, Definition] = {}
+        queue = list(self.reads)
+        while queue:
+            definition = queue.pop(0)
+            if definition.span not in seen:
+                seen[definition.span] = definition
+                queue.extend(definition.reads)
+        return tuple(d for span, d in seen.items() if span is not None)
+
+
+@dataclass(slots=True, eq=False)
+class Element:
+    """An element with its attributes, child elements and position. ``span`` covers the start tag."""
+
+    tag: str
+    span: Span | None
+    parent: Element | None = None
+    attributes: dict[str, Attribute] = field(default_factory=dict)
+    children: list[Element] = field(default_factory=list)
+    text: str = ""
+    via: tuple[Span, ...] = ()
+
+    def get(self, name: str, default: str = "") -> str:
+        """The value of an attribute, or ``default``."""
+        attribute = self.attributes.get(name)
+        return default if attribute is None else attribute.value
+
+    def child(self, tag: str) -> Element | None:
+        """The first child with this tag: the one that the reference parser takes."""
+        return next((c for c in self.children if c.tag == tag), None)
+
+    def all(self, tag: str) -> list[Element]:
+        """The children with this tag."""
+        return [c for c in self.children if c.tag == tag]
+
+    def walk(self) -> Iterator[Element]:
+        """The element and everything in it, in document order."""
+        stack = [self]
+        while stack:
+            element = stack.pop()
+            yield element
+            stack.extend(reversed(element.children))
+
+    @property
+    def label(self) -> str:
+        """``link[wheel_1]``, ``inertial``, ``visual[2]``: how a subject names this element among its siblings."""
+        name = self.get("name") or (self.get("reference") if self.tag == "gazebo" else "")
+        if name:
+            return f"{self.tag}[{name}]"
+        siblings = self.parent.all(self.tag) if self.parent else [self]
+        return self.tag if len(siblings) == 1 else f"{self.tag}[{siblings.index(self) + 1}]"
+
+    @property
+    def subject(self) -> str:
+        """The path from the root's child to this element; the root itself is named by its own label."""
+        labels: list[str] = []
+        element: Element | None = self
+        while element is not None and element.parent is not None:
+            labels.append(element.label)
+            element = element.parent
+        return "/".join(reversed(labels)) or self.label
+
+    @property
+    def location(self) -> Location:
+        return Location(self.subject, self.span, self.via)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Comment:
+    """A comment and where it stands."""
+
+    text: str
+    span: Span
+
+
+class SourceFile:
+    """The decoded text of one file. ``name`` is how findings call it, ``path`` where it is."""
+
+    __slots__ = ("_starts", "comments", "name", "path", "text")
+
+    def __init__(self, path: Path, name: str, text: str) -> None:
+        self.path = path
+        self.name = name
+        self.text = text
+        self.comments: list[Comment] = []
+        self._starts = [0, *(m.end() for m in _NEWLINE.finditer(text))]
+
+    @classmethod
+    def read(cls, path: Path, name: str) -> SourceFile:
+        """Read and decode a file by its byte order mark or its XML declaration, else UTF-8.
+
+        :raises OSError: when it cannot be read.
+        :raises XmlError: when its bytes are not text in the declared encoding.
+        """
+        data = path.read_bytes()
+        encoding = _encoding(data)
+        try:
+            return cls(path, name, data.decode(encoding))
+        except LookupError:
+            start = Span(name, 1, 1, 1, 1, 0, 0)
+            raise XmlError("encoding", f"the declared encoding {encoding!r} is unknown", start) from None
+        except UnicodeDecodeError as error:
+            broken = cls(path, name, data[: error.start].decode(encoding, "replace"))
+            at = broken.span(len(broken.text), len(broken.text))
+            raise XmlError("encoding", f"byte 0x{data[error.start]:02x} is not valid {encoding}", at) from None
+
+    def span(self, start: int, end: int) -> Span:
+        """The span between two offsets (code points)."""
+        line, end_line = bisect_right(self._starts, start), bisect_right(self._starts, end)
+        return Span(
+            self.name,
+            line,
+            start - self._starts[line - 1] + 1,
+            end_line,
+            end - self._starts[end_line - 1] + 1,
+            start,
+            end,
+        )
+
+
+def _encoding(data: bytes) -> str:
+    for mark, name in (
+        (codecs.BOM_UTF8, "utf-8-sig"),
+        (codecs.BOM_UTF16_LE, "utf-16"),
+        (codecs.BOM_UTF16_BE, "utf-16"),
+    ):
+        if data.startswith(mark):
+            return name
+    declared = _DECLARED.match(data[:400])
+    return declared.group(1).decode("ascii") if declared else "utf-8"
+
+
+def parse(source: SourceFile) -> Element:
+    """Parse a file's text into located elements and note its comments in ``source.comments``.
+
+    Namespaces are left as prefixes, as the reference parser of URDF (tinyxml2) does. A document type declaration is
+    refused before anything in it is read: entities could multiply without bound or name other files.
+
+    :raises XmlError: with the span at which the parser stopped.
+    """
+    text = source.text
+    data = text.encode("utf-8", "surrogatepass")
+    # Byte offsets are code point offsets only in ASCII text.
+    ascii_only = len(data) == len(text)
+    parser = expat.ParserCreate(encoding="utf-8")
+    parser.buffer_text = True
+    root: Element | None = None
+    stack: list[Element] = []
+
+    def offset() -> int:
+        index = parser.CurrentByteIndex
+        return index if ascii_only else len(data[:index].decode("utf-8", "replace"))
+
+    def start(tag: str, values: dict[str, str]) -> None:
+        nonlocal root
+        begin = offset()
+        end, typed = _read_tag(text, begin)
+        element = Element(tag, source.span(begin, end), stack[-1] if stack else None)
+        for name, value in values.items():
+            span, raw = typed.get(name, (None, value))
+            at = None if span is None else source.span(*span)
+            literal = raw == value and not _SUBSTITUTION.search(raw)
+            element.attributes[name] = Attribute(name, value, element, at, raw, literal)
+        if stack:
+            stack[-1].children.append(element)
+        elif root is None:
+            root = element
+        stack.append(element)
+        if len(stack) > MAX_DEPTH:
+            raise XmlError("depth", f"elements are nested more than {MAX_DEPTH} deep", source.span(begin, end))
+
+    def finish(_tag: str) -> None:
+        stack.pop()
+
+    def characters(data: str) -> None:
+        if stack:
+            stack[-1].text += data
+
+    def comment(data: str) -> None:
+        begin = offset()
+        stop = text.find("-->", begin)
+        source.comments.append(Comment(data, source.span(begin, stop + 3 if stop >= 0 else len(text))))
+
+    def doctype(*_: object) -> None:
+        begin = offset()
+        raise XmlError("doctype", "a document type declaration is refused", source.span(begin, begin + 9))
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = finish
+    parser.CharacterDataHandler = characters
+    parser.CommentHandler = comment
+    parser.StartDoctypeDeclHandler = doctype
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError as error:
+        index = parser.ErrorByteIndex
+        at = index if ascii_only else len(data[: max(index, 0)].decode("utf-8", "replace"))
+        at = max(0, min(at, len(text)))
+        raise XmlError("malformed", expat.ErrorString(error.code), source.span(at, min(at + 1, len(text)))) from None
+    assert root is not None, "expat accepts no document without a root element"
+    return root
+
+
+def _read_tag(text: str, begin: int) -> tuple[int, dict[str, tuple[tuple[int, int], str]]]:
+    """The end of the start tag at ``begin`` and, per attribute, the offsets and text of its value."""
+    found: dict[str, tuple[tuple[int, int], str]] = {}
+    at = begin + 1
+    while at < len(text) and text[at] not in " \t\r\n/>":
+        at += 1
+    while match := _ATTRIBUTE.match(text, at):
+        group = 2 if match.group(2) is not None else 3
+        found[match.group(1)] = (match.span(group), match.group(group))
+        at = match.end()
+    end = text.find(">", at)
+    return (end + 1 if end >= 0 else len(text)), found
+
+
+def unbound_prefix(root: Element) -> tuple[Element, str] | None:
+    """The first element whose prefix (or whose attribute's) no ``xmlns:`` around it declares, with the prefix."""
+    known: dict[int, set[str]] = {}
+    for element in root.walk():
+        declared = known[id(element.parent)] if element.parent is not None else {"xml", "xmlns"}
+        own = {name[6:] for name in element.attributes if name.startswith("xmlns:")}
+        scope = declared | own if own else declared
+        known[id(element)] = scope
+        for name in (element.tag, *element.attributes):
+            prefix, colon, _ = name.partition(":")
+            if colon and prefix not in scope:
+                return element, prefix
+    return None
