@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location
-from urdfcheck.model.values import attribute_number, attribute_numbers
+from urdfcheck.source.values import attribute_number, attribute_numbers
 from urdfcheck.source.xml import Attribute, Element
 
 if TYPE_CHECKING:

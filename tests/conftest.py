@@ -1,0 +1,48 @@
+"""What all tests share."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from urdfcheck.core import Run
+from urdfcheck.engine import Request, run
+from urdfcheck.worker import audit
+
+REPOSITORY = Path(__file__).parent.parent
+FIXTURES = REPOSITORY / "fixtures"
+
+
+def check(*paths: Path, codes: set[str] | None = None, **request: object) -> Run:
+    """Check paths in this process, with all rules or the given codes."""
+    from urdfcheck import catalogue
+
+    selected = frozenset(catalogue.rules()) if codes is None else frozenset(codes)
+    root = paths[0] if paths[0].is_dir() else paths[0].parent
+    return run(Request(tuple(paths), root, selected, **request), audit=audit)  # type: ignore[arg-type]
+
+
+def check_text(folder: Path, text: str, name: str = "robot.urdf", **request: object) -> Run:
+    """Check one file with this text."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return check(path, **request)  # type: ignore[arg-type]
+
+
+@pytest.fixture(autouse=True)
+def _no_ros(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A sourced ROS installation must not decide a test."""
+    for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
+        monkeypatch.delenv(variable, raising=False)
+
+
+@pytest.fixture(scope="session")
+def corpus() -> Path:
+    """The folder of real robots named by URDFCHECK_CORPUS; tests that need it are skipped without it."""
+    folder = os.environ.get("URDFCHECK_CORPUS")
+    if not folder or not (Path(folder) / "corpus.json").is_file():
+        pytest.skip("URDFCHECK_CORPUS names no folder with a corpus.json")
+    return Path(folder)

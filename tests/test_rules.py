@@ -1,0 +1,134 @@
+"""Each rule page is its rule's first test: every Bad block gives the finding on the marked line, no Good block does.
+
+A fenced block is a robot of its own. Fences with ``file=`` form one tree of files that is checked as a folder; a text line
+between two fences ``---`` begins the next tree.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from conftest import check
+
+from urdfcheck import catalogue
+from urdfcheck.core import Rule
+
+FENCE = re.compile(r"^```(\w+)(?: file=(\S+))?[ ]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+EXPECT = re.compile(r"expect: ([A-Z]{3}\d{3})")
+HEADINGS = ["What it checks", "Why it matters", "How to fix", "Bad", "Good", "When to ignore", "References"]
+SUFFIX = {"urdf": ".urdf", "xacro": ".urdf.xacro", "launch": ".launch"}
+
+
+@dataclass(frozen=True)
+class Case:
+    """The files of one example."""
+
+    rule: str
+    section: str
+    number: int
+    files: tuple[tuple[str, str], ...]
+
+    def __str__(self) -> str:
+        return f"{self.rule}-{self.section.lower()}-{self.number}"
+
+
+def section(page: str, heading: str) -> str:
+    match = re.search(rf"^## {heading}\n(.*?)(?=^## |\Z)", page, re.MULTILINE | re.DOTALL)
+    return match.group(1) if match else ""
+
+
+def cases(rule: Rule, heading: str) -> list[Case]:
+    found: list[tuple[tuple[str, str], ...]] = []
+    for part in re.split(r"^---$", section(rule.page, heading), flags=re.MULTILINE):
+        tree: list[tuple[str, str]] = []
+        for language, name, text in FENCE.findall(part):
+            if name:
+                tree.append((name, text))
+            elif language in SUFFIX:
+                xacro = language == "urdf" and "xmlns:xacro" in text
+                found.append((("robot" + (".urdf.xacro" if xacro else SUFFIX[language]), text),))
+        if tree:
+            found.append(tuple(tree))
+    return [Case(rule.code, heading, i + 1, files) for i, files in enumerate(found)]
+
+
+RULES = list(catalogue.rules().values())
+CHECKED = [rule for rule in RULES if catalogue.has_check(rule)]
+BAD = [case for rule in CHECKED for case in cases(rule, "Bad")]
+GOOD = [case for rule in CHECKED for case in cases(rule, "Good")]
+
+
+def lines_found(case: Case, folder: Path) -> tuple[set[tuple[str, int]], set[tuple[str, int]]]:
+    """The marked and the found lines of the case's rule."""
+    expected: set[tuple[str, int]] = set()
+    for name, text in case.files:
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8", newline="")
+        expected |= {
+            (name, number)
+            for number, line in enumerate(text.split("\n"), 1)
+            if case.rule in EXPECT.findall(line)
+        }
+    # A single file is named by the user; a tree of files is found in its folder.
+    target = folder if len(case.files) > 1 else folder / case.files[0][0]
+    run = check(target, codes={*catalogue.rules()[case.rule].hidden_by, case.rule})
+    assert not run.failures, run.failures
+    found = {
+        (Path(f.location.span.file).resolve().relative_to(folder.resolve()).as_posix(), f.location.span.line)
+        for f in run.findings
+        if f.code == case.rule and f.location.span is not None
+    }
+    return expected, found
+
+
+@pytest.mark.parametrize("case", BAD, ids=str)
+def test_bad_block_gives_the_finding_on_the_marked_line(case: Case, tmp_path: Path) -> None:
+    expected, found = lines_found(case, tmp_path)
+    assert expected, "the block marks no line with `expect:`"
+    assert found == expected
+
+
+@pytest.mark.parametrize("case", GOOD, ids=str)
+def test_good_block_does_not(case: Case, tmp_path: Path) -> None:
+    expected, found = lines_found(case, tmp_path)
+    assert not expected
+    assert not found
+
+
+@pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.code)
+def test_page_is_complete(rule: Rule) -> None:
+    headings = re.findall(r"^## (.+)$", rule.page, re.MULTILINE)
+    wanted = HEADINGS if catalogue.has_check(rule) else [h for h in HEADINGS if h not in {"Bad", "Good", "References"}]
+    assert [h for h in headings if h in HEADINGS] == [h for h in HEADINGS if h in headings]
+    assert set(wanted) <= set(headings), "a section is missing"
+    assert set(headings) <= set(HEADINGS), "an unknown section"
+    assert rule.messages.keys() == rule.fixes.keys(), "every message needs its repair"
+    assert rule.status in {"preview", "stable", "deprecated"}
+    assert rule.scope in catalogue.SCOPES
+    assert rule.needs
+    assert set(rule.needs) <= set(catalogue.NEEDS)
+    assert set(rule.hidden_by) <= set(catalogue.rules())
+    if catalogue.has_check(rule):
+        assert cases(rule, "Bad"), "no Bad block"
+        assert cases(rule, "Good"), "no Good block"
+
+
+@pytest.mark.parametrize("rule", CHECKED, ids=lambda rule: rule.code)
+def test_options_are_the_keyword_parameters_of_the_check(rule: Rule) -> None:
+    """Names, types and defaults: the page is what the check gets."""
+    parameters = inspect.signature(catalogue.check_of(rule), eval_str=False).parameters
+    keywords = {n: p for n, p in parameters.items() if p.kind is p.KEYWORD_ONLY}
+    assert set(keywords) == set(rule.options)
+    for name, parameter in keywords.items():
+        assert parameter.default is parameter.empty, "the default stands on the page"
+        assert parameter.annotation == type(rule.options[name].default).__name__
+
+
+def test_every_check_has_a_page() -> None:
+    modules = {p.stem for p in (Path(catalogue.__file__).parent / "checks").glob("[a-z]*.py")} - {"__init__"}
+    assert modules == {rule.stem for rule in CHECKED}

@@ -1,0 +1,1 @@
+"""One module per rule page, with the page's stem as its name."""

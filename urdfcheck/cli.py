@@ -1,0 +1,233 @@
+"""The command line. Only the standard library is imported before there is something to check."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from urdfcheck import __version__
+from urdfcheck.core import Run, Severity, UrdfcheckError
+
+OK, FINDINGS, FAILED, NOTHING = 0, 1, 2, 3
+COMMANDS = ("check", "rule")
+# Words that later versions use as commands: a file of this name is written ./baseline.
+RESERVED = ("baseline", "init", "diff", "lsp", "config", "cache", "engines", "drop", "srdf", "audit")
+
+_EPILOG = """\
+exit codes: 0 nothing at or above --fail-on, 1 findings, 2 urdfcheck or its configuration failed, 3 nothing to check
+urdfcheck rule lists the rules, urdfcheck rule CODE explains one"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command and return its exit code."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        if words and words[0] == "rule":
+            return rule(words[1:])
+        if words and words[0] in RESERVED:
+            raise UrdfcheckError(
+                f"the command {words[0]!r} does not exist yet; to check a file of this name write ./{words[0]}"
+            )
+        return check(words[1:] if words and words[0] == "check" else words)
+    except UrdfcheckError as error:
+        print(f"urdfcheck: {error}", file=sys.stderr)
+        return FAILED
+    except BrokenPipeError:  # the reader of our output has gone: head, less
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return OK
+    except KeyboardInterrupt:
+        print("urdfcheck: interrupted", file=sys.stderr)
+        return FAILED
+
+
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck check``."""
+    p = argparse.ArgumentParser(
+        prog="urdfcheck",
+        description="Audit robot models: URDF, xacro, launch files, packages and folders of them.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    p.add_argument("paths", nargs="*", metavar="PATH", help="model, launch file, mesh, package or folder")
+    p.add_argument("--format", choices=("text", "json", "html"), default="text", help="what goes to standard output")
+    p.add_argument(
+        "-o",
+        "--output",
+        action="append",
+        default=[],
+        metavar="FORMAT=FILE",
+        help="also write a report to a file (repeatable), e.g. -o html=report.html",
+    )
+    p.add_argument("--tier", choices=("source", "mesh", "full"), help="how much to compute (default: full)")
+    p.add_argument("--select", action="append", metavar="CODES", help="only these rules: codes, prefixes, names, tags")
+    p.add_argument("--ignore", action="append", metavar="CODES", help="not these rules")
+    p.add_argument("--fail-on", choices=("error", "warning", "info", "never"), help="exit 1 from here on (default: error)")
+    p.add_argument("--arg", action="append", default=[], metavar="NAME:=VALUE", help="xacro argument for all models")
+    p.add_argument("--package", action="append", default=[], metavar="NAME=DIR", help="where a ROS package is")
+    p.add_argument("--package-path", action="append", default=[], metavar="DIR", help="folder that holds packages")
+    p.add_argument("--target", metavar="NAMES", help="who will read the model: gazebo, mujoco, drake, … (recorded)")
+    p.add_argument("--jobs", type=int, metavar="N", help="models checked at the same time (default: the cores)")
+    p.add_argument("--allow-empty", action="store_true", help="exit 0 when there is nothing to check")
+    p.add_argument("--color", choices=("auto", "always", "never"), default="auto", help="colours (default: on a terminal)")
+    p.add_argument("--version", action="version", version=f"urdfcheck {__version__}")
+    return p
+
+
+def check(words: Sequence[str]) -> int:
+    """``urdfcheck [check] PATH…``"""
+    options = parser().parse_args(words)
+    if not options.paths:
+        raise UrdfcheckError("name at least one model, launch file, package or folder (urdfcheck . for this folder)")
+    outputs = [_output(text) for text in options.output]
+
+    from urdfcheck import catalogue, config, libraries
+    from urdfcheck.engine import Request, run
+
+    paths = tuple(Path(p) for p in options.paths)
+    settings = config.find(paths[0] if paths[0].is_dir() else paths[0].parent)
+    codes = catalogue.select(_words(options.select) or settings.select)
+    codes -= catalogue.select(_words(options.ignore) or settings.ignore)
+    libraries.prefer_own()
+    outcome = run(
+        Request(
+            paths=paths,
+            root=settings.root,
+            codes=frozenset(codes),
+            tier=options.tier or settings.tier,
+            jobs=_jobs(options.jobs),
+            arguments=dict(_pair(text, ":=", "--arg") for text in options.arg),
+            packages={**settings.packages, **_packages(options.package)},
+            package_paths=(*(Path(p) for p in options.package_path), *settings.package_path),
+            options=settings.options,
+            severities=settings.severity,
+            targets=_targets(options.target, settings.target),
+            scene="html" in {options.format, *(f for f, _ in outputs)},
+        )
+    )
+    _show(outcome, options.format, options.color)
+    for output_format, file in outputs:
+        _write(outcome, output_format, file)
+    return exit_code(outcome, options.fail_on or settings.fail_on, allow_empty=options.allow_empty)
+
+
+def exit_code(run: Run, fail_on: str, *, allow_empty: bool = False) -> int:
+    """Our own failures weigh more than findings, findings more than having had nothing to check."""
+    if run.failures:
+        return FAILED
+    if fail_on != "never" and any(
+        f.severity >= Severity.parse(fail_on) and f.suppressed is None for f in run.findings
+    ):
+        return FINDINGS
+    if not run.models and not run.findings:
+        return OK if allow_empty else NOTHING
+    return OK
+
+
+def rule(words: Sequence[str]) -> int:
+    """``urdfcheck rule [CODE]``: the catalogue, or one page."""
+    p = argparse.ArgumentParser(prog="urdfcheck rule", description="List the rules, or explain one.")
+    p.add_argument("code", nargs="?", metavar="CODE", help="a code or a name")
+    options = p.parse_args(words)
+
+    from urdfcheck import catalogue
+
+    if options.code is None:
+        for known in catalogue.rules().values():
+            print(f"{known.code}  {known.severity!s:7}  {known.confidence!s:9}  {known.name}")
+        return OK
+    codes = catalogue.select([options.code])
+    for code in sorted(codes):
+        print(catalogue.rules()[code].page.rstrip())
+    return OK
+
+
+def _show(run: Run, output_format: str, color: str) -> None:
+    from urdfcheck import output
+
+    if output_format == "text":
+        from rich.console import Console
+
+        from urdfcheck.output import text
+
+        forced = {"auto": None, "always": True, "never": False}[color]
+        if hasattr(sys.stdout, "reconfigure"):
+            sys.stdout.reconfigure(errors="backslashreplace")
+        # A CI log has no width of its own; rich would take 80 columns.
+        width = None if sys.stdout.isatty() or "COLUMNS" in os.environ else text.WIDTH
+        console = Console(force_terminal=forced, no_color=forced is False or None, width=width, highlight=False)
+        text.render(run, console)
+        return
+    sys.stdout.write(output.render(run, output_format))
+
+
+def _write(run: Run, output_format: str, file: Path) -> None:
+    """Write a report whole or not at all."""
+    from urdfcheck import output
+
+    text = output.render(run, output_format)
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as out:
+                out.write(text)
+            mask = os.umask(0)
+            os.umask(mask)
+            os.chmod(temporary, 0o666 & ~mask)
+            os.replace(temporary, file)
+        except BaseException:
+            os.unlink(temporary)
+            raise
+    except OSError as error:
+        raise UrdfcheckError(f"cannot write {file}: {error.strerror or error}") from None
+
+
+def _output(text: str) -> tuple[str, Path]:
+    from urdfcheck.output import FORMATS
+
+    output_format, assigned, file = text.partition("=")
+    if not assigned or not file or output_format not in FORMATS:
+        raise UrdfcheckError(f"--output {text}: write FORMAT=FILE with one of the formats {', '.join(FORMATS)}")
+    return output_format, Path(file)
+
+
+def _words(values: Sequence[str] | None) -> tuple[str, ...]:
+    return tuple(w.strip() for value in values or () for w in value.split(",") if w.strip())
+
+
+def _pair(text: str, separator: str, option: str) -> tuple[str, str]:
+    name, assigned, value = text.partition(separator)
+    if not assigned or not name:
+        raise UrdfcheckError(f"{option} {text}: write NAME{separator}VALUE")
+    return name, value
+
+
+def _packages(values: Sequence[str]) -> dict[str, Path]:
+    found = {}
+    for text in values:
+        name, folder = _pair(text, "=", "--package")
+        if not Path(folder).is_dir():
+            raise UrdfcheckError(f"--package {text}: {folder} is no folder")
+        found[name] = Path(folder).absolute()
+    return found
+
+
+def _targets(given: str | None, configured: tuple[str, ...]) -> tuple[str, ...]:
+    from urdfcheck.config import TARGETS
+
+    names = _words([given]) if given is not None else configured
+    unknown = [n for n in names if n not in TARGETS]
+    if unknown:
+        raise UrdfcheckError(f"--target {unknown[0]}: known targets are {', '.join(TARGETS)}")
+    return names
+
+
+def _jobs(given: int | None) -> int:
+    if given is not None and given < 1:
+        raise UrdfcheckError(f"--jobs {given}: at least 1")
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return given or cores

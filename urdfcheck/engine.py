@@ -1,0 +1,217 @@
+"""One run: plan the units, audit each in a process of its own, put the reports together.
+
+The parent process imports the standard library only. With one model the worker is forked from it; with several, from a
+server process that has loaded the heavy libraries once.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from urdfcheck import __version__, catalogue
+from urdfcheck.core import Finding, Run, Skip
+from urdfcheck.source.discover import ModelTarget, Plan, plan
+from urdfcheck.source.packages import display_name
+
+if TYPE_CHECKING:
+    from urdfcheck.worker import Report, Settings, Unit
+
+DISTRIBUTIONS = ("xacro", "numpy", "pin", "coal", "trimesh")
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What a run is asked to do. ``root`` is the configuration's folder: models are named relative to it."""
+
+    paths: tuple[Path, ...]
+    root: Path
+    codes: frozenset[str]
+    tier: str = "full"
+    jobs: int = 1
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    packages: Mapping[str, Path] = field(default_factory=dict)
+    package_paths: tuple[Path, ...] = ()
+    options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    severities: Mapping[str, str] = field(default_factory=dict)
+    targets: tuple[str, ...] = ()
+    scene: bool = False
+
+
+def run(request: Request, audit: Callable[[Unit, Settings], Report] | None = None) -> Run:
+    """Check everything that the request's paths mean.
+
+    ``audit`` replaces the worker processes by a function in this one (for tests and for embedding).
+    """
+    from urdfcheck.worker import Settings
+
+    began = time.perf_counter()
+    found = plan(request.paths, request.arguments, request.packages, request.package_paths)
+    settings = Settings(
+        codes=request.codes,
+        tier=request.tier,
+        options=request.options,
+        severities=request.severities,
+        packages={name: str(path) for name, path in request.packages.items()},
+        package_paths=tuple(str(p) for p in request.package_paths),
+        targets=request.targets,
+        scene=request.scene,
+    )
+    units = _units(found, request.root)
+    reports = [audit(u, settings) for u in units] if audit else _in_workers(units, settings, request.jobs)
+    kept = [(u, r) for u, r in zip(units, reports, strict=True) if not _is_nothing(u, r, found)]
+    return _assemble(request, found, kept, time.perf_counter() - began)
+
+
+def model_id(path: Path, arguments: Mapping[str, str], root: Path) -> str:
+    """A model's name in reports and fingerprints: its path from the configuration's folder, and its arguments."""
+    try:
+        relative = Path(os.path.relpath(os.path.realpath(path), os.path.realpath(root))).as_posix()
+    except ValueError:  # another drive
+        relative = path.as_posix()
+    words = [f"{name}:={value}" for name, value in sorted(arguments.items())]
+    return " ".join((relative, *words))
+
+
+def _units(found: Plan, root: Path) -> list[Unit]:
+    from urdfcheck.worker import Unit
+
+    units = [
+        Unit(
+            "model",
+            str(t.path),
+            model_id(t.path, t.arguments, root),
+            dict(t.arguments),
+            tuple(map(str, t.launches)),
+            t.explicit,
+        )
+        for t in found.models
+    ]
+    units += [Unit("launch", str(p), model_id(p, {}, root)) for p in found.launches]
+    units += [Unit("package", str(p), model_id(p / "package.xml", {}, root)) for p in found.packages]
+    return units
+
+
+def _is_nothing(unit: Unit, report: Report, found: Plan) -> bool:
+    """A file that only its expansion shows to be no model: it makes neither link nor joint."""
+    tentative = {str(t.path): t for t in found.models if t.tentative}
+    target: ModelTarget | None = tentative.get(unit.path) if unit.kind == "model" else None
+    if target is None or report.info is None or report.info.status != "checked":
+        return False
+    return report.info.links == 0 and report.info.joints == 0
+
+
+def _assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]], seconds: float) -> Run:
+    from urdfcheck.worker import merge, order
+
+    findings: list[Finding] = [f for _, r in kept for f in r.findings]
+    skipped: list[Skip] = [s for _, r in kept for s in r.skipped]
+    failures = [f"{path}: {reason}" for path, reason in found.missing]
+    failures += [f for _, r in kept for f in r.failures]
+    outlines = [replace(r.outline, model=u.id) for u, r in kept if r.outline is not None]
+    rules = catalogue.rules()
+    for rule in rules.values():
+        if rule.scope == "run" and rule.code in request.codes and catalogue.has_check(rule):
+            options = {name: o.default for name, o in rule.options.items()}
+            options.update(request.options.get(rule.code, {}))
+            try:
+                findings += catalogue.check_of(rule)(outlines, rule, **options)
+            except Exception as error:
+                failures.append(f"{rule.code} crashed: {type(error).__name__}: {error}")
+    sources: dict[str, str] = {}
+    for _, report in kept:
+        sources.update(report.sources)
+    return Run(
+        models=tuple(r.info for _, r in kept if r.info is not None),
+        findings=tuple(sorted(merge(findings), key=order)),
+        skipped=tuple(skipped),
+        rules=rules,
+        versions=_versions(),
+        sources=sources,
+        scenes=tuple(r.scene for _, r in kept if r.scene is not None),
+        seconds=seconds,
+        failures=tuple(failures),
+    )
+
+
+def _versions() -> dict[str, str]:
+    from importlib.metadata import PackageNotFoundError, version
+
+    found = {"urdfcheck": __version__, "python": ".".join(map(str, sys.version_info[:3]))}
+    for name in DISTRIBUTIONS:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+# -- worker processes ------------------------------------------------------------------------------------------------
+
+
+def _in_workers(units: Sequence[Unit], settings: Settings, jobs: int) -> list[Report]:
+    """Audit each unit in a fresh process, at most ``jobs`` at once; the order of the result is that of the units."""
+    from urdfcheck.worker import Report
+
+    context = _context(len(units))
+    reports: list[Report | None] = [None] * len(units)
+    waiting = list(range(len(units)))[::-1]
+    running: dict[Connection, tuple[int, Any]] = {}
+    while waiting or running:
+        while waiting and len(running) < max(1, jobs):
+            index = waiting.pop()
+            receiver, sender = context.Pipe(duplex=False)
+            process = context.Process(target=_work, args=(units[index], settings, sender), daemon=True)
+            process.start()
+            sender.close()
+            running[receiver] = (index, process)
+        for ready in wait(list(running)):
+            assert isinstance(ready, Connection)
+            index, process = running.pop(ready)
+            try:
+                reports[index] = ready.recv()
+            except EOFError:
+                process.join()
+                unit = units[index]
+                text = f"the worker for {unit.id} died (exit code {process.exitcode})"
+                reports[index] = Report(info=_dead(unit), failures=(text,))
+            ready.close()
+            process.join()
+    return [r for r in reports if r is not None]
+
+
+def _work(unit: Unit, settings: Settings, sender: Connection) -> None:
+    from urdfcheck.worker import audit
+
+    sender.send(audit(unit, settings))
+    sender.close()
+
+
+def _dead(unit: Unit) -> Any:
+    from urdfcheck.core import ModelInfo
+
+    if unit.kind != "model":
+        return None
+    return ModelInfo(display_name(Path(unit.path)), "", dict(unit.arguments), 0, 0, None, "failed", unit.id)
+
+
+def _context(units: int) -> Any:
+    """fork where there is one unit to do, a preloaded fork server for several, spawn where nothing can be forked."""
+    # Many small worker processes share the cores: a pool of BLAS threads in each would only get in the way.
+    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
+        os.environ.setdefault(variable, "1")
+    methods = multiprocessing.get_all_start_methods()
+    if units <= 1 and "fork" in methods:
+        return multiprocessing.get_context("fork")
+    if "forkserver" in methods:
+        context = multiprocessing.get_context("forkserver")
+        context.set_forkserver_preload(["urdfcheck.preload"])
+        return context
+    return multiprocessing.get_context("spawn")

@@ -1,0 +1,268 @@
+"""Inertia tensors: validity, what typed digits leave open, solids with closed-form moments, equivalent bodies.
+
+Inertia tensors are (3, 3) in kg m² about the COM, with URDF's signs (``Ixy = -∫ xy dm``). A body's shape is described
+by its covariance, the mean of ``(x - com)(x - com)ᵀ``, which needs no density: ``I = m (tr(C) 1 - C)``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+# Rounding of an eigenvalue solver, relative to the largest eigenvalue: a moment below it is zero.
+_EIGEN_ROUNDING = 8 * float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solid:
+    """A body of uniform density: ``volume`` (m³), ``com`` (3,) in m, ``covariance`` (3, 3) in m² about the COM."""
+
+    volume: float
+    com: Array
+    covariance: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Validity:
+    """Whether a body can have an inertia tensor. ``moments``: principal, ascending; NaN unless ``finite``.
+
+    ``excess``: see `triangle_excess`. ``triangle``: whether ``I1 + I2 >= I3``, with a slack of ``rel_tol I3``; true of
+    the zero tensor of a point mass.
+    """
+
+    finite: bool
+    moments: tuple[float, float, float]
+    positive_definite: bool
+    excess: float
+    triangle: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Rounding:
+    """What the digits of a typed tensor leave open.
+
+    ``excess``: `triangle_excess` as typed. ``best_excess``: the largest that a tensor has which rounds to the typed
+    numbers. ``explained``: the typed tensor breaks the triangle inequality and a tensor that rounds to it does not.
+    ``typed_digits``: significant digits of the largest typed moment; ``digits``: how many it needs.
+    """
+
+    excess: float
+    best_excess: float
+    explained: bool
+    typed_digits: int
+    digits: int
+
+
+@dataclass(frozen=True, slots=True)
+class Densities:
+    """Densities (kg/m³) of the solid box and the solid cylinder that have a body's mass and principal moments; None
+    where no such body exists."""
+
+    box: float | None
+    cylinder: float | None
+
+
+def tensor(six: Sequence[float]) -> Array:
+    """The (3, 3) tensor of URDF's ``ixx ixy ixz iyy iyz izz``."""
+    ixx, ixy, ixz, iyy, iyz, izz = six
+    return np.array(((ixx, ixy, ixz), (ixy, iyy, iyz), (ixz, iyz, izz)), dtype=float)
+
+
+def principal_moments(inertia: ArrayLike) -> tuple[Array, Array]:
+    """Principal moments (3,) ascending, and principal axes (3, 3) as the columns of a rotation matrix.
+
+    :raises ValueError: when the tensor is not finite.
+    """
+    matrix = np.asarray(inertia, dtype=float)
+    if not np.isfinite(matrix).all():
+        raise ValueError("the inertia tensor is not finite")
+    moments, axes = np.linalg.eigh(matrix)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 0] *= -1.0
+    return moments, axes
+
+
+def triangle_excess(inertia: ArrayLike) -> float:
+    """``(I1 + I2 - I3) / I3`` of the ascending principal moments: negative when no body has this tensor.
+
+    1 for a sphere, 0 for a flat plate. NaN when the largest moment is not positive.
+    """
+    return _excess(principal_moments(inertia)[0])
+
+
+def validity(inertia: ArrayLike, rel_tol: float = 1e-9) -> Validity:
+    """Whether a tensor is finite, positive definite, and keeps the triangle inequality to within ``rel_tol``."""
+    if not np.isfinite(np.asarray(inertia, dtype=float)).all():
+        return Validity(False, (math.nan,) * 3, False, math.nan, False)
+    moments, _ = principal_moments(inertia)
+    first, second, third = moments.tolist()
+    return Validity(
+        finite=True,
+        moments=(first, second, third),
+        positive_definite=third > 0.0 and first > _EIGEN_ROUNDING * third,
+        excess=_excess(moments),
+        triangle=first + second - third >= -rel_tol * abs(third),
+    )
+
+
+def digits_needed(texts: Sequence[str], rel_tol: float = 1e-9) -> Rounding:
+    """Whether a violated triangle inequality is only rounding, and with how many digits it would not be.
+
+    ``texts``: ``ixx ixy ixz iyy iyz izz`` as typed. Each stands for any number within half a unit of its last place;
+    zeros are exact. ``I1 + I2 - I3 = tr(I) - 2 I3`` is concave in the tensor, with gradient ``1 - 2 v vᵀ`` (v: the axis
+    of I3): moving every number by its half unit along the gradient gives the best tensor to first order, and a
+    witness when that one is valid. ``digits``: significant digits with which rounding costs at most ``rel_tol`` of
+    the largest moment.
+
+    :raises ValueError: when a text is no finite number.
+    """
+    values = [_decimal(text) for text in texts]
+    typed = tensor([float(value) for value in values])
+    half = tensor([float(Decimal(5).scaleb(_last_place(value) - 1)) if value else 0.0 for value in values])
+    moments, axes = principal_moments(typed)
+    gradient = np.eye(3) - 2.0 * np.outer(axes[:, 2], axes[:, 2])
+    gradient[np.abs(gradient) < _EIGEN_ROUNDING] = 0.0
+    excess = _excess(moments)
+    best = triangle_excess(typed + np.sign(gradient) * half)
+    largest = max((abs(values[i]) for i in (0, 3, 5)), default=Decimal(0))
+    # Rounding costs at most half a unit in the last place for each entry of the gradient.
+    digits = 1
+    if largest:
+        unit = 2.0 * rel_tol * float(moments[2]) / float(np.abs(gradient).sum())
+        digits = max(1, largest.adjusted() - math.floor(math.log10(unit)) + 1) if unit > 0.0 else 17
+    return Rounding(
+        excess=excess,
+        best_excess=best,
+        explained=excess < -rel_tol and best >= 0.0,
+        typed_digits=largest.adjusted() - _last_place(largest) + 1 if largest else 0,
+        digits=min(digits, 17),
+    )
+
+
+def inertia_of(solid: Solid, mass: float) -> Array:
+    """Inertia tensor (3, 3) in kg m² about the COM of a uniform solid of this mass (kg), in the solid's axes."""
+    return mass * (np.trace(solid.covariance) * np.eye(3) - solid.covariance)
+
+
+def covariance_of(inertia: ArrayLike, mass: float) -> Array:
+    """Covariance (3, 3) in m² of a body's mass: the inverse of `inertia_of`."""
+    specific = np.asarray(inertia, dtype=float) / mass
+    result: Array = 0.5 * np.trace(specific) * np.eye(3) - specific
+    return result
+
+
+def box_solid(size: Sequence[float]) -> Solid:
+    """A box of edge lengths ``size`` (m) about its centre."""
+    edges = np.asarray(size, dtype=float)
+    return Solid(float(edges.prod()), np.zeros(3), np.diag(edges**2 / 12.0))
+
+
+def cylinder_solid(radius: float, length: float) -> Solid:
+    """A cylinder along z about its centre (m)."""
+    across = radius**2 / 4.0
+    return Solid(math.pi * radius**2 * length, np.zeros(3), np.diag((across, across, length**2 / 12.0)))
+
+
+def sphere_solid(radius: float) -> Solid:
+    """A sphere about its centre (m)."""
+    return Solid(4.0 / 3.0 * math.pi * radius**3, np.zeros(3), np.eye(3) * radius**2 / 5.0)
+
+
+def capsule_solid(radius: float, length: float) -> Solid:
+    """A capsule along z about its centre (m): a cylinder of this length with a half sphere on either end."""
+    tube, caps = cylinder_solid(radius, length), sphere_solid(radius)
+    volume = tube.volume + caps.volume
+    across = (tube.volume * tube.covariance[0, 0] + caps.volume * caps.covariance[0, 0]) / volume
+    # The half spheres' centroids are 3/8 r outside the tube's ends: shift their own second moment r²/5 by length/2.
+    ends = radius**2 / 5.0 + 3.0 / 8.0 * radius * length + length**2 / 4.0
+    along = (tube.volume * tube.covariance[2, 2] + caps.volume * ends) / volume
+    return Solid(volume, np.zeros(3), np.diag((across, across, along)))
+
+
+def placed(solid: Solid, rotation: ArrayLike, translation: ArrayLike) -> Solid:
+    """The solid in its parent's frame: ``x -> rotation x + translation``."""
+    turn = np.asarray(rotation, dtype=float)
+    com = turn @ solid.com + np.asarray(translation, dtype=float)
+    return Solid(solid.volume, com, turn @ solid.covariance @ turn.T)
+
+
+def combine(solids: Sequence[Solid]) -> Solid:
+    """One solid of several that do not overlap and share one density and frame (parallel-axis theorem).
+
+    :raises ValueError: when their volume is not positive.
+    """
+    volume = sum(solid.volume for solid in solids)
+    if not volume > 0.0:
+        raise ValueError("solids without volume have no centre of mass")
+    com = np.sum([solid.volume * solid.com for solid in solids], axis=0) / volume
+    about_com = [solid.covariance + np.outer(solid.com - com, solid.com - com) for solid in solids]
+    moment = np.sum([solid.volume * c for solid, c in zip(solids, about_com, strict=True)], axis=0)
+    return Solid(volume, com, moment / volume)
+
+
+def equivalent_box(mass: float, inertia: ArrayLike) -> tuple[float, float, float]:
+    """Edge lengths (m), descending, of the solid box with this mass and these principal moments, along the principal
+    axes in ascending order of moments. An edge is 0 where the triangle inequality leaves none."""
+    moments, _ = principal_moments(inertia)
+    squares = 6.0 * (moments.sum() - 2.0 * moments) / mass
+    a, b, c = np.sqrt(np.maximum(squares, 0.0)).tolist()
+    return a, b, c
+
+
+def equivalent_cylinder(mass: float, inertia: ArrayLike, rel_tol: float = 0.05) -> tuple[int | None, float, float]:
+    """Axis (index of a principal axis, moments ascending), radius and length (m) of the solid cylinder with this mass
+    and these principal moments.
+
+    ``(None, nan, nan)`` when no two moments agree within ``rel_tol`` or no length fits. The default is the difference
+    below which the transverse moments of published wheels lie, with bosses and spokes.
+    """
+    moments, _ = principal_moments(inertia)
+    first, second, third = moments.tolist()
+    axis, across = (2, (first + second) / 2.0) if second - first <= third - second else (0, (second + third) / 2.0)
+    spread = abs(second - first) if axis == 2 else abs(third - second)
+    along = float(moments[axis])
+    radius_squared, length_squared = 2.0 * along / mass, (12.0 * across - 6.0 * along) / mass
+    if not (spread <= rel_tol * across and radius_squared > 0.0 and length_squared > 0.0):
+        return None, math.nan, math.nan
+    return axis, math.sqrt(radius_squared), math.sqrt(length_squared)
+
+
+def equivalent_density(mass: float, inertia: ArrayLike) -> Densities:
+    """Densities (kg/m³) of the equivalent solid box and cylinder.
+
+    A body's true density is matched closely by the one whose shape it has; a value within 0.3 % of a CAD system's
+    default, with no mesh at hand, says that no material was assigned.
+    """
+    a, b, c = equivalent_box(mass, inertia)
+    axis, radius, length = equivalent_cylinder(mass, inertia)
+    return Densities(
+        box=mass / (a * b * c) if a * b * c > 0.0 else None,
+        cylinder=None if axis is None else mass / (math.pi * radius**2 * length),
+    )
+
+
+def _excess(moments: Array) -> float:
+    first, second, third = moments.tolist()
+    return (first + second - third) / third if third > 0.0 else math.nan
+
+
+def _decimal(text: str) -> Decimal:
+    try:
+        value = Decimal(text.strip())
+    except InvalidOperation:
+        raise ValueError(f"{text!r} is no number") from None
+    if not value.is_finite():
+        raise ValueError(f"{text!r} is not finite")
+    return value
+
+
+def _last_place(value: Decimal) -> int:
+    """The power of ten of a finite number's last typed digit."""
+    return int(value.as_tuple().exponent)

@@ -1,0 +1,110 @@
+"""Rotations and rigid transforms in URDF's conventions, and forward kinematics of a tree at its neutral pose."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+# Below this cosine of the pitch, roll and yaw turn about the same axis and only their sum is determined. sqrt(eps):
+# there the two entries that would determine yaw are dominated by rounding.
+_GIMBAL = 1e-8
+
+
+def rpy_to_matrix(rpy: Sequence[float]) -> Array:
+    """URDF's fixed-axis roll, pitch, yaw (rad) as a (3, 3) rotation: ``Rz(yaw) Ry(pitch) Rx(roll)``."""
+    roll, pitch, yaw = rpy
+    cr, sr = math.cos(roll), math.sin(roll)
+    cp, sp = math.cos(pitch), math.sin(pitch)
+    cy, sy = math.cos(yaw), math.sin(yaw)
+    return np.array(
+        (
+            (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+            (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+            (-sp, cp * sr, cp * cr),
+        )
+    )
+
+
+def matrix_to_rpy(rotation: ArrayLike) -> tuple[float, float, float]:
+    """The roll, pitch, yaw (rad) of a (3, 3) rotation; pitch within ±π/2, roll 0 where pitch is ±π/2."""
+    r = np.asarray(rotation, dtype=float)
+    cos_pitch = math.hypot(r[0, 0], r[1, 0])
+    pitch = math.atan2(-r[2, 0], cos_pitch)
+    if cos_pitch < _GIMBAL:
+        return 0.0, pitch, math.atan2(-r[0, 1], r[1, 1])
+    return math.atan2(r[2, 1], r[2, 2]), pitch, math.atan2(r[1, 0], r[0, 0])
+
+
+def quaternion_to_matrix(xyzw: Sequence[float]) -> Array:
+    """The (3, 3) rotation of a quaternion ``x y z w`` of any length.
+
+    :raises ValueError: when its length is zero or not finite.
+    """
+    length = math.hypot(*xyzw)
+    if not 0.0 < length < math.inf:
+        raise ValueError("a quaternion of zero or infinite length is no rotation")
+    x, y, z, w = (value / length for value in xyzw)
+    return np.array(
+        (
+            (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+            (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+            (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
+        )
+    )
+
+
+def transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
+    """The (4, 4) homogeneous placement of a URDF ``<origin>`` (m, rad) in its parent's frame."""
+    placement = np.eye(4)
+    placement[:3, :3] = rpy_to_matrix(rpy)
+    placement[:3, 3] = xyz
+    return placement
+
+
+def log_rotation(rotation: ArrayLike) -> tuple[Array, float]:
+    """The unit axis (3,) and angle (rad, within [0, π]) of a (3, 3) rotation; axis x where the angle is 0.
+
+    Goes through the quaternion's largest component (Shepperd, *Quaternion from rotation matrix*, 1978), which keeps
+    full precision both near 0, where the arc cosine of the trace loses it, and near π, where the skew part does.
+    """
+    r = np.asarray(rotation, dtype=float)
+    trace = float(np.trace(r))
+    largest = int(np.argmax((r[0, 0], r[1, 1], r[2, 2], trace)))
+    if largest == 3:
+        vector = np.array((r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]))
+        scalar = 1.0 + trace
+    else:
+        i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
+        vector = np.empty(3)
+        vector[i] = 1.0 - trace + 2.0 * r[i, i]
+        vector[j] = r[j, i] + r[i, j]
+        vector[k] = r[k, i] + r[i, k]
+        scalar = float(r[k, j] - r[j, k])
+    if scalar < 0.0:
+        vector, scalar = -vector, -scalar
+    length = math.hypot(*vector)
+    if length == 0.0:
+        return np.array((1.0, 0.0, 0.0)), 0.0
+    return vector / length, 2.0 * math.atan2(length, scalar)
+
+
+def forward(parents: Sequence[int], placements: ArrayLike) -> Array:
+    """World placements (n, 4, 4) of a tree's frames at the neutral pose.
+
+    ``parents[i]`` is the index of frame i's parent, lower than i, or -1 for a root; ``placements`` (n, 4, 4) are
+    given in the parent's frame.
+
+    :raises ValueError: when a parent does not come before its child.
+    """
+    world = np.array(placements, dtype=float)
+    for child, parent in enumerate(parents):
+        if parent >= child:
+            raise ValueError(f"frame {child} comes before its parent {parent}")
+        if parent >= 0:
+            world[child] = world[parent] @ world[child]
+    return world

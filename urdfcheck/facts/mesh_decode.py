@@ -1,0 +1,245 @@
+"""Mesh files as raw triangles. A file that common loaders would take as silently empty is refused with the reason.
+
+STL, OBJ and OFF are decoded here because trimesh returns an empty or shortened mesh for broken ones without a word;
+COLLADA, glTF and PLY go through trimesh, from memory and without a resolver, so that nothing else is ever read.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+FORMATS = ("stl", "obj", "dae", "ply", "off", "glb", "gltf")
+
+_STL_HEADER = 84
+_STL_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+_NUMBER = rb"([^\s]+)"
+_STL_VERTEX = re.compile(rb"\bvertex\s+" + _NUMBER + rb"\s+" + _NUMBER + rb"\s+" + _NUMBER, re.IGNORECASE)
+_STL_LOOP = re.compile(rb"\bouter\s+loop\b(.*?)\bendloop\b", re.IGNORECASE | re.DOTALL)
+_STL_FACET_WORD = re.compile(rb"\bfacet\b", re.IGNORECASE)
+# The first bytes that a file of each format must have; text formats may start with blanks and a byte order mark.
+_MAGIC = {"ply": b"ply", "glb": b"glTF", "dae": b"<", "gltf": b"{"}
+
+
+class MeshError(Exception):
+    """A mesh file that gives no triangles. The text completes "the mesh …" for a person.
+
+    ``reason_id``: empty | lfs-pointer | html | unsupported | truncated | wrong-size | external-buffer | malformed |
+    no-triangles.
+    """
+
+    def __init__(self, reason_id: str, message: str) -> None:
+        super().__init__(message)
+        self.reason_id = reason_id
+        self.message = message
+
+    def __reduce__(self) -> tuple[type[MeshError], tuple[str, str]]:
+        return MeshError, (self.reason_id, self.message)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RawMesh:
+    """Triangles as a file stores them: ``vertices`` (V, 3) in file units, ``faces`` (F, 3), scene transforms applied.
+
+    ``format``: the file type, but ``stl-binary`` or ``stl-ascii``. ``solid_header``: a binary STL that begins with
+    ``solid`` as an ASCII one must. ``unit`` (metres per file unit) and ``up_axis``: as COLLADA declares them.
+    """
+
+    format: str
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    solid_header: bool = False
+    unit: float | None = None
+    up_axis: str | None = None
+
+
+def decode(data: bytes, file_type: str) -> RawMesh:
+    """The triangles of a mesh file; ``file_type`` is its extension in lower case, without the dot.
+
+    :raises MeshError: when the file gives none, or not all that it declares.
+    """
+    _refuse_impostors(data, file_type)
+    try:
+        mesh = _DECODERS[file_type](data) if file_type in _DECODERS else _from_trimesh(data, file_type)
+    except MeshError:
+        raise
+    except Exception as error:  # loaders raise whatever their internals do: AttributeError, IndexError, DaeError …
+        text = " ".join(str(error).split())[:200]
+        raise MeshError("malformed", f"cannot be read as {file_type}: {type(error).__name__}: {text}") from error
+    if not len(mesh.faces):
+        raise MeshError("no-triangles", "holds no triangles")
+    return mesh
+
+
+def _refuse_impostors(data: bytes, file_type: str) -> None:
+    start = data[:512].removeprefix(b"\xef\xbb\xbf").lstrip()
+    if not data:
+        raise MeshError("empty", "is empty (0 bytes)")
+    if start.startswith(b"version https://git-lfs.github.com/spec/"):
+        size = re.search(rb"^size (\d+)", start, re.MULTILINE)
+        real = f" of {int(size[1]):,} bytes" if size else ""
+        raise MeshError("lfs-pointer", f"is a Git LFS pointer; the file{real} was never fetched (git lfs pull)")
+    if start[:14].lower().startswith((b"<!doctype html", b"<html")):
+        raise MeshError("html", "is a web page, not a mesh: the download saved an error or a preview page")
+    if file_type not in FORMATS:
+        raise MeshError("unsupported", f"has the format {file_type or '(none)'!r}; known are {', '.join(FORMATS)}")
+    utf16 = data.startswith((b"\xff\xfe", b"\xfe\xff"))
+    if not utf16 and not start.startswith(_MAGIC.get(file_type, b"")):
+        raise MeshError("malformed", f"does not begin as a {file_type} file does")
+
+
+def _from_stl(data: bytes) -> RawMesh:
+    # The size decides, not the word: CAD systems write binary files whose header begins with "solid".
+    declared = int.from_bytes(data[80:84], "little") if len(data) >= _STL_HEADER else 0
+    expected = _STL_HEADER + declared * _STL_FACET.itemsize
+    solid = data[:512].lstrip()[:5].lower() == b"solid"
+    if len(data) >= _STL_HEADER and len(data) == expected:
+        corners = np.frombuffer(data, _STL_FACET, count=declared, offset=_STL_HEADER)["corners"]
+        return _soup("stl-binary", corners.reshape(-1, 3), solid)
+    if solid and b"\0" not in data:
+        return _from_ascii_stl(data)
+    if len(data) < _STL_HEADER:
+        raise MeshError("truncated", f"is truncated: {len(data)} bytes, and a binary STL's header alone has 84")
+    present = (len(data) - _STL_HEADER) // _STL_FACET.itemsize
+    if len(data) < expected:
+        raise MeshError(
+            "truncated",
+            f"is truncated: it declares {declared:,} triangles ({expected:,} bytes) and has {present:,} "
+            f"({len(data):,} bytes)",
+        )
+    raise MeshError(
+        "wrong-size",
+        f"declares {declared:,} triangles ({expected:,} bytes) and has {len(data) - expected:,} bytes more, "
+        f"room for {present:,} triangles",
+    )
+
+
+def _from_ascii_stl(data: bytes) -> RawMesh:
+    loops = [_STL_VERTEX.findall(loop) for loop in _STL_LOOP.findall(data)]
+    for number, loop in enumerate(loops, 1):
+        if len(loop) != 3:
+            raise MeshError("malformed", f"has {len(loop)} vertices in facet {number}, where a triangle has 3")
+    declared = len(_STL_FACET_WORD.findall(data))
+    if len(loops) < declared:
+        raise MeshError("truncated", f"is truncated: {declared:,} facets begin and {len(loops):,} are complete")
+    return _soup("stl-ascii", np.array(loops, dtype=np.bytes_).astype(np.float64).reshape(-1, 3), False)
+
+
+def _soup(name: str, corners: NDArray[np.floating], solid_header: bool) -> RawMesh:
+    faces = np.arange(len(corners), dtype=np.int64).reshape(-1, 3)
+    return RawMesh(name, corners.astype(np.float64), faces, solid_header)
+
+
+def _from_obj(data: bytes) -> RawMesh:
+    if b"\0" in data:
+        raise MeshError("malformed", "holds binary data, and OBJ is text")
+    vertices: list[tuple[float, float, float]] = []
+    faces: list[tuple[int, int, int]] = []
+    for number, line in enumerate(data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines(), 1):
+        keyword, *words = line.partition(b"#")[0].split() or [b""]
+        try:
+            if keyword == b"v":
+                vertices.append((float(words[0]), float(words[1]), float(words[2])))
+            elif keyword == b"f":
+                corners = [_obj_index(word, len(vertices)) for word in words]
+                faces += [(corners[0], b, c) for b, c in zip(corners[1:], corners[2:], strict=False)]
+        except (ValueError, IndexError):
+            text = line.decode(errors="replace")[:80]
+            raise MeshError("malformed", f"cannot be read as obj: line {number} is {text!r}") from None
+    return _checked("obj", vertices, faces)
+
+
+def _obj_index(word: bytes, count: int) -> int:
+    index = int(word.partition(b"/")[0])
+    return index - 1 if index > 0 else count + index if index < 0 else -1
+
+
+def _from_off(data: bytes) -> RawMesh:
+    lines = [words for line in data.splitlines() if (words := line.partition(b"#")[0].split())]
+    header = lines[0][0] if lines else b""
+    if not re.fullmatch(rb"(ST)?C?N?OFF", header):
+        raise MeshError("malformed", "does not begin as an off file does")
+    counts = lines[0][1:] or lines[1]
+    n_vertices, n_faces = int(counts[0]), int(counts[1])
+    body = lines[1:] if lines[0][1:] else lines[2:]
+    if len(body) < n_vertices + n_faces:
+        raise MeshError(
+            "truncated",
+            f"is truncated: it declares {n_vertices:,} vertices and {n_faces:,} faces on {n_vertices + n_faces:,} lines "
+            f"and has {len(body):,}",
+        )
+    vertices = [(float(x), float(y), float(z)) for x, y, z, *_ in body[:n_vertices]]
+    faces = []
+    for words in body[n_vertices : n_vertices + n_faces]:
+        corners = [int(word) for word in words[1 : 1 + int(words[0])]]
+        faces += [(corners[0], b, c) for b, c in zip(corners[1:], corners[2:], strict=False)]
+    return _checked("off", vertices, faces)
+
+
+def _checked(name: str, vertices: list[tuple[float, float, float]], faces: list[tuple[int, int, int]]) -> RawMesh:
+    corners = np.array(faces, dtype=np.int64).reshape(-1, 3)
+    outside = (corners < 0) | (corners >= len(vertices))
+    if outside.any():
+        raise MeshError("malformed", f"has {int(outside.any(axis=1).sum()):,} faces that name a vertex it lacks")
+    return RawMesh(name, np.array(vertices, dtype=np.float64).reshape(-1, 3), corners)
+
+
+def _from_dae(data: bytes) -> RawMesh:
+    if b"<!ENTITY" in data:
+        raise MeshError("malformed", "declares XML entities, which no exporter writes and no loader should expand")
+    unit, up_axis = _collada_asset(data)
+    try:
+        mesh = _from_trimesh(data, "dae")
+    except AttributeError as error:
+        if b"<scene" in data:
+            raise
+        raise MeshError("no-triangles", "has geometry at most, and no <scene> that places it") from error
+    return RawMesh(mesh.format, mesh.vertices, mesh.faces, unit=unit, up_axis=up_axis)
+
+
+def _collada_asset(data: bytes) -> tuple[float | None, str | None]:
+    """Metres per unit and the up axis (``X_UP``, ``Y_UP``, ``Z_UP``) of the document's own ``<asset>``."""
+    unit = up_axis = None
+    for _, element in ElementTree.iterparse(io.BytesIO(data)):
+        name = element.tag.rpartition("}")[2]
+        if name == "unit":
+            unit = float(element.get("meter", "1"))
+        elif name == "up_axis":
+            up_axis = (element.text or "").strip() or None
+        elif name == "asset":
+            break
+    return unit, up_axis
+
+
+def _from_gltf(data: bytes) -> RawMesh:
+    outside = [b["uri"] for b in json.loads(data).get("buffers", ()) if not b.get("uri", "data:").startswith("data:")]
+    if outside:
+        raise MeshError("external-buffer", f"keeps its geometry in another file ({outside[0]!r}), which is not read")
+    return _from_trimesh(data, "gltf")
+
+
+def _from_trimesh(data: bytes, file_type: str) -> RawMesh:
+    import trimesh  # half a second: only where a format needs it
+
+    scene = trimesh.load_scene(io.BytesIO(data), file_type=file_type, process=False)
+    vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
+    for node in scene.graph.nodes_geometry:
+        matrix, name = scene.graph[node]
+        part = scene.geometry[name]
+        if isinstance(part, trimesh.Trimesh):
+            linear = np.asarray(matrix, dtype=float)
+            vertices.append(np.asarray(part.vertices, dtype=float) @ linear[:3, :3].T + linear[:3, 3])
+            corners = np.asarray(part.faces, dtype=np.int64) + count
+            # A mirroring node turns triangles inside out; their order is reversed to keep the outside outside.
+            faces.append(corners[:, ::-1] if np.linalg.det(linear[:3, :3]) < 0.0 else corners)
+            count += len(part.vertices)
+    return RawMesh(file_type, np.concatenate(vertices), np.concatenate(faces))
+
+
+_DECODERS = {"stl": _from_stl, "obj": _from_obj, "off": _from_off, "dae": _from_dae, "gltf": _from_gltf}

@@ -1,0 +1,107 @@
+"""The report for other programs: the object of ``report.schema.json``."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from urdfcheck.core import Finding, Fix, ModelInfo, Run, Severity, Span
+
+SCHEMA = "urdfcheck/1"
+_SUBJECT = re.compile(r"^(?P<kind>[^/\[@]+)\[(?P<name>.*?)\](?=[/@]|$)")
+
+
+def render(run: Run) -> str:
+    """Two-space indented JSON with a newline at the end. Only ``seconds`` differs between equal runs."""
+    report = {
+        "schema": SCHEMA,
+        "version": run.versions["urdfcheck"],
+        "models": [_model(info) for info in run.models],
+        "findings": [_finding(finding) for finding in run.findings],
+        "skipped": [{"code": s.code, "model": s.model, "reason": s.reason} for s in run.skipped],
+        "failures": list(run.failures),
+        "summary": {str(s): run.count(s) for s in (Severity.ERROR, Severity.WARNING, Severity.INFO)},
+        "seconds": round(run.seconds, 3),
+    }
+    return json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _model(info: ModelInfo) -> dict[str, Any]:
+    return {
+        "path": info.path,
+        "robot": info.robot,
+        "args": dict(info.args),
+        "links": info.links,
+        "joints": info.joints,
+        "mass": info.mass,
+        "status": info.status,
+        "id": info.id,
+        "seconds": info.seconds,
+    }
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    location = None
+    if finding.location.span is not None:
+        location = {**_start(finding.location.span), **_end(finding.location.span)}
+    return {
+        "code": finding.code,
+        "name": finding.name,
+        "severity": str(finding.severity),
+        "confidence": str(finding.confidence),
+        "message_id": finding.message_id,
+        "message": finding.message,
+        "model": finding.model,
+        "fingerprints": list(finding.fingerprints),
+        "subjects": [_subject(s) for s in finding.subjects],
+        "location": location,
+        "via": [_start(span) for span in finding.location.via],
+        "related": [
+            {"subject": r.subject, "location": _start(r.span)} for r in finding.related if r.span is not None
+        ],
+        "cause": None if finding.cause is None else {"id": finding.cause.id, "text": finding.cause.text},
+        "consequences": dict(finding.consequences),
+        "data": plain(finding.data),
+        "fix": None if finding.fix is None else _fix(finding.fix),
+        "suppressed": finding.suppressed,
+    }
+
+
+def _subject(subject: str) -> dict[str, str]:
+    match = _SUBJECT.match(subject)
+    kind, name = (match["kind"], match["name"]) if match else (subject.split("/")[0].split("@")[0], "")
+    return {"kind": kind, "name": name, "path": subject}
+
+
+def _start(span: Span) -> dict[str, Any]:
+    return {"file": span.file, "line": span.line, "column": span.col}
+
+
+def _end(span: Span) -> dict[str, int]:
+    return {"end_line": span.end_line, "end_column": span.end_col}
+
+
+def _fix(fix: Fix) -> dict[str, Any]:
+    return {
+        "title": fix.title,
+        "applicability": str(fix.applicability),
+        "edits": [
+            {**_start(e.span), **_end(e.span), "old": e.expected, "new": e.replacement} for e in fix.edits
+        ],
+    }
+
+
+def plain(value: Any) -> Any:
+    """Numbers that JSON cannot hold become null; everything that is no JSON value becomes its text."""
+    if isinstance(value, Mapping):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return [plain(v) for v in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, (bool, int, str)):
+        return value
+    return str(value)

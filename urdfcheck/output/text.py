@@ -1,0 +1,157 @@
+"""The report for a terminal and for a CI log: grouped by model and file, with code frames."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable, Sequence
+from itertools import groupby
+
+from rich.console import Console
+from rich.padding import Padding
+from rich.text import Text
+
+from urdfcheck.core import Finding, Fix, ModelInfo, Run, Severity, Span
+from urdfcheck.output.frames import frame, visible
+
+STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "bold yellow", Severity.INFO: "bold cyan"}
+GLYPHS = {Severity.ERROR: "✖", Severity.WARNING: "▲", Severity.INFO: "i"}
+WIDTH = 100
+MAX_RELATED = 4
+
+
+def render(run: Run, console: Console | None = None) -> str:
+    """Plain text at a fixed width; with ``console``, print there (in colour if it is a terminal) instead."""
+    sink = io.StringIO()
+    out = console or Console(file=sink, width=WIDTH, color_system=None, highlight=False, legacy_windows=False)
+    infos = {info.id: info for info in run.models}
+    for model, group in groupby(run.findings, key=lambda f: f.model):
+        findings = list(group)
+        _heading(out, infos.get(model), model)
+        for finding in findings:
+            _finding(out, run, finding)
+    _skipped(out, run)
+    for failure in run.failures:
+        _line(out, Text.assemble(("urdfcheck failed: ", "bold red"), visible(failure)))
+    _summary(out, run)
+    return sink.getvalue()
+
+
+def _line(out: Console, text: Text | str, indent: int = 0) -> None:
+    out.print(Padding(text, (0, 0, 0, indent)) if indent else text, soft_wrap=False, highlight=False, markup=False)
+
+
+def _heading(out: Console, info: ModelInfo | None, model: str) -> None:
+    title = Text(visible(model) or "this run", style="bold")
+    if info is not None and info.status == "checked":
+        facts = [f"robot {visible(info.robot)}", f"{info.links} links", f"{info.joints} joints"]
+        if info.mass is not None:
+            facts.append(f"{info.mass:.4g} kg")
+        title.append("  " + " · ".join(facts), style="dim")
+    elif info is not None:
+        title.append(f"  {info.status}", style="dim")
+    out.rule(title, align="left", style="dim", characters="─")
+
+
+def _finding(out: Console, run: Run, finding: Finding) -> None:
+    span = finding.location.span
+    place = "" if span is None else f"{visible(span.file)}:{span.line}:{span.col} "
+    head = Text(place, style="bold")
+    head.append(f"{GLYPHS[finding.severity]} {finding.severity} ", STYLES[finding.severity])
+    head.append(f"{finding.code} {finding.name}", "bold")
+    if finding.suppressed is not None:
+        head.append(f" (suppressed: {visible(finding.suppressed)})", "dim")
+    out.print(head, soft_wrap=True, highlight=False)
+    _line(out, Text(visible(finding.message)), 2)
+    if len(finding.subjects) > 1:
+        _labelled(out, "made", ", ".join(visible(s) for s in finding.subjects))
+    if span is not None:
+        _frame(out, run, span, STYLES[finding.severity])
+    for call in reversed(finding.location.via):
+        _labelled(out, "from", f"{visible(call.file)}:{call.line}:{call.col}  {_first_line(run, call)}")
+    shown = [r for r in finding.related if r.span is not None]
+    for related in shown[:MAX_RELATED]:
+        assert related.span is not None
+        _labelled(out, "see", f"{visible(related.span.file)}:{related.span.line}  {visible(related.subject)}")
+    if len(shown) > MAX_RELATED:
+        _labelled(out, "see", f"… and {len(shown) - MAX_RELATED} more places")
+    if finding.cause is not None:
+        _labelled(out, "why", visible(finding.cause.text))
+    for consumers, effect in _by_effect(finding):
+        _labelled(out, "then", f"{', '.join(consumers)}: {visible(effect)}")
+    if finding.fix is not None:
+        _repair(out, finding.fix)
+    out.print()
+
+
+def _frame(out: Console, run: Run, span: Span, style: str) -> None:
+    lines = frame(run.sources.get(span.file, ""), span)
+    if not lines:
+        return
+    digits = len(str(lines[-1].number))
+    for line in lines:
+        text = visible(line.text.replace("\t", " "))
+        out.print(Text(f"  {line.number:>{digits}} │ ", "dim") + Text(text), soft_wrap=True, highlight=False)
+        if line.marked is not None:
+            start, end = (len(visible(line.text[:k].replace("\t", " "))) for k in line.marked)
+            marks = " " * start + "^" * max(end - start, 1)
+            out.print(Text(f"  {' ' * digits} │ ", "dim") + Text(marks, style), soft_wrap=True, highlight=False)
+
+
+def _repair(out: Console, fix: Fix) -> None:
+    _labelled(out, "fix", visible(fix.title))
+    for edit in fix.edits[:MAX_RELATED]:
+        where = f"{visible(edit.span.file)}:{edit.span.line}"
+        _line(out, Text.assemble((f"{where} - ", "dim"), (visible(edit.expected), "red")), 8)
+        _line(out, Text.assemble((f"{where} + ", "dim"), (visible(edit.replacement), "green")), 8)
+    if len(fix.edits) > MAX_RELATED:
+        _line(out, Text(f"… and {len(fix.edits) - MAX_RELATED} more edits", "dim"), 8)
+
+
+def _labelled(out: Console, label: str, text: str) -> None:
+    _line(out, Text.assemble((f"{label + ':':<6}", "dim"), text), 2)
+
+
+def _by_effect(finding: Finding) -> list[tuple[list[str], str]]:
+    """Consumers that do the same thing share a line."""
+    effects: dict[str, list[str]] = {}
+    for consumer, effect in finding.consequences.items():
+        effects.setdefault(effect, []).append(consumer)
+    return [(consumers, effect) for effect, consumers in effects.items()]
+
+
+def _first_line(run: Run, span: Span) -> str:
+    lines = frame(run.sources.get(span.file, ""), span, context=0)
+    return visible(lines[0].text.strip()) if lines else ""
+
+
+def _skipped(out: Console, run: Run) -> None:
+    reasons: dict[str, set[str]] = {}
+    for skip in run.skipped:
+        reasons.setdefault(skip.reason, set()).add(skip.code)
+    for reason, codes in sorted(reasons.items()):
+        _line(out, Text(f"skipped {_some(sorted(codes))}: {visible(reason)}", "dim"))
+
+
+def _some(words: Sequence[str], most: int = 8) -> str:
+    return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")
+
+
+def _summary(out: Console, run: Run) -> None:
+    counts = [(s, run.count(s)) for s in (Severity.ERROR, Severity.WARNING, Severity.INFO)]
+    text = Text()
+    for severity, count in counts:
+        text.append(f"{GLYPHS[severity]} {_plural(count, str(severity))}", STYLES[severity] if count else "dim")
+        text.append("  ")
+    states = _states(run.models)
+    text.append(f"in {_plural(len(run.models), 'model')}{states}, {run.seconds:.1f} s", "dim")
+    _line(out, text)
+
+
+def _states(models: Iterable[ModelInfo]) -> str:
+    others = [m.status for m in models if m.status != "checked"]
+    counted = [f"{others.count(s)} {s}" for s in sorted(set(others))]
+    return f" ({', '.join(counted)})" if counted else ""
+
+
+def _plural(count: int, word: str) -> str:
+    return f"{count} {word}" + ("" if count == 1 or word == "info" else "s")

@@ -1,0 +1,299 @@
+"""The audit of one unit (a model with the launch files that lead to it, or a package), done whole in one process.
+
+Only plain data leaves: findings, skips, the model's line in the report and, when an output draws, its scene.
+"""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from urdfcheck import catalogue
+from urdfcheck.core import (
+    Finding,
+    Location,
+    ModelInfo,
+    Rule,
+    Scene,
+    Severity,
+    Skip,
+    Span,
+    Unavailable,
+)
+from urdfcheck.model import Model
+from urdfcheck.outline import Outline, outline_of
+from urdfcheck.source.launch import Launch, load_launch
+from urdfcheck.source.load import Source, load
+from urdfcheck.source.packages import PackageFinder, load_package
+
+TIERS = ("source", "mesh", "full")
+_TIER_OF_NEED = {"source": "source", "package": "source", "mesh": "mesh", "dynamics": "full", "collision": "full"}
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """What one worker audits. ``kind``: model | launch | package. ``id`` and ``model_path`` are names for the report."""
+
+    kind: str
+    path: str
+    id: str
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    launches: tuple[str, ...] = ()
+    explicit: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What holds for every unit of a run: plain values, because they cross into the worker."""
+
+    codes: frozenset[str]
+    tier: str = "full"
+    options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    severities: Mapping[str, str] = field(default_factory=dict)
+    packages: Mapping[str, str] = field(default_factory=dict)
+    package_paths: tuple[str, ...] = ()
+    targets: tuple[str, ...] = ()
+    scene: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What a worker sends back. ``failures`` are urdfcheck's own: they make the exit code 2."""
+
+    findings: tuple[Finding, ...] = ()
+    skipped: tuple[Skip, ...] = ()
+    info: ModelInfo | None = None
+    scene: Scene | None = None
+    outline: Outline | None = None
+    sources: Mapping[str, str] = field(default_factory=dict)
+    failures: tuple[str, ...] = ()
+
+
+def audit(unit: Unit, settings: Settings) -> Report:
+    """Audit one unit. A check that crashes is reported as a failure and as finding URC900; the others still run."""
+    began = time.perf_counter()
+    run = _Audit(unit, settings)
+    if unit.kind == "package":
+        run.package()
+    elif unit.kind == "launch":
+        run.launches(None)
+    else:
+        run.model()
+    return run.report(time.perf_counter() - began)
+
+
+class _Audit:
+    """Collects what the checks of one unit find."""
+
+    def __init__(self, unit: Unit, settings: Settings) -> None:
+        self.unit = unit
+        self.settings = settings
+        self.findings: list[Finding] = []
+        self.skipped: list[Skip] = []
+        self.failures: list[str] = []
+        self.texts: dict[str, str] = {}
+        self.info: ModelInfo | None = None
+        self.scene: Scene | None = None
+        self.outline: Outline | None = None
+        self.rules = {c: r for c, r in catalogue.rules().items() if c in settings.codes and catalogue.has_check(r)}
+
+    def finder(self, start: Path) -> PackageFinder:
+        return PackageFinder(
+            start.absolute(),
+            {name: Path(folder) for name, folder in self.settings.packages.items()},
+            [Path(p) for p in self.settings.package_paths],
+        )
+
+    # -- kinds of units ----------------------------------------------------------------------------------------
+
+    def model(self) -> None:
+        path = Path(self.unit.path)
+        source = load(path, self.unit.arguments, self.finder(path), explicit=self.unit.explicit)
+        self.texts.update({name: file.text for name, file in source.files.items()})
+        self.run("file", source)
+        model: Model | None = None
+        if source.root is not None and source.root.tag == "robot":
+            model = Model(source, source.root, self.settings.tier)
+            self.run("model", model)
+            self.outline = outline_of(model)
+        else:
+            # Everything else is about a robot that could not be had: the findings so far say why.
+            self.skip_scope("model", "the model could not be expanded")
+        self.launches(model)
+        self.info = _info(self.unit, source, model)
+        if self.settings.scene and model is not None:
+            from urdfcheck.scene import scene_of
+
+            self.scene = self.guard("scene", lambda: scene_of(model, self.unit.id, self.loaded_launches))
+
+    def launches(self, model: Model | None) -> None:
+        paths = (self.unit.path,) if self.unit.kind == "launch" else self.unit.launches
+        self.loaded_launches: list[Launch] = []
+        for text in paths:
+            path = Path(text)
+            launch = replace(load_launch(path, self.finder(path)), model=model)
+            self.loaded_launches.append(launch)
+            self.texts.update({name: file.text for name, file in launch.files.items()})
+            self.run("launch", launch)
+
+    def package(self) -> None:
+        package = load_package(Path(self.unit.path))
+        if package is None:
+            return
+        if package.file is not None:
+            self.texts[package.file.name] = package.file.text
+        self.run("package", package)
+
+    # -- running checks ----------------------------------------------------------------------------------------
+
+    def run(self, scope: str, subject: Any) -> None:
+        for rule in self.rules.values():
+            if rule.scope != scope:
+                continue
+            missing = _missing_tier(rule, self.settings.tier)
+            if missing:
+                self.skip(rule.code, f"needs --tier {missing}")
+                continue
+            options = {name: o.default for name, o in rule.options.items()}
+            options.update(self.settings.options.get(rule.code, {}))
+            self.guard(rule.code, lambda rule=rule, options=options: self.collect(rule, subject, options))  # type: ignore[misc]
+
+    def collect(self, rule: Rule, subject: Any, options: Mapping[str, Any]) -> None:
+        found: Iterable[Finding] = catalogue.check_of(rule)(subject, rule, **options)
+        for finding in found:
+            wanted = self.settings.severities.get(rule.code)
+            severity = finding.severity if wanted is None else Severity.parse(wanted)
+            self.findings.append(replace(finding, severity=severity, model=self.unit.id))
+
+    def guard(self, what: str, work: Callable[[], Any]) -> Any:
+        """Run a check; a fact that cannot be had is a skip, any other exception is our own failure."""
+        try:
+            return work()
+        except Unavailable as reason:
+            self.skip(what, str(reason))
+        except Exception as error:
+            where = traceback.extract_tb(error.__traceback__)[-1]
+            text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
+            self.failures.append(f"{what} crashed on {self.unit.id}: {text}")
+            crash = catalogue.rules()["URC900"]
+            start = Location("robot", Span(_display(self.unit.path), 1, 1, 1, 1, 0, 0))
+            self.findings.append(replace(crash.finding("crashed", at=start, check=what, error=text), model=self.unit.id))
+        return None
+
+    def skip(self, code: str, reason: str) -> None:
+        self.skipped.append(Skip(code, self.unit.id, reason))
+
+    def skip_scope(self, scope: str, reason: str) -> None:
+        for rule in self.rules.values():
+            if rule.scope == scope:
+                self.skip(rule.code, reason)
+
+    def report(self, seconds: float) -> Report:
+        findings = tuple(sorted(hide(merge(self.findings), self.rules), key=order))
+        named = {f.location.span.file for f in findings if f.location.span is not None}
+        named |= {s.file for f in findings for s in f.location.via}
+        named |= {r.span.file for f in findings for r in f.related if r.span is not None}
+        for name in sorted(named - set(self.texts)):
+            text = _read_text(name)
+            if text is not None:
+                self.texts[name] = text
+        info = None if self.info is None else replace(self.info, seconds=round(seconds, 3))
+        return Report(
+            findings,
+            tuple(self.skipped),
+            info,
+            self.scene,
+            self.outline,
+            {name: text for name, text in self.texts.items() if name in named},
+            tuple(self.failures),
+        )
+
+
+def merge(findings: Iterable[Finding]) -> list[Finding]:
+    """Findings of one code, source text and message become one with several subjects: one typo, one finding."""
+    merged: dict[tuple[Any, ...], Finding] = {}
+    for finding in findings:
+        span = finding.location.span
+        key = (finding.code, finding.message_id, finding.model, span, None if span else finding.location.subject)
+        first = merged.get(key)
+        if first is None:
+            merged[key] = finding
+            continue
+        subjects = tuple(dict.fromkeys((*first.subjects, *finding.subjects)))
+        severity = max(first.severity, finding.severity)
+        merged[key] = replace(first, subjects=subjects, severity=severity)
+    return list(merged.values())
+
+
+def hide(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
+    """Drop findings whose page yields to another rule that fired on the same element; the other one says so."""
+    findings = list(findings)
+    fired: dict[tuple[str, str], int] = {}
+    for index, finding in enumerate(findings):
+        for subject in finding.subjects:
+            fired.setdefault((finding.code, subject.split("/")[0].split("@")[0]), index)
+    hidden: set[int] = set()
+    hides: dict[int, set[str]] = {}
+    for index, finding in enumerate(findings):
+        rule = rules.get(finding.code)
+        for stronger in rule.hidden_by if rule is not None else ():
+            by = {fired.get((stronger, s.split("/")[0].split("@")[0])) for s in finding.subjects} - {None}
+            if by and None not in by:
+                hidden.add(index)
+                for other in by:
+                    assert other is not None
+                    hides.setdefault(other, set()).add(finding.code)
+                break
+    return [
+        replace(f, data={**f.data, "hides": sorted(hides[i])}) if i in hides else f
+        for i, f in enumerate(findings)
+        if i not in hidden
+    ]
+
+
+def order(finding: Finding) -> tuple[Any, ...]:
+    """By file and position, the worse first on one place, so that output never depends on chance."""
+    span = finding.location.span
+    place = ("", 0, 0) if span is None else (span.file, span.line, span.col)
+    return (finding.model, *place, -finding.severity, finding.code, finding.message_id, finding.subjects)
+
+
+def _missing_tier(rule: Rule, tier: str) -> str | None:
+    wanted = max((TIERS.index(_TIER_OF_NEED[need]) for need in rule.needs), default=0)
+    return TIERS[wanted] if wanted > TIERS.index(tier) else None
+
+
+def _info(unit: Unit, source: Source, model: Model | None) -> ModelInfo:
+    if model is None:
+        waiting = bool(source.problems_of("argument-missing"))
+        status = "needs-arguments" if waiting else "failed"
+        return ModelInfo(_display(unit.path), "", dict(unit.arguments), 0, 0, None, status, unit.id)
+    masses = [link.inertial.mass for link in model.links if link.inertial is not None]
+    known = [m for m in masses if m is not None]
+    return ModelInfo(
+        _display(unit.path),
+        model.name,
+        dict(unit.arguments),
+        len(model.links),
+        len(model.joints),
+        round(sum(known), 9) if known else None,
+        "checked",
+        unit.id,
+    )
+
+
+def _display(path: str) -> str:
+    from urdfcheck.source.packages import display_name
+
+    return display_name(Path(path))
+
+
+def _read_text(name: str) -> str | None:
+    try:
+        return Path(name).read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return None
