@@ -16,8 +16,8 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck import __version__, catalogue
-from urdfcheck.core import Finding, Run, Skip
+from urdfcheck import __version__, catalogue, libraries
+from urdfcheck.core import Finding, Location, Run, Skip
 from urdfcheck.source.discover import ModelTarget, Plan, plan
 from urdfcheck.source.packages import display_name
 
@@ -125,6 +125,10 @@ def _assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]]
                 findings += catalogue.check_of(rule)(outlines, rule, **options)
             except Exception as error:
                 failures.append(f"{rule.code} crashed: {type(error).__name__}: {error}")
+    if "URC907" in request.codes:
+        for library, path in sorted(libraries.foreign().items()):
+            nowhere = Location(f"library[{library}]", None)
+            findings.append(rules["URC907"].finding("shadowed", at=nowhere, library=library, path=path))
     sources: dict[str, str] = {}
     for _, report in kept:
         sources.update(report.sources)
@@ -188,6 +192,7 @@ def _in_workers(units: Sequence[Unit], settings: Settings, jobs: int) -> list[Re
 
 
 def _work(unit: Unit, settings: Settings, sender: Connection) -> None:
+    libraries.prefer_own()
     from urdfcheck.worker import audit
 
     sender.send(audit(unit, settings))

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.facts.inertia import digits_needed, principal_moments, triangle_excess
 from urdfcheck.model import Model
+from urdfcheck.model.body import is_point
 from urdfcheck.model.parts import TENSOR
 
 
@@ -16,8 +17,8 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
         if inertial is None or inertial.tensor is None or inertial.tensor_element is None:
             continue
         moments, _ = principal_moments(inertial.tensor)
-        if moments[0] <= 0:
-            continue  # not positive definite: INR004
+        if moments[2] <= 0 or is_point(inertial):
+            continue  # INR004
         excess = -triangle_excess(inertial.tensor)
         if excess <= rel_tol:
             continue
@@ -27,11 +28,15 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
             "sum": float(moments[0] + moments[1]),
             "excess": float(excess),
         }
-        typed = [inertial.tensor_element.get(name) for name in TENSOR]
-        digits = digits_needed(typed) if excess < rounding else None
-        if digits is not None:
+        typed = digits_needed([inertial.tensor_element.get(name) for name in TENSOR], rel_tol)
+        if excess < rounding and typed.explained:
             yield rule.finding(
-                "rounded", at=inertial.tensor_element, severity=Severity.WARNING, digits=digits, **data
+                "rounded",
+                at=inertial.tensor_element,
+                severity=Severity.WARNING,
+                typed=typed.typed_digits,
+                digits=typed.digits,
+                **data,
             )
         else:
             yield rule.finding("violated", at=inertial.tensor_element, **data)

@@ -148,7 +148,8 @@ def digits_needed(texts: Sequence[str], rel_tol: float = 1e-9) -> Rounding:
 
 def inertia_of(solid: Solid, mass: float) -> Array:
     """Inertia tensor (3, 3) in kg m² about the COM of a uniform solid of this mass (kg), in the solid's axes."""
-    return mass * (np.trace(solid.covariance) * np.eye(3) - solid.covariance)
+    result: Array = mass * (np.trace(solid.covariance) * np.eye(3) - solid.covariance)
+    return result
 
 
 def covariance_of(inertia: ArrayLike, mass: float) -> Array:

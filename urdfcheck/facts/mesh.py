@@ -6,24 +6,26 @@ these numbers, and ``MeshFacts.unit`` and ``up_axis`` say what the file declares
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from urdfcheck.facts.inertia import Solid, placed
-from urdfcheck.facts.mesh_decode import MeshError, decode
+from urdfcheck.facts.mesh_decode import MeshError, RawMesh, decode
+from urdfcheck.facts.mesh_topology import Boundary, Edges, Surface, boundaries_of, edges_of, weld_exact, weld_near
 
 __all__ = ["Boundary", "MeshError", "MeshFacts", "hull_vertices", "mesh_facts", "transformed_moments"]
 
 Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
+_Scalar = TypeVar("_Scalar", bound=np.generic)
 
-# Exporters write one corner of two triangles with different float noise. 1e-6 of the diagonal is a micrometre on a
-# metre, eight float32 roundings, and far below any feature of a part.
-_NOISE = 1e-6
+# Exporters write one corner of two triangles with different float noise: one float32 rounding of the diagonal, or up to
+# eight where a transform came between. That is a micrometre on a metre at most, far below any feature of a part.
+_NOISE = (6e-8, 1e-6)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,7 +63,7 @@ class MeshFacts:
     n_triangles: int
     n_vertices: int
     vertices: Array
-    faces: Indices
+    faces: NDArray[np.int64]
     bounds: Array
     volume: float
     com: Array
@@ -88,20 +90,19 @@ def mesh_facts(data: bytes, file_type: str) -> MeshFacts:
     :raises MeshError: when it is no complete mesh file, or holds no triangle with finite corners.
     """
     raw = decode(data, file_type)
-    finite = np.isfinite(raw.vertices).all(axis=1)
-    faces = raw.faces[finite[raw.faces].all(axis=1)]
-    if not len(faces):
+    with np.errstate(over="ignore", invalid="ignore"):  # corners of 1e200 are a finding, not a warning on stderr
+        return _measure(raw)
+
+
+def _measure(raw: RawMesh) -> MeshFacts:
+    finite = np.asarray(np.isfinite(raw.vertices).all(axis=1))
+    usable = raw.faces[finite[raw.faces].all(axis=1)]
+    if not len(usable):
         raise MeshError("no-triangles", "has a NaN or infinite corner in every triangle")
-    surface = clean(*weld_exact(raw.vertices, faces))
-    if not len(surface.faces):
-        raise MeshError("no-triangles", "has triangles without area only")
-    edges = edges(surface.faces)
-    weld_distance = 0.0
-    if len(edges.open):
-        diagonal = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
-        welded = weld_near(surface, edges.open, _NOISE * diagonal)
-        if len(welded.faces) and not len((closed := edges(welded.faces)).open):
-            surface, edges, weld_distance = welded, closed, _NOISE * diagonal
+    exact = weld_exact(raw.vertices, usable)
+    if not len(exact.faces):
+        raise MeshError("no-triangles", "has nothing but triangles that repeat a corner")
+    surface, edges, weld_distance = _close(exact, edges_of(exact.faces))
     vertices, faces = surface.vertices, surface.faces
     corners = vertices[faces]
     volume, com, covariance = _volume_moments(corners)
@@ -127,7 +128,7 @@ def mesh_facts(data: bytes, file_type: str) -> MeshFacts:
         closed=edges.closed,
         inside_out=edges.closed and volume < 0.0,
         open_edges=len(edges.open),
-        boundaries=tuple(boundaries(vertices, edges.open)),
+        boundaries=boundaries_of(vertices, edges.open),
         non_manifold_edges=edges.non_manifold,
         degenerate_faces=surface.degenerate + _without_area(corners),
         duplicate_faces=surface.duplicate,
@@ -147,9 +148,7 @@ def hull_vertices(facts: MeshFacts) -> Array:
         return np.array(list(product(*facts.bounds.T)))
 
 
-def transformed_moments(
-    facts: MeshFacts, scale: Sequence[float], rotation: ArrayLike, translation: ArrayLike
-) -> Solid:
+def transformed_moments(facts: MeshFacts, scale: Sequence[float], rotation: ArrayLike, translation: ArrayLike) -> Solid:
     """The solid that a URDF ``<mesh scale>`` under an ``<origin>`` fills: ``x -> rotation (scale * x) + translation``.
 
     ``scale`` (3,) in metres per file unit, mirrored where negative; the volume is positive all the same, and for a mesh
@@ -159,6 +158,17 @@ def transformed_moments(
     volume = abs(facts.volume * float(factors.prod()))
     local = Solid(volume, factors * facts.com, facts.covariance * np.outer(factors, factors))
     return placed(local, rotation, translation)
+
+
+def _close(surface: Surface, edges: Edges) -> tuple[Surface, Edges, float]:
+    """The surface with float noise merged and by how much, if that closes it; else as it is."""
+    if len(edges.open):
+        diagonal = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
+        for distance in (noise * diagonal for noise in _NOISE):
+            welded = weld_near(surface, edges.irregular, distance)
+            if len(welded.faces) and not len((closed := edges_of(welded.faces)).open):
+                return welded, closed, distance
+    return surface, edges, 0.0
 
 
 def _volume_moments(corners: Array) -> tuple[float, Array, Array]:
@@ -199,8 +209,6 @@ def _without_area(corners: Array) -> int:
     return int((np.linalg.norm(np.cross(ab, ac), axis=1) <= 1e-14 * longest).sum())
 
 
-def _frozen(array: NDArray[np.generic]) -> NDArray:  # type: ignore[type-arg]
+def _frozen(array: NDArray[_Scalar]) -> NDArray[_Scalar]:
     array.setflags(write=False)
     return array
-
-

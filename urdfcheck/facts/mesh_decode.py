@@ -1,7 +1,7 @@
 """Mesh files as raw triangles. A file that common loaders would take as silently empty is refused with the reason.
 
 STL, OBJ and OFF are decoded here because trimesh returns an empty or shortened mesh for broken ones without a word;
-COLLADA, glTF and PLY go through trimesh, from memory and without a resolver, so that nothing else is ever read.
+COLLADA goes through pycollada, glTF and PLY through trimesh, from memory, so that no other file is ever read.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import io
 import json
 import re
 from dataclasses import dataclass
-from xml.etree import ElementTree
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +23,11 @@ _NUMBER = rb"([^\s]+)"
 _STL_VERTEX = re.compile(rb"\bvertex\s+" + _NUMBER + rb"\s+" + _NUMBER + rb"\s+" + _NUMBER, re.IGNORECASE)
 _STL_LOOP = re.compile(rb"\bouter\s+loop\b(.*?)\bendloop\b", re.IGNORECASE | re.DOTALL)
 _STL_FACET_WORD = re.compile(rb"\bfacet\b", re.IGNORECASE)
-# The first bytes that a file of each format must have; text formats may start with blanks and a byte order mark.
-_MAGIC = {"ply": b"ply", "glb": b"glTF", "dae": b"<", "gltf": b"{"}
+# First bytes that tell a format whatever the file is called. STL, OBJ and OFF readers would find garbage or nothing.
+_SIGNATURES = {"dae": (b"<?xml", b"<COLLADA"), "ply": (b"ply\n", b"ply\r"), "glb": (b"glTF",)}
+# In UTF-16 too.
+_ENTITY = re.compile(rb"<\0?!\0?E\0?N\0?T\0?I\0?T\0?Y")
+_ZIP_END = b"PK\5\6"
 
 
 class MeshError(Exception):
@@ -89,9 +92,9 @@ def _refuse_impostors(data: bytes, file_type: str) -> None:
         raise MeshError("html", "is a web page, not a mesh: the download saved an error or a preview page")
     if file_type not in FORMATS:
         raise MeshError("unsupported", f"has the format {file_type or '(none)'!r}; known are {', '.join(FORMATS)}")
-    utf16 = data.startswith((b"\xff\xfe", b"\xfe\xff"))
-    if not utf16 and not start.startswith(_MAGIC.get(file_type, b"")):
-        raise MeshError("malformed", f"does not begin as a {file_type} file does")
+    for name, signatures in _SIGNATURES.items():
+        if name != file_type and start.startswith(signatures):
+            raise MeshError("malformed", f"is named {file_type} and begins as a {name} file does")
 
 
 def _from_stl(data: bytes) -> RawMesh:
@@ -148,7 +151,7 @@ def _from_obj(data: bytes) -> RawMesh:
                 vertices.append((float(words[0]), float(words[1]), float(words[2])))
             elif keyword == b"f":
                 corners = [_obj_index(word, len(vertices)) for word in words]
-                faces += [(corners[0], b, c) for b, c in zip(corners[1:], corners[2:], strict=False)]
+                faces += [(corners[0], b, c) for b, c in pairwise(corners[1:])]
         except (ValueError, IndexError):
             text = line.decode(errors="replace")[:80]
             raise MeshError("malformed", f"cannot be read as obj: line {number} is {text!r}") from None
@@ -171,14 +174,14 @@ def _from_off(data: bytes) -> RawMesh:
     if len(body) < n_vertices + n_faces:
         raise MeshError(
             "truncated",
-            f"is truncated: it declares {n_vertices:,} vertices and {n_faces:,} faces on {n_vertices + n_faces:,} lines "
-            f"and has {len(body):,}",
+            f"is truncated: it declares {n_vertices:,} vertices and {n_faces:,} faces, "
+            f"{n_vertices + n_faces:,} lines, and has {len(body):,}",
         )
     vertices = [(float(x), float(y), float(z)) for x, y, z, *_ in body[:n_vertices]]
     faces = []
     for words in body[n_vertices : n_vertices + n_faces]:
         corners = [int(word) for word in words[1 : 1 + int(words[0])]]
-        faces += [(corners[0], b, c) for b, c in zip(corners[1:], corners[2:], strict=False)]
+        faces += [(corners[0], b, c) for b, c in pairwise(corners[1:])]
     return _checked("off", vertices, faces)
 
 
@@ -191,30 +194,28 @@ def _checked(name: str, vertices: list[tuple[float, float, float]], faces: list[
 
 
 def _from_dae(data: bytes) -> RawMesh:
-    if b"<!ENTITY" in data:
+    from collada import Collada
+    from collada.common import DaeError
+
+    if _ENTITY.search(data):
         raise MeshError("malformed", "declares XML entities, which no exporter writes and no loader should expand")
-    unit, up_axis = _collada_asset(data)
-    try:
-        mesh = _from_trimesh(data, "dae")
-    except AttributeError as error:
-        if b"<scene" in data:
-            raise
-        raise MeshError("no-triangles", "has geometry at most, and no <scene> that places it") from error
-    return RawMesh(mesh.format, mesh.vertices, mesh.faces, unit=unit, up_axis=up_axis)
-
-
-def _collada_asset(data: bytes) -> tuple[float | None, str | None]:
-    """Metres per unit and the up axis (``X_UP``, ``Y_UP``, ``Z_UP``) of the document's own ``<asset>``."""
-    unit = up_axis = None
-    for _, element in ElementTree.iterparse(io.BytesIO(data)):
-        name = element.tag.rpartition("}")[2]
-        if name == "unit":
-            unit = float(element.get("meter", "1"))
-        elif name == "up_axis":
-            up_axis = (element.text or "").strip() or None
-        elif name == "asset":
-            break
-    return unit, up_axis
+    if _ZIP_END in data:  # pycollada would unpack it, whatever its size
+        raise MeshError("malformed", "is a zip archive, not a COLLADA document")
+    # A broken material or light is no concern here, and other loaders pass over it.
+    document = Collada(io.BytesIO(data), ignore=[DaeError])
+    parts = []
+    for geometry in document.scene.objects("geometry") if document.scene is not None else ():
+        for primitive in geometry.primitives():
+            triangles = primitive.triangleset() if hasattr(primitive, "triangleset") else primitive
+            if hasattr(triangles, "ntriangles") and triangles.vertex is not None and triangles.ntriangles:
+                faces = np.asarray(triangles.vertex_index, dtype=np.int64).reshape(-1, 3)
+                parts.append((np.asarray(triangles.vertex, dtype=np.float64), faces, geometry.matrix))
+    if not parts and document.scene is None:
+        raise MeshError("no-triangles", "has no <scene> that places its geometry")
+    if not parts and document.errors:
+        raise MeshError("malformed", f"cannot be read as dae: {' '.join(str(document.errors[0]).split())[:200]}")
+    asset = document.assetInfo
+    return _joined("dae", parts, asset.unitmeter, asset.upaxis)
 
 
 def _from_gltf(data: bytes) -> RawMesh:
@@ -228,18 +229,32 @@ def _from_trimesh(data: bytes, file_type: str) -> RawMesh:
     import trimesh  # half a second: only where a format needs it
 
     scene = trimesh.load_scene(io.BytesIO(data), file_type=file_type, process=False)
-    vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
+    parts = []
     for node in scene.graph.nodes_geometry:
         matrix, name = scene.graph[node]
         part = scene.geometry[name]
         if isinstance(part, trimesh.Trimesh):
-            linear = np.asarray(matrix, dtype=float)
-            vertices.append(np.asarray(part.vertices, dtype=float) @ linear[:3, :3].T + linear[:3, 3])
-            corners = np.asarray(part.faces, dtype=np.int64) + count
-            # A mirroring node turns triangles inside out; their order is reversed to keep the outside outside.
-            faces.append(corners[:, ::-1] if np.linalg.det(linear[:3, :3]) < 0.0 else corners)
-            count += len(part.vertices)
-    return RawMesh(file_type, np.concatenate(vertices), np.concatenate(faces))
+            matrix = np.asarray(matrix, dtype=np.float64)
+            vertices = np.asarray(part.vertices, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+            parts.append((vertices, np.asarray(part.faces, dtype=np.int64), matrix))
+    return _joined(file_type, parts)
+
+
+def _joined(
+    name: str,
+    parts: list[tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]],
+    unit: float | None = None,
+    up_axis: str | None = None,
+) -> RawMesh:
+    """One mesh of a scene's parts: placed vertices, faces, and the (4, 4) matrix that placed them."""
+    vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
+    for points, corners, matrix in parts:
+        # A mirroring node turns triangles inside out; their order is reversed to keep the outside outside.
+        outward = corners[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0.0 else corners
+        vertices.append(points)
+        faces.append(outward + count)
+        count += len(points)
+    return RawMesh(name, np.concatenate(vertices), np.concatenate(faces), unit=unit, up_axis=up_axis)
 
 
 _DECODERS = {"stl": _from_stl, "obj": _from_obj, "off": _from_off, "dae": _from_dae, "gltf": _from_gltf}

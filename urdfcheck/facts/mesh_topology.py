@@ -39,9 +39,12 @@ class Surface:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edges:
-    """How faces meet; see `urdfcheck.facts.mesh.MeshFacts`. ``open``: (n, 2) vertex indices of the edges of one face, in the direction that face runs along them."""
+    """How faces meet; see `urdfcheck.facts.mesh.MeshFacts`. ``open`` (n, 2): the vertices of each edge that belongs to
+    one face, in the direction in which that face runs along it; ``irregular`` (n, 2): of those that do not belong to
+    two."""
 
     open: Indices
+    irregular: Indices
     non_manifold: int
     watertight: bool
     winding_consistent: bool
@@ -58,19 +61,21 @@ def _unique_rows(rows: NDArray[np.generic]) -> tuple[Indices, Indices]:
     return order[starts], group
 
 
-def weld_exact(vertices: Array, faces: Indices) -> tuple[Array, Indices]:
+def weld_exact(vertices: Array, faces: Indices) -> Surface:
+    """Merge equal corners; vertices that no face uses are left out."""
     used, corners = np.unique(faces, return_inverse=True)
     points = vertices[used] + 0.0  # -0.0 and 0.0 are one place
     first, group = _unique_rows(points)
-    return points[first], group[corners.reshape(-1, 3)]
+    return without_repeats(points[first], group[corners.reshape(-1, 3)])
 
 
-def weld_near(surface: Surface, open_edges: Indices, distance: float) -> Surface:
-    """Merge the ends of open edges that lie within ``distance``, or in one cell of twice that size.
+def weld_near(surface: Surface, edges: Indices, distance: float) -> Surface:
+    """Merge the ends of ``edges`` (n, 2) that lie within ``distance``, or in one cell of twice that size.
 
-    Two points within a cell's half along every axis share a cell of at least one of eight grids shifted by half a cell.
+    Two points within half a cell of each other along every axis share a cell in one of eight grids, each shifted by
+    half a cell along some of the axes: no pair is missed because a cell's border runs between its points.
     """
-    ends = np.unique(open_edges)
+    ends = np.unique(edges)
     points = surface.vertices[ends] - surface.vertices[ends].min(axis=0)
     label = np.arange(len(ends))
     changed = distance > 0.0
@@ -85,13 +90,13 @@ def weld_near(surface: Surface, open_edges: Indices, distance: float) -> Surface
     target = np.arange(len(surface.vertices))
     target[ends] = ends[label]
     used, faces = np.unique(target[surface.faces], return_inverse=True)
-    again = clean(surface.vertices[used], faces.reshape(-1, 3))
+    again = without_repeats(surface.vertices[used], faces.reshape(-1, 3))
     return Surface(
         again.vertices, again.faces, surface.degenerate + again.degenerate, surface.duplicate + again.duplicate
     )
 
 
-def clean(vertices: Array, faces: Indices) -> Surface:
+def without_repeats(vertices: Array, faces: Indices) -> Surface:
     """Drop faces with a repeated corner and all but the first of faces with the same corners."""
     a, b, c = faces.T
     proper = faces[(a != b) & (b != c) & (c != a)]
@@ -101,7 +106,8 @@ def clean(vertices: Array, faces: Indices) -> Surface:
     return Surface(vertices[used], compact.reshape(-1, 3), len(faces) - len(proper), len(proper) - len(kept))
 
 
-def edges(faces: Indices) -> Edges:
+def edges_of(faces: Indices) -> Edges:
+    """How the faces (F, 3), at least one, meet."""
     directed = faces[:, ((0, 1), (1, 2), (2, 0))].reshape(-1, 2)
     low, high = directed.min(axis=1), directed.max(axis=1)
     _, index, inverse, count = np.unique(
@@ -110,6 +116,7 @@ def edges(faces: Indices) -> Edges:
     balance = np.bincount(inverse, weights=np.where(directed[:, 0] == low, 1.0, -1.0))
     return Edges(
         open=directed[index[count == 1]],
+        irregular=directed[index[count != 2]],
         non_manifold=int((count > 2).sum()),
         watertight=bool((count == 2).all()),
         winding_consistent=not balance[count == 2].any(),
@@ -117,9 +124,10 @@ def edges(faces: Indices) -> Edges:
     )
 
 
-def boundaries(vertices: Array, open_edges: Indices) -> Iterator[Boundary]:
+def boundaries_of(vertices: Array, open_edges: Indices) -> tuple[Boundary, ...]:
+    """The boundaries (longest first) that the edges (n, 2) of one face form."""
     found = [_boundary(vertices, path, closed) for path, closed in _paths(open_edges.tolist())]
-    yield from sorted(found, key=lambda boundary: (-boundary.length, boundary.centre.tolist()))
+    return tuple(sorted(found, key=lambda boundary: (-boundary.length, boundary.centre.tolist())))
 
 
 def _paths(open_edges: list[list[int]]) -> Iterator[tuple[list[int], bool]]:
@@ -160,4 +168,6 @@ def _boundary(vertices: Array, path: list[int], closed: bool) -> Boundary:
     lengths = np.linalg.norm(following - starts, axis=1)
     length = float(lengths.sum())
     centre = lengths @ (starts + following) / 2.0 / length
-    return Boundary(_frozen(points), closed, length, _frozen(centre))
+    points.setflags(write=False)
+    centre.setflags(write=False)
+    return Boundary(points, closed, length, centre)

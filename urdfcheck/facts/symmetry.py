@@ -145,12 +145,18 @@ def odd_one_out(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike) -> Odd
 
 
 def _alike(one: Signature, other: Signature) -> bool:
-    pairs = ((one.moments, other.moments), (one.surface_moments, other.surface_moments))
-    return math.isclose(one.mass, other.mass, rel_tol=5e-3) and all(
-        len(a) == len(b)
-        # A moment far below the largest is rounding: the two long moments of a thin rod say nothing about the third.
-        and all(math.isclose(x, y, rel_tol=5e-2, abs_tol=1e-3 * max(map(abs, a + b))) for x, y in zip(a, b, strict=True))
-        for a, b in pairs
+    return (
+        math.isclose(one.mass, other.mass, rel_tol=5e-3)
+        and _close(one.moments, other.moments)
+        and _close(one.surface_moments, other.surface_moments)
+    )
+
+
+def _close(one: Sequence[float], other: Sequence[float]) -> bool:
+    # A moment far below the largest is rounding: the long moments of a thin rod say nothing about the third.
+    floor = 1e-3 * max(map(abs, (*one, *other)), default=0.0)
+    return len(one) == len(other) and all(
+        math.isclose(a, b, rel_tol=5e-2, abs_tol=floor) for a, b in zip(one, other, strict=True)
     )
 
 

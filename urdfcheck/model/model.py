@@ -131,7 +131,7 @@ class Model:
     def solid(self, link: Link, role: str = "visual") -> Solid | None:
         """Volume, COM and second moments of what a link draws (or collides with), in the link frame.
 
-        None when it has no such shape, or one whose volume is not known (unread, or not watertight).
+        None when it has no such shape, or one whose volume is not known (an unread or open mesh).
         """
         from urdfcheck.facts.inertia import combine
 
@@ -152,9 +152,9 @@ class Model:
             return None
         if shape.kind == "mesh":
             facts = self.meshes.facts_of(shape)
-            if facts is None or not facts.watertight or facts.volume == 0:
+            if facts is None or not facts.closed or not np.isfinite(facts.com).all():
                 return None
-            return transformed_moments(facts, np.array(size), pose[:3, :3], pose[:3, 3])
+            return transformed_moments(facts, size, pose[:3, :3], pose[:3, 3])
         if any(s < 0 for s in size):
             return None
         made = {

@@ -11,9 +11,13 @@ from urdfcheck.core import Location
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """``kind`` names what happened; the check that reports it picks it by this name."""
+    """``kind`` names what happened; the check that reports it picks it by this name.
+
+    ``related`` are the definitions that led there, nearest first.
+    """
 
     kind: str
     message: str
     location: Location
     data: Mapping[str, Any] = field(default_factory=dict)
+    related: tuple[Location, ...] = ()

@@ -23,7 +23,16 @@ from urdfcheck.core import Location, Span
 from urdfcheck.source.expressions import FORBIDDEN_FUNCTIONS, refusal
 from urdfcheck.source.packages import PackageFinder, display_name
 from urdfcheck.source.problems import Problem
-from urdfcheck.source.xml import Attribute, Definition, Element, SourceFile, XmlError, parse, unbound_prefix
+from urdfcheck.source.xml import (
+    Attribute,
+    Definition,
+    Element,
+    SourceFile,
+    XmlError,
+    nearest_first,
+    parse,
+    unbound_prefix,
+)
 
 _KEY = "urdfcheck"
 _ARGUMENT = re.compile(r"^\$\(arg\s+(\S+?)\s*\)$")
@@ -74,10 +83,6 @@ def expand(path: Path, arguments: Mapping[str, str], finder: PackageFinder) -> E
 
         try:
             document = xacro.process_file(str(path), mappings=dict(arguments))
-        except XmlError as error:
-            tracer.problem(error.reason, str(error), Location("", error.span, tracer.via()))
-        except RecursionError:
-            tracer.fail("the expansion never ends: a macro or an include calls itself", RecursionError())
         except Exception as error:  # whatever a stranger's expression raises is a finding, not a crash
             tracer.fail(tracer.explain(error), error)
         else:
@@ -130,11 +135,14 @@ class _Tracer:
         self.defining: tuple[str, Span | None] | None = None
         self.adding: tuple[minidom.Element, list[str]] | None = None
         self.failed_at: Location | None = None
+        self.failed_calls: list[_Call] = []
+        self.failed_reads: list[Definition] = []
 
     # -- reporting ---------------------------------------------------------------------------------------------
 
     def problem(self, kind: str, message: str, location: Location, **data: Any) -> None:
-        self.problems.append(Problem(kind, message, location, data))
+        related = tuple(d.location for d in nearest_first(self.failed_reads) if d.span is not None)
+        self.problems.append(Problem(kind, message, location, data, related))
 
     def via(self) -> tuple[Span, ...]:
         return tuple(c.span for c in self.calls if c.span is not None)
@@ -153,6 +161,9 @@ class _Tracer:
     def fail(self, message: str, error: BaseException) -> None:
         """Record what stopped the expansion, at the place where it was first raised."""
         at = self.failed_at or self.here()
+        if isinstance(error, RecursionError):
+            at = self.first_repetition(at)
+            message = "the expansion never ends: a macro calls itself"
         import xacro.substitution_args as substitution
 
         missing: str | None = None
@@ -175,7 +186,18 @@ class _Tracer:
         )
 
     def macros(self) -> tuple[str, ...]:
-        return tuple(c.name for c in self.calls)
+        return tuple(c.name for c in self.failed_calls)
+
+    def first_repetition(self, deepest: Location) -> Location:
+        """Of a recursion without end: the call that closes the circle for the first time, not the hundredth."""
+        spans = [c.span for c in self.failed_calls]
+        again = next((i for i, span in enumerate(spans) if span in spans[:i]), None)
+        if again is None:
+            return deepest
+        origin = _origin(self.failed_calls[again].node)
+        via = tuple(span for span in spans[:again] if span is not None)
+        self.failed_calls = self.failed_calls[: again + 1]
+        return Location("" if origin is None else origin.raw.subject, spans[again], via)
 
     def explain(self, error: BaseException) -> str:
         """xacro's own words in one line, without what the location already says."""
@@ -229,6 +251,7 @@ class _Tracer:
             symbols = xacro.create_global_symbols()
             for name in FORBIDDEN_FUNCTIONS:
                 symbols["python"][name] = _refusing(name)
+            symbols["xacro"]["arg"] = self.argument
             patch(xacro, "_global_symbols", symbols)
             self._xacro = xacro
             yield
@@ -236,6 +259,16 @@ class _Tracer:
     def current_file(self) -> str:
         stack = self._xacro.filestack
         return str(stack[-1] if stack else self.path)
+
+    def argument(self, name: str) -> Any:
+        """``xacro.arg(name)`` of expressions, which plain xacro answers with a bare KeyError when there is none."""
+        import xacro.substitution_args as substitution
+
+        self.read_argument(name)
+        values = self._xacro.substitution_args_context["arg"]
+        if name not in values:
+            raise substitution.ArgException(name)
+        return values[name]
 
     # -- files -------------------------------------------------------------------------------------------------
 
@@ -318,6 +351,8 @@ class _Tracer:
             own = bool(frame and frame.pending)
             if own and frame is not None:
                 self.at(frame.node, frame.pending.pop(0))
+            elif frame is not None and isinstance(text, str) and "$" in text:
+                self.at_text(text, frame.node)
             self.evaluating += 1
             self.readers.append([])
             try:
@@ -373,10 +408,7 @@ class _Tracer:
         def wrapper(text: str) -> Any:
             argument = _ARGUMENT.match(text)
             if argument:
-                self.arguments_read.add(argument.group(1))
-                definition = self.argument_definitions.get(argument.group(1))
-                if definition is not None:
-                    self.read(definition)
+                self.read_argument(argument.group(1))
             return original(text)
 
         return wrapper
@@ -463,8 +495,6 @@ class _Tracer:
                 default = raw.attributes.get("default")
                 span = default.span if default is not None else raw.span
                 self.argument_definitions[values[0]] = Definition("argument", values[0], span)
-            elif tag.tagName in {"xacro:if", "xacro:unless"}:
-                self.at(tag, "value")
             return values
 
         return wrapper
@@ -485,6 +515,12 @@ class _Tracer:
     def read(self, definition: Definition) -> None:
         if self.readers:
             self.readers[-1].append(definition)
+
+    def read_argument(self, name: str) -> None:
+        self.arguments_read.add(name)
+        definition = self.argument_definitions.get(name)
+        if definition is not None:
+            self.read(definition)
 
     def set_item(self, original: Callable[..., Any]) -> Callable[..., Any]:
         def wrapper(table: Any, key: str, value: Any, unevaluated: bool) -> Any:
@@ -512,6 +548,13 @@ class _Tracer:
                 self.readers.append([])
             try:
                 value = original(table, key)
+            except BaseException:
+                # What could not be computed leads to the cause, and so does what it had read until then.
+                definition = _definitions(table).get(key)
+                if definition is not None and lazy and self.failed_at is None:
+                    reads = tuple(dict.fromkeys(self.readers[-1]))
+                    self.read_before(Definition(definition.kind, definition.name, definition.span, reads))
+                raise
             finally:
                 reads = tuple(dict.fromkeys(self.readers.pop())) if lazy else ()
             definition = _definitions(table).get(key)
@@ -524,10 +567,27 @@ class _Tracer:
 
         return wrapper
 
+    def read_before(self, definition: Definition) -> None:
+        """Note for the reader around this one what it tried to read."""
+        if len(self.readers) > 1:
+            self.readers[-2].append(definition)
+        else:
+            self.failed_reads.append(definition)
+
     # -- helpers -----------------------------------------------------------------------------------------------
 
     def at(self, node: minidom.Element, attribute: str | None = None) -> None:
         self.node, self.attribute = node, attribute
+
+    def at_text(self, text: str, parent: minidom.Element) -> None:
+        """Where a text comes from that is no attribute of an ordinary element: of a xacro tag, or between tags."""
+        node = self.node
+        if node is not None and node.attributes is not None:
+            for name, value in node.attributes.items():
+                if value == text:
+                    self.at(node, name)
+                    return
+        self.at(parent)
 
     @contextmanager
     def failing(self) -> Iterator[None]:
@@ -537,6 +597,8 @@ class _Tracer:
         except BaseException:
             if self.failed_at is None:
                 self.failed_at = self.here()
+                self.failed_calls = list(self.calls)
+                self.failed_reads += [d for reader in self.readers for d in reader]
             raise
 
     def warning(self, *args: Any, **_: Any) -> None:

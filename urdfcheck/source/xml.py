@@ -9,7 +9,7 @@ from __future__ import annotations
 import codecs
 import re
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
@@ -47,6 +47,18 @@ class Definition:
         return Location(f"{self.kind}[{self.name}]", self.span)
 
 
+def nearest_first(reads: Iterable[Definition]) -> list[Definition]:
+    """These definitions and every definition that they were computed from, nearest first, each place once."""
+    seen: dict[Span | None, Definition] = {}
+    queue = list(reads)
+    while queue:
+        definition = queue.pop(0)
+        if definition.span not in seen:
+            seen[definition.span] = definition
+            queue.extend(definition.reads)
+    return list(seen.values())
+
+
 @dataclass(slots=True, eq=False)
 class Attribute:
     """An attribute of the (expanded) model. ``span`` covers the value as typed, without quotes.
@@ -68,14 +80,7 @@ class Attribute:
 
     def related(self) -> tuple[Definition, ...]:
         """Every definition that the value was computed from, nearest first, each once."""
-        seen: dict[Span | None, Definition] = {}
-        queue = list(self.reads)
-        while queue:
-            definition = queue.pop(0)
-            if definition.span not in seen:
-                seen[definition.span] = definition
-                queue.extend(definition.reads)
-        return tuple(d for span, d in seen.items() if span is not None)
+        return tuple(d for d in nearest_first(self.reads) if d.span is not None)
 
 
 @dataclass(slots=True, eq=False)

@@ -1,0 +1,35 @@
+# The two commands of the README and those behind them. Everything lives in .venv; nothing else is touched.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: audit test reports clean
+
+# The main job: audit the car-3 robot and write its report. Findings do not fail the command, a failure of urdfcheck does.
+audit: $(VENV)/.installed
+	@$(BIN)/urdfcheck fixtures/car-3 --fail-on never -o html=reports/car-3.html
+	@echo "report: reports/car-3.html"
+
+# Everything: formatting, types, rule pages, goldens, browser.
+test: $(VENV)/.tested
+	$(BIN)/python -m pytest
+
+# The committed sample reports; a test says when they are stale.
+reports: $(VENV)/.installed
+	$(BIN)/python reports/make.py
+
+$(VENV)/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || { echo "urdfcheck needs Python 3.10 or newer"; exit 2; }
+	@$(PYTHON) -m venv $(VENV) || { echo "python3 -m venv does not work here; on Debian and Ubuntu: sudo apt install python3-venv"; exit 2; }
+
+$(VENV)/.installed: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade "pip>=25.1"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+$(VENV)/.tested: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --group test
+	@touch $@
+
+clean:
+	rm -rf $(VENV)

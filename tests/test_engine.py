@@ -1,0 +1,136 @@
+"""The engine's promises: nothing is lost, a crash is never green, one defect is one finding."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from conftest import check, check_text
+
+from urdfcheck import catalogue, engine, worker
+from urdfcheck.cli import FAILED, exit_code
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.engine import Request, run
+
+INERTIA = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial>'
+
+
+def crash(*_: object, **__: object) -> Iterator[Finding]:
+    raise ZeroDivisionError("boom")
+
+
+def test_a_check_that_crashes_is_URC900_and_exit_2_and_the_others_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = catalogue.check_of
+    monkeypatch.setattr(catalogue, "check_of", lambda rule: crash if rule.code == "INR004" else real(rule))
+    outcome = check_text(tmp_path, f'<robot name="r"><link name="a">{INERTIA}</link></robot>')
+    codes = {f.code for f in outcome.findings}
+    assert {"URC900", "INR003"} <= codes
+    assert "INR004 crashed" in outcome.failures[0]
+    assert exit_code(outcome, "never") == FAILED
+
+
+def test_a_worker_that_dies_is_a_failure_of_its_model_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("a.urdf", "b.urdf"):
+        (tmp_path / name).write_text('<robot name="r"><link name="base"/></robot>')
+    real = engine._work
+
+    def die_on_a(unit: worker.Unit, settings: worker.Settings, sender: object) -> None:
+        if unit.path.endswith("a.urdf"):
+            os.kill(os.getpid(), signal.SIGKILL)
+        real(unit, settings, sender)  # type: ignore[arg-type]
+
+    import multiprocessing
+
+    monkeypatch.setattr(engine, "_work", die_on_a)
+    monkeypatch.setattr(engine, "_context", lambda _: multiprocessing.get_context("fork"))
+    outcome = run(Request((tmp_path,), tmp_path, frozenset(catalogue.rules()), jobs=2))
+    assert [m.status for m in outcome.models] == ["failed", "checked"]
+    assert "died (exit code -9)" in outcome.failures[0]
+
+
+def test_six_links_made_by_one_macro_line_are_one_finding(tmp_path: Path) -> None:
+    text = f"""<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+      <xacro:macro name="part" params="n"><link name="part_${{n}}">{INERTIA}</link></xacro:macro>
+      <link name="base"/>
+      <xacro:part n="1"/><xacro:part n="2"/><xacro:part n="3"/>
+    </robot>"""
+    found = check_text(tmp_path, text, "r.urdf.xacro", codes={"INR003"}).findings
+    assert len(found) == 1
+    assert [s.split("/")[0] for s in found[0].subjects] == ["link[part_1]", "link[part_2]", "link[part_3]"]
+    assert len(set(found[0].fingerprints)) == 3
+    assert found[0].location.span is not None
+    assert found[0].location.span.line == 2
+
+
+def test_the_weaker_rule_yields_and_the_stronger_says_so(tmp_path: Path) -> None:
+    """A tensor that is not positive definite also breaks the triangle inequality: one cause, one finding."""
+    text = '<robot name="r"><link name="a">' + INERTIA.replace('izz="9"', 'izz="-9"') + "</link></robot>"
+    found = check_text(tmp_path, text, codes={"INR003", "INR004"}).findings
+    assert [f.code for f in found] == ["INR004"]
+
+
+def test_hidden_findings_are_named_by_what_hides_them() -> None:
+    rules = catalogue.rules()
+    stronger: Rule = rules["INR004"]
+    weaker: Rule = rules["INR003"]
+    from urdfcheck.core import Location
+
+    at = Location("link[a]/inertial/inertia", None)
+    elsewhere = Location("link[b]/inertial/inertia", None)
+
+    def finding(rule: Rule, location: Location) -> Finding:
+        return Finding(rule.code, rule.name, rule.severity, rule.confidence, "m", "m", location, (location.subject,))
+
+    kept = worker.hide([finding(weaker, at), finding(stronger, at), finding(weaker, elsewhere)], rules)
+    assert [(f.code, f.location.subject) for f in kept] == [("INR004", at.subject), ("INR003", elsewhere.subject)]
+    assert kept[0].data["hides"] == ["INR003"]
+
+
+def test_a_severity_of_the_configuration_holds(tmp_path: Path) -> None:
+    text = f'<robot name="r"><link name="a">{INERTIA}</link></robot>'
+    found = check_text(tmp_path, text, codes={"INR003"}, severities={"INR003": "info"}).findings
+    assert [f.severity for f in found] == [Severity.INFO]
+
+
+def test_a_check_beyond_the_tier_is_skipped_with_the_tier_that_runs_it(tmp_path: Path) -> None:
+    outcome = check_text(tmp_path, '<robot name="r"><link name="a"/></robot>', tier="source")
+    reasons = {s.code: s.reason for s in outcome.skipped}
+    assert reasons["MSH001"] == "needs --tier mesh"
+    assert reasons["XML014"] == "needs --tier full"
+
+
+def test_without_pinocchio_the_rules_that_need_it_are_skipped_visibly(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on Windows, where pin and coal have no wheels."""
+    import sys
+
+    for name in ("pinocchio", "coal"):
+        monkeypatch.setitem(sys.modules, name, None)
+    outcome = check_text(tmp_path, '<robot name="r"><link name="a"/></robot>')
+    assert not outcome.failures
+    assert "Pinocchio is not installed" in {s.code: s.reason for s in outcome.skipped}["XML014"]
+
+
+def test_every_model_of_a_folder_is_reported_even_when_one_is_broken(tmp_path: Path) -> None:
+    (tmp_path / "a.urdf").write_text("<robot name='r'><link")
+    (tmp_path / "b.urdf").write_text('<robot name="r"><link name="base"/></robot>')
+    outcome = check(tmp_path)
+    assert [(m.path.split("/")[-1], m.status) for m in outcome.models] == [("a.urdf", "failed"), ("b.urdf", "checked")]
+    assert "XML001" in {f.code for f in outcome.findings}
+
+
+def test_model_ids_name_the_arguments(tmp_path: Path) -> None:
+    path = tmp_path / "r.urdf.xacro"
+    path.write_text(
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="n" default="1"/>'
+        '<link name="a$(arg n)"/></robot>'
+    )
+    outcome = check(path, arguments={"n": "2"})
+    assert outcome.models[0].id == "r.urdf.xacro n:=2"
+    assert outcome.models[0].args == {"n": "2"}

@@ -1,0 +1,90 @@
+"""The architecture as a test: imports go downwards only, and the command starts without heavy libraries."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import urdfcheck
+
+PACKAGE = Path(urdfcheck.__file__).parent
+HEAVY = {"numpy", "scipy", "pinocchio", "coal", "trimesh", "yourdfpy", "xacro", "lxml", "collada", "rich", "yaml"}
+
+# What each part of the package may import from it; core, __init__ and libraries import nothing of it.
+ALLOWED = {
+    "facts": {"facts"},
+    "source": {"source", "core"},
+    "outline": {"model", "source", "core"},
+    "scene": {"model", "source", "facts", "core"},
+    "model": {"model", "source", "facts", "core"},
+    "checks": {"model", "source", "facts", "core", "outline", "checks"},
+    "catalogue": {"core"},
+    "config": {"catalogue", "core", "source"},
+    "worker": {"catalogue", "core", "model", "outline", "scene", "source"},
+    "engine": {"catalogue", "core", "outline", "source", "worker", "libraries", ""},
+    "output": {"core", "output"},
+    "preload": {"worker", "libraries"},
+    "core": set(),
+    "libraries": set(),
+}
+
+
+def imports(path: Path) -> set[str]:
+    """The parts of urdfcheck that a module imports when it runs (imports for type checkers only do not count)."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    typing_only = {
+        id(inner)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
+        for inner in ast.walk(node)
+    }
+    found: set[str] = set()
+    for node in ast.walk(tree):
+        if id(node) in typing_only:
+            continue
+        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "urdfcheck":
+            parts = (node.module or "").split(".")
+            found |= {parts[1]} if len(parts) > 1 else {a.name if a.name != "__version__" else "" for a in node.names}
+        elif isinstance(node, ast.Import):
+            found |= {a.name.split(".")[1] for a in node.names if a.name.startswith("urdfcheck.")}
+    return found
+
+
+@pytest.mark.parametrize(
+    "path", sorted(PACKAGE.rglob("*.py")), ids=lambda p: p.relative_to(PACKAGE).as_posix()
+)
+def test_imports_go_downwards(path: Path) -> None:
+    part = path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+    if part in {"cli", "__main__", "__init__"}:
+        return
+    assert imports(path) <= ALLOWED[part], f"{part} must not import these"
+
+
+def loaded_by(code: str) -> set[str]:
+    script = f"import sys\n{code}\nprint(' '.join(sys.modules))"
+    out = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    return {name.split(".")[0] for name in out.splitlines()[-1].split()}
+
+
+def test_help_and_rule_load_the_standard_library_only() -> None:
+    help_text = "from urdfcheck.cli import main\ntry: main(['--help'])\nexcept SystemExit: pass"
+    assert not loaded_by(help_text) & HEAVY
+    assert not loaded_by("from urdfcheck.cli import main; main(['rule', 'INR003'])") & HEAVY
+
+
+def test_the_parent_of_the_workers_loads_nothing_heavy() -> None:
+    assert not loaded_by("import urdfcheck.engine, urdfcheck.worker, urdfcheck.config") & HEAVY
+
+
+def test_the_source_tier_never_loads_meshes_or_dynamics(tmp_path: Path) -> None:
+    model = tmp_path / "r.urdf"
+    model.write_text('<robot name="r"><link name="base"/></robot>')
+    code = (
+        "from urdfcheck.worker import Unit, Settings, audit; from urdfcheck import catalogue\n"
+        f"audit(Unit('model', {str(model)!r}, 'r'), Settings(frozenset(catalogue.rules()), tier='source'))"
+    )
+    assert not loaded_by(code) & {"trimesh", "pinocchio", "coal", "yourdfpy", "scipy", "collada"}

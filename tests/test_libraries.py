@@ -1,0 +1,55 @@
+"""A sourced ROS shell: PYTHONPATH holds another xacro, and ours is taken all the same."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import check_text
+
+from urdfcheck import libraries
+
+
+@pytest.fixture
+def ros(tmp_path: Path) -> Path:
+    """A PYTHONPATH folder with a xacro and a pinocchio that cannot even be imported."""
+    for name in ("xacro", "pinocchio"):
+        (tmp_path / "ros" / name).mkdir(parents=True)
+        (tmp_path / "ros" / name / "__init__.py").write_text("raise ImportError('the ROS one')\n")
+    return tmp_path / "ros"
+
+
+def test_the_own_xacro_is_preferred(ros: Path, tmp_path: Path) -> None:
+    model = tmp_path / "r.urdf.xacro"
+    model.write_text(
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="${1 + 1}_link"/></robot>'
+    )
+    done = subprocess.run(
+        [sys.executable, "-m", "urdfcheck", str(model), "--fail-on", "never"],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(ros)},
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "1 links" in done.stdout or "in 1 model," in done.stdout
+    assert "URC907" not in done.stdout
+
+
+def test_a_foreign_library_that_cannot_be_avoided_is_URC907(
+    ros: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(libraries, "foreign", lambda: {"xacro": str(ros / "xacro/__init__.py")})
+    outcome = check_text(tmp_path, '<robot name="r"><link name="a"/></robot>')
+    assert [f.code for f in outcome.findings] == ["URC907"]
+    assert str(ros) in outcome.findings[0].message
+
+
+def test_what_lies_outside_of_the_environment_is_foreign(ros: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert libraries.foreign() == {}
+    for name in ("xacro", "pinocchio"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    monkeypatch.syspath_prepend(str(ros))
+    assert set(libraries.foreign()) == {"xacro", "pinocchio"}

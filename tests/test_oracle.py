@@ -1,0 +1,81 @@
+"""Independent oracles: our kinematics against yourdfpy's and Pinocchio's."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import FIXTURES
+
+from urdfcheck.core import Unavailable
+from urdfcheck.model import Model
+from urdfcheck.model.dynamics import build, geometry_free
+from urdfcheck.source.load import load
+from urdfcheck.source.packages import PackageFinder
+
+
+def model_of(path: Path, arguments: dict[str, str] | None = None, roots: tuple[Path, ...] = ()) -> Model | None:
+    source = load(path, arguments or {}, PackageFinder(path.absolute(), paths=roots))
+    return None if source.root is None or source.root.tag != "robot" else Model(source, source.root)
+
+
+def same_frames_as_yourdfpy(model: Model, folder: Path) -> int:
+    yourdfpy = pytest.importorskip("yourdfpy")
+    path = folder / "model.urdf"
+    path.write_text(geometry_free(model.robot), encoding="utf-8")
+    other = yourdfpy.URDF.load(str(path), load_meshes=False, build_scene_graph=True, load_collision_meshes=False)
+    other.update_cfg(np.zeros(other.num_dofs))
+    for name, placed in model.frames.items():
+        theirs = other.get_transform(name, model.tree.root)
+        np.testing.assert_allclose(placed, theirs, atol=1e-9, err_msg=name)
+    return len(model.frames)
+
+
+def same_frames_as_pinocchio(model: Model) -> int:
+    pinocchio = pytest.importorskip("pinocchio")
+    built = build(model).model
+    data = built.createData()
+    pinocchio.framesForwardKinematics(built, data, pinocchio.neutral(built))
+    for name, placed in model.frames.items():
+        theirs = data.oMf[built.getFrameId(name, pinocchio.FrameType.BODY)]
+        np.testing.assert_allclose(placed[:3, :3], theirs.rotation, atol=1e-9, err_msg=name)
+        np.testing.assert_allclose(placed[:3, 3], theirs.translation, atol=1e-9, err_msg=name)
+    return len(model.frames)
+
+
+@pytest.mark.parametrize(
+    "path", ["car-3/urdf/car-3.urdf", "car-3/robot_description/urdf/car_body.urdf.xacro", "car-3-fixed/urdf/car_3.urdf.xacro"]
+)
+def test_frames_of_the_fixtures(path: str, tmp_path: Path) -> None:
+    model = model_of(FIXTURES / path)
+    assert model is not None
+    assert same_frames_as_yourdfpy(model, tmp_path) >= 5
+    assert same_frames_as_pinocchio(model) >= 5
+
+
+def test_all_wheels_of_car_3_turn_about_plus_y() -> None:
+    """Two axes are written −y in frames turned by π: in base coordinates all four are +y."""
+    model = model_of(FIXTURES / "car-3/urdf/car-3.urdf")
+    assert model is not None
+    for axis in model.axes.values():
+        np.testing.assert_allclose(axis, [0, 1, 0], atol=1e-5)
+
+
+def test_frames_of_the_corpus(corpus: Path, tmp_path: Path) -> None:
+    compared = 0
+    for entry in json.loads((corpus / "corpus.json").read_text()):
+        if not entry["expands"]:
+            continue
+        roots = tuple(corpus / r for r in entry["package_roots"])
+        model = model_of(corpus / entry["entry"], entry["xacro_args"], roots)
+        if model is None:
+            continue
+        try:
+            sound = build(model)
+        except Unavailable:
+            continue
+        assert not sound.refused, (entry["id"], sound.messages)
+        compared += same_frames_as_pinocchio(model) > 0
+    assert compared > 80

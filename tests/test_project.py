@@ -1,0 +1,79 @@
+"""The project's own hygiene: formatted, linted, typed, and its documents say what the code does."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import REPOSITORY
+
+from urdfcheck import __version__, catalogue, cli
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["ruff", "check", "."],
+        ["ruff", "format", "--check", "."],
+        ["mypy"],
+    ],
+    ids=lambda command: " ".join(command),
+)
+def test_tools_have_nothing_to_say(command: list[str]) -> None:
+    done = subprocess.run([sys.executable, "-m", *command], cwd=REPOSITORY, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_changelog_begins_with_this_version() -> None:
+    changelog = (REPOSITORY / "CHANGELOG.md").read_text(encoding="utf-8")
+    first = re.search(r"^## (\S+)", changelog, re.MULTILINE)
+    assert first is not None
+    assert first.group(1) == __version__
+
+
+def test_rules_index_is_current() -> None:
+    sys.path.insert(0, str(REPOSITORY / "rules"))
+    try:
+        import make_index
+    finally:
+        sys.path.pop(0)
+    assert (REPOSITORY / "rules" / "README.md").read_text(encoding="utf-8") == make_index.index()
+
+
+def test_readme_names_every_option_and_exit_code() -> None:
+    readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
+    options = {s for action in cli.parser()._actions for s in action.option_strings if s.startswith("--")}
+    missing = {o for o in options - {"--help", "--version"} if o not in readme}
+    assert not missing
+    for code in (cli.OK, cli.FINDINGS, cli.FAILED, cli.NOTHING):
+        assert re.search(rf"^\| {code} \|", readme, re.MULTILINE), f"exit code {code}"
+
+
+def test_documents_name_only_rules_that_exist() -> None:
+    known = set(catalogue.rules())
+    for path in [REPOSITORY / "README.md", REPOSITORY / "CONTRIBUTING.md", REPOSITORY / "CHANGELOG.md"]:
+        named = set(re.findall(r"\b(?:XML|XAC|PKG|KIN|JNT|SYM|INR|MSH|GEO|NAM|GZB|CTL|LCH|URC)\d{3}\b", path.read_text()))
+        assert named <= known, f"{path.name} names {sorted(named - known)}"
+
+
+def test_links_between_documents_lead_somewhere() -> None:
+    for path in [*REPOSITORY.glob("*.md"), *(REPOSITORY / "rules").glob("*.md")]:
+        for target in re.findall(r"\]\((?!https?:|#|mailto:)([^)#\s]+)", path.read_text(encoding="utf-8")):
+            assert (path.parent / target).exists(), f"{path.name}: {target}"
+
+
+def test_the_seed_files_are_as_their_author_wrote_them() -> None:
+    import hashlib
+
+    known = {
+        "robot_description/urdf/car_body.urdf.xacro": "56217a34146570dc99b7ffed2f61af53968924647cb1e3e586fdc541be9040fb",
+        "robot_description/urdf/gazebo.urdf.xacro": "dc71199537c50db4aee0aceb1fce1eb22c4b82e155ade3872f9069f5ffd7c7df",
+        "urdf/car-3.urdf": "f032aa1c89d8b28ff8570e18a061013243d5b61d7e3f6d90a75f9fb005c08c09",
+        "launch/car.launch": "c06cde4e79858438b31f1aca302b002efc0efdf3fd73790c35e28f0f4d0fd7bb",
+    }
+    folder: Path = REPOSITORY / "fixtures" / "car-3"
+    for name, digest in known.items():
+        assert hashlib.sha256((folder / name).read_bytes()).hexdigest() == digest, name

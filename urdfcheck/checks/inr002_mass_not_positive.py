@@ -1,0 +1,59 @@
+"""INR002: masses are greater than zero."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.model import Link, Model
+from urdfcheck.model.body import body_mass
+
+
+# MuJoCo's mjMINVAL: what a consumer takes for zero.
+ZERO = 1e-15
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    massless: list[Link] = []
+    for link in model.links:
+        if link.inertial is None or link.inertial.mass is None or link.inertial.mass > 0:
+            continue
+        mass, largest = link.inertial.mass, max(map(abs, link.inertial.six or (0.0,)))
+        if mass < 0:
+            yield rule.finding("negative", at=_place(link), link=link.name, mass=mass)
+        elif largest > ZERO:
+            yield rule.finding("inertia_without_mass", at=_place(link), link=link.name, largest=largest)
+        else:
+            massless.append(link)
+    # Only these need the tree: whether a link of no mass matters is decided by what it is fixed to.
+    kinds = [(link, _kind(model, link)) for link in massless]
+    for link, kind in kinds:
+        if kind != "helper":
+            severity = Severity.INFO if kind == "root" else None
+            yield rule.finding(kind, at=_place(link), severity=severity, link=link.name)
+    helpers = [link for link, kind in kinds if kind == "helper"]
+    if helpers:
+        yield rule.finding(
+            "helper",
+            at=_place(helpers[0]),
+            related=[_place(link) for link in helpers[1:]],
+            severity=Severity.INFO,
+            links=", ".join(link.name for link in helpers),
+        )
+
+
+def _place(link: Link) -> Location:
+    assert link.inertial is not None
+    attribute = link.inertial.mass_attribute
+    return link.inertial.location if attribute is None else attribute.location
+
+
+def _kind(model: Model, link: Link) -> str:
+    """``helper``: nothing depends on it; ``root``: part of the base, which need not move; ``zero``: the real defect."""
+    body = model.tree.body(link.name)
+    mass = body_mass(model, body)
+    drawn = bool(link.visuals or link.collisions)
+    carries = any(joint.type != "fixed" for name in body for joint in model.tree.child_joints[name])
+    if mass is None or mass > 0 or (not drawn and not carries):
+        return "helper"
+    return "zero" if model.tree.moves(link.name) else "root"

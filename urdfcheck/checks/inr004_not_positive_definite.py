@@ -1,0 +1,146 @@
+"""INR004: inertia tensors are positive definite."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from urdfcheck.core import Edit, Finding, Location, Rule, Severity
+from urdfcheck.facts.inertia import principal_moments, tensor, triangle_excess
+from urdfcheck.model import Inertial, Link, Model
+from urdfcheck.model.body import body_tensor, is_point
+from urdfcheck.model.parts import TENSOR
+
+DIAGONAL = (0, 3, 5)
+PRODUCTS = {1: (0, 3), 2: (0, 5), 4: (3, 5)}
+
+
+def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
+    points: list[Link] = []
+    lines: list[Link] = []
+    for link in model.links:
+        inertial = link.inertial
+        if inertial is None or inertial.six is None:
+            continue
+        smallest, largest = _extremes(inertial.six)
+        negative = [i for i in DIAGONAL if inertial.six[i] < 0]
+        if is_point(inertial):
+            points.append(link)
+        elif negative:
+            yield _negative(rule, link, inertial, negative)
+        elif smallest < -rel_tol * largest:
+            yield _products(rule, link, inertial, smallest)
+        elif smallest <= rel_tol * largest and triangle_excess(tensor(inertial.six)) >= -rel_tol:
+            lines.append(link)
+    # Only these need the tree: a rod or a point is no defect where what is fixed to it makes the body whole.
+    yield from _singular(rule, model, "point", points, rel_tol)
+    yield from _singular(rule, model, "line", lines, rel_tol)
+
+
+def _extremes(six: Sequence[float]) -> tuple[float, float]:
+    moments, _ = principal_moments(tensor(six))
+    return float(moments[0]), float(abs(moments).max())
+
+
+def _valid(six: Sequence[float]) -> bool:
+    smallest, largest = _extremes(six)
+    return smallest > 1e-9 * largest and triangle_excess(tensor(six)) >= -1e-9
+
+
+def _negative(rule: Rule, link: Link, inertial: Inertial, negative: Sequence[int]) -> Finding:
+    """A negative diagonal entry; when dropping the signs gives a possible body, the fix does that."""
+    six = inertial.six
+    assert six is not None
+    mended = [abs(v) if i in DIAGONAL else v for i, v in enumerate(six)]
+    sign = _valid(mended)
+    return rule.finding(
+        "negative_sign" if sign else "negative",
+        at=_place(inertial, TENSOR[negative[0]]),
+        cause="sign" if sign else _cause(six),
+        edits=_without_minus(inertial, negative) if sign else (),
+        link=link.name,
+        names=", ".join(f"{TENSOR[i]} = {six[i]:g}" for i in negative),
+        values=" ".join(f'{TENSOR[i]}="{abs(six[i]):g}"' for i in negative),
+    )
+
+
+def _without_minus(inertial: Inertial, entries: Sequence[int]) -> list[Edit]:
+    element = inertial.tensor_element
+    assert element is not None
+    edits = []
+    for i in entries:
+        attribute = element.attributes[TENSOR[i]]
+        if not attribute.literal or attribute.span is None:
+            return []
+        edits.append(Edit(attribute.span, attribute.typed, attribute.typed.replace("-", "", 1)))
+    return edits
+
+
+def _products(rule: Rule, link: Link, inertial: Inertial, smallest: float) -> Finding:
+    six = inertial.six
+    assert six is not None
+    # |Ixy| > sqrt(Ixx Iyy) alone already makes the tensor indefinite; else it takes all three products together.
+    excess = {i: abs(six[i]) - (six[a] * six[b]) ** 0.5 for i, (a, b) in PRODUCTS.items()}
+    worst = max(excess, key=lambda i: excess[i])
+    a, b = PRODUCTS[worst]
+    if excess[worst] > 0:
+        return rule.finding(
+            "product",
+            at=_place(inertial, TENSOR[worst]),
+            cause=_cause(six),
+            link=link.name,
+            product=TENSOR[worst],
+            value=six[worst],
+            bound=(six[a] * six[b]) ** 0.5,
+            smallest=smallest,
+            first=TENSOR[a],
+            second=TENSOR[b],
+        )
+    place = inertial.tensor_element
+    assert place is not None
+    return rule.finding("products", at=place, cause=_cause(six), link=link.name, smallest=smallest)
+
+
+def _cause(six: Sequence[float]) -> str | None:
+    """Whether the six numbers make a possible body when they are read in another common order."""
+    diagonal_first = [six[i] for i in (0, 3, 4, 1, 5, 2)]
+    if _valid(diagonal_first):
+        return "diagonal_first"
+    # Rows of the full matrix xx xy xz | yx yy yz: the fourth number repeats the second.
+    return "rows" if six[1] == six[3] != 0 else None
+
+
+def _singular(rule: Rule, model: Model, message: str, links: Sequence[Link], rel_tol: float) -> Iterator[Finding]:
+    """One warning for each link whose whole body is singular, one info for all the others together."""
+    alone, harmless = [], []
+    for link in links:
+        fused = body_tensor(model, model.tree.body(link.name))
+        if fused is None:
+            continue  # no mass, or a malformed inertial: other rules
+        moments, _ = principal_moments(fused)
+        singular = model.tree.moves(link.name) and moments[0] <= rel_tol * moments[2]
+        (alone if singular else harmless).append(link)
+    for link in alone:
+        yield rule.finding(message, at=_tensor_place(link), severity=Severity.WARNING, **_names([link]))
+    if harmless:
+        yield rule.finding(
+            f"{message}_fixed",
+            at=_tensor_place(harmless[0]),
+            related=[_tensor_place(link) for link in harmless[1:]],
+            severity=Severity.INFO,
+            **_names(harmless),
+        )
+
+
+def _names(links: Sequence[Link]) -> dict[str, str]:
+    return {"links": ", ".join(f"{link.name} ({link.inertial.mass:g} kg)" for link in links if link.inertial)}
+
+
+def _tensor_place(link: Link) -> Location:
+    assert link.inertial is not None and link.inertial.tensor_element is not None
+    return link.inertial.tensor_element.location
+
+
+def _place(inertial: Inertial, name: str) -> Location:
+    element = inertial.tensor_element
+    assert element is not None
+    return element.attributes[name].location

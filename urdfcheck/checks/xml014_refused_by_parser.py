@@ -1,0 +1,20 @@
+"""XML014: what the reference parser says when it really loads the model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.model import Model
+
+# Every loader of a model whose root is `world`, or whose root has an inertia, hears about it; rules of their own say more.
+_EXPLAINED = ("root link", "has an inertia specified in the URDF")
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    dynamics = model.dynamics
+    said = [m for m in dynamics.messages if not any(known in m for known in _EXPLAINED)]
+    if dynamics.refused:
+        yield rule.finding("refused", at=model, said="; ".join(said) or "it gives no reason")
+    elif said:
+        yield rule.finding("said", at=model, severity=Severity.WARNING, said="; ".join(said))

@@ -1,0 +1,43 @@
+"""Severities as shapes and words: never by colour alone, and legible when the style is blocked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from urdfcheck.core import Severity
+
+ORDER = (Severity.ERROR, Severity.WARNING, Severity.INFO)
+
+# Drawn once; the fill is the text colour, the sign is cut out of it, so one drawing serves every background.
+SYMBOLS = (
+    '<svg width="0" height="0" class="symbols" aria-hidden="true" focusable="false"><defs>'
+    '<symbol id="g-error" viewBox="0 0 16 16"><path fill="currentColor" fill-rule="evenodd" d="M5 .8h6L15.2 5v6L11 15.2H5'
+    "L.8 11V5zM5.2 4.1 4.1 5.2 6.9 8l-2.8 2.8 1.1 1.1L8 9.1l2.8 2.8 1.1-1.1L9.1 8l2.8-2.8-1.1-1.1L8 6.9z"
+    '"/></symbol>'
+    '<symbol id="g-warning" viewBox="0 0 16 16"><path fill="currentColor" fill-rule="evenodd" d="M8 1q.7 0 1.1.7l6.3 11.2'
+    'q.3.6 0 1.2t-1.1.6H1.7q-.8 0-1.1-.6t0-1.2L6.9 1.7Q7.3 1 8 1zM7.1 5.4v4.4h1.8V5.4zM7.1 11.2V13h1.8v-1.8z"/></symbol>'
+    '<symbol id="g-info" viewBox="0 0 16 16"><path fill="currentColor" fill-rule="evenodd" d="M8 .7a7.3 7.3 0 1 0 0 14.6'
+    'A7.3 7.3 0 0 0 8 .7zM7.1 6.9v4.9h1.8V6.9zM7.1 4v1.8h1.8V4z"/></symbol>'
+    '<symbol id="g-ok" viewBox="0 0 16 16"><path fill="currentColor" fill-rule="evenodd" d="M8 .7a7.3 7.3 0 1 0 0 14.6'
+    'A7.3 7.3 0 0 0 8 .7zM11.5 4.6 7 9.2 4.6 6.8 3.4 8 7 11.6l5.7-5.8z"/></symbol>'
+    "</defs></svg>"
+)
+
+
+def glyph(kind: Severity | str) -> str:
+    return f'<svg class="glyph" width="16" height="16" aria-hidden="true" focusable="false"><use href="#g-{kind}"/></svg>'
+
+
+def badges(counts: Mapping[Severity, int]) -> str:
+    """One small count per severity that occurs, each with its glyph and, for those who do not see it, its word."""
+    found = [
+        f'<span class="badge {s}">{glyph(s)}{counts[s]}<span class="sr"> {words(counts[s], s)} </span></span>'
+        for s in ORDER
+        if counts.get(s)
+    ]
+    return "".join(found) or f'<span class="badge ok">{glyph("ok")}<span class="sr"> no findings </span></span>'
+
+
+def words(count: int, severity: Severity) -> str:
+    """``error`` or ``errors``; information has no plural."""
+    return str(severity) if count == 1 or severity == Severity.INFO else f"{severity}s"
