@@ -32,6 +32,10 @@ def check_text(folder: Path, text: str, name: str = "robot.urdf", **request: obj
     return check(path, **request)  # type: ignore[arg-type]
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--accept", action="store_true", help="write the goldens anew; review them as a diff")
+
+
 @pytest.fixture(autouse=True)
 def _no_ros(monkeypatch: pytest.MonkeyPatch) -> None:
     """A sourced ROS installation must not decide a test."""

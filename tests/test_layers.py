@@ -28,7 +28,8 @@ ALLOWED = {
     "engine": {"catalogue", "core", "outline", "source", "worker", "libraries", ""},
     "output": {"core", "output"},
     "preload": {"worker", "libraries"},
-    "core": set(),
+    "core": {"errors"},
+    "errors": set(),
     "libraries": set(),
 }
 

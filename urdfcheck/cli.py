@@ -5,12 +5,15 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from urdfcheck import __version__
-from urdfcheck.core import Run, Severity, UrdfcheckError
+from urdfcheck.errors import UrdfcheckError
+
+if TYPE_CHECKING:
+    from urdfcheck.core import Run
 
 OK, FINDINGS, FAILED, NOTHING = 0, 1, 2, 3
 COMMANDS = ("check", "rule")
@@ -116,13 +119,15 @@ def check(words: Sequence[str]) -> int:
 
 def exit_code(run: Run, fail_on: str, *, allow_empty: bool = False) -> int:
     """Our own failures weigh more than findings, findings more than having had nothing to check."""
+    from urdfcheck.core import Severity
+
     if run.failures:
         return FAILED
     if fail_on != "never" and any(
         f.severity >= Severity.parse(fail_on) and f.suppressed is None for f in run.findings
     ):
         return FINDINGS
-    if not run.models and not run.findings:
+    if not run.units:
         return OK if allow_empty else NOTHING
     return OK
 
@@ -148,24 +153,26 @@ def rule(words: Sequence[str]) -> int:
 def _show(run: Run, output_format: str, color: str) -> None:
     from urdfcheck import output
 
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(errors="backslashreplace")
     if output_format == "text":
         from rich.console import Console
 
         from urdfcheck.output import text
 
-        forced = {"auto": None, "always": True, "never": False}[color]
-        if hasattr(sys.stdout, "reconfigure"):
-            sys.stdout.reconfigure(errors="backslashreplace")
-        # A CI log has no width of its own; rich would take 80 columns.
-        width = None if sys.stdout.isatty() or "COLUMNS" in os.environ else text.WIDTH
-        console = Console(force_terminal=forced, no_color=forced is False or None, width=width, highlight=False)
-        text.render(run, console)
+        # rich knows terminals, NO_COLOR and the window's width; a CI log has no width of its own.
+        terminal = Console()
+        colored = color == "always" or (color == "auto" and terminal.is_terminal and not terminal.no_color)
+        width = terminal.width if terminal.is_terminal or "COLUMNS" in os.environ else text.WIDTH
+        sys.stdout.write(text.render(run, width=width, color=colored))
         return
     sys.stdout.write(output.render(run, output_format))
 
 
 def _write(run: Run, output_format: str, file: Path) -> None:
     """Write a report whole or not at all."""
+    import tempfile
+
     from urdfcheck import output
 
     text = output.render(run, output_format)

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from typing import Any, Protocol
 
+from urdfcheck.errors import Unavailable, UrdfcheckError
+
 __all__ = [
     "Applicability",
     "Cause",
@@ -32,14 +34,6 @@ __all__ = [
     "Unavailable",
     "UrdfcheckError",
 ]
-
-
-class UrdfcheckError(Exception):
-    """urdfcheck or its configuration failed: the command ends with exit code 2 and this text."""
-
-
-class Unavailable(Exception):
-    """A fact cannot be had for this model; the text says why. The engine lists the check as skipped."""
 
 
 class Severity(IntEnum):
@@ -340,7 +334,8 @@ class Scene:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """The whole outcome, immutable: what every output renders. ``sources`` holds the text of files with findings."""
+    """The whole outcome, immutable: what every output renders. ``sources`` holds the text of files with findings;
+    ``units`` counts the models, launch files and packages that were looked at."""
 
     models: tuple[ModelInfo, ...]
     findings: tuple[Finding, ...]
@@ -351,6 +346,7 @@ class Run:
     scenes: tuple[Scene, ...] = ()
     seconds: float = 0.0
     failures: tuple[str, ...] = ()
+    units: int = 0
 
     def count(self, severity: Severity) -> int:
         """Findings of exactly this severity that are not suppressed."""

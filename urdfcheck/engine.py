@@ -113,6 +113,7 @@ def _assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]]
 
     findings: list[Finding] = [f for _, r in kept for f in r.findings]
     skipped: list[Skip] = [s for _, r in kept for s in r.skipped]
+    skipped += [Skip("ALL", path, reason) for path, reason in found.unused]
     failures = [f"{path}: {reason}" for path, reason in found.missing]
     failures += [f for _, r in kept for f in r.failures]
     outlines = [replace(r.outline, model=u.id) for u, r in kept if r.outline is not None]
@@ -142,6 +143,7 @@ def _assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]]
         scenes=tuple(r.scene for _, r in kept if r.scene is not None),
         seconds=seconds,
         failures=tuple(failures),
+        units=len(kept),
     )
 
 
@@ -193,9 +195,16 @@ def _in_workers(units: Sequence[Unit], settings: Settings, jobs: int) -> list[Re
 
 def _work(unit: Unit, settings: Settings, sender: Connection) -> None:
     libraries.prefer_own()
-    from urdfcheck.worker import audit
+    try:
+        from urdfcheck.worker import audit
 
-    sender.send(audit(unit, settings))
+        report = audit(unit, settings)
+    except Exception as error:  # ours, not the model's: reading and checking turn what is wrong there into findings
+        from urdfcheck.worker import Report
+
+        text = f"the audit of {unit.id} crashed: {type(error).__name__}: {error}"
+        report = Report(info=_dead(unit), failures=(text,))
+    sender.send(report)
     sender.close()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.facts.inertia import digits_needed, principal_moments, triangle_excess
@@ -22,9 +23,10 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
         excess = -triangle_excess(inertial.tensor)
         if excess <= rel_tol:
             continue
-        data = {
+        data: dict[str, Any] = {
             "link": link.name,
-            "moments": ", ".join(f"{m:.6g}" for m in moments),
+            # What the eigenvalue solver leaves of a zero is no number to print.
+            "moments": ", ".join(f"{0.0 if abs(m) < 1e-12 * moments[2] else m:.6g}" for m in moments),
             "sum": float(moments[0] + moments[1]),
             "excess": float(excess),
         }

@@ -23,9 +23,10 @@ __all__ = ["Boundary", "MeshError", "MeshFacts", "hull_vertices", "mesh_facts", 
 Array = NDArray[np.float64]
 _Scalar = TypeVar("_Scalar", bound=np.generic)
 
-# Exporters write one corner of two triangles with different float noise: one float32 rounding of the diagonal, or up to
-# eight where a transform came between. That is a micrometre on a metre at most, far below any feature of a part.
-_NOISE = (6e-8, 1e-6)
+# Exporters write one corner of several triangles with different float noise. The least of these, as fractions of the
+# diagonal, that closes a mesh is taken: residue of zero, one float32 rounding, and up to a micrometre on a metre where
+# transforms came between, which is still far below any feature of a part.
+_NOISE = (1e-9, 6e-8, 1e-6)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,8 +35,8 @@ class MeshFacts:
 
     ``vertices`` (V, 3) and ``faces`` (F, 3): equal corners merged whatever their normals and texture coordinates,
     triangles with a non-finite corner, with a repeated corner and repeated triangles dropped. If the mesh is open
-    then, corners on open edges within ``weld_distance`` of each other are merged too, when that closes it; else
-    ``weld_distance`` is 0.
+    then, corners within ``weld_distance``, at most 1e-6 of the diagonal, of each other are merged too, when that
+    closes it; else ``weld_distance`` is 0.
 
     ``n_triangles``: as stored in the file; the counts ``degenerate_faces`` (a repeated corner or no area),
     ``duplicate_faces`` (the same corners as an earlier face, either way round) and ``non_finite_vertices`` (as stored)
@@ -52,7 +53,8 @@ class MeshFacts:
     latter two without volume. They mean something when ``closed``. ``area``, ``surface_centroid`` (3,) and
     ``surface_covariance`` (3, 3): the same of the surface as a thin shell; they always mean something.
 
-    ``unit``: metres per unit, and ``up_axis``: as COLLADA declares them, else None. ``format`` and ``solid_header``:
+    ``unit``: metres per unit as COLLADA declares it, None where it or another format does not. ``up_axis``: COLLADA's
+    ``X_UP``, ``Y_UP`` (where it declares none) or ``Z_UP``; None in other formats. ``format`` and ``solid_header``:
     see `urdfcheck.facts.mesh_decode.RawMesh`.
     """
 
@@ -165,7 +167,7 @@ def _close(surface: Surface, edges: Edges) -> tuple[Surface, Edges, float]:
     if len(edges.open):
         diagonal = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
         for distance in (noise * diagonal for noise in _NOISE):
-            welded = weld_near(surface, edges.irregular, distance)
+            welded = weld_near(surface, distance)
             if len(welded.faces) and not len((closed := edges_of(welded.faces)).open):
                 return welded, closed, distance
     return surface, edges, 0.0

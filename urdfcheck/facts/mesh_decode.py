@@ -9,13 +9,12 @@ from __future__ import annotations
 import io
 import json
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-
-FORMATS = ("stl", "obj", "dae", "ply", "off", "glb", "gltf")
 
 _STL_HEADER = 84
 _STL_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -51,7 +50,7 @@ class RawMesh:
     """Triangles as a file stores them: ``vertices`` (V, 3) in file units, ``faces`` (F, 3), scene transforms applied.
 
     ``format``: the file type, but ``stl-binary`` or ``stl-ascii``. ``solid_header``: a binary STL that begins with
-    ``solid`` as an ASCII one must. ``unit`` (metres per file unit) and ``up_axis``: as COLLADA declares them.
+    ``solid`` as an ASCII one must. ``unit`` (metres per file unit) and ``up_axis``: COLLADA's.
     """
 
     format: str
@@ -69,7 +68,7 @@ def decode(data: bytes, file_type: str) -> RawMesh:
     """
     _refuse_impostors(data, file_type)
     try:
-        mesh = _DECODERS[file_type](data) if file_type in _DECODERS else _from_trimesh(data, file_type)
+        mesh = _DECODERS[file_type](data)
     except MeshError:
         raise
     except Exception as error:  # loaders raise whatever their internals do: AttributeError, IndexError, DaeError …
@@ -90,8 +89,8 @@ def _refuse_impostors(data: bytes, file_type: str) -> None:
         raise MeshError("lfs-pointer", f"is a Git LFS pointer; the file{real} was never fetched (git lfs pull)")
     if start[:14].lower().startswith((b"<!doctype html", b"<html")):
         raise MeshError("html", "is a web page, not a mesh: the download saved an error or a preview page")
-    if file_type not in FORMATS:
-        raise MeshError("unsupported", f"has the format {file_type or '(none)'!r}; known are {', '.join(FORMATS)}")
+    if file_type not in _DECODERS:
+        raise MeshError("unsupported", f"has the format {file_type or '(none)'!r}; known are {', '.join(_DECODERS)}")
     for name, signatures in _SIGNATURES.items():
         if name != file_type and start.startswith(signatures):
             raise MeshError("malformed", f"is named {file_type} and begins as a {name} file does")
@@ -225,6 +224,17 @@ def _from_gltf(data: bytes) -> RawMesh:
     return _from_trimesh(data, "gltf")
 
 
+def _from_ply(data: bytes) -> RawMesh:
+    mesh = _from_trimesh(data, "ply")
+    # trimesh reads as many lines of an ASCII file as there are.
+    declared = re.search(rb"^element\s+face\s+(\d+)", data.partition(b"end_header")[0], re.MULTILINE)
+    if declared and 0 < len(mesh.faces) < int(declared[1]):
+        raise MeshError(
+            "truncated", f"is truncated: it declares {int(declared[1]):,} faces and has {len(mesh.faces):,}"
+        )
+    return mesh
+
+
 def _from_trimesh(data: bytes, file_type: str) -> RawMesh:
     import trimesh  # half a second: only where a format needs it
 
@@ -257,4 +267,12 @@ def _joined(
     return RawMesh(name, np.concatenate(vertices), np.concatenate(faces), unit=unit, up_axis=up_axis)
 
 
-_DECODERS = {"stl": _from_stl, "obj": _from_obj, "off": _from_off, "dae": _from_dae, "gltf": _from_gltf}
+_DECODERS: dict[str, Callable[[bytes], RawMesh]] = {
+    "stl": _from_stl,
+    "obj": _from_obj,
+    "dae": _from_dae,
+    "ply": _from_ply,
+    "off": _from_off,
+    "glb": lambda data: _from_trimesh(data, "glb"),
+    "gltf": _from_gltf,
+}

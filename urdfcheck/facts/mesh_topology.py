@@ -40,11 +40,9 @@ class Surface:
 @dataclass(frozen=True, slots=True, eq=False)
 class Edges:
     """How faces meet; see `urdfcheck.facts.mesh.MeshFacts`. ``open`` (n, 2): the vertices of each edge that belongs to
-    one face, in the direction in which that face runs along it; ``irregular`` (n, 2): of those that do not belong to
-    two."""
+    one face, in the direction in which that face runs along it."""
 
     open: Indices
-    irregular: Indices
     non_manifold: int
     watertight: bool
     winding_consistent: bool
@@ -69,28 +67,24 @@ def weld_exact(vertices: Array, faces: Indices) -> Surface:
     return without_repeats(points[first], group[corners.reshape(-1, 3)])
 
 
-def weld_near(surface: Surface, edges: Indices, distance: float) -> Surface:
-    """Merge the ends of ``edges`` (n, 2) that lie within ``distance``, or in one cell of twice that size.
+def weld_near(surface: Surface, distance: float) -> Surface:
+    """Merge corners that lie within ``distance``, or in one cell of twice that size.
 
     Two points within half a cell of each other along every axis share a cell in one of eight grids, each shifted by
     half a cell along some of the axes: no pair is missed because a cell's border runs between its points.
     """
-    ends = np.unique(edges)
-    points = surface.vertices[ends] - surface.vertices[ends].min(axis=0)
-    label = np.arange(len(ends))
+    points = surface.vertices - surface.vertices.min(axis=0)
+    label = np.arange(len(points))
     changed = distance > 0.0
     while changed:
         before = label
         for shift in product((0.0, 0.5), repeat=3):
             _, cell = _unique_rows(np.floor(points / (2.0 * distance) + np.array(shift)))
-            lowest = np.full(len(ends), len(ends))
+            lowest = np.full(len(points), len(points))
             np.minimum.at(lowest, cell, label)
             label = lowest[cell]
         changed = bool((label != before).any())
-    target = np.arange(len(surface.vertices))
-    target[ends] = ends[label]
-    used, faces = np.unique(target[surface.faces], return_inverse=True)
-    again = without_repeats(surface.vertices[used], faces.reshape(-1, 3))
+    again = without_repeats(surface.vertices, label[surface.faces])
     return Surface(
         again.vertices, again.faces, surface.degenerate + again.degenerate, surface.duplicate + again.duplicate
     )
@@ -116,7 +110,6 @@ def edges_of(faces: Indices) -> Edges:
     balance = np.bincount(inverse, weights=np.where(directed[:, 0] == low, 1.0, -1.0))
     return Edges(
         open=directed[index[count == 1]],
-        irregular=directed[index[count != 2]],
         non_manifold=int((count > 2).sum()),
         watertight=bool((count == 2).all()),
         winding_consistent=not balance[count == 2].any(),

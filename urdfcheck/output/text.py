@@ -8,6 +8,7 @@ from itertools import groupby
 
 from rich.console import Console
 from rich.padding import Padding
+from rich.table import Table
 from rich.text import Text
 
 from urdfcheck.core import Finding, Fix, ModelInfo, Run, Severity, Span
@@ -19,10 +20,18 @@ WIDTH = 100
 MAX_RELATED = 4
 
 
-def render(run: Run, console: Console | None = None) -> str:
-    """Plain text at a fixed width; with ``console``, print there (in colour if it is a terminal) instead."""
+def render(run: Run, *, width: int = WIDTH, color: bool = False) -> str:
+    """The report as text of this width in columns, with ANSI colours if wanted."""
     sink = io.StringIO()
-    out = console or Console(file=sink, width=WIDTH, color_system=None, highlight=False, legacy_windows=False)
+    out = Console(
+        file=sink,
+        width=width,
+        force_terminal=color,
+        no_color=not color,
+        color_system="standard" if color else None,
+        highlight=False,
+        legacy_windows=False,
+    )
     infos = {info.id: info for info in run.models}
     for model, group in groupby(run.findings, key=lambda f: f.model):
         findings = list(group)
@@ -33,11 +42,13 @@ def render(run: Run, console: Console | None = None) -> str:
     for failure in run.failures:
         _line(out, Text.assemble(("urdfcheck failed: ", "bold red"), visible(failure)))
     _summary(out, run)
-    return sink.getvalue()
+    # Grids are filled up with blanks; a CI log and a diff are better without.
+    return "".join(f"{line.rstrip()}\n" for line in sink.getvalue().splitlines())
 
 
-def _line(out: Console, text: Text | str, indent: int = 0) -> None:
-    out.print(Padding(text, (0, 0, 0, indent)) if indent else text, soft_wrap=False, highlight=False, markup=False)
+def _line(out: Console, text: Text | Table, indent: int = 0) -> None:
+    shown = Padding(text, (0, 0, 0, indent), expand=False) if indent else text
+    out.print(shown, soft_wrap=False, highlight=False, markup=False)
 
 
 def _heading(out: Console, info: ModelInfo | None, model: str) -> None:
@@ -79,7 +90,7 @@ def _finding(out: Console, run: Run, finding: Finding) -> None:
     for consumers, effect in _by_effect(finding):
         _labelled(out, "then", f"{', '.join(consumers)}: {visible(effect)}")
     if finding.fix is not None:
-        _repair(out, finding.fix)
+        _repair(out, finding, finding.fix)
     out.print()
 
 
@@ -97,18 +108,25 @@ def _frame(out: Console, run: Run, span: Span, style: str) -> None:
             out.print(Text(f"  {' ' * digits} │ ", "dim") + Text(marks, style), soft_wrap=True, highlight=False)
 
 
-def _repair(out: Console, fix: Fix) -> None:
+def _repair(out: Console, finding: Finding, fix: Fix) -> None:
     _labelled(out, "fix", visible(fix.title))
+    here = None if finding.location.span is None else finding.location.span.file
     for edit in fix.edits[:MAX_RELATED]:
-        where = f"{visible(edit.span.file)}:{edit.span.line}"
-        _line(out, Text.assemble((f"{where} - ", "dim"), (visible(edit.expected), "red")), 8)
-        _line(out, Text.assemble((f"{where} + ", "dim"), (visible(edit.replacement), "green")), 8)
+        place = "" if edit.span.file == here else f"{visible(edit.span.file)}:"
+        where = f"{place}{edit.span.line} "
+        _labelled(out, "", Text.assemble((where + "- ", "dim"), (visible(edit.expected), "red")))
+        _labelled(out, "", Text.assemble((where + "+ ", "dim"), (visible(edit.replacement), "green")))
     if len(fix.edits) > MAX_RELATED:
-        _line(out, Text(f"… and {len(fix.edits) - MAX_RELATED} more edits", "dim"), 8)
+        _labelled(out, "", Text(f"… and {len(fix.edits) - MAX_RELATED} more edits", "dim"))
 
 
-def _labelled(out: Console, label: str, text: str) -> None:
-    _line(out, Text.assemble((f"{label + ':':<6}", "dim"), text), 2)
+def _labelled(out: Console, label: str, text: str | Text) -> None:
+    """``label: text`` with the text's further lines below its first."""
+    grid = Table.grid(padding=0)
+    grid.add_column(width=6, no_wrap=True)
+    grid.add_column(overflow="fold")
+    grid.add_row(Text(label, "dim"), text)
+    _line(out, grid, 2)
 
 
 def _by_effect(finding: Finding) -> list[tuple[list[str], str]]:

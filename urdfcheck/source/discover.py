@@ -38,12 +38,14 @@ class ModelTarget:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What there is to check. ``missing``: paths that do not exist or are nothing that can be checked, with the reason."""
+    """What there is to check. ``missing``: paths that do not exist or are nothing that can be checked, with the reason;
+    ``unused``: macro files and meshes that were named but that no model uses."""
 
     models: tuple[ModelTarget, ...]
     launches: tuple[Path, ...]
     packages: tuple[Path, ...]
     missing: tuple[tuple[str, str], ...]
+    unused: tuple[tuple[str, str], ...] = ()
 
 
 def plan(
@@ -69,6 +71,7 @@ class _Planner:
         self.models: dict[Path, list[ModelTarget]] = {}
         self.launches: dict[Path, Path] = {}
         self.missing: list[tuple[str, str]] = []
+        self.unused: list[tuple[str, str]] = []
         self.folders: dict[Path, _Folder] = {}
 
     def finder(self, start: Path) -> PackageFinder:
@@ -98,18 +101,22 @@ class _Planner:
         if is_launch(path):
             self.add_launch(path)
         elif path.suffix.lower() in MESH_SUFFIXES:
-            users = self.surroundings(path).users_of(path)
-            for user in users:
-                self.add_model(ModelTarget(user, self.arguments))
+            self.add_users(path, self.surroundings(path).users_of(path), "no model of its package names this mesh")
         elif path.name == "package.xml":
             self.add_folder(path.parent)
         elif path.suffix == ".xacro" and only_macros(path):
-            for user in self.surroundings(path).including(path):
-                self.add_model(ModelTarget(user, self.arguments))
+            users = self.surroundings(path).including(path)
+            self.add_users(path, users, "only defines macros, and no model of its package includes it")
         elif path.suffix in {".urdf", ".xacro", ".xml", ""}:
             self.add_model(ModelTarget(path, self.arguments, explicit=True))
         else:
             self.missing.append((str(path), "is no model, launch file, mesh or folder"))
+
+    def add_users(self, path: Path, users: Sequence[Path], otherwise: str) -> None:
+        for user in users:
+            self.add_model(ModelTarget(user, self.arguments))
+        if not users:
+            self.unused.append((display_name(path), otherwise))
 
     def add_model(self, target: ModelTarget) -> None:
         known = self.models.setdefault(_real(target.path), [])
@@ -159,14 +166,19 @@ class _Planner:
             bare = [t for t in targets if not t.launches and (t.explicit or not launched)]
             models += [*bare, *launched]
         models.sort(key=lambda t: (display_name(t.path), sorted(t.arguments.items())))
-        reached = {_real(launch) for target in models for launch in target.launches}
+        reached: set[Path] = set()
+        for index, target in enumerate(models):
+            # A launch file that loads two robots is checked once, with the first of them.
+            own = tuple(x for x in target.launches if _real(x) not in reached)
+            models[index] = replace(target, launches=own)
+            reached |= {_real(x) for x in own}
         alone = [path for real, path in self.launches.items() if real not in reached and path.suffix != ".py"]
         packages: dict[Path, None] = {}
         for path in [*(t.path for t in models), *self.launches.values()]:
             package = self.finder(path).package_of(path.absolute())
             if package is not None:
                 packages[package.path] = None
-        return Plan(tuple(models), tuple(sorted(alone)), tuple(sorted(packages)), tuple(self.missing))
+        return Plan(tuple(models), tuple(sorted(alone)), tuple(sorted(packages)), tuple(self.missing), tuple(self.unused))
 
 
 class _Folder:

@@ -28,6 +28,18 @@ _SUBSTITUTION = re.compile(r"\$\(([^()]*)\)")
 _COMMAND = re.compile(r"^\$\(command\s+(['\"])(.*)\1\s*(?:'[a-z]+'\s*)?\)$", re.DOTALL)
 
 
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """Why a path of a launch file could not be resolved.
+
+    ``kind``: package (``name`` is not found) | argument (``name`` has no value) | file (the path ``name`` does not exist) |
+    circle (the arguments refer to each other) | launch-time (the substitution ``name`` is only known when it is launched).
+    """
+
+    kind: str
+    name: str = ""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Description:
     """Where a launch file takes robot_description from.
@@ -42,7 +54,7 @@ class Description:
     file: str
     path: Path | None
     arguments: Mapping[str, str]
-    unresolved: str | None
+    unresolved: Obstacle | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -169,7 +181,7 @@ class _Resolver:
     def __init__(self, root: Element, path: Path, finder: PackageFinder) -> None:
         self.path = path
         self.finder = finder
-        self.reason: str | None = None
+        self.obstacle: Obstacle | None = None
         self.values: dict[str, str] = {}
         for element in root.walk():
             if element.tag in {"arg", "let"} and (element.parent is None or element.parent.tag != "include"):
@@ -178,9 +190,9 @@ class _Resolver:
                     self.values.setdefault(element.get("name"), value.value)
 
     def resolve(self, text: str, depth: int = 0) -> str | None:
-        """The text with its substitutions resolved, or None; then ``reason`` says what stood in the way."""
+        """The text with its substitutions resolved, or None; then ``obstacle`` says what stood in the way."""
         if depth > 20:
-            self.reason = "the arguments refer to each other in a circle"
+            self.obstacle = Obstacle("circle")
             return None
         while match := _SUBSTITUTION.search(text):
             value = self._one(match.group(1).split(), depth)
@@ -194,16 +206,16 @@ class _Resolver:
         if verb in {"find", "find-pkg-share"} and len(rest) == 1:
             folder = self.finder.find(rest[0])
             if folder is None:
-                self.reason = f"package {rest[0]!r} is not found"
+                self.obstacle = Obstacle("package", rest[0])
             return None if folder is None else str(folder)
         if verb in {"arg", "var"} and len(rest) == 1:
             if rest[0] in self.values:
                 return self.resolve(self.values[rest[0]], depth + 1)
-            self.reason = f"argument {rest[0]!r} has no default"
+            self.obstacle = Obstacle("argument", rest[0])
             return None
         if verb == "dirname":
             return str(self.path.absolute().parent)
-        self.reason = f"$({' '.join(words)}) is only known when it is launched"
+        self.obstacle = Obstacle("launch-time", " ".join(words))
         return None
 
 
@@ -254,12 +266,12 @@ def _words(text: str) -> tuple[str, ...]:
 def _description(
     at: Attribute, words: tuple[str, ...], file: str, arguments: Mapping[str, str], resolver: _Resolver
 ) -> Description:
-    resolver.reason = None
+    resolver.obstacle = None
     resolved = resolver.resolve(file)
     path = None if resolved is None else Path(resolved)
-    unresolved = resolver.reason
+    unresolved = resolver.obstacle if path is None else None
     if path is not None and not path.is_file():
-        unresolved = f"{display_name(path)} does not exist"
+        unresolved = Obstacle("file", display_name(path))
         path = None
     return Description(at, words, file, path, dict(arguments), unresolved)
 

@@ -150,13 +150,16 @@ class _Tracer:
     def here(self) -> Location:
         """The attribute or element that is being evaluated."""
         origin = _origin(self.node)
+        via = self.via()
         if origin is None:
-            return Location("", None, self.via())
+            return Location("", None, via)
+        if via and self.calls[-1].node is self.node:
+            via = via[:-1]  # the call itself stands outside of what it calls
         raw = origin.raw
         attribute = raw.attributes.get(self.attribute or "")
         if attribute is not None:
-            return Location(attribute.location.subject, attribute.span, self.via())
-        return Location(raw.subject, raw.span, self.via())
+            return Location(attribute.location.subject, attribute.span, via)
+        return Location(raw.subject, raw.span, via)
 
     def fail(self, message: str, error: BaseException) -> None:
         """Record what stopped the expansion, at the place where it was first raised."""
@@ -203,7 +206,10 @@ class _Tracer:
         """xacro's own words in one line, without what the location already says."""
         text = " ".join(str(error).split()) or repr(error)
         match = re.match(r"^<class '[^']+'>: (.*)$", text)
-        return match.group(1) if match else text
+        text = match.group(1) if match else text
+        # An exception wrapped in another says everything twice.
+        half = len(text) // 2
+        return text[:half] if text[:half] == text[half + 1 :] else text
 
     # -- installation ------------------------------------------------------------------------------------------
 
@@ -435,7 +441,7 @@ class _Tracer:
         return wrapper
 
     def process_include(self, original: Callable[..., Any]) -> Callable[..., Any]:
-        def wrapper(node: minidom.Element, macros: Any, symbols: Any, func: Any) -> Any:
+        def wrapper(node: minidom.Element, macros: Any, symbols: Any, func: Any) -> None:
             self.at(node)
             origin = _origin(node)
             name = node.getAttribute("filename")
@@ -445,9 +451,11 @@ class _Tracer:
                 raise self._xacro.XacroException(f"include cycle: {display_name(Path(stack[-1]))} includes itself")
             try:
                 with self.failing():
-                    return original(node, macros, symbols, func)
+                    original(node, macros, symbols, func)
             finally:
                 self.calls.pop()
+            # An optional include that failed stopped nothing.
+            self.failed_at, self.failed_calls, self.failed_reads = None, [], []
 
         return wrapper
 
@@ -495,6 +503,8 @@ class _Tracer:
                 default = raw.attributes.get("default")
                 span = default.span if default is not None else raw.span
                 self.argument_definitions[values[0]] = Definition("argument", values[0], span)
+            elif tag.tagName in {"xacro:if", "xacro:unless"}:
+                self.at(tag, "value")
             return values
 
         return wrapper

@@ -1,0 +1,459 @@
+"""Mesh files to facts: agreement with closed forms and with trimesh, topology, and the reason for every broken file."""
+
+from __future__ import annotations
+
+import base64
+import builtins
+import json
+import os
+import pickle
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from urdfcheck.facts.inertia import box_solid, capsule_solid, cylinder_solid, inertia_of, sphere_solid
+from urdfcheck.facts.kinematics import rpy_to_matrix
+from urdfcheck.facts.mesh import MeshError, MeshFacts, hull_vertices, mesh_facts, transformed_moments
+
+BOX = trimesh.creation.box((1.0, 2.0, 3.0))
+HOLLOW = trimesh.creation.annulus(r_min=0.2, r_max=0.5, height=0.3)
+
+TETRAHEDRON = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+
+
+def binary_stl(vertices: object, faces: object, header: bytes = b"", declared: int | None = None) -> bytes:
+    corners = np.asarray(vertices, dtype="<f4")[np.asarray(faces)]
+    facets = b"".join(struct.pack("<3f", 0, 0, 0) + corner.tobytes() + b"\0\0" for corner in corners)
+    return header.ljust(80, b"\0") + struct.pack("<I", len(corners) if declared is None else declared) + facets
+
+
+def obj(vertices: object, faces: object) -> bytes:
+    """Text with full digits: nothing is lost to float32."""
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in np.asarray(vertices, dtype=float).tolist()]
+    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in np.asarray(faces).tolist()]
+    return "\n".join(lines).encode()
+
+
+def gltf(mesh: trimesh.Trimesh, uri: str | None = None) -> bytes:
+    points, corners = mesh.vertices.astype("<f4").tobytes(), mesh.faces.astype("<u4").tobytes()
+    embedded = "data:application/octet-stream;base64," + base64.b64encode(points + corners).decode()
+    views = [
+        {"buffer": 0, "byteOffset": 0, "byteLength": len(points)},
+        {"buffer": 0, "byteOffset": len(points), "byteLength": len(corners)},
+    ]
+    accessors = [
+        {"bufferView": 0, "componentType": 5126, "count": len(mesh.vertices), "type": "VEC3"},
+        {"bufferView": 1, "componentType": 5125, "count": mesh.faces.size, "type": "SCALAR"},
+    ]
+    return json.dumps(
+        {
+            "asset": {"version": "2.0"},
+            "scene": 0,
+            "scenes": [{"nodes": [0]}],
+            "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+            "buffers": [{"uri": uri or embedded, "byteLength": len(points) + len(corners)}],
+            "bufferViews": views,
+            "accessors": accessors,
+        }
+    ).encode()
+
+
+def dae(vertices: object, faces: object, asset: str = "", node: str = "", scene: bool = True) -> bytes:
+    points = np.asarray(vertices, dtype=float)
+    numbers = " ".join(map(repr, points.ravel().tolist()))
+    index = " ".join(map(str, np.asarray(faces).ravel().tolist()))
+    return f"""<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+  <asset>{asset}</asset>
+  <library_geometries><geometry id="g"><mesh>
+    <source id="p"><float_array id="a" count="{points.size}">{numbers}</float_array>
+      <technique_common><accessor source="#a" count="{len(points)}" stride="3">
+        <param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/>
+      </accessor></technique_common></source>
+    <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+    <triangles count="{len(np.asarray(faces))}">
+      <input semantic="VERTEX" source="#v" offset="0"/><p>{index}</p></triangles>
+  </mesh></geometry></library_geometries>
+  <library_visual_scenes><visual_scene id="s"><node>{node}<instance_geometry url="#g"/></node></visual_scene>
+  </library_visual_scenes>
+  {'<scene><instance_visual_scene url="#s"/></scene>' if scene else ""}
+</COLLADA>""".encode()
+
+
+def exported(mesh: trimesh.Trimesh, kind: str) -> bytes:
+    if kind == "gltf":
+        return gltf(mesh)
+    data = mesh.export(file_type=kind)
+    return data.encode() if isinstance(data, str) else data
+
+
+def facts_of(mesh: trimesh.Trimesh) -> MeshFacts:
+    return mesh_facts(obj(mesh.vertices, mesh.faces), "obj")
+
+
+def reason(data: bytes, file_type: str) -> str:
+    with pytest.raises(MeshError) as caught:
+        mesh_facts(data, file_type)
+    assert caught.value.message
+    return caught.value.reason_id
+
+
+# --- agreement -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["stl", "stl_ascii", "obj", "ply", "off", "glb", "gltf", "dae"])
+@pytest.mark.parametrize(
+    "mesh",
+    [BOX, HOLLOW, trimesh.creation.icosphere(2, 0.3), trimesh.creation.capsule(0.4, 0.1)],
+    ids=["box", "annulus", "sphere", "capsule"],
+)
+def test_every_format_agrees_with_trimesh(mesh: trimesh.Trimesh, kind: str) -> None:
+    facts = mesh_facts(exported(mesh, kind), kind.partition("_")[0])
+    assert facts.watertight is mesh.is_watertight is True
+    assert facts.winding_consistent is mesh.is_winding_consistent is True
+    assert facts.closed
+    assert not facts.inside_out
+    assert not facts.boundaries
+    assert facts.n_triangles == len(mesh.faces)
+    assert facts.n_vertices == len(mesh.vertices)
+    # STL, PLY and glTF store float32.
+    assert_allclose(facts.volume, mesh.volume, rtol=1e-5)
+    assert_allclose(facts.area, mesh.area, rtol=1e-5)
+    assert_allclose(facts.bounds, mesh.bounds, atol=1e-6)
+    assert_allclose(facts.com, mesh.center_mass, atol=1e-6)
+    solid = transformed_moments(facts, (1, 1, 1), np.eye(3), (0, 0, 0))
+    assert_allclose(inertia_of(solid, mesh.volume), mesh.moment_inertia, atol=1e-5 * mesh.moment_inertia.max())
+
+
+def test_a_box_has_the_moments_of_the_closed_form() -> None:
+    facts, solid = facts_of(BOX), box_solid((1, 2, 3))
+    assert_allclose(facts.volume, solid.volume, rtol=1e-14)
+    assert_allclose(facts.covariance, solid.covariance, atol=1e-14)
+    assert facts.area == pytest.approx(22.0)
+    # Faces of 6, 3 and 2 m² on either side: mean square of x over the shell.
+    assert facts.surface_covariance[0, 0] == pytest.approx((2 * 6 * 0.25 + (6 + 4) / 12) / 22)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "solid"),
+    [
+        (trimesh.creation.cylinder(0.3, 0.8, sections=512), cylinder_solid(0.3, 0.8)),
+        (trimesh.creation.icosphere(5, 0.3), sphere_solid(0.3)),
+        (trimesh.creation.capsule(0.8, 0.3, count=(256, 256)), capsule_solid(0.3, 0.8)),
+    ],
+    ids=["cylinder", "sphere", "capsule"],
+)
+def test_fine_tessellations_approach_the_closed_form(mesh: trimesh.Trimesh, solid: object) -> None:
+    facts = facts_of(mesh)
+    assert_allclose(facts.volume, solid.volume, rtol=2e-3)  # type: ignore[attr-defined]
+    assert_allclose(facts.covariance, solid.covariance, atol=2e-3 * facts.covariance.max())  # type: ignore[attr-defined]
+
+
+numbers = st.floats(-2, 2)
+sizes = st.floats(0.05, 2)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    scale=st.tuples(sizes, sizes, sizes),
+    mirror=st.tuples(*[st.sampled_from((-1, 1))] * 3),
+    rpy=st.tuples(numbers, numbers, numbers),
+    move=st.tuples(numbers, numbers, numbers),
+)
+def test_scaled_turned_moved_and_mirrored_moments_are_those_of_the_transformed_mesh(
+    scale: tuple[float, float, float],
+    mirror: tuple[int, int, int],
+    rpy: tuple[float, float, float],
+    move: tuple[float, float, float],
+) -> None:
+    vertices, faces = np.add(TETRAHEDRON[0], (0.3, -0.2, 0.5)), np.array(TETRAHEDRON[1])
+    factors = np.multiply(scale, mirror)
+    solid = transformed_moments(mesh_facts(obj(vertices, faces), "obj"), factors, rpy_to_matrix(rpy), move)
+    turned = (vertices * factors) @ rpy_to_matrix(rpy).T + move
+    direct = mesh_facts(obj(turned, faces[:, :: int(np.prod(mirror))]), "obj")
+    assert solid.volume == pytest.approx(direct.volume, rel=1e-9)
+    assert_allclose(solid.com, direct.com, atol=1e-9)
+    assert_allclose(solid.covariance, direct.covariance, atol=1e-9)
+
+
+def test_a_mesh_far_from_the_origin_keeps_its_digits() -> None:
+    facts = mesh_facts(obj(BOX.vertices + 1e5, BOX.faces), "obj")
+    assert_allclose(facts.covariance, box_solid((1, 2, 3)).covariance, atol=1e-9)
+    assert_allclose(facts.com, np.full(3, 1e5), rtol=1e-12)
+
+
+# --- topology --------------------------------------------------------------------------------------------------------
+
+
+def test_a_missing_side_is_one_hole_with_its_rim() -> None:
+    top = (BOX.triangles_center[:, 2] < 1.49).nonzero()[0]
+    facts = mesh_facts(obj(BOX.vertices, BOX.faces[top]), "obj")
+    assert not facts.watertight
+    assert not facts.closed
+    assert facts.winding_consistent
+    assert facts.open_edges == 4
+    (rim,) = facts.boundaries
+    assert rim.closed
+    assert len(rim.points) == 4
+    assert rim.length == pytest.approx(6.0)
+    assert_allclose(rim.centre, (0, 0, 1.5), atol=1e-12)
+
+
+def test_holes_that_touch_in_a_corner_come_out_apart() -> None:
+    sphere = trimesh.creation.icosahedron()
+    vertex_faces = [face for face in sphere.vertex_faces[0] if face >= 0]
+    first = vertex_faces[0]
+    apart = next(f for f in vertex_faces if len(set(sphere.faces[f]) & set(sphere.faces[first])) == 1)
+    kept = [face for index, face in enumerate(sphere.faces) if index not in (first, apart)]
+    facts = mesh_facts(obj(sphere.vertices, kept), "obj")
+    assert facts.open_edges == 6
+    assert [(b.closed, len(b.points)) for b in facts.boundaries] == [(True, 3), (True, 3)]
+
+
+def test_an_edge_of_three_faces_is_not_manifold_and_leaves_open_ends() -> None:
+    vertices = [(0, 0, 0), (0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0)]
+    facts = mesh_facts(obj(vertices, [(0, 1, 2), (0, 1, 3), (0, 1, 4)]), "obj")
+    assert facts.non_manifold_edges == 1
+    assert facts.open_edges == 6
+    assert sum(len(b.points) if b.closed else len(b.points) - 1 for b in facts.boundaries) == 6
+
+
+def test_two_boxes_that_touch_along_an_edge_enclose_their_volume_without_being_manifold() -> None:
+    beside = BOX.copy()
+    beside.apply_translation((1, 2, 0))
+    facts = facts_of(trimesh.util.concatenate([BOX, beside]))
+    assert facts.non_manifold_edges == 1
+    assert not facts.watertight
+    assert facts.closed
+    assert facts.volume == pytest.approx(12.0)
+
+
+def test_inside_out() -> None:
+    facts = mesh_facts(obj(BOX.vertices, BOX.faces[:, ::-1]), "obj")
+    assert facts.watertight
+    assert facts.winding_consistent
+    assert facts.inside_out
+    assert facts.volume == pytest.approx(-6.0)
+    assert_allclose(facts.covariance, box_solid((1, 2, 3)).covariance, atol=1e-14)
+    assert transformed_moments(facts, (1, 1, 1), np.eye(3), (0, 0, 0)).volume == pytest.approx(6.0)
+
+
+def test_one_turned_triangle_breaks_the_winding_only() -> None:
+    faces = BOX.faces.copy()
+    faces[3] = faces[3, ::-1]
+    facts = mesh_facts(obj(BOX.vertices, faces), "obj")
+    assert facts.watertight
+    assert not facts.winding_consistent
+    assert not facts.closed
+
+
+def test_repeated_and_degenerate_triangles_are_counted_and_do_not_open_the_mesh() -> None:
+    faces = [*BOX.faces.tolist(), BOX.faces[0].tolist(), BOX.faces[1, ::-1].tolist(), [2, 2, 5]]
+    facts = mesh_facts(obj(BOX.vertices, faces), "obj")
+    assert facts.watertight
+    assert facts.n_triangles == 15
+    assert len(facts.faces) == 12
+    assert (facts.duplicate_faces, facts.degenerate_faces) == (2, 1)
+    assert facts.volume == pytest.approx(6.0)
+
+
+def test_a_triangle_on_one_line_counts_as_degenerate_and_keeps_its_edges() -> None:
+    vertices = [*TETRAHEDRON[0], (0.5, 0, 0)]
+    faces = [(0, 2, 1), (0, 4, 3), (4, 1, 3), (0, 1, 4), (0, 3, 2), (1, 2, 3)]
+    facts = mesh_facts(obj(vertices, faces), "obj")
+    assert facts.degenerate_faces == 1
+    assert facts.watertight
+
+
+@pytest.mark.parametrize(("noise", "closes"), [(5e-10, True), (3e-7, True), (1e-4, False)])
+def test_float_noise_between_equal_corners_is_welded_and_a_gap_is_not(noise: float, closes: bool) -> None:
+    corners = BOX.vertices[BOX.faces]
+    shifted = corners + noise * np.where(np.arange(len(corners)) % 2, 1.0, -1.0)[:, None, None]
+    facts = mesh_facts(obj(shifted.reshape(-1, 3), np.arange(36).reshape(-1, 3)), "obj")
+    assert facts.watertight is closes
+    assert (facts.weld_distance > 0) is closes
+    if closes:
+        assert 2 * noise < 4 * facts.weld_distance
+        assert facts.n_vertices == 8
+
+
+def test_non_finite_corners_are_counted_and_their_triangles_dropped() -> None:
+    vertices = [*BOX.vertices.tolist(), (np.nan, 0, 0), (np.inf, 1, 1)]
+    facts = mesh_facts(obj(vertices, [*BOX.faces.tolist(), (0, 1, 8), (2, 3, 9)]), "obj")
+    assert facts.non_finite_vertices == 2
+    assert facts.watertight
+    assert np.isfinite(facts.bounds).all()
+
+
+def test_facts_cannot_be_changed() -> None:
+    facts = facts_of(BOX)
+    for array in (facts.vertices, facts.faces, facts.bounds, facts.com, facts.covariance):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+
+
+def test_hull_vertices_are_the_corners_and_of_a_flat_mesh_those_of_its_box() -> None:
+    inner = [*BOX.vertices.tolist(), *(0.5 * BOX.vertices).tolist()]
+    facts = mesh_facts(obj(inner, [*BOX.faces.tolist(), *(BOX.faces + 8).tolist()]), "obj")
+    assert sorted(hull_vertices(facts).tolist()) == sorted(BOX.vertices.tolist())
+    flat = mesh_facts(obj([(0, 0, 0), (2, 0, 0), (0, 1, 0)], [(0, 1, 2)]), "obj")
+    assert {tuple(p) for p in hull_vertices(flat).tolist()} == {(0, 0, 0), (2, 0, 0), (0, 1, 0), (2, 1, 0)}
+    assert flat.volume == 0.0
+    assert np.isnan(flat.com).all()
+
+
+# --- formats ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_binary_stl_that_begins_with_solid_is_read_as_binary() -> None:
+    facts = mesh_facts(binary_stl(BOX.vertices, BOX.faces, header=b"solid exported by CAD"), "stl")
+    assert (facts.format, facts.solid_header, facts.watertight) == ("stl-binary", True, True)
+    assert mesh_facts(exported(BOX, "stl_ascii"), "stl").format == "stl-ascii"
+
+
+def test_obj_polygons_negative_indices_continuations_and_comments() -> None:
+    text = b"""# a tetrahedron
+v 0 0 0
+v 1 0 0 # right
+v 0 1 0
+v 0 0 1
+f -4/1/1 -2//2 -3/3
+f 1 2 \\
+  4
+f 1 4 3
+f 2 3 4
+"""
+    facts = mesh_facts(text, "obj")
+    assert facts.watertight
+    assert facts.volume == pytest.approx(1 / 6)
+    square = mesh_facts(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", "obj")
+    assert square.area == pytest.approx(1.0)
+
+
+def test_an_ascii_stl_without_its_last_line_is_complete() -> None:
+    text = exported(BOX, "stl_ascii").rpartition(b"endsolid")[0]
+    assert mesh_facts(text, "stl").n_triangles == 12
+
+
+def test_collada_units_are_recorded_and_not_applied() -> None:
+    facts = mesh_facts(dae(*TETRAHEDRON, '<unit name="inch" meter="0.0254"/><up_axis>Z_UP</up_axis>'), "dae")
+    assert (facts.unit, facts.up_axis) == (0.0254, "Z_UP")
+    assert facts.bounds.tolist() == [[0, 0, 0], [1, 1, 1]]
+    assert mesh_facts(dae(*TETRAHEDRON), "dae").unit is None
+    assert (facts_of(BOX).unit, facts_of(BOX).up_axis) == (None, None)
+
+
+def test_collada_nodes_place_their_geometry_and_a_mirroring_one_keeps_the_outside_outside() -> None:
+    facts = mesh_facts(dae(*TETRAHEDRON, node="<translate>10 0 0</translate><scale>-2 1 1</scale>"), "dae")
+    assert facts.bounds.tolist() == [[8, 0, 0], [10, 1, 1]]
+    assert facts.volume == pytest.approx(2 / 6)
+
+
+def test_no_other_file_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    mesh_facts(dae(*TETRAHEDRON), "dae")  # imports what needs importing
+    mesh_facts(gltf(BOX), "gltf")
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("a file was opened")
+
+    monkeypatch.setattr(builtins, "open", refuse)
+    image = '<library_images><image id="i"><init_from>texture.png</init_from></image></library_images>'
+    textured = dae(*TETRAHEDRON).replace(b"<library_geometries>", image.encode() + b"<library_geometries>")
+    assert mesh_facts(textured, "dae").watertight
+    assert mesh_facts(b"mtllib material.mtl\nusemtl red\n" + obj(*TETRAHEDRON), "obj").watertight
+    assert reason(gltf(BOX, "box.bin"), "gltf") == "external-buffer"
+
+
+# --- broken files ----------------------------------------------------------------------------------------------------
+
+GOOD_STL = binary_stl(BOX.vertices, BOX.faces)
+LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c943f9e0ff69d22eadbb8f32\nsize 12345\n"
+
+
+@pytest.mark.parametrize(
+    ("data", "file_type", "expected"),
+    [
+        pytest.param(b"", "stl", "empty", id="empty"),
+        pytest.param(LFS, "dae", "lfs-pointer", id="lfs pointer"),
+        pytest.param(b"\n<!DOCTYPE html><html></html>", "stl", "html", id="web page"),
+        pytest.param(GOOD_STL, "step", "unsupported", id="unknown format"),
+        pytest.param(b"\x07", "stl", "truncated", id="one byte"),
+        pytest.param(GOOD_STL[:-1], "stl", "truncated", id="one byte short"),
+        pytest.param(GOOD_STL + b"\n", "stl", "wrong-size", id="one byte too many"),
+        pytest.param(binary_stl(BOX.vertices, BOX.faces, declared=3), "stl", "wrong-size", id="declares fewer"),
+        pytest.param(binary_stl(BOX.vertices, BOX.faces, declared=2**32 - 1), "stl", "truncated", id="declares 4e9"),
+        pytest.param(binary_stl(BOX.vertices, BOX.faces, b"solid", 3), "stl", "wrong-size", id="solid, declares fewer"),
+        pytest.param(b"\0" * 84, "stl", "no-triangles", id="STL of none"),
+        pytest.param(b"solid nothing\nendsolid\n", "stl", "no-triangles", id="ASCII STL of none"),
+        pytest.param(exported(BOX, "stl_ascii")[:-100], "stl", "truncated", id="ASCII STL cut"),
+        pytest.param(exported(BOX, "stl_ascii").replace(b"0.5", b"0,5"), "stl", "malformed", id="decimal comma"),
+        pytest.param(binary_stl([(np.nan, 0, 0)] * 3, [(0, 1, 2)]), "stl", "no-triangles", id="all NaN"),
+        pytest.param(binary_stl([(1, 0, 0)] * 3, [(0, 1, 2)]), "stl", "no-triangles", id="one point"),
+        pytest.param(dae(*TETRAHEDRON), "stl", "malformed", id="COLLADA named stl"),
+        pytest.param(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "obj", "malformed", id="OBJ index outside"),
+        pytest.param(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "obj", "malformed", id="OBJ index zero"),
+        pytest.param(b"v 0 0\nf 1 1 1\n", "obj", "malformed", id="OBJ vertex short"),
+        pytest.param(GOOD_STL, "obj", "malformed", id="STL named obj"),
+        pytest.param(b"v 0 0 0\n", "obj", "no-triangles", id="OBJ without faces"),
+        pytest.param(exported(BOX, "off")[:-20], "off", "truncated", id="OFF cut"),
+        pytest.param(b"OFF\n", "off", "malformed", id="OFF header only"),
+        pytest.param(exported(BOX, "ply")[:-20], "ply", "malformed", id="binary PLY cut"),
+        pytest.param(BOX.export(file_type="ply", encoding="ascii")[:-40], "ply", "truncated", id="ASCII PLY cut"),
+        pytest.param(exported(BOX, "glb")[:-20], "glb", "malformed", id="GLB cut"),
+        pytest.param(dae(*TETRAHEDRON)[:-40], "dae", "malformed", id="DAE cut"),
+        pytest.param(b"<COLLADA/>", "dae", "no-triangles", id="DAE of nothing"),
+        pytest.param(dae(*TETRAHEDRON, scene=False), "dae", "no-triangles", id="DAE without scene"),
+        pytest.param(dae(TETRAHEDRON[0], [(0, 1, 9)]), "dae", "malformed", id="DAE index outside"),
+        pytest.param(
+            dae(*TETRAHEDRON).replace(b"<COLLADA", b'<!DOCTYPE x [<!ENTITY a "b">]><COLLADA'),
+            "dae",
+            "malformed",
+            id="DAE with entities",
+        ),
+    ],
+)
+def test_a_broken_file_says_why(data: bytes, file_type: str, expected: str) -> None:
+    assert reason(data, file_type) == expected
+
+
+def test_a_truncated_stl_says_what_is_declared_and_what_is_there() -> None:
+    with pytest.raises(MeshError, match=r"declares 12 triangles \(684 bytes\) and has 11 \(683 bytes\)"):
+        mesh_facts(GOOD_STL[:-1], "stl")
+
+
+@settings(max_examples=60, deadline=None)
+@given(cut=st.integers(0, len(GOOD_STL) - 1))
+def test_no_part_of_a_binary_stl_passes_for_a_mesh(cut: int) -> None:
+    assert reason(GOOD_STL[:cut], "stl") == ("truncated" if cut else "empty")
+
+
+@settings(max_examples=150, deadline=None)
+@given(data=st.binary(max_size=300), file_type=st.sampled_from(["stl", "obj", "dae", "ply", "off", "glb", "gltf"]))
+def test_garbage_is_refused_and_never_crashes(data: bytes, file_type: str) -> None:
+    with pytest.raises(MeshError):
+        mesh_facts(data, file_type)
+
+
+def test_a_mesh_error_crosses_processes() -> None:
+    error = pickle.loads(pickle.dumps(MeshError("truncated", "is truncated")))
+    assert (error.reason_id, str(error)) == ("truncated", "is truncated")
+
+
+@pytest.mark.skipif("URDFCHECK_CORPUS" not in os.environ, reason="needs URDFCHECK_CORPUS, a folder of robots")
+def test_meshes_of_real_robots_are_at_least_as_watertight_as_trimesh_finds_them() -> None:
+    files = sorted(p for p in Path(os.environ["URDFCHECK_CORPUS"]).rglob("*") if p.suffix.lower() in {".stl", ".obj"})
+    for path in files[::7]:
+        facts = mesh_facts(path.read_bytes(), path.suffix.lower()[1:])
+        mesh = trimesh.load_mesh(path, skip_materials=True)
+        mesh.merge_vertices(merge_tex=True, merge_norm=True)
+        mesh.update_faces(mesh.unique_faces() & mesh.nondegenerate_faces(height=0.0))
+        assert facts.watertight or not mesh.is_watertight, path
+        if facts.watertight and mesh.is_watertight and mesh.is_winding_consistent:
+            assert facts.volume == pytest.approx(mesh.volume, rel=1e-5), path

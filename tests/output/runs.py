@@ -1,0 +1,215 @@
+"""Runs built by hand, so that an output is tested without any check."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from urdfcheck.core import (
+    Applicability,
+    Cause,
+    Confidence,
+    Edit,
+    Finding,
+    Fix,
+    Location,
+    ModelInfo,
+    Rule,
+    Run,
+    Scene,
+    SceneFrame,
+    SceneJoint,
+    SceneLink,
+    SceneShape,
+    Severity,
+    Skip,
+    Span,
+)
+
+SOURCE = """\
+<robot name="rover">
+  <link name="base"/>
+  <!-- the wheel
+       turns -->
+  <link name="wheel">
+    <inertial>
+      <mass value="-1"/>
+      <inertia ixx="0.01" ixy="0" ixz="0"
+               iyy="0.01" iyz="0" izz="0.09"/>
+    </inertial>
+  </link>
+  <joint name="axle" type="continuous"/>
+</robot>
+"""
+FILE = "rover/rover.urdf"
+MODEL = "rover/rover.urdf"
+
+PAGE = """# INR003 triangle-inequality
+
+```toml
+severity = "error"
+```
+
+## What it checks
+
+The *principal moments* satisfy `I1 + I2 >= I3`.
+
+## Why it matters
+
+- MuJoCo refuses the model,
+  and says so
+- **Drake** too, see [the manual](https://example.org/manual)
+
+## How to fix
+
+Export the tensor again.
+"""
+
+
+def span_of(text: str, source: str = SOURCE, file: str = FILE) -> Span:
+    """The span of the first occurrence of ``text``."""
+    start = source.index(text)
+    return span(start, start + len(text), source, file)
+
+
+def span(start: int, end: int, source: str = SOURCE, file: str = FILE) -> Span:
+    def position(offset: int) -> tuple[int, int]:
+        return source.count("\n", 0, offset) + 1, offset - (source.rfind("\n", 0, offset) + 1) + 1
+
+    return Span(file, *position(start), *position(end), start, end)
+
+
+def rule(code: str = "INR003", name: str = "triangle-inequality", page: str = PAGE, **changes: Any) -> Rule:
+    plain = Rule(
+        code=code,
+        name=name,
+        severity=Severity.ERROR,
+        confidence=Confidence.PROOF,
+        status="stable",
+        since="0.1.0",
+        scope="model",
+        needs=("source",),
+        tags=(),
+        hidden_by=(),
+        options={},
+        messages={},
+        fixes={},
+        causes={},
+        consumers={},
+        stem="",
+        page=page,
+    )
+    return replace(plain, **changes)
+
+
+def finding(**changes: Any) -> Finding:
+    """An error with everything that a finding can have; ``changes`` replace fields."""
+    plain = Finding(
+        code="INR003",
+        name="triangle-inequality",
+        severity=Severity.ERROR,
+        confidence=Confidence.PROOF,
+        message_id="violated",
+        message="link wheel: principal moments break the triangle inequality",
+        location=Location("link[wheel]/inertial/inertia", span_of("0.09"), (span_of('<link name="wheel">'),)),
+        subjects=("link[wheel]/inertial/inertia",),
+        related=(Location("link[wheel]/inertial/mass", span_of('<mass value="-1"/>')),),
+        cause=Cause("lost-point", "a decimal point was lost in izz"),
+        consequences={"mujoco": "refuses to compile", "drake": "replaces the inertia"},
+        data={},
+        fix=Fix("put the point back", Applicability.UNSAFE, (Edit(span_of("0.09"), "0.09", "0.019"),)),
+        model=MODEL,
+    )
+    return replace(plain, **changes)
+
+
+def link(name: str, **changes: Any) -> SceneLink:
+    plain = SceneLink(
+        name=name,
+        mass=0.0283,
+        com=(0.0001, 0.0, -0.0125),
+        inertia=(6.6e-6, 0.0, 0.0, 6.7e-6, 0.0, 1.27e-5),
+        principal=(6.6e-6, 6.7e-6, 1.27e-5),
+        density=1000.0,
+        world=None,
+        shapes=(SceneShape("visual", "mesh", (1.0, 1.0, 1.0), (), "wheel.stl", 12840, True),),
+        span=None,
+    )
+    return replace(plain, **changes)
+
+
+def joint(name: str, parent: str, child: str, **changes: Any) -> SceneJoint:
+    plain = SceneJoint(name, "revolute", parent, child, (0.0, 1.0, 0.0), -1.5708, 1.5708, None)
+    return replace(plain, **changes)
+
+
+def scene(**changes: Any) -> Scene:
+    plain = Scene(
+        model=MODEL,
+        root="base",
+        links=(link("base", mass=0.5), link("wheel")),
+        joints=(joint("axle", "base", "wheel", type="continuous", lower=None, upper=None),),
+        frames=(SceneFrame("base", "footprint", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), None),),
+    )
+    return replace(plain, **changes)
+
+
+def chain(length: int) -> Scene:
+    """``length`` links, one on the other."""
+    return scene(
+        root="l0",
+        links=tuple(link(f"l{i}") for i in range(length)),
+        joints=tuple(joint(f"j{i}", f"l{i - 1}", f"l{i}") for i in range(1, length)),
+        frames=(),
+    )
+
+
+def star(arms: int) -> Scene:
+    """A base with ``arms`` links on it."""
+    return scene(
+        links=(link("base"), *(link(f"arm_{i}") for i in range(arms))),
+        joints=tuple(joint(f"j{i}", "base", f"arm_{i}") for i in range(arms)),
+        frames=(),
+    )
+
+
+def info(**changes: Any) -> ModelInfo:
+    return replace(ModelInfo(FILE, "rover", {}, 2, 1, 0.5283, "checked", MODEL, 0.1), **changes)
+
+
+def a_run(*findings: Finding, **changes: Any) -> Run:
+    """A run over one model with the given findings; without any, one error, one warning and one info."""
+    if not findings:
+        findings = (
+            finding(),
+            finding(
+                code="INR001",
+                name="mass-not-positive",
+                severity=Severity.WARNING,
+                location=Location("link[wheel]/inertial/mass@value", span_of("-1")),
+                subjects=("link[wheel]/inertial/mass@value",),
+                fix=None,
+            ),
+            finding(
+                severity=Severity.INFO,
+                confidence=Confidence.HEURISTIC,
+                message_id="other",
+                location=Location("joint[axle]", None),
+                subjects=("joint[axle]",),
+                cause=None,
+                consequences={},
+                related=(),
+                fix=Fix("think about it"),
+            ),
+        )
+    plain = Run(
+        models=(info(),),
+        findings=findings,
+        skipped=(Skip("COL001", MODEL, "needs --tier full"),),
+        rules={"INR001": rule("INR001", "mass-not-positive"), "INR003": rule()},
+        versions={"urdfcheck": "0.1.0", "python": "3.12.0"},
+        sources={FILE: SOURCE},
+        scenes=(scene(),),
+        seconds=0.25,
+    )
+    return replace(plain, **changes)

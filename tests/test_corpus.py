@@ -1,0 +1,83 @@
+"""Real robots: nothing crashes, what upstream broke is named, and a change brings no new error on a vendor's model.
+
+Runs where URDFCHECK_CORPUS names a folder with a corpus.json. The error-level findings were read one by one; a new one is
+either true, then it is added to ``corpus_errors.json`` (``--accept``), or a false alarm, which is a bug.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from conftest import REPOSITORY
+
+from urdfcheck import catalogue
+from urdfcheck.core import Run, Severity
+from urdfcheck.engine import Request, run
+from urdfcheck.worker import audit
+
+ACCEPTED = REPOSITORY / "tests" / "corpus_errors.json"
+
+# Rules whose verdict needs no judgement may not fire on these at all.
+SIBLINGS_ARE_CONSISTENT = ("SYM001",)
+
+
+@pytest.fixture(scope="module")
+def runs(corpus: Path) -> dict[str, Run]:
+    entries = json.loads((corpus / "corpus.json").read_text())
+    return {
+        entry["id"]: run(
+            Request(
+                (corpus / entry["entry"],),
+                corpus,
+                frozenset(catalogue.rules()),
+                arguments=entry["xacro_args"],
+                package_paths=tuple(corpus / r for r in entry["package_roots"]),
+            ),
+            audit=audit,
+        )
+        for entry in entries
+    }
+
+
+def test_nothing_crashes(runs: dict[str, Run]) -> None:
+    assert {name: r.failures for name, r in runs.items() if r.failures} == {}
+
+
+def test_what_does_not_expand_is_one_located_finding(runs: dict[str, Run], corpus: Path) -> None:
+    broken = [e for e in json.loads((corpus / "corpus.json").read_text()) if not e["expands"]]
+    assert broken
+    for entry in broken:
+        outcome = runs[entry["id"]]
+        errors = [f for f in outcome.findings if f.severity is Severity.ERROR]
+        assert errors, entry["id"]
+        assert all(f.location.span is not None for f in errors), entry["id"]
+        assert outcome.models[0].status != "checked" or "XML" in errors[0].code, entry["id"]
+
+
+def test_what_expands_is_checked(runs: dict[str, Run], corpus: Path) -> None:
+    for entry in json.loads((corpus / "corpus.json").read_text()):
+        if entry["expands"]:
+            (info,) = runs[entry["id"]].models
+            assert (info.status, info.links, info.joints) == ("checked", entry["urdf_links"], entry["urdf_joints"])
+
+
+def test_consistent_siblings_give_no_finding(runs: dict[str, Run]) -> None:
+    found = [(name, f.code, f.message) for name, r in runs.items() for f in r.findings if f.code in SIBLINGS_ARE_CONSISTENT]
+    assert found == []
+
+
+def test_every_error_was_read_and_is_true(runs: dict[str, Run], request: pytest.FixtureRequest) -> None:
+    errors = {
+        name: sorted(f"{f.code} {f.message_id} {s}" for f in r.findings if f.severity is Severity.ERROR for s in f.subjects)
+        for name, r in sorted(runs.items())
+    }
+    errors = {name: found for name, found in errors.items() if found}
+    if request.config.getoption("--accept"):
+        ACCEPTED.write_text(json.dumps(errors, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    accepted = json.loads(ACCEPTED.read_text(encoding="utf-8"))
+    new = {n: sorted(set(found) - set(accepted.get(n, []))) for n, found in errors.items()}
+    gone = {n: sorted(set(found) - set(errors.get(n, []))) for n, found in accepted.items() if n in runs}
+    assert {n: f for n, f in new.items() if f} == {}
+    assert {n: f for n, f in gone.items() if f} == {}

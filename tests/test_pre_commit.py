@@ -1,0 +1,93 @@
+"""The pre-commit hooks, run by pre-commit itself in a repository of a user."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import FIXTURES, REPOSITORY
+
+
+def git(*words: str, cwd: Path) -> None:
+    subprocess.run(
+        ["git", "-c", "user.name=t", "-c", "user.email=t@example.org", *words], cwd=cwd, check=True, capture_output=True
+    )
+
+
+def test_the_manifest_is_valid() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "pre_commit", "validate-manifest", str(REPOSITORY / ".pre-commit-hooks.yaml")]
+    )
+    assert done.returncode == 0
+
+
+@pytest.fixture(scope="module")
+def hooks(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A repository with our hooks whose install step is the package that is already here.
+
+    try-repo would install the package with everything it needs into a new environment for each run; what is under test
+    is the manifest (which files lead to which command) and what the command does with them.
+    """
+    folder = tmp_path_factory.mktemp("hooks")
+    manifest = (REPOSITORY / ".pre-commit-hooks.yaml").read_text()
+    manifest = manifest.replace("language: python", "language: system")
+    command = f"{sys.executable} -m urdfcheck"
+    manifest = manifest.replace("entry: urdfcheck", f"entry: {command}")
+    (folder / ".pre-commit-hooks.yaml").write_text(manifest)
+    git("init", "-q", cwd=folder)
+    git("add", ".", cwd=folder)
+    git("commit", "-qm", "hooks", cwd=folder)
+    return folder
+
+
+@pytest.fixture
+def user(tmp_path: Path) -> Path:
+    """A user's repository with the car in it."""
+    shutil.copytree(FIXTURES / "car-3", tmp_path / "car-3")
+    git("init", "-q", cwd=tmp_path)
+    git("add", ".", cwd=tmp_path)
+    return tmp_path
+
+
+def try_repo(hooks: Path, user: Path, hook: str, *files: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "pre_commit", "try-repo", str(hooks), hook, "--verbose", "--files", *files],
+        cwd=user,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PRE_COMMIT_HOME": str(user / ".cache"), "PRE_COMMIT_COLOR": "never"},
+    )
+
+
+def test_a_changed_model_is_checked(hooks: Path, user: Path) -> None:
+    done = try_repo(hooks, user, "urdfcheck", "car-3/urdf/car-3.urdf")
+    assert "SYM001" in done.stdout, done.stdout + done.stderr
+    assert done.returncode == 0, "car-3.urdf has no finding of severity error"
+
+
+def test_a_changed_macro_file_is_checked_through_the_model_that_includes_it(hooks: Path, user: Path) -> None:
+    done = try_repo(hooks, user, "urdfcheck", "car-3/robot_description/urdf/gazebo.urdf.xacro")
+    assert "GZB002" in done.stdout, done.stdout + done.stderr
+
+
+def test_an_error_fails_the_hook(hooks: Path, user: Path) -> None:
+    path = user / "car-3/urdf/car-3.urdf"
+    path.write_text(path.read_text().replace('izz="0.00169173411179082"', 'izz="0.169173411179082"'))
+    done = try_repo(hooks, user, "urdfcheck", "car-3/urdf/car-3.urdf")
+    assert done.returncode == 1
+    assert "INR003" in done.stdout
+
+
+def test_a_changed_mesh_leads_to_its_models(hooks: Path, user: Path) -> None:
+    done = try_repo(hooks, user, "urdfcheck-meshes", "car-3/meshes/wheel_1.STL")
+    assert "car-3.urdf" in done.stdout, done.stdout + done.stderr
+    assert "car_body.urdf.xacro" in done.stdout
+
+
+def test_other_files_do_not_start_the_hook(hooks: Path, user: Path) -> None:
+    done = try_repo(hooks, user, "urdfcheck", "car-3/package.xml")
+    assert "no files to check" in done.stdout

@@ -1,0 +1,15 @@
+"""The committed sample reports are what the code makes today."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+from conftest import REPOSITORY
+
+
+def test_sample_reports_are_current() -> None:
+    done = subprocess.run(
+        [sys.executable, "reports/make.py", "--check"], cwd=REPOSITORY, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -1,0 +1,76 @@
+"""CTL002: what can drive a joint, and what cannot be driven."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.model import Model
+from urdfcheck.model.names import listed
+from urdfcheck.model.parts import Joint
+from urdfcheck.source.xml import Element
+
+_DRIVABLE = frozenset({"revolute", "continuous", "prismatic"})
+_SEPARATOR = re.compile(r"[\s,;]+")
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    yield from _undriven(model, rule)
+    yield from _misplaced(model, rule)
+
+
+def _undriven(model: Model, rule: Rule) -> Iterator[Finding]:
+    driven = _words_of_control(model)
+    drivable = [joint for joint in model.joints if _has_motor(joint)]
+    without = [joint for joint in drivable if joint.name not in driven]
+    if without:
+        none = len(without) == len(drivable)
+        yield rule.finding(
+            "none" if none else "some",
+            at=model if none else without[0],
+            related=without if none else without[1:],
+            severity=Severity.INFO,
+            joints=listed(j.name for j in without),
+            count=len(without),
+            total=len(drivable),
+        )
+
+
+def _has_motor(joint: Joint) -> bool:
+    """A follower is moved by its leader, and a joint without effort is a caster or a hinge on purpose."""
+    return joint.type in _DRIVABLE and joint.mimic is None and joint.limit_value("effort") != 0
+
+
+def _words_of_control(model: Model) -> set[str]:
+    """Every word that a transmission, a ros2_control block or a simulator plugin mentions: joint names among them."""
+    blocks = [*model.robot.all("ros2_control"), *model.robot.all("transmission")]
+    blocks += [e for extension in model.robot.all("gazebo") for e in extension.walk() if e.tag == "plugin"]
+    words: set[str] = set()
+    for block in blocks:
+        for element in block.walk():
+            words.update(_SEPARATOR.split(element.text))
+            words.update(attribute.value for attribute in element.attributes.values())
+    return words
+
+
+def _misplaced(model: Model, rule: Rule) -> Iterator[Finding]:
+    for element in _commanded(model):
+        joint = model.joint_by_name.get(element.get("name"))
+        if joint is None:
+            continue  # CTL001
+        if joint.type == "fixed":
+            yield rule.finding("fixed", at=element, severity=Severity.WARNING, related=[joint], joint=joint.name)
+        elif joint.mimic is not None and element.get("mimic") != "false":
+            leader = joint.mimic.get("joint")
+            yield rule.finding(
+                "mimic", at=element, severity=Severity.WARNING, related=[joint.mimic], joint=joint.name, leader=leader
+            )
+
+
+def _commanded(model: Model) -> Iterator[Element]:
+    """The `<joint>` elements that hand a command to a joint."""
+    for control in model.robot.all("ros2_control"):
+        yield from (j for j in control.all("joint") if j.child("command_interface") is not None)
+    for transmission in model.robot.all("transmission"):
+        yield from transmission.all("joint")

@@ -1,0 +1,45 @@
+"""JNT002: the axis of a joint has length 1."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.model import Model
+from urdfcheck.source.xml import Attribute
+
+
+def check(model: Model, rule: Rule, *, tol: float, rounding: float) -> Iterator[Finding]:
+    for joint in model.joints:
+        axis, element = joint.axis, joint.axis_element
+        attribute = None if element is None else element.attributes.get("xyz")
+        if not joint.has_axis or axis is None or attribute is None:
+            continue
+        length = math.hypot(*axis)
+        if length < 1e-12 or abs(length - 1) <= tol:
+            continue  # no direction at all: JNT001
+        unit = " ".join(_number(a / length) for a in axis)
+        rounded = abs(length - 1) < rounding
+        yield rule.finding(
+            "rounded" if rounded else "length",
+            at=attribute,
+            severity=Severity.INFO if rounded else None,
+            related=attribute.related(),
+            edits=_edit(attribute, unit),
+            joint=joint.name,
+            axis=" ".join(attribute.value.split()),
+            length=length,
+            excess=length - 1,
+            unit=unit,
+        )
+
+
+def _number(value: float) -> str:
+    return str(round(value)) if value == round(value) else repr(value)
+
+
+def _edit(attribute: Attribute, unit: str) -> list[Edit]:
+    if not attribute.literal or attribute.span is None:
+        return []
+    return [Edit(attribute.span, attribute.typed, unit)]

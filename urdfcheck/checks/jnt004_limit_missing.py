@@ -1,0 +1,21 @@
+"""JNT004: revolute and prismatic joints say how far they go."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    for joint in model.joints:
+        if joint.type not in {"revolute", "prismatic"}:
+            continue
+        unit = "rad" if joint.type == "revolute" else "m"
+        limit = joint.limit
+        if limit is None:
+            instead = ", or make it continuous if it turns without end" if joint.type == "revolute" else ""
+            yield rule.finding("missing", at=joint, joint=joint.name, type=joint.type, unit=unit, instead=instead)
+        elif "lower" not in limit.attributes and "upper" not in limit.attributes:
+            yield rule.finding("locked", at=limit, joint=joint.name, type=joint.type, unit=unit)

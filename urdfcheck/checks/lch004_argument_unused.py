@@ -1,0 +1,57 @@
+"""LCH004: every argument of a launch file is read, and one that is read has a value."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.source.launch import Launch
+from urdfcheck.source.words import removal
+from urdfcheck.source.xml import Element
+
+_READ = re.compile(r"\$\((?:arg|var)\s+([^\s)]+)")
+_EVAL = re.compile(r"\$\(eval\s")
+_NAME = re.compile(r"\w+")
+
+
+def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
+    if launch.root is None:
+        return
+    read = _names_read(launch.root)
+    handed_on = _hands_everything_on(launch)
+    included: bool | None = None
+    for argument in launch.arguments:
+        name = argument.get("name")
+        if not name:
+            continue
+        if name not in read:
+            if not handed_on:
+                yield rule.finding("unused", at=argument, edits=removal(argument, launch.files), argument=name)
+        elif not any(key in argument.attributes for key in ("default", "value", "doc", "description")):
+            included = _is_included(launch.path) if included is None else included
+            if not included:
+                yield rule.finding("required", at=argument, severity=Severity.WARNING, argument=name)
+
+
+def _names_read(root: Element) -> set[str]:
+    """The names in `$(arg x)`, `$(var x)` and, because it may name arguments in several ways, every word of `$(eval …)`."""
+    texts = [text for e in root.walk() for text in (e.text, *(a.value for a in e.attributes.values()))]
+    read = {name for text in texts for name in _READ.findall(text)}
+    return read.union(*(_NAME.findall(text) for text in texts if _EVAL.search(text)))
+
+
+def _hands_everything_on(launch: Launch) -> bool:
+    """ROS 1 hands all arguments to an include when told so, ROS 2 always."""
+    includes = [] if launch.root is None else [e for e in launch.root.walk() if e.tag == "include"]
+    return any(launch.dialect == "ros2" or e.get("pass_all_args") in {"true", "1"} for e in includes)
+
+
+def _is_included(path: Path) -> bool:
+    """Whether a launch file beside this one mentions it: then that one is where the arguments come from."""
+    try:
+        others = [p for p in path.absolute().parent.iterdir() if p.name != path.name and "launch" in p.name]
+        return any(path.name in other.read_text(encoding="utf-8", errors="replace") for other in others)
+    except OSError:
+        return False

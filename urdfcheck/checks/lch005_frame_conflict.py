@@ -1,0 +1,79 @@
+"""LCH005: static transforms of a launch file agree with the frames of the model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.model.extent import lowest_point
+from urdfcheck.model.names import nearest
+from urdfcheck.source.launch import Launch, StaticTransform
+
+# The line that the SolidWorks exporter writes into every launch file, whatever the robot is.
+_EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)
+
+
+def check(launch: Launch, rule: Rule, *, height_tol: float) -> Iterator[Finding]:
+    model = launch.model
+    published = {frame for t in launch.transforms for frame in (t.parent, t.child)}
+    for transform in launch.transforms:
+        joint = None if model is None else next((j for j in model.joints if j.child == transform.child), None)
+        if joint is not None:
+            yield rule.finding(
+                "second-parent",
+                at=transform.at,
+                related=[joint],
+                parent=transform.parent,
+                child=transform.child,
+                joint=joint.name,
+                other=joint.parent,
+            )
+        elif _is_footprint(transform, model):
+            yield from _footprint(rule, transform, model, height_tol)
+        elif model is not None:
+            yield from _unknown(rule, transform, model, published)
+
+
+def _is_footprint(transform: StaticTransform, model: Model | None) -> bool:
+    """Whether the footprint hangs below the link that it should carry."""
+    if "footprint" not in transform.child or "footprint" in transform.parent:
+        return False
+    return transform.parent == "base_link" if model is None else transform.parent in model.link_by_name
+
+
+def _footprint(
+    rule: Rule, transform: StaticTransform, model: Model | None, height_tol: float
+) -> Iterator[Finding]:
+    exported = (transform.parent, transform.child, transform.xyz, transform.rpy) == _EXPORTED
+    cause = "solidworks-exporter" if exported else None
+    lowest = None if model is None or transform.xyz is None else lowest_point(model, transform.parent)
+    frames = {"parent": transform.parent, "child": transform.child}
+    if lowest is None or transform.xyz is None or abs(lowest[0] - transform.xyz[2]) <= height_tol:
+        yield rule.finding("footprint", at=transform.at, cause=cause, **frames)
+        return
+    ground, link = lowest
+    yield rule.finding(
+        "footprint-height",
+        at=transform.at,
+        cause=cause,
+        height=transform.xyz[2],
+        ground=ground,
+        rise=-ground,
+        off=abs(ground - transform.xyz[2]),
+        link=link,
+        **frames,
+    )
+
+
+def _unknown(
+    rule: Rule, transform: StaticTransform, model: Model, published: set[str]
+) -> Iterator[Finding]:
+    """A frame that nobody has, beside one that the model has and that is spelled almost like it."""
+    parent = transform.parent
+    others = published - {parent}
+    near = nearest(parent, model.link_by_name)
+    children = {t_child for t_child in others if t_child == parent}
+    if parent in model.link_by_name or children or near is None or transform.child in model.link_by_name:
+        return
+    yield rule.finding("unknown-frame", at=transform.at, parent=parent, child=transform.child, near=near)

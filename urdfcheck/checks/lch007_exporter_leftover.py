@@ -1,0 +1,38 @@
+"""LCH007: lines that exporters copy into launch files and that do nothing today."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.source.launch import Launch, executable
+from urdfcheck.source.words import removal
+from urdfcheck.source.xml import Element
+
+
+def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
+    if launch.root is None:
+        return
+    for element in launch.root.walk():
+        message = _leftover(element)
+        if message is not None:
+            yield rule.finding(
+                message,
+                at=element,
+                cause="solidworks-exporter" if message == "calibration" else None,
+                edits=removal(element, launch.files),
+                name=element.get("name"),
+            )
+
+
+def _leftover(element: Element) -> str | None:
+    if element.tag == "node" and executable(element) == "rostopic":
+        words = element.get("args").split()
+        return "calibration" if words[:2] in (["pub", "/calibrated"], ["pub", "calibrated"]) else None
+    if element.tag == "param" and element.get("name").rpartition("/")[2] == "use_gui":
+        return "use-gui"
+    if element.tag == "arg" and element.get("name") == "headless" and element.parent is not None:
+        file = element.parent.get("file")
+        world = element.parent.tag == "include" and "gazebo_ros" in file and file.endswith("_world.launch")
+        return "headless" if world else None
+    return None

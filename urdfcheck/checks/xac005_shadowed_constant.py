@@ -1,0 +1,71 @@
+"""XAC005: constants of mathematics are xacro's own, or have all their digits."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.facts.literals import near_miss
+from urdfcheck.source.load import Source
+from urdfcheck.source.usage import names_read, own_trees, properties
+from urdfcheck.source.values import number
+from urdfcheck.source.xml import Attribute
+
+_PI = re.compile(r"(?:M_)?PI", re.IGNORECASE)
+_FRACTION = re.compile(r"(?:^|_)(?:half|two|2)?_?PI(?:_|\d|$|half|over)|^(?:M_)?2PI$", re.IGNORECASE)
+_DEGREE = re.compile(r"DEG(?:REES?)?_?(?:2|TO)_?RAD(?:IANS?)?|D2R", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class _Constant:
+    """What a property must mean: its name in words, its value, and what xacro writes for it."""
+
+    words: str
+    value: float
+    expression: str
+
+
+def check(source: Source, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
+    if not source.is_xacro:
+        return
+    read = set().union(*(names_read(tree) for tree in source.trees.values()))
+    for name, definitions in properties(own_trees(source)).items():
+        for definition in definitions:
+            yield from _judge(name, definition.owner.attributes.get("value"), name in read, rel_tol, rule)
+
+
+def _judge(name: str, value: Attribute | None, is_read: bool, rel_tol: float, rule: Rule) -> Iterator[Finding]:
+    typed = None if value is None else number(value.value)
+    constant = None if value is None or typed is None else _constant(name, value.value)
+    if value is None or typed is None or constant is None:
+        return
+    off = abs(typed / constant.value - 1)
+    data = {
+        "name": name,
+        "value": value.value,
+        "constant": constant.words,
+        "expression": constant.expression,
+        "exact": constant.value,
+        "relative": off,
+        "read": is_read,
+        "unread": "" if is_read else ". Nothing reads it",
+    }
+    if off > rel_tol:
+        kind = "rounded" if off < 0.01 else "wrong"
+        edits = [] if value.span is None or name == "pi" else [Edit(value.span, value.typed, constant.expression)]
+        yield rule.finding(kind, at=value, edits=edits, severity=None if is_read else Severity.INFO, **data)
+    elif name == "pi":
+        yield rule.finding("redefined", at=value, severity=Severity.INFO, **data)
+
+
+def _constant(name: str, text: str) -> _Constant | None:
+    """The constant that a name promises; of names such as ``PI_2`` the value must say which fraction is meant."""
+    if _PI.fullmatch(name):
+        return _Constant("π", math.pi, "${pi}")
+    if _DEGREE.fullmatch(name):
+        return _Constant("π/180", math.pi / 180, "${pi / 180}")
+    near = near_miss(text) if _FRACTION.search(name) else None
+    return None if near is None else _Constant(near.constant.replace("pi", "π"), near.exact, near.expression)

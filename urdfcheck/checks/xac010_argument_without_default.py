@@ -1,0 +1,42 @@
+"""XAC010: the file expands without arguments."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.source.load import Source
+from urdfcheck.source.usage import elements
+
+_READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
+
+
+def check(source: Source, rule: Rule) -> Iterator[Finding]:
+    for problem in source.problems_of("argument-missing"):
+        name = str(problem.data["argument"])
+        declared = [e for e in elements(source.trees, "xacro:arg") if e.get("name") == name]
+        missing = [name, *(n for n in _without_default(source) if n != name)]
+        yield rule.finding(
+            "too-late" if declared else "missing",
+            at=problem.location,
+            related=[*declared, *problem.related],
+            severity=Severity.ERROR if source.explicit else None,
+            argument=name,
+            missing=missing,
+            options=" ".join(f"--arg {n}:=…" for n in missing),
+            default=declared[0].get("default") if declared else "",
+        )
+
+
+def _without_default(source: Source) -> list[str]:
+    """The arguments that the files reached read, nobody has given and no file declares."""
+    declared = {e.get("name") for e in elements(source.trees, "xacro:arg")}
+    read = {
+        name: None
+        for tree in source.trees.values()
+        for element in tree.walk()
+        for text in (*(a.value for a in element.attributes.values()), element.text)
+        for name in _READ.findall(text)
+    }
+    return [n for n in read if n not in declared and n not in source.arguments]

@@ -1,0 +1,41 @@
+"""XML002: the root element is a robot with a name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.source.load import Source
+
+_FORMATS = {
+    "sdf": "an SDF model",
+    "gazebo": "an old SDF model",
+    "mujoco": "a MuJoCo model",
+    "mujocoinclude": "a part of a MuJoCo model",
+    "COLLADA": "a COLLADA mesh",
+    "launch": "a launch file",
+    "package": "a package manifest",
+    "html": "a web page",
+    "svg": "a drawing",
+    "Robot": "URDF with a capital letter: names in XML distinguish upper and lower case",
+}
+
+
+def check(source: Source, rule: Rule) -> Iterator[Finding]:
+    root = source.root if source.root is not None else source.main
+    if root is None:
+        return
+    if root.tag != "robot":
+        known = _FORMATS.get(root.tag)
+        if known is None:
+            yield rule.finding("root", at=root, tag=root.tag)
+        else:
+            yield rule.finding("format", at=root, tag=root.tag, format=known)
+        return
+    name = root.attributes.get("name")
+    if name is None:
+        # A xacro file without a name that was only found in a folder is a part that some model includes.
+        if source.explicit or not source.is_xacro:
+            yield rule.finding("unnamed", at=root)
+    elif not name.value.strip():
+        yield rule.finding("empty", at=name, severity=Severity.WARNING)

@@ -1,0 +1,92 @@
+"""XML003: elements that nothing reads where they stand."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+from typing import Any
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.model import Model
+from urdfcheck.source.grammar import CHILDREN, NUMBERS, elements
+from urdfcheck.source.xml import Element
+
+# Elements that a program other than urdfdom reads where they stand, or that name an extension of their own.
+_EXTENSIONS: dict[str, frozenset[str]] = {
+    "robot": frozenset(
+        "transmission gazebo ros2_control sensor mujoco loop_joint self_collision self_collision_checking "
+        "group virtual_joint disable_collisions end_effector cad version author".split()
+    ),
+    # contact, audio_source: Bullet; collision_checking: Pinocchio; sensor: URDF 1.0 on the wiki
+    "link": frozenset("contact audio_source collision_checking self_collision_checking sensor verbose".split()),
+    "visual": frozenset({"verbose"}),
+    "collision": frozenset({"verbose", "material", "contact_coefficients"}),
+    "geometry": frozenset({"plane", "cdf"}),  # Bullet
+}
+# What SDF has inside a link, a collision or a joint: in a URDF it counts only inside <gazebo>.
+_SDF = frozenset(
+    "gravity kinematic self_collide surface enable_wind velocity_decay must_be_base_link laser_retro max_contacts "
+    "selfCollide turnGravityOff dampingFactor maxContacts mu1 mu2 kp kd minDepth maxVel fdir1 implicitSpringDamper "
+    "provideFeedback stopCfm stopErp fudgeFactor plugin pose static".split()
+)
+# Unprefixed xacro has a rule of its own (XAC007).
+_XACRO = frozenset("macro property include arg if unless insert_block".split())
+# <joint_properties damping= friction=> was the name of <dynamics> before URDF 1.0.
+_RENAMED = {"joint_properties": "dynamics", "colour": "color"}
+_CUTOFF = 0.75
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    found: dict[tuple[str, str], list[Element]] = {}
+    for parent in elements(model.robot):
+        for child in parent.children:
+            if _unknown(parent.tag, child):
+                found.setdefault((parent.tag, child.tag), []).append(child)
+    for (parent_tag, tag), places in found.items():
+        judged = _judge(parent_tag, places[0])
+        if judged is None:
+            continue
+        message, severity, data = judged
+        data = {"tag": tag, "parent": parent_tag, "times": _times(len(places)), **data}
+        yield rule.finding(message, at=places[0], severity=severity, related=places[1:10], **data)
+
+
+def _unknown(parent: str, child: Element) -> bool:
+    known = CHILDREN.get(parent, frozenset()) | _EXTENSIONS.get(parent, frozenset())
+    return child.tag not in known and ":" not in child.tag and child.tag not in _XACRO
+
+
+def _judge(parent: str, child: Element) -> tuple[str, Severity, dict[str, Any]] | None:
+    """Which message an unknown element deserves, None when it is somebody's own extension of the robot."""
+    near = _nearest(parent, child)
+    if near is not None:
+        return "misspelt", Severity.ERROR if parent == "geometry" else Severity.WARNING, {"near": near}
+    homes = [home for home, children in CHILDREN.items() if child.tag in children and home != "robot"]
+    if homes and (child.attributes or child.children):
+        listed = " or ".join(f"<{home}>" for home in homes)
+        return "misplaced", Severity.WARNING, {"homes": listed}
+    if parent == "geometry":
+        return "shape", Severity.ERROR, {}
+    if parent == "robot":
+        return None
+    if child.tag in _SDF:
+        return "sdf", Severity.WARNING, {}
+    return "ignored", Severity.INFO, {}
+
+
+def _nearest(parent: str, child: Element) -> str | None:
+    """The element of this parent that is probably meant."""
+    allowed = sorted(CHILDREN.get(parent, frozenset()))
+    if _RENAMED.get(child.tag) in allowed:
+        return _RENAMED[child.tag]
+    close = difflib.get_close_matches(child.tag.lower(), allowed, n=1, cutoff=_CUTOFF)
+    if not close:
+        return None
+    # <inertia ixx=…> in a link is no misspelt <inertial>: it carries what belongs to <inertia>.
+    own = CHILDREN.get(child.tag) or frozenset(NUMBERS.get(child.tag, ()))
+    carried = {c.tag for c in child.children} | set(child.attributes)
+    return None if own & carried else close[0]
+
+
+def _times(count: int) -> str:
+    return "" if count == 1 else f" ({count} times)"

@@ -1,0 +1,88 @@
+"""Links and joints as a graph, before it is known to be a tree: what the rules about a broken tree share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from urdfcheck.core import Unavailable
+from urdfcheck.model.model import Model
+from urdfcheck.model.parts import Joint
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Graph:
+    """``edges`` are the joints between two different links that exist, the first of each name; ``broken`` the others."""
+
+    links: tuple[str, ...]
+    edges: tuple[Joint, ...]
+    broken: tuple[Joint, ...]
+
+    @classmethod
+    def of(cls, model: Model) -> Graph:
+        """:raises Unavailable: when xacro still has to make a part of the links or joints."""
+        if any(child.tag.startswith("xacro:") for child in model.robot.children):
+            raise Unavailable("the file holds xacro elements that nothing has expanded (XML009)")
+        links = tuple(name for name in model.link_by_name if name)
+        joints = [j for j in model.joints if not j.name or model.joint_by_name[j.name] is j]
+        sound = [j for j in joints if j.parent in links and j.child in links and j.parent != j.child]
+        return cls(links, tuple(sound), tuple(j for j in joints if j not in sound))
+
+    def parents(self) -> Mapping[str, tuple[Joint, ...]]:
+        """The joints that have each link as their child."""
+        found: dict[str, tuple[Joint, ...]] = {name: () for name in self.links}
+        for joint in self.edges:
+            found[joint.child] += (joint,)
+        return found
+
+    def pieces(self) -> list[list[str]]:
+        """The connected pieces, each in document order, the largest first (the first of equals)."""
+        index = {name: i for i, name in enumerate(self.links)}
+        group = list(range(len(self.links)))
+
+        def head(i: int) -> int:
+            while group[i] != i:
+                group[i] = group[group[i]]
+                i = group[i]
+            return i
+
+        for joint in self.edges:
+            a, b = head(index[joint.parent]), head(index[joint.child])
+            group[max(a, b)] = min(a, b)
+        found: dict[int, list[str]] = {}
+        for name, i in index.items():
+            found.setdefault(head(i), []).append(name)
+        return sorted(found.values(), key=len, reverse=True)
+
+    def loops(self) -> list[tuple[Joint, ...]]:
+        """The loops that the joints close, each as its joints in the order parent to child, one per closing joint.
+
+        Depth-first search over the joints: an edge back to a link on the current path closes a loop.
+        """
+        children: dict[str, list[Joint]] = {name: [] for name in self.links}
+        for joint in self.edges:
+            children[joint.parent].append(joint)
+        state = dict.fromkeys(self.links, 0)  # 0 unseen, 1 on the path, 2 done
+        found: list[tuple[Joint, ...]] = []
+        child_names = {joint.child for joint in self.edges}
+        starts = sorted(self.links, key=lambda name: name in child_names)  # from the roots first
+        for start in starts:
+            if state[start]:
+                continue
+            state[start] = 1
+            path: list[Joint] = []
+            stack = [iter(children[start])]
+            while stack:
+                joint = next(stack[-1], None)
+                if joint is None:
+                    stack.pop()
+                    done = path.pop().child if path else start
+                    state[done] = 2
+                elif state[joint.child] == 1:
+                    first = next((i for i, j in enumerate(path) if j.parent == joint.child), len(path))
+                    found.append((*path[first:], joint))
+                elif state[joint.child] == 0:
+                    state[joint.child] = 1
+                    path.append(joint)
+                    stack.append(iter(children[joint.child]))
+        return found

@@ -1,0 +1,25 @@
+"""Names that do not exist, and those that may have been meant."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """The known name that is spelled most like ``name``, None when none is close."""
+    close = difflib.get_close_matches(name, sorted(set(known) - {name, ""}), n=1, cutoff=0.6)
+    return close[0] if close else None
+
+
+def hint(name: str, known: Iterable[str]) -> str:
+    """`` (did you mean 'x'?)`` for the end of a message, or nothing."""
+    close = nearest(name, known)
+    return f" (did you mean {close!r}?)" if close else ""
+
+
+def listed(names: Iterable[str], most: int = 6) -> str:
+    """``a, b, c and 4 more``."""
+    names = list(names)
+    shown = ", ".join(names[:most])
+    return f"{shown} and {len(names) - most} more" if len(names) > most else shown

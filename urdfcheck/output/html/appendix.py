@@ -1,0 +1,58 @@
+"""The end of the report: the rules that fired, explained; what could not be checked; how the report was made."""
+
+from __future__ import annotations
+
+from urdfcheck.core import Rule, Run
+from urdfcheck.output.html.tables import rules_table, skipped_table
+from urdfcheck.output.html.text import esc, markdown, plural, sections
+
+SHOWN = ("What it checks", "Why it matters", "How to fix", "When to ignore")
+
+
+def fired_rules(run: Run) -> list[Rule]:
+    """The rules behind the findings that have a page, by code."""
+    return [run.rules[code] for code in sorted({f.code for f in run.findings}) if code in run.rules]
+
+
+def appendix_html(run: Run) -> str:
+    parts = []
+    fired = fired_rules(run)
+    if fired:
+        pages = "\n".join(map(_rule, fired))
+        parts.append(f'<section id="rules" class="rules"><h2>The rules behind the findings</h2>{pages}</section>')
+    parts.append(_skipped(run))
+    parts.append(
+        f'<section id="checks"><h2>Checks</h2><details><summary>All {plural(len(run.rules), "rule")} and what they '
+        f"found</summary>{rules_table(run)}</details></section>"
+    )
+    parts.append(_about(run))
+    return "\n".join(parts)
+
+
+def _rule(rule: Rule) -> str:
+    texts = sections(rule.page)
+    shown = "".join(f"<h4>{title}</h4>{markdown(texts[title])}" for title in SHOWN if texts.get(title, "").strip())
+    code = esc(rule.code)
+    return (
+        f'<article class="rule" id="rule-{code}"><h3><span class="rule-code">{code}</span> {esc(rule.name)}</h3>'
+        f'<p class="facts">{rule.severity} · {rule.confidence} · since {esc(rule.since)}</p>{shown}</article>'
+    )
+
+
+def _skipped(run: Run) -> str:
+    if not run.skipped:
+        text = "<p>Every check of this run could run on every model.</p>"
+    else:
+        count = len({(s.code, s.reason) for s in run.skipped})
+        text = f"<details><summary>{plural(count, 'check')} could not run</summary>{skipped_table(run)}</details>"
+    return f'<section id="skipped"><h2>Skipped checks</h2>{text}</section>'
+
+
+def _about(run: Run) -> str:
+    versions = "".join(f"<div><dt>{esc(k)}</dt><dd>{esc(v)}</dd></div>" for k, v in run.versions.items())
+    return (
+        '<section id="about"><h2>How this report was made</h2>'
+        f'<p>urdfcheck read {plural(len(run.models), "model")} in <span class="seconds">{run.seconds:.1f} s</span>. '
+        "It ran nothing of the robot's own code, and this file loads nothing from anywhere.</p>"
+        f'<dl class="facts">{versions}</dl></section>'
+    )

@@ -1,0 +1,93 @@
+"""One model's part of the report: its facts, findings, kinematic tree and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from urdfcheck.core import ModelInfo, Run, Scene, Severity
+from urdfcheck.output.html.anchors import Card, cards, marks
+from urdfcheck.output.html.findings import findings_html
+from urdfcheck.output.html.tables import joints_table, links_table
+from urdfcheck.output.html.text import esc, number, plural
+from urdfcheck.output.html.tree import tree_html
+
+STATUS = {
+    "needs-arguments": "Not checked: the model cannot be expanded without arguments.",
+    "failed": "Not checked: the model could not be expanded. The findings say why.",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A section of the report: a model, or the findings of a launch file or a package that belong to no model."""
+
+    id: str
+    title: str
+    info: ModelInfo | None
+    cards: tuple[Card, ...]
+    scene: Scene | None
+    counts: Mapping[Severity, int]
+
+    @property
+    def sections(self) -> list[tuple[str, str]]:
+        """Anchor and name of each section inside."""
+        found = [(f"{self.id}-findings", "Findings")]
+        if self.scene is not None:
+            found += [(f"{self.id}-tree", "Kinematic tree"), (f"{self.id}-links", "Links")]
+            found += [(f"{self.id}-joints", "Joints")] if self.scene.joints else []
+        return found
+
+
+def parts_of(run: Run) -> list[Part]:
+    """The models in the run's order, then whatever else has findings."""
+    groups: dict[str, list[Card]] = {info.id: [] for info in run.models}
+    for card in cards(run.findings):
+        groups.setdefault(card.finding.model, []).append(card)
+    infos = {info.id: info for info in run.models}
+    scenes = {scene.model: scene for scene in run.scenes}
+    parts = []
+    for number_, (name, group) in enumerate(groups.items(), 1):
+        info = infos.get(name)
+        title = (info.robot if info else "") or name or "This run"
+        counts: dict[Severity, int] = {}
+        for card in group:
+            if card.finding.suppressed is None:
+                counts[card.finding.severity] = counts.get(card.finding.severity, 0) + 1
+        parts.append(Part(f"m{number_}", title, info, tuple(group), scenes.get(name), counts))
+    return parts
+
+
+def model_html(run: Run, part: Part) -> str:
+    head = f'<section class="model" id="{part.id}" aria-labelledby="{part.id}-title">{_head(part)}'
+    found = findings_html(run, part.cards, part.id)
+    body = f'<section class="findings" id="{part.id}-findings">{found}</section>'
+    return head + body + _scene(part) + "</section>"
+
+
+def _head(part: Part) -> str:
+    title = f'<h2 id="{part.id}-title">{esc(part.title)}</h2>'
+    info = part.info
+    if info is None:
+        return f'<div class="head">{title}</div>'
+    args = "".join(f" <code>{esc(k)}:={esc(v)}</code>" for k, v in info.args.items())
+    facts = [plural(info.links, "link"), plural(info.joints, "joint")]
+    facts += [f"{number(info.mass)} kg"] if info.mass is not None else []
+    status = STATUS.get(info.status)
+    told = f'<p class="status">{status}</p>' if status else f'<p class="facts">{" · ".join(facts)}</p>'
+    return f'<div class="head">{title}<p class="path"><code>{esc(info.path)}</code>{args}</p>{told}</div>'
+
+
+def _scene(part: Part) -> str:
+    scene = part.scene
+    if scene is None:
+        return ""
+    worst = marks(part.cards)
+    tables: Sequence[str] = [
+        f'<section class="links" id="{part.id}-links"><h3>Links</h3>{links_table(scene, worst)}</section>',
+        f'<section class="joints" id="{part.id}-joints"><h3>Joints</h3>{joints_table(scene, worst)}</section>'
+        if scene.joints
+        else "",
+    ]
+    tree = tree_html(scene, worst, f"Kinematic tree of {part.title}")
+    return f'<section class="kinematics" id="{part.id}-tree"><h3>Kinematic tree</h3>{tree}</section>{"".join(tables)}'

@@ -1,0 +1,66 @@
+"""The mesh and texture files that an expanded model names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from urdfcheck.core import Location
+from urdfcheck.source.load import Source
+from urdfcheck.source.packages import Resource
+from urdfcheck.source.xml import Attribute, Definition, Element
+
+_COMPUTED = re.compile(r"\$\((?:find|dirname|cwd|env|optenv|eval)\b|abs_filename")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ResourceUse:
+    """One attribute that names a file, and the file it means."""
+
+    attribute: Attribute
+    resource: Resource
+
+    @property
+    def location(self) -> Location:
+        return self.attribute.location
+
+
+def resource_uses(source: Source) -> list[ResourceUse]:
+    """Every mesh and texture of the expanded model in document order; none where it could not be expanded."""
+    if source.root is None:
+        return []
+    base = source.path.parent
+    return [ResourceUse(a, source.finder.resolve(a.value, base)) for a in _filenames(source.root) if a.value.strip()]
+
+
+def machine_part(use: ResourceUse, source: Source) -> Attribute | Definition | None:
+    """Where the path of one machine was typed: the attribute, or the property or argument that it comes from.
+
+    None for a path that any machine can open, and for one that xacro computes anew on each machine
+    (``file://$(find pkg)/…``).
+    """
+    if use.resource.kind not in {"absolute", "home", "file"}:
+        return None
+    definitions = use.attribute.related()
+    texts = {d: _text(d, source) for d in definitions}
+    if _COMPUTED.search(use.attribute.typed) or any(_COMPUTED.search(t) for t in texts.values()):
+        return None
+    if use.attribute.typed.lstrip().startswith("$"):
+        return next((d for d, t in texts.items() if t and use.attribute.value.startswith(t.strip())), use.attribute)
+    return use.attribute
+
+
+def _text(definition: Definition, source: Source) -> str:
+    span = definition.span
+    file = None if span is None else source.files.get(span.file)
+    return "" if span is None or file is None else file.text[span.start : span.end]
+
+
+def _filenames(root: Element) -> Iterator[Attribute]:
+    for element in root.walk():
+        inside = element.parent.tag if element.parent is not None else ""
+        if (element.tag == "mesh" and inside == "geometry") or (element.tag == "texture" and inside == "material"):
+            filename = element.attributes.get("filename")
+            if filename is not None:
+                yield filename

@@ -1,0 +1,112 @@
+"""What xacro files define and what they read, as typed: without expanding, and so for every file and branch alike."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from urdfcheck.source.expressions import names_in
+from urdfcheck.source.load import Source
+from urdfcheck.source.packages import display_name
+from urdfcheck.source.xml import Attribute, Element
+
+# Files that a xacro file can include. Larger ones are expanded models or data, in which nobody writes expressions.
+_INCLUDED = frozenset({".xacro", ".urdf", ".xml", ".gazebo", ".srdf"})
+_LARGEST = 500_000
+
+_EXPRESSION = re.compile(r"\$\{([^}]*)\}|\$\(eval\s+([^)]*)\)")
+_BLOCK = re.compile(r"""insert_block\s+name\s*=\s*["']([^"']+)["']""")
+_FORWARDED = re.compile(r"""([^\s:="']+)\s*:?=\s*\^""")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Macro:
+    """A ``<xacro:macro>``; ``parameters`` without the asterisks of blocks, ``optional`` those that have a default."""
+
+    element: Element
+    name: str
+    parameters: tuple[str, ...]
+    optional: frozenset[str]
+
+
+def elements(trees: Mapping[str, Element], tag: str) -> Iterator[Element]:
+    """Every element with this tag, file by file in document order."""
+    for tree in trees.values():
+        yield from (e for e in tree.walk() if e.tag == tag)
+
+
+def properties(trees: Mapping[str, Element]) -> dict[str, list[Attribute]]:
+    """The name attribute of each definition of a property, by name; computed names and removals are left out."""
+    found: dict[str, list[Attribute]] = {}
+    for element in elements(trees, "xacro:property"):
+        name = element.attributes.get("name")
+        if name is not None and name.literal and "remove" not in element.attributes:
+            found.setdefault(name.value, []).append(name)
+    return found
+
+
+def macros(trees: Mapping[str, Element]) -> dict[str, Macro]:
+    """The macros by name, each as its last definition makes it."""
+    from xacro import parse_macro_arg
+
+    found: dict[str, Macro] = {}
+    for element in elements(trees, "xacro:macro"):
+        parameters, optional, rest = [], set(), element.get("params")
+        while rest.strip():
+            parameter, default, rest = parse_macro_arg(rest)
+            parameters.append(parameter.lstrip("*"))
+            optional |= {parameter} if default is not None else set()
+        name = element.get("name").removeprefix("xacro:")
+        found[name] = Macro(element, name, tuple(parameters), frozenset(optional))
+    return found
+
+
+def names_read(tree: Element) -> set[str]:
+    """Every name that an expression, an inserted block or a forwarding default of a file mentions."""
+    found: set[str] = set()
+    for element in tree.walk():
+        if element.tag == "xacro:insert_block":
+            found.add(element.get("name"))
+        for attribute in element.attributes.values():
+            if element.tag == "xacro:macro" and attribute.name == "params":
+                found.update(_FORWARDED.findall(attribute.value))
+            found |= _in_expressions(attribute.value)
+        found |= _in_expressions(element.text)
+    return found
+
+
+def own_trees(source: Source) -> dict[str, Element]:
+    """Of the files reached, those of the model's own package: the model's file alone where it belongs to none."""
+    own = source.package
+    return {
+        name: tree
+        for name, tree in source.trees.items()
+        if name == source.name or (own is not None and own.path in source.files[name].path.absolute().parents)
+    }
+
+
+def names_read_elsewhere(source: Source) -> set[str]:
+    """The names that files mention which were not reached, but lie in the model's package or folder."""
+    folder = source.path.parent if source.package is None else source.package.path
+    found: set[str] = set()
+    for path in _files(folder, deep=source.package is not None):
+        if display_name(path) in source.trees:
+            continue
+        try:
+            text = path.read_text(encoding="utf-8", errors="replace") if path.stat().st_size <= _LARGEST else ""
+        except OSError:
+            continue
+        found.update(_BLOCK.findall(text), _FORWARDED.findall(text), _in_expressions(text))
+    return found
+
+
+def _files(folder: Path, *, deep: bool) -> Iterable[Path]:
+    return (p for p in folder.glob("**/*" if deep else "*") if p.suffix in _INCLUDED and p.is_file())
+
+
+def _in_expressions(text: str) -> set[str]:
+    if "$" not in text:
+        return set()
+    return {name for match in _EXPRESSION.finditer(text) for name in names_in(match.group(1) or match.group(2) or "")}
