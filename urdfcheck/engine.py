@@ -138,7 +138,7 @@ def _assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]]
         findings=tuple(sorted(merge(findings), key=order)),
         skipped=tuple(skipped),
         rules=rules,
-        versions=_versions(),
+        versions=_versions(full=request.scene),
         sources=sources,
         scenes=tuple(r.scene for _, r in kept if r.scene is not None),
         seconds=seconds,
@@ -147,10 +147,13 @@ def _assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]]
     )
 
 
-def _versions() -> dict[str, str]:
+def _versions(*, full: bool) -> dict[str, str]:
+    """Our own version and Python's; those of the libraries, which take a while to look up, only for a report that shows them."""
+    found = {"urdfcheck": __version__, "python": ".".join(map(str, sys.version_info[:3]))}
+    if not full:
+        return found
     from importlib.metadata import PackageNotFoundError, version
 
-    found = {"urdfcheck": __version__, "python": ".".join(map(str, sys.version_info[:3]))}
     for name in DISTRIBUTIONS:
         try:
             found[name] = version(name)

@@ -129,15 +129,13 @@ def rounding(six: str) -> Rounding:
 
 def test_a_violation_in_the_last_digit_is_explained_by_rounding() -> None:
     found = rounding("0.00123 0 0 0.00045 0 0.00169")
-    assert found.excess < 0.0 < found.best_excess
+    assert found.excess < 0.0
     assert found.explained
     assert found.typed_digits == 3
 
 
 def test_a_violation_of_many_digits_is_not() -> None:
-    found = rounding("0.00123000 0 0 0.00045000 0 0.00169000")
-    assert not found.explained
-    assert found.best_excess < 0.0
+    assert not rounding("0.00123000 0 0 0.00045000 0 0.00169000").explained
 
 
 def test_a_valid_tensor_needs_no_explanation() -> None:
@@ -158,8 +156,7 @@ def test_rounding_a_real_plate_is_always_explained(
     i = inertia_of(plate, m)
     texts = [f"{v:.{digits - 1}e}" for v in (i[0, 0], i[0, 1], i[0, 2], i[1, 1], i[1, 2], i[2, 2])]
     found = digits_needed(texts)
-    # Concave: the best case to first order may fall short by the square of the rounding.
-    assert found.best_excess > -(10.0 ** (2 - 2 * digits)) * 10
+    assert found.explained or found.excess >= -1e-9
 
 
 @given(size, size, st.floats(1e-3, 1.0), angle, angle)

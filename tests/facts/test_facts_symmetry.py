@@ -26,6 +26,11 @@ LEG_RPY = [(0, 0, 0.349), (0, 0, -0.349), (0, 0, -0.349), (0, 0, 0.349)]
 LEG_AXES = [(0, 1, 0)] * 4
 
 angle = st.floats(-math.pi, math.pi)
+# Along the axes, or clearly not: a symmetry that is a fraction of a degree off decides nothing.
+pose = st.one_of(
+    st.sampled_from((0.0, math.pi / 2, math.pi, -math.pi / 2)),
+    angle.filter(lambda a: abs((a + math.pi / 4) % (math.pi / 2) - math.pi / 4) > 0.05),
+)
 offset = st.floats(-1.0, 1.0)
 
 
@@ -80,7 +85,7 @@ def test_quarter_turns_are_a_choice_of_axes(quarters: int) -> None:
 @settings(max_examples=60, deadline=None)
 @given(
     order=st.permutations(range(4)),
-    rpy=st.tuples(angle, angle, angle),
+    rpy=st.tuples(pose, pose, pose),
     move=st.tuples(offset, offset, offset),
     scale=st.floats(0.5, 20.0),
     odd=st.booleans(),
@@ -132,10 +137,10 @@ def test_a_tilted_wheel_is_told_from_a_turned_one(index: int, tilt: float, about
 
 def test_splayed_legs_follow_their_mirrors() -> None:
     assert odd_one_out(LEG_XYZ, frames(LEG_RPY), LEG_AXES) is None
-    turned = [*LEG_RPY[:2], (0, 0, 0.349), LEG_RPY[3]]
+    turned = [*LEG_RPY[:2], (0, 0, -0.249), LEG_RPY[3]]
     odd = found(LEG_XYZ, frames(turned), LEG_AXES)
     assert (odd.index, odd.kind) == (2, "axis_tilt")
-    assert odd.angle == pytest.approx(2 * 0.349, abs=1e-3)
+    assert odd.angle == pytest.approx(0.1, abs=1e-6)
     assert_allclose(odd.expected_frame, rpy_to_matrix(LEG_RPY[2]), atol=1e-6)
 
 

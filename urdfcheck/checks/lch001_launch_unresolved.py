@@ -7,7 +7,7 @@ from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model.names import hint
-from urdfcheck.source.launch import Description, Launch
+from urdfcheck.source.launch import Launch
 from urdfcheck.source.words import part_of
 
 
@@ -30,11 +30,7 @@ def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
         elif obstacle.kind == "file":
             yield rule.finding("file", at=at, path=obstacle.name, near=_near_file(obstacle.name))
         elif obstacle.kind == "circle":
-            yield rule.finding("circle", at=at, file=_file(description))
-
-
-def _file(description: Description) -> str:
-    return description.file
+            yield rule.finding("circle", at=at, file=description.file)
 
 
 def _or(names: list[str]) -> str:

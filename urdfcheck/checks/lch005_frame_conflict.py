@@ -14,25 +14,28 @@ from urdfcheck.source.launch import Launch, StaticTransform
 _EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)
 
 
-def check(launch: Launch, rule: Rule, *, height_tol: float) -> Iterator[Finding]:
+def check(launch: Launch, rule: Rule, *, height_tol: float, likeness: float) -> Iterator[Finding]:
     model = launch.model
-    published = {frame for t in launch.transforms for frame in (t.parent, t.child)}
+    placed = {t.child for t in launch.transforms}
     for transform in launch.transforms:
-        joint = None if model is None else next((j for j in model.joints if j.child == transform.child), None)
-        if joint is not None:
-            yield rule.finding(
-                "second-parent",
-                at=transform.at,
-                related=[joint],
-                parent=transform.parent,
-                child=transform.child,
-                joint=joint.name,
-                other=joint.parent,
-            )
+        if model is not None and transform.child in model.link_by_name:
+            yield from _in_model(rule, transform, model)
         elif _is_footprint(transform, model):
             yield from _footprint(rule, transform, model, height_tol)
-        elif model is not None:
-            yield from _unknown(rule, transform, model, published)
+        elif model is not None and transform.parent not in placed:
+            yield from _unknown(rule, transform, model, likeness)
+
+
+def _in_model(rule: Rule, transform: StaticTransform, model: Model) -> Iterator[Finding]:
+    """A transform to a link of the model: it needs none, unless it is the root and hangs below the world."""
+    joint = next((j for j in model.joints if j.child == transform.child), None)
+    data = {"parent": transform.parent, "child": transform.child}
+    if joint is not None:
+        yield rule.finding(
+            "second-parent", at=transform.at, related=[joint], joint=joint.name, other=joint.parent, **data
+        )
+    elif transform.parent in model.link_by_name:
+        yield rule.finding("loop", at=transform.at, **data)
 
 
 def _is_footprint(transform: StaticTransform, model: Model | None) -> bool:
@@ -66,14 +69,10 @@ def _footprint(
     )
 
 
-def _unknown(
-    rule: Rule, transform: StaticTransform, model: Model, published: set[str]
-) -> Iterator[Finding]:
-    """A frame that nobody has, beside one that the model has and that is spelled almost like it."""
-    parent = transform.parent
-    others = published - {parent}
-    near = nearest(parent, model.link_by_name)
-    children = {t_child for t_child in others if t_child == parent}
-    if parent in model.link_by_name or children or near is None or transform.child in model.link_by_name:
-        return
-    yield rule.finding("unknown-frame", at=transform.at, parent=parent, child=transform.child, near=near)
+def _unknown(rule: Rule, transform: StaticTransform, model: Model, likeness: float) -> Iterator[Finding]:
+    """A parent that the model lacks but for a letter or two; any other may come from a driver."""
+    near = nearest(transform.parent, model.link_by_name, likeness)
+    if transform.parent not in model.link_by_name and near is not None:
+        yield rule.finding(
+            "unknown-frame", at=transform.at, parent=transform.parent, child=transform.child, near=near
+        )

@@ -14,7 +14,7 @@ from urdfcheck.model.names import hint, listed, nearest
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import display_name
 from urdfcheck.source.problems import Problem
-from urdfcheck.source.usage import elements, macros, properties
+from urdfcheck.source.usage import elements, macros, properties, typed_at
 from urdfcheck.source.xml import Element
 
 _EXPRESSIONS = " when evaluating expression '"
@@ -225,17 +225,8 @@ _KINDS: tuple[tuple[str, Callable[[_Failure, re.Match[str]], _Verdict]], ...] = 
 
 def _at_expression(failure: _Failure, message: str, extra: tuple[Location, ...] = (), **data: Any) -> _Verdict:
     """A finding where the failing expression is typed, which may be in a property that is read somewhere else."""
-    problem, files = failure.problem, failure.source.files
-
-    def types_it(location: Location) -> bool:
-        file = None if location.span is None else files.get(location.span.file)
-        typed = "" if location.span is None or file is None else file.text[location.span.start : location.span.end]
-        return failure.expression in typed
-
-    at = problem.location
-    if failure.expression and not types_it(at):
-        at = next((Location(r.subject, r.span, at.via) for r in problem.related if types_it(r)), at)
-        extra = (problem.location, *extra) if at is not problem.location else extra
+    at = typed_at(failure.source, failure.problem, failure.expression)
+    extra = extra if at is failure.problem.location else (failure.problem.location, *extra)
     return _verdict_at(failure, message, at, extra, expression=failure.expression, **data)
 
 

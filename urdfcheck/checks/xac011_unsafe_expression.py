@@ -6,8 +6,18 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.source.load import Source
+from urdfcheck.source.usage import typed_at
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     for problem in source.problems_of("unsafe-expression"):
-        yield rule.finding("unsafe", at=problem.location, related=problem.related, reason=problem.message)
+        expression = str(problem.data["expression"])
+        at = typed_at(source, problem, expression)
+        users = [] if at is problem.location else [problem.location]
+        yield rule.finding(
+            "unsafe",
+            at=at,
+            related=[*users, *(r for r in problem.related if r.span != at.span)],
+            expression=expression,
+            reason=problem.message,
+        )

@@ -62,7 +62,7 @@ def _judge(parent: str, child: Element) -> tuple[str, Severity, dict[str, Any]] 
     if near is not None:
         return "misspelt", Severity.ERROR if parent == "geometry" else Severity.WARNING, {"near": near}
     homes = [home for home, children in CHILDREN.items() if child.tag in children and home != "robot"]
-    if homes and (child.attributes or child.children):
+    if homes:
         listed = " or ".join(f"<{home}>" for home in homes)
         return "misplaced", Severity.WARNING, {"homes": listed}
     if parent == "geometry":

@@ -48,13 +48,12 @@ class Validity:
 class Rounding:
     """What the digits of a typed tensor leave open.
 
-    ``excess``: `triangle_excess` as typed. ``best_excess``: the largest that a tensor has which rounds to the typed
-    numbers. ``explained``: the typed tensor breaks the triangle inequality and a tensor that rounds to it does not.
-    ``typed_digits``: significant digits of the largest typed moment; ``digits``: how many it needs.
+    ``excess``: `triangle_excess` as typed. ``explained``: the typed tensor breaks the triangle inequality, and one that
+    rounds to the same digits keeps it. ``typed_digits``: significant digits of the largest typed moment; ``digits``:
+    how many it needs for rounding not to matter.
     """
 
     excess: float
-    best_excess: float
     explained: bool
     typed_digits: int
     digits: int
@@ -116,34 +115,54 @@ def digits_needed(texts: Sequence[str], rel_tol: float = 1e-9) -> Rounding:
     """Whether a violated triangle inequality is only rounding, and with how many digits it would not be.
 
     ``texts``: ``ixx ixy ixz iyy iyz izz`` as typed. Each stands for any number within half a unit of its last place;
-    zeros are exact. ``I1 + I2 - I3 = tr(I) - 2 I3`` is concave in the tensor, with gradient ``1 - 2 v vᵀ`` (v: the axis
-    of I3): moving every number by its half unit along the gradient gives the best tensor to first order, and a
-    witness when that one is valid. ``digits``: significant digits with which rounding costs at most ``rel_tol`` of
-    the largest moment.
+    zeros are exact. ``digits``: significant digits with which rounding costs at most ``rel_tol`` of the largest moment.
 
     :raises ValueError: when a text is no finite number.
     """
     values = [_decimal(text) for text in texts]
-    typed = tensor([float(value) for value in values])
-    half = tensor([float(Decimal(5).scaleb(_last_place(value) - 1)) if value else 0.0 for value in values])
-    moments, axes = principal_moments(typed)
-    gradient = np.eye(3) - 2.0 * np.outer(axes[:, 2], axes[:, 2])
-    gradient[np.abs(gradient) < _EIGEN_ROUNDING] = 0.0
-    excess = _excess(moments)
-    best = triangle_excess(typed + np.sign(gradient) * half)
-    largest = max((abs(values[i]) for i in (0, 3, 5)), default=Decimal(0))
-    # Rounding costs at most half a unit in the last place for each entry of the gradient.
-    digits = 1
-    if largest:
-        unit = 2.0 * rel_tol * float(moments[2]) / float(np.abs(gradient).sum())
-        digits = max(1, largest.adjusted() - math.floor(math.log10(unit)) + 1) if unit > 0.0 else 17
+    typed = [float(value) for value in values]
+    half = [float(Decimal(5).scaleb(_last_place(value) - 1)) if value else 0.0 for value in values]
+    report = validity(tensor(typed), rel_tol)
+    largest = max(abs(values[i]) for i in (0, 3, 5))
+    # The slack I1 + I2 - I3 changes by at most 1 for each moment and 2 for both places of a product.
+    place = math.floor(math.log10(rel_tol * abs(float(largest)) / 4.5)) if largest else 0
     return Rounding(
-        excess=excess,
-        best_excess=best,
-        explained=excess < -rel_tol and best >= 0.0,
+        excess=report.excess,
+        explained=not report.triangle and _valid_within(np.array(typed), np.array(half), rel_tol),
         typed_digits=largest.adjusted() - _last_place(largest) + 1 if largest else 0,
-        digits=min(digits, 17),
+        digits=min(17, largest.adjusted() - place + 1) if largest else 0,
     )
+
+
+def _valid_within(typed: Array, half: Array, rel_tol: float) -> bool:
+    """Whether six numbers within ``half`` of ``typed``, one by one, make a tensor with the triangle inequality.
+
+    The inequality is ``tr(I) - 2 uᵀ I u >= 0`` for every direction u, and each of these is linear in the tensor. Linear
+    programming finds the tensor with the greatest slack in the directions seen so far, the directions of its two larger
+    moments join them, and so on (Kelley, *The cutting-plane method for solving convex programs*, 1960) until the
+    tensor is valid or even the directions seen rule all out.
+    """
+    from scipy.optimize import linprog
+
+    unit = float(half.max())
+    rows: list[Array] = []
+    nearby = typed
+    while unit > 0.0 and len(rows) < 100:
+        moments, axes = principal_moments(tensor(nearby.tolist()))
+        tolerance = rel_tol * abs(float(moments[2]))
+        if moments[0] + moments[1] - moments[2] >= -tolerance:
+            return True
+        for x, y, z in axes.T[1:]:
+            rows.append(np.array((1 - 2 * x * x, -4 * x * y, -4 * x * z, 1 - 2 * y * y, -4 * y * z, 1 - 2 * z * z)))
+        # In units of the coarsest rounding, whatever the size of the body: the solver's tolerances are absolute.
+        lhs = np.column_stack((-np.array(rows) * half / unit, np.ones(len(rows))))
+        best = linprog(
+            (*(0.0,) * 6, -1.0), lhs, np.array(rows) @ typed / unit, bounds=[(-1.0, 1.0)] * 6 + [(None, None)]
+        )
+        if best.status != 0 or best.x[6] * unit < -tolerance:
+            return False
+        nearby = typed + half * best.x[:6]
+    return False
 
 
 def inertia_of(solid: Solid, mass: float) -> Array:

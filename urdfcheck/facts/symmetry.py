@@ -246,13 +246,15 @@ def _predictions(index: int, operation: _Operation, group: Sequence[_Relation], 
 
 
 def _majority(predictions: Sequence[_Prediction]) -> tuple[Array, list[_Prediction]]:
-    """The frame that most predictions agree on, and those that do."""
+    """The frame that most predictions agree on, closest to them all, and those that do."""
     best: list[_Prediction] = []
-    frame = np.eye(3)
+    frame, least = np.eye(3), math.inf
     for one in predictions:
-        agreeing = [other for other in predictions if _angle_between(one.frame, other.frame) < _AGREE]
-        if len(agreeing) > len(best):
-            best, frame = agreeing, one.frame
+        angles = [_angle_between(one.frame, other.frame) for other in predictions]
+        agreeing = [other for other, angle in zip(predictions, angles, strict=True) if angle < _AGREE]
+        total = sum(angle for angle in angles if angle < _AGREE)
+        if (len(agreeing), -total) > (len(best), -least):
+            best, frame, least = agreeing, one.frame, total
     return frame, best
 
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from urdfcheck.core import Unavailable
 from urdfcheck.model.model import Model
+from urdfcheck.model.names import nearest
 from urdfcheck.model.parts import Joint
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Graph:
-    """``edges`` are the joints between two different links that exist, the first of each name; ``broken`` the others."""
+    """``edges`` are the joints between two different links that exist, ``broken`` the others."""
 
     links: tuple[str, ...]
     edges: tuple[Joint, ...]
@@ -24,9 +26,16 @@ class Graph:
         if any(child.tag.startswith("xacro:") for child in model.robot.children):
             raise Unavailable("the file holds xacro elements that nothing has expanded (XML009)")
         links = tuple(name for name in model.link_by_name if name)
-        joints = [j for j in model.joints if not j.name or model.joint_by_name[j.name] is j]
-        sound = [j for j in joints if j.parent in links and j.child in links and j.parent != j.child]
-        return cls(links, tuple(sound), tuple(j for j in joints if j not in sound))
+        sound = [j for j in model.joints if j.parent in links and j.child in links and j.parent != j.child]
+        return cls(links, tuple(sound), tuple(j for j in model.joints if j not in sound))
+
+    def meant(self, role: str, name: str) -> str | None:
+        """The link that an unknown ``name`` probably means; for a child first among those that are no joint's child."""
+        taken = {joint.child for joint in (*self.edges, *self.broken)}
+        free = [link for link in self.links if link not in taken]
+        near = (nearest(name, free) if role == "child" else None) or nearest(name, self.links)
+        # wheel_5 is no misspelt wheel_4: names that differ in their numbers alone are different on purpose.
+        return None if near is not None and _unnumbered(near) == _unnumbered(name) else near
 
     def parents(self) -> Mapping[str, tuple[Joint, ...]]:
         """The joints that have each link as their child."""
@@ -86,3 +95,7 @@ class Graph:
                     path.append(joint)
                     stack.append(iter(children[joint.child]))
         return found
+
+
+def _unnumbered(name: str) -> str:
+    return re.sub(r"\d+", "0", name)

@@ -55,6 +55,14 @@ class Meshes:
         use = self.by_shape.get(id(shape))
         return None if use is None or use.resource.path is None else self.facts.get(use.resource.path)
 
+    def by_file(self) -> Mapping[Path, tuple[MeshUse, ...]]:
+        """The uses of each file that exists; those for collision first, otherwise in document order."""
+        found: dict[Path, list[MeshUse]] = {}
+        for use in self.uses:
+            if use.resource.exists and use.resource.path is not None:
+                found.setdefault(use.resource.path, []).append(use)
+        return {path: tuple(sorted(uses, key=lambda u: u.shape.role != "collision")) for path, uses in found.items()}
+
 
 def _read_all(paths: set[Path], facts: dict[Path, MeshFacts], errors: dict[Path, MeshError]) -> None:
     from urdfcheck.facts.mesh import MeshError, mesh_facts

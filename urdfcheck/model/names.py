@@ -6,9 +6,9 @@ import difflib
 from collections.abc import Iterable
 
 
-def nearest(name: str, known: Iterable[str]) -> str | None:
-    """The known name that is spelled most like ``name``, None when none is close."""
-    close = difflib.get_close_matches(name, sorted(set(known) - {name, ""}), n=1, cutoff=0.6)
+def nearest(name: str, known: Iterable[str], likeness: float = 0.6) -> str | None:
+    """The known name that is spelled most like ``name``, None when none is (1 is equal, 0.6 shares most letters)."""
+    close = difflib.get_close_matches(name, sorted(set(known) - {name, ""}), n=1, cutoff=likeness)
     return close[0] if close else None
 
 

@@ -7,9 +7,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from urdfcheck.core import Location
 from urdfcheck.source.expressions import names_in
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import display_name
+from urdfcheck.source.problems import Problem
 from urdfcheck.source.xml import Attribute, Element
 
 # Files that a xacro file can include. Larger ones are expanded models or data, in which nobody writes expressions.
@@ -100,6 +102,20 @@ def names_read_elsewhere(source: Source) -> set[str]:
             continue
         found.update(_BLOCK.findall(text), _FORWARDED.findall(text), _in_expressions(text))
     return found
+
+
+def typed_at(source: Source, problem: Problem, expression: str) -> Location:
+    """Where the expression that failed was typed: at the problem's place, or in a definition that is read there."""
+
+    def types_it(location: Location) -> bool:
+        span = location.span
+        file = None if span is None else source.files.get(span.file)
+        return span is not None and file is not None and expression in file.text[span.start : span.end]
+
+    at = problem.location
+    if not expression or types_it(at):
+        return at
+    return next((Location(r.subject, r.span, at.via) for r in problem.related if types_it(r)), at)
 
 
 def _files(folder: Path, *, deep: bool) -> Iterable[Path]:

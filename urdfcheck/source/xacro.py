@@ -64,6 +64,10 @@ class Expansion:
 class _Refused(Exception):
     """An expression that must not be evaluated."""
 
+    def __init__(self, reason: str, expression: str = "") -> None:
+        super().__init__(reason)
+        self.expression = expression
+
 
 class _NoPackage(Exception):
     """``$(find p)`` of an unknown package."""
@@ -173,7 +177,7 @@ class _Tracer:
         cause: BaseException | None = error
         while cause is not None:
             if isinstance(cause, _Refused):
-                self.problem("unsafe-expression", str(cause), at)
+                self.problem("unsafe-expression", str(cause), at, expression=cause.expression)
                 return
             if isinstance(cause, _NoPackage):
                 self.problem("package-not-found", str(cause), at, package=cause.name)
@@ -396,7 +400,7 @@ class _Tracer:
         def wrapper(expression: str, symbols: Any, local: Any = None) -> Any:
             reason = refusal(expression)
             if reason is not None:
-                raise _Refused(reason)
+                raise _Refused(reason, expression)
             return original(expression, symbols, local)
 
         return wrapper
@@ -405,7 +409,7 @@ class _Tracer:
         def wrapper(expression: str, context: Any) -> Any:
             reason = refusal(expression)
             if reason is not None:
-                raise _Refused(reason)
+                raise _Refused(reason, expression)
             return original(expression, context)
 
         return wrapper

@@ -19,7 +19,10 @@ from urdfcheck.core import Location, Span
 MAX_DEPTH = 256
 
 _DECLARED = re.compile(rb"""^\s*<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+# Codecs of Python that are no character encoding of a file.
+_NO_CHARSETS = frozenset({"idna", "punycode", "raw-unicode-escape", "undefined", "unicode-escape"})
 _NEWLINE = re.compile(r"\r\n|\n|\r")
+_BREAK = re.compile(r"\r\n|[\r\n\t]")
 _ATTRIBUTE = re.compile(r"""\s+([^\s=/>"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
 _SUBSTITUTION = re.compile(r"\$[({]")
 
@@ -63,7 +66,8 @@ def nearest_first(reads: Iterable[Definition]) -> list[Definition]:
 class Attribute:
     """An attribute of the (expanded) model. ``span`` covers the value as typed, without quotes.
 
-    ``typed`` is that text; ``literal`` says that it is the value itself, so that an edit of the span edits the value.
+    ``typed`` is that text; ``literal`` says that it is the value itself (but for line breaks, which XML reads as blanks), so
+    that an edit of the span edits the value.
     """
 
     name: str
@@ -168,16 +172,22 @@ class SourceFile:
         :raises XmlError: when its bytes are not text in the declared encoding.
         """
         data = path.read_bytes()
-        encoding = _encoding(data)
+        encoding = _marked(data)
+        declared = _DECLARED.match(data[:400]) if encoding is None else None
+        if declared is not None:
+            encoding = declared.group(1).decode("ascii")
+            if not _reads(encoding, declared.group(0)):
+                at = cls(path, name, declared.group(0).decode("ascii")).span(*declared.span(1))
+                raise XmlError("encoding", f"the text is not in the encoding {encoding!r} that it declares", at)
+        encoding = encoding or "utf-8"
         try:
             return cls(path, name, data.decode(encoding))
-        except LookupError:
-            start = Span(name, 1, 1, 1, 1, 0, 0)
-            raise XmlError("encoding", f"the declared encoding {encoding!r} is unknown", start) from None
         except UnicodeDecodeError as error:
-            broken = cls(path, name, data[: error.start].decode(encoding, "replace"))
+            # error.object is what was left when the codec had taken off the byte order mark.
+            read, wrong = error.object[: error.start], error.object[error.start]
+            broken = cls(path, name, read.decode(encoding, "replace"))
             at = broken.span(len(broken.text), len(broken.text))
-            raise XmlError("encoding", f"byte 0x{data[error.start]:02x} is not valid {encoding}", at) from None
+            raise XmlError("encoding", f"byte 0x{wrong:02x} is not valid {encoding}", at) from None
 
     def span(self, start: int, end: int) -> Span:
         """The span between two offsets (code points)."""
@@ -193,16 +203,27 @@ class SourceFile:
         )
 
 
-def _encoding(data: bytes) -> str:
+def _marked(data: bytes) -> str | None:
+    """The encoding that the first bytes give away: a byte order mark, or the zero bytes of UTF-16."""
     for mark, name in (
         (codecs.BOM_UTF8, "utf-8-sig"),
         (codecs.BOM_UTF16_LE, "utf-16"),
         (codecs.BOM_UTF16_BE, "utf-16"),
+        (b"<\0", "utf-16-le"),
+        (b"\0<", "utf-16-be"),
     ):
         if data.startswith(mark):
             return name
-    declared = _DECLARED.match(data[:400])
-    return declared.group(1).decode("ascii") if declared else "utf-8"
+    return None
+
+
+def _reads(encoding: str, declaration: bytes) -> bool:
+    """Whether an encoding exists and reads its own declaration (UTF-16 reads something else in bytes of ASCII)."""
+    try:
+        known = codecs.lookup(encoding).name not in _NO_CHARSETS
+        return known and declaration.decode(encoding, "replace") == declaration.decode("ascii", "replace")
+    except (LookupError, UnicodeError):
+        return False
 
 
 def parse(source: SourceFile) -> Element:
@@ -214,6 +235,9 @@ def parse(source: SourceFile) -> Element:
     :raises XmlError: with the span at which the parser stopped.
     """
     text = source.text
+    zero = text.find("\0")
+    if zero >= 0:  # the first of them would make expat guess another encoding
+        raise XmlError("malformed", "a zero byte: this is no text", source.span(zero, zero + 1))
     data = text.encode("utf-8", "surrogatepass")
     # Byte offsets are code point offsets only in ASCII text.
     ascii_only = len(data) == len(text)
@@ -221,20 +245,24 @@ def parse(source: SourceFile) -> Element:
     parser.buffer_text = True
     root: Element | None = None
     stack: list[Element] = []
+    counted = (0, 0)  # bytes, code points: the parser only moves forward, so nothing is counted twice
 
-    def offset() -> int:
-        index = parser.CurrentByteIndex
-        return index if ascii_only else len(data[:index].decode("utf-8", "replace"))
+    def offset(index: int) -> int:
+        nonlocal counted
+        if ascii_only:
+            return index
+        counted = (index, counted[1] + len(data[counted[0] : index].decode("utf-8", "replace")))
+        return counted[1]
 
     def start(tag: str, values: dict[str, str]) -> None:
         nonlocal root
-        begin = offset()
+        begin = offset(parser.CurrentByteIndex)
         end, typed = _read_tag(text, begin)
         element = Element(tag, source.span(begin, end), stack[-1] if stack else None)
         for name, value in values.items():
             span, raw = typed.get(name, (None, value))
             at = None if span is None else source.span(*span)
-            literal = raw == value and not _SUBSTITUTION.search(raw)
+            literal = _BREAK.sub(" ", raw) == value and not _SUBSTITUTION.search(raw)
             element.attributes[name] = Attribute(name, value, element, at, raw, literal)
         if stack:
             stack[-1].children.append(element)
@@ -252,12 +280,13 @@ def parse(source: SourceFile) -> Element:
             stack[-1].text += data
 
     def comment(data: str) -> None:
-        begin = offset()
+        begin = offset(parser.CurrentByteIndex)
         stop = text.find("-->", begin)
         source.comments.append(Comment(data, source.span(begin, stop + 3 if stop >= 0 else len(text))))
 
     def doctype(*_: object) -> None:
-        begin = offset()
+        # The parser stands behind the name by now.
+        begin = text.rfind("<!DOCTYPE", 0, offset(parser.CurrentByteIndex))
         raise XmlError("doctype", "a document type declaration is refused", source.span(begin, begin + 9))
 
     parser.StartElementHandler = start
@@ -268,9 +297,7 @@ def parse(source: SourceFile) -> Element:
     try:
         parser.Parse(data, True)
     except expat.ExpatError as error:
-        index = parser.ErrorByteIndex
-        at = index if ascii_only else len(data[: max(index, 0)].decode("utf-8", "replace"))
-        at = max(0, min(at, len(text)))
+        at = min(offset(max(parser.ErrorByteIndex, 0)), len(text))
         raise XmlError("malformed", expat.ErrorString(error.code), source.span(at, min(at + 1, len(text)))) from None
     assert root is not None, "expat accepts no document without a root element"
     return root

@@ -35,6 +35,7 @@ def code_frame(sources: Mapping[str, str], span: Span, context: int = 2) -> str:
     hidden = span.end_line - shown[-1]
     if hidden > 0:
         lines = [line for line in lines if line.number <= shown[-1]]
+    lines = _dedented(lines)
     comment = _starts_in_comment(lines)
     rows = []
     for line in lines:
@@ -43,6 +44,20 @@ def code_frame(sources: Mapping[str, str], span: Span, context: int = 2) -> str:
     if hidden > 0:
         rows.append(f'<span class="l"><span class="n">… </span>to line {span.end_line}\n</span>')
     return f'<pre class="code">{"".join(rows)}</pre>'
+
+
+def _dedented(lines: Sequence[FrameLine]) -> list[FrameLine]:
+    """Without the indentation that all lines share: a deeply nested element has its text at the left too."""
+    indents = [line.text[: len(line.text) - len(line.text.lstrip())] for line in lines if line.text.strip()]
+    # What the first and the last in alphabetical order share, all others share.
+    first, last = min(indents, default=""), max(indents, default="")
+    cut = next((i for i, (a, b) in enumerate(zip(first, last, strict=False)) if a != b), min(len(first), len(last)))
+    return [
+        FrameLine(
+            line.number, line.text[cut:], line.marked and (max(0, line.marked[0] - cut), max(0, line.marked[1] - cut))
+        )
+        for line in lines
+    ]
 
 
 def _row(line: FrameLine, tokens: Sequence[Token]) -> str:
@@ -68,7 +83,7 @@ def _painted(text: str, low: int, high: int, tokens: Sequence[Token]) -> str:
         start, end = max(start, low), min(end, high)
         if start >= end:
             continue
-        pieces.append(f'{esc(text[at:start])}<i class="{kind}">{esc(text[start:end])}</i>')
+        pieces.append(f'{esc(text[at:start])}<span class="{kind}">{esc(text[start:end])}</span>')
         at = end
     return "".join(pieces) + esc(text[at:high])
 

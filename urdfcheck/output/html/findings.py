@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from urdfcheck.core import Confidence, Finding, Fix, Location, Run, Span
+from urdfcheck.core import Confidence, Finding, Fix, Location, Run, Severity, Span
 from urdfcheck.output.html.anchors import Card
 from urdfcheck.output.html.code import code_frame, diff, place
 from urdfcheck.output.html.glyphs import ORDER, glyph, words
-from urdfcheck.output.html.text import esc
+from urdfcheck.output.html.text import esc, plural, prose
 
 MOST_SUBJECTS = 6
+MOST_EDITS = 4
 
 CONSUMERS = {
     "bullet": "Bullet",
@@ -51,11 +52,11 @@ def findings_html(run: Run, cards: Sequence[Card], prefix: str) -> str:
         if group:
             title = f"{len(group)} {words(len(group), severity)}"
             parts.append(
-                f'<section class="group {severity}" aria-labelledby="{prefix}-{severity}">'
-                f'<h3 id="{prefix}-{severity}">{glyph(severity)}{title}</h3>{_by_file(run, group)}</section>'
+                f'<section class="group {severity}">'
+                f'<h3 id="{prefix}-{severity}">{glyph(severity)} {title}</h3>{_by_file(run, group)}</section>'
             )
     if not shown:
-        parts.append(f'<p class="clean">{glyph("ok")}No findings.</p>')
+        parts.append(f'<p class="clean">{glyph("ok")} No findings.</p>')
     if suppressed:
         parts.append(
             f'<details class="suppressed"><summary>{len(suppressed)} suppressed in the source</summary>'
@@ -71,29 +72,30 @@ def _by_file(run: Run, cards: Sequence[Card]) -> str:
         files.setdefault("" if span is None else span.file, []).append(card)
     parts = []
     for file, group in files.items():
-        name = f"<code>{esc(file)}</code>" if file else "the model as a whole"
-        parts.append(f'<p class="file">{name}</p>')
+        if len(files) > 1:
+            name = f"<code>{esc(file)}</code>" if file else "the model as a whole"
+            parts.append(f'<p class="file">{name}</p>')
         parts += [_card(run, card) for card in group]
     return "\n".join(parts)
 
 
 def _card(run: Run, card: Card) -> str:
     finding = card.finding
-    parts = [
-        f'<article class="card {finding.severity}" id="{card.ids[0]}">',
-        _head(run, card),
-        f'<p class="message">{esc(finding.message)}</p>',
-        "" if finding.suppressed is None else f'<p class="reason">Suppressed: {esc(finding.suppressed)}</p>',
-        _subjects(card),
-        _source(run, finding.location.span),
-        _via(run, finding.location.via),
-        _related(run, finding.related),
-        _explanation(finding),
-        "" if finding.fix is None else _fix(run, finding.fix),
-        _foot(finding),
-        "</article>",
-    ]
-    return "".join(parts)
+    body = (
+        f"{_subjects(card)}{_source(run, finding.location.span)}{_via(run, finding.location.via)}"
+        f"{_related(run, finding.related)}{_explanation(finding)}"
+        f"{'' if finding.fix is None else _fix(run, finding.fix)}{_foot(finding)}"
+    )
+    if finding.severity == Severity.INFO:
+        # Many, and none of them urgent: one line each until it is asked for.
+        span = finding.location.span
+        name = "Details" if span is None else f"<code>{esc(place(span))}</code>"
+        body = f'<details class="more"><summary>{name}</summary>{body}</details>'
+    reason = "" if finding.suppressed is None else f'<p class="reason">Suppressed: {esc(finding.suppressed)}</p>'
+    return (
+        f'<article class="card {finding.severity}" id="{card.ids[0]}">{_head(run, card)}'
+        f'<p class="message">{prose(finding.message)}</p>{reason}{body}</article>'
+    )
 
 
 def _head(run: Run, card: Card) -> str:
@@ -102,7 +104,7 @@ def _head(run: Run, card: Card) -> str:
     if finding.code in run.rules:
         code = f'<a href="#rule-{esc(finding.code)}">{code}</a>'
     return (
-        f'<h4>{glyph(finding.severity)}<span class="severity">{finding.severity}</span> {code}</h4>'
+        f'<h4>{glyph(finding.severity)} <span class="severity">{finding.severity}</span> {code}</h4>'
         f'<a class="permalink" href="#{card.ids[0]}"><span aria-hidden="true">#</span>'
         f'<span class="sr">link to this finding: {esc(finding.code)} {esc(finding.location.subject)}</span></a>'
     )
@@ -147,10 +149,10 @@ def _related(run: Run, related: Sequence[Location]) -> str:
 def _explanation(finding: Finding) -> str:
     parts = []
     if finding.cause is not None:
-        parts.append(f'<div class="why"><h5>Why</h5><p>{esc(finding.cause.text)}</p></div>')
+        parts.append(f'<div class="why"><h5>Why</h5><p>{prose(finding.cause.text)}</p></div>')
     if finding.consequences:
         rows = "".join(
-            f"<div><dt>{esc(', '.join(consumers))}</dt><dd>{esc(effect)}</dd></div>"
+            f"<div><dt>{esc(', '.join(consumers))}</dt><dd>{prose(effect)}</dd></div>"
             for effect, consumers in _by_effect(finding.consequences).items()
         )
         parts.append(f'<div class="then"><h5>What follows</h5><dl>{rows}</dl></div>')
@@ -175,12 +177,14 @@ def _codes(codes: Iterable[object]) -> str:
 def _fix(run: Run, fix: Fix) -> str:
     how = APPLICABILITY[str(fix.applicability)]
     edits = diff(run.sources, fix.edits) if fix.edits else ""
-    return f'<div class="fix"><h5>Repair <span class="how">{how}</span></h5><p>{esc(fix.title)}</p>{edits}</div>'
+    if len(fix.edits) > MOST_EDITS:
+        edits = f"<details><summary>{plural(len(fix.edits), 'edit')}</summary>{edits}</details>"
+    return f'<div class="fix"><h5>Repair <span class="how">{how}</span></h5><p>{prose(fix.title)}</p>{edits}</div>'
 
 
 def _foot(finding: Finding) -> str:
     prints = f'<span class="print">{esc(finding.fingerprints[0])}</span>' if finding.subjects else ""
     return (
-        f'<footer><span><b>{finding.confidence}</b>: {CONFIDENCE[finding.confidence]}</span>'
+        f"<footer><span><b>{finding.confidence}</b>: {CONFIDENCE[finding.confidence]}</span> "
         f"<span>fingerprint {prints}</span></footer>"
     )

@@ -25,17 +25,19 @@ SYMBOLS = (
 
 
 def glyph(kind: Severity | str) -> str:
-    return f'<svg class="glyph" width="16" height="16" aria-hidden="true" focusable="false"><use href="#g-{kind}"/></svg>'
+    return (
+        f'<svg class="glyph" width="16" height="16" aria-hidden="true" focusable="false"><use href="#g-{kind}"/></svg>'
+    )
 
 
 def badges(counts: Mapping[Severity, int]) -> str:
     """One small count per severity that occurs, each with its glyph and, for those who do not see it, its word."""
     found = [
-        f'<span class="badge {s}">{glyph(s)}{counts[s]}<span class="sr"> {words(counts[s], s)} </span></span>'
+        f' <span class="badge {s}">{glyph(s)} {counts[s]}<span class="sr"> {words(counts[s], s)} </span></span>'
         for s in ORDER
         if counts.get(s)
     ]
-    return "".join(found) or f'<span class="badge ok">{glyph("ok")}<span class="sr"> no findings </span></span>'
+    return "".join(found) or f' <span class="badge ok">{glyph("ok")}<span class="sr"> no findings </span></span>'
 
 
 def words(count: int, severity: Severity) -> str:

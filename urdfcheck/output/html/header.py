@@ -28,12 +28,12 @@ def header_html(run: Run) -> str:
     counts = {severity: run.count(severity) for severity in ORDER}
     kind, verdict = _verdict(run, counts)
     tiles = "".join(
-        f'<li class="tile {s}{"" if counts[s] else " none"}">{glyph(s)}<b>{counts[s]}</b> {words(counts[s], s)}</li>'
+        f'<li class="tile {s}{"" if counts[s] else " none"}">{glyph(s)} <b>{counts[s]}</b> {words(counts[s], s)}</li>'
         for s in ORDER
     )
     return (
         f'<header class="top"><p class="brand">urdfcheck <span>{esc(run.versions.get("urdfcheck", ""))}</span></p>'
-        f'<h1>{esc(title_of(run))}</h1><p class="verdict {kind}">{glyph(kind)}{esc(verdict)}</p>'
+        f'<h1>{esc(title_of(run))}</h1><p class="verdict {kind}">{glyph(kind)} {esc(verdict)}</p>'
         f'<ul class="tiles" aria-label="Findings by severity">{tiles}</ul>{_facts(run)}{_filter(counts)}</header>'
     )
 

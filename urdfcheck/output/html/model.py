@@ -59,14 +59,14 @@ def parts_of(run: Run) -> list[Part]:
 
 
 def model_html(run: Run, part: Part) -> str:
-    head = f'<section class="model" id="{part.id}" aria-labelledby="{part.id}-title">{_head(part)}'
+    head = f'<section class="model" id="{part.id}">{_head(part)}'
     found = findings_html(run, part.cards, part.id)
     body = f'<section class="findings" id="{part.id}-findings">{found}</section>'
     return head + body + _scene(part) + "</section>"
 
 
 def _head(part: Part) -> str:
-    title = f'<h2 id="{part.id}-title">{esc(part.title)}</h2>'
+    title = f"<h2>{esc(part.title)}</h2>"
     info = part.info
     if info is None:
         return f'<div class="head">{title}</div>'

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from urdfcheck.core import Rule, Run, Scene, SceneJoint, SceneLink, SceneShape
 from urdfcheck.output.html.anchors import Element, Mark
 from urdfcheck.output.html.glyphs import glyph
-from urdfcheck.output.html.text import NONE, esc, grouped, millimetres, number, plural, scaled, some
+from urdfcheck.output.html.text import NONE, esc, grouped, inline, millimetres, number, plural, scaled, some
 
 MOST_MODELS = 4
 
@@ -17,7 +17,7 @@ def table(caption: str, head: str, rows: Iterable[str], foot: str = "") -> str:
     """A table in a box of its own that scrolls where the page is too narrow."""
     foot = f"<tfoot>{foot}</tfoot>" if foot else ""
     return (
-        f'<div class="scroll" role="region" tabindex="0" aria-label="{caption}"><table><caption>{caption}</caption>'
+        f'<div class="scroll" role="group" tabindex="0" aria-label="{caption}"><table><caption>{caption}</caption>'
         f"<thead>{head}</thead><tbody>{''.join(rows)}</tbody>{foot}</table></div>"
     )
 
@@ -38,9 +38,11 @@ def links_table(scene: Scene, marks: Mapping[Element, Mark]) -> str:
         '<th scope="col" class="num">drawn</th><th scope="col" class="num">colliding</th></tr>'
     )
     masses = [link.mass for link in scene.links if link.mass is not None]
-    foot = f'<tr><th scope="row">Total</th>{_num(number(math.fsum(masses)))}<td colspan="11"></td></tr>' if masses else ""
+    foot = (
+        f'<tr><th scope="row">Total</th>{_num(number(math.fsum(masses)))}<td colspan="11"></td></tr>' if masses else ""
+    )
     rows = (_link_row(link, marks.get(("link", link.name))) for link in scene.links)
-    return table("Links: what the file says and what the meshes measure", head, rows, foot)
+    return table("What the file says, and what the meshes measure", head, rows, foot)
 
 
 def _link_row(link: SceneLink, mark: Mark | None) -> str:
@@ -86,10 +88,10 @@ def _watertight(shapes: Sequence[SceneShape]) -> str:
 def joints_table(scene: Scene, marks: Mapping[Element, Mark]) -> str:
     head = (
         '<tr><th scope="col">Joint</th><th scope="col">Type</th><th scope="col">Parent</th><th scope="col">Child</th>'
-        '<th scope="col">Axis <small>base frame, all joints at 0</small></th><th scope="col">Limits</th></tr>'
+        '<th scope="col">Axis</th><th scope="col">Limits</th></tr>'
     )
     rows = (_joint_row(joint, marks.get(("joint", joint.name))) for joint in scene.joints)
-    return table("Joints", head, rows)
+    return table("Axes in the base frame, all joints at zero", head, rows)
 
 
 def _joint_row(joint: SceneJoint, mark: Mark | None) -> str:
@@ -162,4 +164,4 @@ def _rule_row(rule: Rule, fired: int, skipped: int) -> str:
         name = f'<a href="#rule-{esc(rule.code)}">{name}</a>'
     outcome = [plural(fired, "finding")] if fired else []
     outcome += [f"skipped {plural(skipped, 'time')}"] if skipped else []
-    return f'<tr><th scope="row">{name}</th><td>{esc(rule.summary)}</td><td>{", ".join(outcome) or "no finding"}</td></tr>'
+    return f'<tr><th scope="row">{name}</th><td>{inline(rule.summary)}</td><td>{", ".join(outcome) or "no finding"}</td></tr>'

@@ -13,12 +13,18 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _FENCE = re.compile(r"^(?:```|~~~)")
 _ITEM = re.compile(r"^(?:[-*+]|\d+[.)])\s+")
 _LINK = re.compile(r"\[([^\]]+)\]\(([^)\s]+)\)")
+_CODE = re.compile(r"`([^`\n]+)`")
 _INLINE = re.compile(r"(`+)(.+?)\1|\*\*(.+?)\*\*|(?<![\w*])\*([^*\s](?:[^*]*[^*\s])?)\*(?![\w*])", re.DOTALL)
 
 
 def esc(text: str) -> str:
     """``text`` safe between tags and in quoted attributes; control and direction-changing characters spelled out."""
     return html.escape(text if text.isprintable() else visible(text))
+
+
+def prose(text: str) -> str:
+    """A message of a rule: plain text but for what stands in backticks."""
+    return _CODE.sub(r"<code>\1</code>", esc(text))
 
 
 def plural(count: int, word: str) -> str:
@@ -65,8 +71,7 @@ def millimetres(metres: float) -> str:
 def scaled(values: tuple[float, ...], digits: int = 4) -> tuple[list[str], str]:
     """Values that share one power of ten (a multiple of three), so that they can be compared down to a digit."""
     largest = max((abs(v) for v in values if math.isfinite(v)), default=0.0)
-    power = 3 * math.floor(math.log10(largest) / 3) if largest > 0 else 0
-    power = 0 if -3 <= power <= 3 else power
+    power = 0 if largest == 0 or 0.1 <= largest < 1e4 else 3 * math.floor(math.log10(largest) / 3)
     decimals = max(0, digits - 1 - math.floor(math.log10(largest * 10.0**-power))) if largest > 0 else 0
     mantissas = [f"{v * 10.0**-power:.{decimals}f}".replace("-", "−") for v in values]
     return mantissas, f"×10{str(power).translate(_SUPERSCRIPT)}" if power else ""
@@ -117,7 +122,7 @@ def _block(block: list[str]) -> str:
     if block[0].startswith("|"):
         return f"<pre>{esc(chr(10).join(block))}</pre>"
     if not _ITEM.match(block[0]):
-        return f"<p>{_inline(' '.join(line.strip() for line in block))}</p>"
+        return f"<p>{inline(' '.join(line.strip() for line in block))}</p>"
     items: list[str] = []
     for line in block:
         if match := _ITEM.match(line):
@@ -125,10 +130,11 @@ def _block(block: list[str]) -> str:
         else:
             items[-1] += " " + line.strip()
     tag = "ol" if block[0][0].isdigit() else "ul"
-    return f"<{tag}>" + "".join(f"<li>{_inline(item)}</li>" for item in items) + f"</{tag}>"
+    return f"<{tag}>" + "".join(f"<li>{inline(item)}</li>" for item in items) + f"</{tag}>"
 
 
-def _inline(text: str) -> str:
+def inline(text: str) -> str:
+    """One paragraph's text."""
     text = _LINK.sub(r"\1 (\2)", text)
     pieces, at = [], 0
     for match in _INLINE.finditer(text):

@@ -15,7 +15,7 @@ from urdfcheck.output.html.text import esc, plural
 # The names are set in a monospaced face at 12 px, whose advance is 0.6 em in all common ones (DejaVu 0.602).
 ADVANCE = 7.3
 SMALL = 6.7  # the same at 11 px
-BOX, PAD, ROW, INDENT, GAP = 28, 10, 44, 30, 18
+BOX, PAD, ROW, LINE, INDENT, GAP = 28, 10, 44, 37, 30, 18
 LONGEST_NAME = 36
 # A drawing wider than this would have to be scrolled on a laptop: then names go below one another.
 WIDEST = 820
@@ -39,7 +39,7 @@ def tree_html(scene: Scene, marks: Mapping[Element, Mark], title: str) -> str:
     if not nodes:
         return "<p>The model has no links.</p>"
     return (
-        f'<figure class="tree"><div class="scroll" role="region" tabindex="0" aria-label="{esc(title)}">'
+        f'<figure class="tree"><div class="scroll" role="group" tabindex="0" aria-label="{esc(title)}">'
         f"{_svg(nodes, marks)}</div>{_legend(nodes)}</figure>"
         f"<details><summary>The tree as a list</summary>{_list(nodes, marks)}</details>"
     )
@@ -69,7 +69,8 @@ def _layered(nodes: Sequence[Node]) -> list[Box]:
         lefts.append(lefts[-1] + widths[depth - 1] + gaps[depth])
     rows = iter(range(len(nodes)))
     middles = [next(rows) * ROW + ROW / 2 if not node.children else 0.0 for node in nodes]
-    first, last = {}, {}
+    first: dict[int, int] = {}
+    last: dict[int, int] = {}
     for index, node in reversed(list(enumerate(nodes))):
         if node.children:
             middles[index] = (middles[first[index]] + middles[last[index]]) / 2
@@ -86,7 +87,7 @@ def _indented(nodes: Sequence[Node]) -> list[Box]:
             lefts.append(1.0)
         else:
             lefts.append(lefts[node.parent] + (0 if nodes[node.parent].children == 1 else INDENT))
-    return [Box(x, i * ROW + ROW / 2, _width(n)) for i, (n, x) in enumerate(zip(nodes, lefts, strict=True))]
+    return [Box(x, i * LINE + ROW / 2, _width(n)) for i, (n, x) in enumerate(zip(nodes, lefts, strict=True))]
 
 
 def _width(node: Node) -> float:
@@ -117,20 +118,24 @@ def _svg(nodes: Sequence[Node], marks: Mapping[Element, Mark]) -> str:
         labelled = [(b, n.edge) for b, n in zip(boxes, nodes, strict=True) if n.edge is not None]
         right = max([right, *(b.x + b.width + GAP + _columns(_inline_label(e)) * SMALL + 18 for b, e in labelled)])
     width, height = round(right) + 2, round(max(box.y for box in boxes) + ROW / 2)
-    edges, items = [], []
+    edges: list[tuple[int, str]] = []
+    items: list[str] = []
     for node, box in zip(nodes, boxes, strict=True):
         if node.edge is not None:
             parent = boxes[node.parent]
             mark = marks.get(("joint", node.edge.name)) if node.edge.is_joint else None
-            edges.append(_path(node.edge, parent, box, is_layered, mark))
+            order = -1 if not node.edge.is_joint else 0 if mark is None else mark.severity
+            edges.append((order, _path(node.edge, parent, box, is_layered, mark)))
             items.append(_label(node.edge, parent, box, is_layered, mark))
         items.append(_box(node, box, marks.get(("link", node.name)) if node.kind in (LINK, REPEATED) else None))
+    # Siblings share a stem: the worst is painted last, so that its colour is the one to be seen.
+    drawn = "".join(path for _, path in sorted(edges, key=lambda e: e[0]))
     # Presentation attributes, so that the drawing is legible where a server's policy blocks the style.
     return (
         f'<svg class="graph" width="{width}" height="{height}" viewBox="0 0 {width} {height}" role="group" '
         f'aria-label="{plural(len(nodes), "frame")}, drawn as a tree" font-family="monospace" font-size="12" '
         f'fill="none" stroke-width="1.5">'
-        f"<g>{''.join(edges)}</g>{''.join(items)}</svg>"
+        f"<g>{drawn}</g>{''.join(items)}</svg>"
     )
 
 
@@ -185,7 +190,9 @@ def _label(edge: Edge, parent: Box, box: Box, is_layered: bool, mark: Mark | Non
         )
     what = f"joint {edge.name}, {edge.kind}" if edge.is_joint else "static transform of a launch file"
     kind = _edge_class(edge, mark).replace("edge ", "label ")
-    drawn = f'<g class="{kind}" fill="currentColor" font-size="11"><title>{esc(_told(what, mark))}</title>{sign}{text}</g>'
+    drawn = (
+        f'<g class="{kind}" fill="currentColor" font-size="11"><title>{esc(_told(what, mark))}</title>{sign}{text}</g>'
+    )
     return drawn if mark is None else f'<a href="#{mark.anchor}">{drawn}</a>'
 
 
@@ -198,7 +205,11 @@ def _box(node: Node, box: Box, mark: Mark | None) -> str:
     kind = f"node {node.kind}" if mark is None else f"node {node.kind} {mark.severity}"
     what = f"link {node.name}" if node.kind == LINK else f"{node.name}: {NOTES[node.kind]}"
     dashes = "" if node.kind == LINK else ' stroke-dasharray="5 3"'
-    sign = "" if mark is None else f'<use href="#g-{mark.severity}" x="{box.x + 9:g}" y="{top + 7:g}" width="14" height="14"/>'
+    sign = (
+        ""
+        if mark is None
+        else f'<use href="#g-{mark.severity}" x="{box.x + 9:g}" y="{top + 7:g}" width="14" height="14"/>'
+    )
     left = box.x + (PAD + 18 if mark else PAD + 10)
     drawn = (
         f'<g class="{kind}"><title>{esc(_told(what, mark))}</title><rect x="{box.x:g}" y="{top:g}" width="{box.width:g}" '

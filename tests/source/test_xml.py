@@ -1,0 +1,262 @@
+"""Located XML: every element and every attribute knows the exact text at which it was typed."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from xml.sax.saxutils import escape
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from urdfcheck.core import Span
+from urdfcheck.source.xml import MAX_DEPTH, Attribute, Element, SourceFile, XmlError, parse, unbound_prefix
+
+FILE = Path("robot.urdf")
+
+
+def tree(text: str) -> tuple[SourceFile, Element]:
+    """Parse a text that never was a file."""
+    source = SourceFile(FILE, FILE.name, text)
+    return source, parse(source)
+
+
+def read(folder: Path, data: bytes) -> tuple[SourceFile, Element]:
+    """Parse a file of these bytes."""
+    path = folder / FILE
+    path.write_bytes(data)
+    source = SourceFile.read(path, path.name)
+    return source, parse(source)
+
+
+def text_at(source: SourceFile, span: Span | None) -> str:
+    assert span is not None
+    return source.text[span.start : span.end]
+
+
+def first(root: Element, name: str) -> Attribute:
+    """The first attribute of this name."""
+    return next(e.attributes[name] for e in root.walk() if name in e.attributes)
+
+
+def refusal(text: str) -> XmlError:
+    with pytest.raises(XmlError) as caught:
+        tree(text)
+    return caught.value
+
+
+# -- spans -----------------------------------------------------------------------------------------------------------
+
+
+def test_the_span_of_an_attribute_covers_its_value_without_the_quotes() -> None:
+    source, root = tree('<robot name="r">\n  <link name="base"/>\n</robot>')
+    attribute = root.children[0].attributes["name"]
+    assert attribute.span == Span("robot.urdf", 2, 15, 2, 19, 31, 35)
+    assert text_at(source, attribute.span) == attribute.typed == attribute.value == "base"
+    assert attribute.literal
+
+
+def test_the_span_of_an_element_covers_its_start_tag() -> None:
+    source, root = tree('<robot name="r">\n  <link\n    name="a>b"\n  />\n</robot>')
+    link = root.children[0]
+    assert text_at(source, link.span) == '<link\n    name="a>b"\n  />'
+    assert link.span is not None
+    assert (link.span.line, link.span.col, link.span.end_line, link.span.end_col) == (2, 3, 4, 5)
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"], ids=["LF", "CRLF", "CR"])
+def test_lines_are_counted_the_same_with_any_line_ending(tmp_path: Path, newline: str) -> None:
+    text = newline.join(["<robot>", "<link", '  name="wheel"/>', "</robot>"])
+    source, root = read(tmp_path, text.encode())
+    name = first(root, "name")
+    assert name.span is not None
+    assert (name.span.line, name.span.col) == (3, 9)
+    assert text_at(source, name.span) == "wheel"
+    assert source.text == text  # an edit must not change the line endings around it
+
+
+@pytest.mark.parametrize(
+    ("before", "encoding"),
+    [
+        (b"\xef\xbb\xbf", "utf-8"),
+        (b"\xff\xfe", "utf-16-le"),
+        (b"\xfe\xff", "utf-16-be"),
+        (b"", "utf-16-le"),
+        (b"", "utf-16-be"),
+    ],
+    ids=["UTF-8 BOM", "UTF-16 LE BOM", "UTF-16 BE BOM", "UTF-16 LE", "UTF-16 BE"],
+)
+def test_a_byte_order_mark_or_two_bytes_per_letter_move_no_column(tmp_path: Path, before: bytes, encoding: str) -> None:
+    source, root = read(tmp_path, before + '<robot name="é"><link name="wheel"/></robot>'.encode(encoding))
+    span = root.children[0].attributes["name"].span
+    assert span is not None
+    assert (span.line, span.col, text_at(source, span)) == (1, 29, "wheel")
+
+
+def test_the_declared_encoding_is_used(tmp_path: Path) -> None:
+    text = '<?xml version="1.0" encoding="ISO-8859-1"?>\n<robot name="ä"><link name="wheel"/></robot>'
+    source, root = read(tmp_path, text.encode("latin-1"))
+    assert root.get("name") == "ä"
+    assert text_at(source, root.children[0].attributes["name"].span) == "wheel"
+
+
+def test_columns_count_characters_not_bytes() -> None:
+    source, root = tree('<robot><!-- é 🤖 --><link name="né🤖" type="wheel"/><link name="b"/></robot>')
+    link, last = root.children
+    assert [text_at(source, a.span) for a in link.attributes.values()] == ["né🤖", "wheel"]
+    assert last.span is not None
+    assert (last.span.col, text_at(source, last.span)) == (51, '<link name="b"/>')
+
+
+def test_quotes_may_be_single_and_hold_the_other_kind_and_angle_brackets() -> None:
+    source, root = tree("""<robot a = 'say "x > y"' b="it's"/>""")
+    assert [text_at(source, a.span) for a in root.attributes.values()] == ['say "x > y"', "it's"]
+
+
+def test_comments_are_kept_with_their_spans() -> None:
+    source, _ = tree("<robot>\n  <!-- urdfcheck: é > -->\n  <link/>\n</robot>")
+    (comment,) = source.comments
+    assert comment.text == " urdfcheck: é > "
+    assert text_at(source, comment.span) == "<!-- urdfcheck: é > -->"
+
+
+@given(
+    value=st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Cs"], exclude_characters="\ufffe\uffff")),
+    before=st.sampled_from(["", "<!-- é🤖 -->", "\r\n\t", "\n\n"]),
+    spaces=st.tuples(*[st.text(" \t\r\n", max_size=3)] * 4),
+    quote=st.sampled_from("\"'"),
+    newlines=st.text("\r\n\t ", max_size=4),
+)
+def test_any_value_is_found_where_it_was_typed(
+    value: str, before: str, spaces: tuple[str, ...], quote: str, newlines: str
+) -> None:
+    written = escape(value, {quote: "&quot;" if quote == '"' else "&apos;"}) + newlines
+    a, b, c, d = spaces
+    text = f"<robot>{before}<link z={quote}1{quote} {a}name{b}={c}{quote}{written}{quote}{d}/></robot>"
+    source, root = tree(text)
+    name = root.children[0].attributes["name"]
+    assert name.typed == text_at(source, name.span) == written
+    assert name.value == value + newlines.replace("\r\n", " ").translate(dict.fromkeys(map(ord, "\r\n\t"), " "))
+    assert name.span is not None
+    assert name.span.line == 1 + len(re.findall("\r\n|\r|\n", text[: name.span.start]))
+    assert name.literal == (escape(value) == value and quote not in value and "${" not in value and "$(" not in value)
+
+
+# -- literal values ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("typed", ["a&amp;b", "&#49;", "1 &lt; 2", "${x}", "${x} 0 0", "$(find p)/x"])
+def test_a_value_that_is_computed_from_what_was_typed_is_not_literal(typed: str) -> None:
+    _, root = tree(f'<robot name="{typed}"/>')
+    name = root.attributes["name"]
+    assert name.typed == typed
+    assert not name.literal  # replacing the text at the span would not be replacing the value
+
+
+@pytest.mark.parametrize("typed", ["0 0 1", "", "costs $5", "{x}", "1\r\n 2\n\t3"])
+def test_a_value_that_stands_there_itself_is_literal(typed: str) -> None:
+    source, root = tree(f'<robot name="{typed}"/>')
+    name = root.attributes["name"]
+    assert name.literal
+    assert text_at(source, name.span) == typed
+    assert name.value.split() == typed.split()
+
+
+# -- names in findings ------------------------------------------------------------------------------------------------
+
+
+def test_a_subject_names_the_path_from_the_robot_to_the_attribute() -> None:
+    _, root = tree(
+        '<robot name="r"><link name="arm"><visual/><visual><origin xyz="0"/></visual></link>'
+        '<gazebo reference="arm"><kp v="1"/></gazebo></robot>'
+    )
+    assert first(root, "xyz").location.subject == "link[arm]/visual[2]/origin@xyz"
+    assert first(root, "v").location.subject == "gazebo[arm]/kp@v"
+    assert root.location.subject == "robot[r]"
+
+
+def test_of_two_children_of_a_kind_the_first_is_taken_as_the_reference_parser_does() -> None:
+    _, root = tree('<link><inertial v="1"/>text<inertial v="2"/></link>')
+    inertial = root.child("inertial")
+    assert inertial is not None
+    assert inertial.get("v") == "1"
+    assert [e.get("v") for e in root.all("inertial")] == ["1", "2"]
+    assert root.child("visual") is None
+    assert root.text == "text"
+
+
+# -- what must not be read --------------------------------------------------------------------------------------------
+
+
+def test_a_duplicate_attribute_is_refused_at_the_second_one() -> None:
+    error = refusal('<robot>\n  <link name="a"\n        name="b"/>\n</robot>')
+    assert (error.reason, error.span.line, error.span.col) == ("malformed", 3, 9)
+    assert "duplicate attribute" in str(error)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '<!DOCTYPE robot SYSTEM "file:///etc/passwd"><robot/>',
+        '<!DOCTYPE robot [<!ENTITY a "1"><!ENTITY b "&a;&a;&a;&a;">]><robot name="&b;"/>',
+        "<?xml version='1.0'?>\n<!-- <!DOCTYPE x> -->\n<!DOCTYPE robot><robot/>",
+    ],
+    ids=["external", "entities", "after a comment"],
+)
+def test_a_document_type_is_refused_before_anything_in_it_is_read(text: str) -> None:
+    error = refusal(text)
+    assert error.reason == "doctype"
+    assert error.span.start == text.rindex("<!DOCTYPE robot")
+    assert text[error.span.start : error.span.end] == "<!DOCTYPE"
+
+
+def test_nesting_ends_at_a_limit() -> None:
+    _, root = tree("<a>" * MAX_DEPTH + "</a>" * MAX_DEPTH)
+    assert sum(1 for _ in root.walk()) == MAX_DEPTH
+    error = refusal("<a>" * (MAX_DEPTH + 1) + "</a>" * (MAX_DEPTH + 1))
+    assert (error.reason, error.span.col) == ("depth", 3 * MAX_DEPTH + 1)
+
+
+@pytest.mark.parametrize(
+    ("text", "says", "line", "column"),
+    [
+        ("", "no element found", 1, 1),
+        ("<robot>\n<link>", "no element found", 2, 7),
+        ('<robot>\n  <link name="é', "unclosed token", 2, 3),
+        ("<robot>\n  <link></robot>", "mismatched tag", 2, 11),
+        ("<robot>\n  é &nbsp;</robot>", "undefined entity", 2, 5),
+        ("\n<?xml version='1.0'?><robot/>", "declaration not at start", 2, 1),
+        ("<robot>é</robot>\n<robot/>", "junk after document element", 2, 1),
+        ("<robot>\n é\0</robot>", "zero byte", 2, 3),
+        ("<\0r\0/\0>\0", "zero byte", 1, 2),
+    ],
+)
+def test_broken_text_is_refused_where_it_breaks(text: str, says: str, line: int, column: int) -> None:
+    error = refusal(text)
+    assert says in str(error)
+    assert (error.reason, error.span.line, error.span.col) == ("malformed", line, column)
+
+
+@pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"], ids=["plain", "BOM"])
+def test_a_byte_that_is_not_of_the_encoding_is_named_and_located(tmp_path: Path, mark: bytes) -> None:
+    with pytest.raises(XmlError, match="byte 0xe4 is not valid utf-8") as caught:
+        read(tmp_path, mark + '<robot>\n<link name="é'.encode() + b'r\xe4der"/></robot>')
+    assert (caught.value.reason, caught.value.span.line, caught.value.span.col) == ("encoding", 2, 15)
+
+
+@pytest.mark.parametrize("declared", ["klingon", "hex", "undefined", "punycode", "UTF-16", "utf-32", "cp037"])
+def test_a_declared_encoding_that_the_file_does_not_have_is_refused_at_its_name(tmp_path: Path, declared: str) -> None:
+    text = f'<?xml version="1.0" encoding="{declared}"?><robot name="r"/>'
+    with pytest.raises(XmlError) as caught:
+        read(tmp_path, text.encode())
+    span = caught.value.span
+    assert caught.value.reason == "encoding"
+    assert text[span.start : span.end] == declared
+
+
+def test_a_prefix_without_declaration_is_found_on_elements_and_attributes() -> None:
+    _, root = tree('<robot xmlns:xacro="x"><xacro:a/><link xml:space="preserve"/></robot>')
+    assert unbound_prefix(root) is None
+    _, root = tree('<robot><a xmlns:xacro="x"/><b xacro:name="n"/></robot>')
+    assert unbound_prefix(root) == (root.children[1], "xacro")

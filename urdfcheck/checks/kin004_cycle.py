@@ -1,0 +1,28 @@
+"""KIN004: joints that lead back to where they began."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.model.graph import Graph
+
+_SHOWN = 12
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    for loop in Graph.of(model).loops():
+        closing = loop[-1]
+        links = [joint.parent for joint in loop]
+        shown = [*links[:_SHOWN], "…"] if len(links) > _SHOWN else links
+        child = closing.element.child("child")
+        assert child is not None, "a joint of the graph has a child"
+        yield rule.finding(
+            "loop",
+            at=child.attributes["link"],
+            related=loop[:-1][:_SHOWN],
+            joint=closing.name,
+            loop=" → ".join([*shown, links[0]]),
+            links=links,
+        )

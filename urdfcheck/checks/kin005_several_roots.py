@@ -1,0 +1,56 @@
+"""KIN005: links in pieces that no joint connects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.model.graph import Graph
+from urdfcheck.model.names import listed
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    graph = Graph.of(model)
+    parents = graph.parents()
+    explained, unknown = _explained(graph)
+    pieces = [
+        piece
+        for piece in graph.pieces()
+        if not explained & set(piece) and any(not parents[link] for link in piece)  # else a loop: KIN004
+    ]
+    if len(pieces) - unknown < 2:
+        return
+    roots = [next(link for link in piece if not parents[link]) for piece in pieces]
+    yield rule.finding(
+        "pieces",
+        at=model.link_by_name[roots[1]],
+        related=[model.link_by_name[root] for root in (roots[0], *roots[2:10])],
+        count=len(pieces),
+        main=f"{roots[0]} ({_links(len(pieces[0]))})",
+        others=listed(f"{root} ({_links(len(piece))})" for root, piece in zip(roots[1:], pieces[1:], strict=True)),
+        roots=roots,
+    )
+
+
+def _explained(graph: Graph) -> tuple[set[str], int]:
+    """Links that are apart because a joint names a wrong link, and how many more wrong names could explain a piece.
+
+    Those joints have findings of their own (KIN002, KIN006, XML005).
+    """
+    links: set[str] = set()
+    unknown = 0
+    for joint in graph.broken:
+        if joint.child in graph.links:
+            links.add(joint.child)
+            continue
+        meant = graph.meant("child", joint.child) if joint.child else None
+        if meant is None:
+            unknown += 1
+        else:
+            links.add(meant)
+    return links, unknown
+
+
+def _links(count: int) -> str:
+    return "1 link" if count == 1 else f"{count} links"

@@ -1,0 +1,15 @@
+"""KIN007: a robot without links."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.model.graph import Graph
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    Graph.of(model)  # a file whose xacro is not expanded has its links still to come
+    if not model.links:
+        yield rule.finding("none", at=model, robot=model.name)

@@ -1,0 +1,27 @@
+"""KIN008: the root link has an inertia, which some ignore and others need."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    if not model.joints:
+        return  # a single body: nothing hangs on it
+    root = model.link_by_name[model.tree.root]
+    inertial = root.inertial
+    if inertial is None or not inertial.mass:
+        return
+    masses = [link.inertial.mass or 0.0 for link in model.links if link.inertial is not None]
+    total = sum(masses)
+    yield rule.finding(
+        "ignored",
+        at=inertial.element,
+        link=root.name,
+        mass=inertial.mass,
+        total=total,
+        rest=total - inertial.mass,
+    )

@@ -1,0 +1,28 @@
+"""MSH001: mesh files are whole and hold triangles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.model import Model
+
+# A format that we cannot read, and geometry kept in a second file, need not be broken.
+OTHER = {"unsupported": Severity.WARNING, "external-buffer": Severity.INFO}
+CAUSES = {"lfs-pointer": "lfs", "html": "web_page", "truncated": "incomplete", "wrong-size": "incomplete"}
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    for path, uses in model.meshes.by_file().items():
+        error = model.meshes.errors.get(path)
+        if error is not None:
+            yield rule.finding(
+                "unread" if error.reason_id in OTHER else "unreadable",
+                at=uses[0].filename,
+                related=[use.filename for use in uses[1:]],
+                cause=CAUSES.get(error.reason_id),
+                severity=OTHER.get(error.reason_id),
+                mesh=uses[0].filename.value,
+                reason=str(error),
+                reason_id=error.reason_id,
+            )

@@ -1,0 +1,26 @@
+"""MSH004: closed meshes enclose a positive volume."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import prod
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    for path, uses in model.meshes.by_file().items():
+        facts = model.meshes.facts.get(path)
+        if facts is None or not facts.inside_out:
+            continue
+        # A scale that mirrors turns the mesh the right way out again in consumers that leave the corners as they are.
+        upright = [use for use in uses if use.shape.size is not None and prod(use.shape.size) > 0]
+        if upright:
+            yield rule.finding(
+                "inside_out",
+                at=upright[0].filename,
+                related=[use.filename for use in upright[1:]],
+                mesh=upright[0].filename.value,
+                volume=facts.volume * prod(upright[0].shape.size or (1.0,)),
+            )

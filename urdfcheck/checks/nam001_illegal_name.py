@@ -1,0 +1,47 @@
+"""NAM001: names of links and joints that some program refuses or changes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model.names import listed
+
+# Each kind of mistake: its message, its severity, and whether a link or joint (told apart by the flag) makes it.
+_KINDS: tuple[tuple[str, Severity, Callable[[str, bool], bool]], ...] = (
+    ("empty", Severity.WARNING, lambda name, _: not name.strip()),
+    ("space", Severity.WARNING, lambda name, _: bool(name.strip()) and any(c.isspace() for c in name)),
+    ("leading_slash", Severity.WARNING, lambda name, link: link and name.startswith("/")),
+    ("scope", Severity.WARNING, lambda name, _: "::" in name),
+    ("reserved", Severity.WARNING, lambda name, _: len(name) > 3 and name.startswith("__") and name.endswith("__")),
+    ("slash", Severity.INFO, lambda name, link: "/" in name[1 if link else 0 :]),
+    ("digit", Severity.INFO, lambda name, _: name[:1].isdigit()),
+)
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    named = [part for part in (*model.links, *model.joints) if "name" in part.element.attributes]
+    for message, severity, wrong in _KINDS:
+        yield from _finding(message, severity, [p for p in named if wrong(p.name, isinstance(p, Link))], rule)
+    roots = {link.name for link in model.links} - {joint.child for joint in model.joints}
+    worlds = [p for p in named if p.name == "world" and (isinstance(p, Joint) or p.name not in roots)]
+    yield from _finding("world", Severity.WARNING, worlds, rule)
+
+
+def _finding(message: str, severity: Severity, parts: list[Link | Joint], rule: Rule) -> Iterator[Finding]:
+    """One finding for all names of a kind: they come from one habit."""
+    if parts:
+        names = [part.name for part in parts]
+        yield rule.finding(
+            message,
+            at=_name(parts[0]),
+            severity=severity,
+            related=[_name(part) for part in parts[1:10]],
+            names=listed(f"'{name}'" for name in dict.fromkeys(names)),
+            count=len(names),
+        )
+
+
+def _name(part: Link | Joint) -> Location:
+    return part.element.attributes["name"].location

@@ -1,0 +1,137 @@
+"""XAC009: what is typed several times would be one macro."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model.names import listed
+from urdfcheck.source.load import Source
+from urdfcheck.source.usage import own_trees
+from urdfcheck.source.values import number
+from urdfcheck.source.xml import Attribute, Element
+
+# Digits that CAD exports of one part differ in: residue of the arithmetic, not another part.
+_SAME = {"rel_tol": 1e-6, "abs_tol": 1e-12}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Block:
+    """A link and the joint that carries it. ``shape`` is its structure without any value."""
+
+    link: Element
+    name: str
+    columns: tuple[Attribute, ...]
+    shape: tuple[tuple[str, ...], ...]
+
+    def value(self, column: int) -> str:
+        """A value with the block's own name left out, so that what follows from the name is equal."""
+        return self.columns[column].value.replace(self.name, "\0")
+
+    def differs(self, other: _Block) -> list[int]:
+        """The columns in which two blocks of one structure differ."""
+        return [i for i in range(len(self.columns)) if not _equal(self.value(i), other.value(i))]
+
+
+def check(source: Source, rule: Rule, *, blocks: int, attributes: int, share: float) -> Iterator[Finding]:
+    if not source.is_xacro:
+        return
+    for tree in own_trees(source).values():
+        for parent in tree.walk():
+            found = [b for b in _blocks(parent) if len(b.columns) >= attributes]
+            for group in _groups(found, share):
+                if len(group) >= blocks:
+                    yield _finding(group, rule)
+
+
+def _finding(group: Sequence[_Block], rule: Rule) -> Finding:
+    first = group[0]
+    columns = sorted({i for other in group[1:] for i in first.differs(other)})
+    macro = _common_name([b.name for b in group])
+    parameters = _parameters([first.columns[i] for i in columns])
+    with_joint = any(labels[0] == "joint" for labels in first.shape)
+    return rule.finding(
+        "repeated",
+        at=first.link,
+        related=[b.link for b in group[1:]],
+        count=len(group),
+        links=[b.name for b in group],
+        listed=listed([b.name for b in group], 4),
+        what="links and the joints that carry them" if with_joint else "links",
+        differences=[_words(first.columns[i]) for i in columns],
+        differ=listed([_words(first.columns[i]) for i in columns]) or "nothing but their names",
+        macro=macro,
+        parameters=" ".join(["name", *parameters]),
+        call=" ".join(f'{p}="…"' for p in parameters),
+        first=first.name,
+    )
+
+
+def _blocks(parent: Element) -> list[_Block]:
+    carried: dict[str, Element] = {}
+    for joint in parent.all("joint"):
+        child = joint.child("child")
+        carried.setdefault("" if child is None else child.get("link"), joint)
+    return [_block(link, carried.get(link.get("name"))) for link in parent.all("link") if link.get("name")]
+
+
+def _block(link: Element, joint: Element | None) -> _Block:
+    elements = [*link.walk(), *(joint.walk() if joint is not None else ())]
+    columns = [e.attributes[n] for e in elements for n in sorted(e.attributes)]
+    depth = {id(link): 0, id(joint): 0}
+    shape = []
+    for element in elements:
+        level = depth.setdefault(id(element), depth.get(id(element.parent), 0) + 1)
+        shape.append((element.tag, str(level), *sorted(element.attributes)))
+    return _Block(link, link.get("name"), tuple(columns), tuple(shape))
+
+
+def _groups(found: Sequence[_Block], share: float) -> Iterator[list[_Block]]:
+    """Blocks of one structure, of which each differs from the first in few columns only."""
+    left = list(found)
+    while left:
+        first = left[0]
+        allowed = share * len(first.columns)
+        group = [b for b in left if b.shape == first.shape and len(first.differs(b)) <= allowed]
+        yield group
+        left = [b for b in left if b not in group]
+
+
+def _equal(one: str, other: str) -> bool:
+    if one == other:
+        return True
+    pairs = list(zip(one.split(), other.split(), strict=False))
+    return len(one.split()) == len(other.split()) and all(_equal_words(a, b) for a, b in pairs)
+
+
+def _equal_words(one: str, other: str) -> bool:
+    a, b = number(one), number(other)
+    return one == other if a is None or b is None else math.isclose(a, b, **_SAME)
+
+
+def _words(attribute: Attribute) -> str:
+    """``joint origin rpy``."""
+    subject = attribute.owner
+    while subject.parent is not None and subject.tag not in {"link", "joint"}:
+        subject = subject.parent
+    names = [subject.tag] if subject is attribute.owner else [subject.tag, attribute.owner.tag]
+    return " ".join([*names, attribute.name])
+
+
+def _parameters(columns: Sequence[Attribute]) -> list[str]:
+    """A name for each column: its attribute's where that is enough, else with the element's before it."""
+    short = [c.name for c in columns]
+    names = [s if short.count(s) == 1 and s != "name" else f"{c.owner.tag}_{s}" for c, s in zip(columns, short, strict=True)]
+    return list(dict.fromkeys(names))
+
+
+def _common_name(names: Sequence[str]) -> str:
+    """What the names have in common: ``wheel`` of wheel_1 and wheel_2, or of left_wheel and right_wheel."""
+    prefix = os.path.commonprefix(list(names))
+    suffix = os.path.commonprefix([n[::-1] for n in names])[::-1]
+    longest = re.sub(r"\W|\$|^[\d_]+|[\d_]+$", "", max(prefix, suffix, key=len))
+    return longest if longest.isidentifier() else "part"

@@ -1,0 +1,103 @@
+"""XAC015: a URDF and a xacro that describe one robot agree."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model.names import listed
+from urdfcheck.outline import Outline
+
+
+@dataclass(frozen=True, slots=True)
+class _Difference:
+    """What differs between two outlines. ``values``: parts that both have with other values."""
+
+    names: bool
+    values: tuple[str, ...]
+    only_urdf: tuple[str, ...]
+    only_xacro: tuple[str, ...]
+    extensions: tuple[str, ...]
+
+    @property
+    def weight(self) -> int:
+        return len(self.values) + len(self.only_urdf) + len(self.only_xacro)
+
+    def __bool__(self) -> bool:
+        return bool(self.names or self.weight or self.extensions)
+
+
+def check(outlines: list[Outline], rule: Rule, *, overlap: float, links: int) -> Iterator[Finding]:
+    for urdf in outlines:
+        if urdf.is_xacro or urdf.package is None or len(urdf.links) < links:
+            continue
+        copies = [o for o in outlines if o.is_xacro and o.package == urdf.package and _overlap(urdf, o) >= overlap]
+        if not copies:
+            continue
+        # Of several variants of the xacro, the one that the URDF was made from is the nearest.
+        xacro = min(copies, key=lambda o: (_difference(urdf, o).weight, o.model))
+        difference = _difference(urdf, xacro)
+        if difference:
+            yield replace(_finding(urdf, xacro, difference, rule), model=urdf.model)
+
+
+def _finding(urdf: Outline, xacro: Outline, difference: _Difference, rule: Rule) -> Finding:
+    return rule.finding(
+        "diverged" if difference.weight else "equal-bodies",
+        at=urdf.location,
+        related=[xacro.location],
+        urdf=urdf.path,
+        xacro=xacro.path,
+        names=[urdf.robot, xacro.robot],
+        values=list(difference.values),
+        only_urdf=list(difference.only_urdf),
+        only_xacro=list(difference.only_xacro),
+        differ="; ".join(_sentences(urdf, xacro, difference)),
+    )
+
+
+def _sentences(urdf: Outline, xacro: Outline, difference: _Difference) -> Iterator[str]:
+    if difference.names:
+        yield f"the robot's name ({urdf.robot!r} and {xacro.robot!r})"
+    if difference.values:
+        yield f"{len(difference.values)} values ({listed(difference.values, 3)})"
+    for only, where in ((difference.only_urdf, "URDF"), (difference.only_xacro, "xacro")):
+        if only:
+            yield f"{len(only)} parts only in the {where} ({listed(only, 3)})"
+    if difference.extensions:
+        yield f"extensions ({', '.join(difference.extensions)})"
+
+
+def _difference(urdf: Outline, xacro: Outline) -> _Difference:
+    both = urdf.parts.keys() & xacro.parts.keys()
+    tags = sorted({*urdf.extensions, *xacro.extensions})
+    return _Difference(
+        urdf.robot != xacro.robot,
+        tuple(sorted(p for p in both if urdf.parts[p] != xacro.parts[p])),
+        _tops(urdf.parts.keys() - both, xacro.parts),
+        _tops(xacro.parts.keys() - both, urdf.parts),
+        tuple(
+            f"{urdf.extensions.get(t, 0)} and {xacro.extensions.get(t, 0)} <{t}>"
+            for t in tags
+            if urdf.extensions.get(t, 0) != xacro.extensions.get(t, 0)
+        ),
+    )
+
+
+def _tops(parts: Iterable[str], other: Iterable[str]) -> tuple[str, ...]:
+    """Parts that only one has: a link or joint that the other lacks altogether counts once, by its name."""
+    known = {_head(part) for part in other}
+    heads = {part: _head(part) for part in parts}
+    return tuple(sorted({part if head in known else head for part, head in heads.items()}))
+
+
+def _head(part: str) -> str:
+    return part.split("/")[0].split("@")[0]
+
+
+def _overlap(one: Outline, other: Outline) -> float:
+    """Jaccard index of the names of links and joints."""
+    a = {*(("link", n) for n in one.links), *(("joint", n) for n in one.joints)}
+    b = {*(("link", n) for n in other.links), *(("joint", n) for n in other.joints)}
+    return len(a & b) / len(a | b) if a | b else 0.0

@@ -1,0 +1,124 @@
+"""XML007: numbers that the reference parser cannot read, and what is wrong with them."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterator
+
+from urdfcheck.core import Applicability, Edit, Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.source.grammar import NUMBERS, elements, is_unexpanded, loss
+from urdfcheck.source.values import number
+from urdfcheck.source.xml import Attribute
+
+_NOT_A_NUMBER = re.compile(r"[+-]?nan(\(\w*\))?", re.IGNORECASE)
+_INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
+_HEXADECIMAL = re.compile(r"[+-]?0x[0-9a-f.]+(p[+-]?\d+)?", re.IGNORECASE)
+_UNIT = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?) ?([A-Za-zµμ°%\"'][A-Za-z0-9µμ°%·*^/²³]*)")
+_EXPRESSION = re.compile(r"[\w.\s()]*(?:[*/()]|\bpi\b|\bM_PI\b)[\w.\s()*/+-]*", re.IGNORECASE)
+_UNITS = frozenset(
+    "m mm cm dm um µm km in inch inches ft g kg t lb lbs oz rad deg degree degrees ° % n nm mnm n*m n·m nmm s ms "
+    "rpm rad/s deg/s m/s mm/s kgm2 kg*m2 kg·m2 kgm^2 kg*m^2 kg·m² kgm² gmm2 g*mm2 g*mm^2 \" '".split()
+)
+_SI = frozenset({"m", "kg", "rad", "n", "nm", "n*m", "n·m", "s", "rad/s", "m/s"})
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    for element in elements(model.robot):
+        for name, count in NUMBERS.get(element.tag, {}).items():
+            attribute = element.attributes.get(name)
+            if attribute is None or is_unexpanded(attribute.value):
+                continue
+            judged = _judge(attribute.value, count)
+            if judged is not None:
+                message, word, better = judged
+                edits = _edits(attribute, word, better)
+                yield rule.finding(message, at=attribute, edits=edits, related=attribute.related(), **_data(attribute, word))
+            elif _has_blank(attribute, count, plain=not model.source.is_xacro):
+                edits = _edits(attribute, attribute.typed, " ".join(attribute.typed.split()))
+                data = _data(attribute, attribute.value)
+                yield rule.finding("blank", at=attribute, edits=edits, applicability=Applicability.SAFE, **data)
+
+
+def _data(attribute: Attribute, word: str) -> dict[str, str]:
+    shown = word if len(word) <= 40 else word[:37] + "..."
+    names = [unicodedata.name(c, f"U+{ord(c):04X}").lower() for c in word if not c.isascii()]
+    return {
+        "where": f"{attribute.owner.subject}@{attribute.name}",
+        "attribute": attribute.name,
+        "word": shown,
+        "character": names[0] if names else "",
+        "loss": loss(attribute.owner),
+    }
+
+
+def _edits(attribute: Attribute, word: str, better: str | None) -> tuple[Edit, ...]:
+    """Replace a word of a literal attribute; none where the repair is not certain."""
+    if better is None or not attribute.literal or attribute.span is None or attribute.typed.count(word) != 1:
+        return ()
+    return (Edit(attribute.span, attribute.typed, attribute.typed.replace(word, better)),)
+
+
+def _judge(value: str, count: int) -> tuple[str, str, str | None] | None:
+    """The message for a value that holds a word that is no number, that word, and what it probably should read."""
+    words = value.split()
+    if not words:
+        return "empty", value, None
+    if all(number(word) is not None for word in words):
+        return _foreign_blank(value)
+    if count == 1 and len(words) > 1 and _UNIT.fullmatch(value.strip()):
+        words = [value.strip()]
+    separated = [w for w in re.split(r"[,;\s]+", value) if w]
+    if len(separated) == count > 1 and len(words) < count + ("," in words[0][-1:] or ";" in words[0][-1:]) and all(
+        number(w) is not None for w in separated
+    ):
+        return "separator", value.strip(), " ".join(separated)
+    word = next(w for w in words if number(w) is None)
+    return _judge_word(word)
+
+
+def _foreign_blank(value: str) -> tuple[str, str, str | None] | None:
+    """Python takes a non-breaking space or an Arabic digit as part of numbers; no parser of URDF does."""
+    foreign = "".join(c for c in value if not c.isascii())
+    if not foreign:
+        return None
+    plain = "".join(" " if c.isspace() else str(unicodedata.digit(c, "")) if not c.isascii() else c for c in value)
+    return "character", value, " ".join(plain.split())
+
+
+def _judge_word(word: str) -> tuple[str, str, str | None]:
+    if _NOT_A_NUMBER.fullmatch(word):
+        return "nan", word, None
+    if _INFINITE.fullmatch(word):
+        return "infinite", word, None
+    if _HEXADECIMAL.fullmatch(word):
+        return "hexadecimal", word, None
+    unit = _UNIT.fullmatch(word)
+    if unit and unit.group(2).lower() in _UNITS:
+        return "unit", word, unit.group(1) if unit.group(2).lower() in _SI else None
+    if not word.isascii():
+        ascii_word = re.sub("[\u2010-\u2015\u2212\ufe63\uff0d]", "-", word)
+        return "character", word, ascii_word if number(ascii_word) is not None else None
+    if "_" in word and number(word.replace("_", "")) is not None:
+        return "underscore", word, word.replace("_", "")
+    if word.count(",") == 1 and number(word.replace(",", ".")) is not None:
+        # 1,000 may mean one or a thousand; 0,000 and 0,5 cannot mean thousands.
+        thousands = re.fullmatch(r"[+-]?[1-9]\d{0,2},\d{3}", word)
+        return "comma", word, None if thousands else word.replace(",", ".")
+    if re.fullmatch(r"[+-]?\d+\.?\d*[eE][+-]?\d+", word):
+        return "overflow", word, None
+    if _EXPRESSION.fullmatch(word):
+        return "expression", word, None
+    return "other", word, None
+
+
+def _has_blank(attribute: Attribute, count: int, *, plain: bool) -> bool:
+    """White space that urdfdom does not skip: any after a single number, a tab or line break after one of several.
+
+    xacro writes tabs and line breaks as spaces, so there only the first counts.
+    """
+    text = attribute.typed if plain and attribute.literal else attribute.value
+    if count == 1:
+        return text != text.rstrip()
+    return any(part.strip() and part.lstrip() != part.strip() or len(part.split()) > 1 for part in text.split(" "))

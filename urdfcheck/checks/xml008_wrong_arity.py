@@ -1,0 +1,43 @@
+"""XML008: attributes with too few or too many numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.source.grammar import NUMBERS, elements, loss
+from urdfcheck.source.values import number
+from urdfcheck.source.xml import Attribute
+
+# What is probably meant by fewer numbers: one scale for all axes, a colour without its alpha.
+_COMPLETED = {("mesh", "scale", 1): "{0} {0} {0}", ("color", "rgba", 3): "{0} {1} {2} 1"}
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    for element in elements(model.robot):
+        for name, count in NUMBERS.get(element.tag, {}).items():
+            attribute = element.attributes.get(name)
+            words = attribute.value.split() if attribute is not None else []
+            if attribute is None or not words or len(words) == count or any(number(w) is None for w in words):
+                continue
+            # A colour of the wrong length is not even mentioned by urdfdom: it becomes black.
+            message = "colour" if element.tag == "color" else "count"
+            yield rule.finding(
+                message,
+                at=attribute,
+                edits=_edits(attribute, words),
+                related=attribute.related(),
+                where=f"{element.subject}@{name}",
+                value=" ".join(words) if len(words) <= 8 else " ".join(words[:8]) + " …",
+                found=len(words),
+                expected=count,
+                loss=loss(element),
+            )
+
+
+def _edits(attribute: Attribute, words: list[str]) -> tuple[Edit, ...]:
+    form = _COMPLETED.get((attribute.owner.tag, attribute.name, len(words)))
+    if form is None or not attribute.literal or attribute.span is None:
+        return ()
+    return (Edit(attribute.span, attribute.typed, form.format(*words)),)

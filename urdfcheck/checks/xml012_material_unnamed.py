@@ -1,0 +1,88 @@
+"""XML012: materials without a name, and materials that share one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import chain
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.model import Model
+from urdfcheck.source.values import attribute_numbers
+from urdfcheck.source.xml import Element
+
+# Colours are shown with 8 bits per channel: half a step cannot be seen.
+_STEP = 0.5 / 255
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    own = model.robot.all("material")
+    inner = [m for link in model.links for shape in link.visuals for m in shape.element.all("material")]
+    for material in (*own, *inner):
+        name = material.attributes.get("name")
+        if name is not None and not name.value.strip():
+            yield rule.finding("empty", at=name, owner=_owner(material))
+    yield from _repeated(own, rule)
+    yield from _different(own, inner, rule)
+
+
+def _repeated(own: list[Element], rule: Rule) -> Iterator[Finding]:
+    first: dict[str, Element] = {}
+    for material in own:
+        name = material.get("name")
+        if name and first.setdefault(name, material) is not material:
+            yield rule.finding(
+                "repeated", at=material, severity=Severity.ERROR, related=[first[name]], material=name
+            )
+
+
+def _different(own: list[Element], inner: list[Element], rule: Rule) -> Iterator[Finding]:
+    """The first definition of a name (the robot's own come first) counts for every visual that uses the name."""
+    first: dict[str, Element] = {}
+    others: dict[str, list[Element]] = {}
+    for material in chain(own, inner):
+        name = material.get("name").strip()
+        if not name or not material.children:
+            continue
+        if not _same(first.setdefault(name, material), material) and material not in own:
+            others.setdefault(name, []).append(material)
+    for name, materials in others.items():
+        yield rule.finding(
+            "different",
+            at=materials[0],
+            related=[first[name], *materials[1:10]],
+            material=name,
+            count=len(materials),
+            typed=_look(materials[0]),
+            counts=_look(first[name]),
+            owner=_owner(materials[0]),
+            first=_owner(first[name]),
+        )
+
+
+def _rgba(material: Element) -> tuple[float, ...] | None:
+    return attribute_numbers(material.child("color"), "rgba", 4, ())
+
+
+def _texture(material: Element) -> str:
+    texture = material.child("texture")
+    return "" if texture is None else texture.get("filename")
+
+
+def _same(a: Element, b: Element) -> bool:
+    one, other = _rgba(a), _rgba(b)
+    if not one or not other:
+        return bool(one) == bool(other) and _texture(a) == _texture(b)
+    return _texture(a) == _texture(b) and all(abs(x - y) <= _STEP for x, y in zip(one, other, strict=True))
+
+
+def _look(material: Element) -> str:
+    rgba = _rgba(material)
+    parts = [" ".join(f"{x:g}" for x in rgba)] if rgba else []
+    return ", ".join([*parts, *([_texture(material)] if _texture(material) else [])]) or "no colour"
+
+
+def _owner(material: Element) -> str:
+    element = material
+    while element.parent is not None and element.parent.tag != "robot":
+        element = element.parent
+    return "the robot" if element is material else f"link {element.get('name')}"
