@@ -107,7 +107,7 @@ def test_borderline_tensors(diagonal: tuple[float, ...], definite: bool, triangl
 
 def test_a_tensor_that_is_not_finite_has_no_moments() -> None:
     report = validity(tensor((1, 0, 0, math.nan, 0, 1)))
-    assert not (report.finite or report.positive_definite or report.triangle)
+    assert (report.finite, report.positive_definite, report.triangle) == (False, False, False)
     with pytest.raises(ValueError, match="not finite"):
         principal_moments(tensor((1, 0, 0, math.inf, 0, 1)))
 

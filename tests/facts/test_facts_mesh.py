@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.inertia import box_solid, capsule_solid, cylinder_solid, inertia_of, sphere_solid
+from urdfcheck.facts.inertia import box_solid, capsule_solid, combine, cylinder_solid, inertia_of, placed, sphere_solid
 from urdfcheck.facts.kinematics import rpy_to_matrix
 from urdfcheck.facts.mesh import MeshError, MeshFacts, hull_vertices, mesh_facts, transformed_moments
 
@@ -139,6 +139,16 @@ def test_a_box_has_the_moments_of_the_closed_form() -> None:
     assert facts.area == pytest.approx(22.0)
     # Faces of 6, 3 and 2 m² on either side: mean square of x over the shell.
     assert facts.surface_covariance[0, 0] == pytest.approx((2 * 6 * 0.25 + (6 + 4) / 12) / 22)
+
+
+def test_unequal_bodies_add_up_by_the_parallel_axis_theorem() -> None:
+    cube = trimesh.creation.box((0.5, 0.5, 0.5))
+    cube.apply_translation((3, -1, 2))
+    facts = facts_of(trimesh.util.concatenate([BOX, cube]))
+    whole = combine([box_solid((1, 2, 3)), placed(box_solid((0.5, 0.5, 0.5)), np.eye(3), (3, -1, 2))])
+    assert facts.volume == pytest.approx(whole.volume)
+    assert_allclose(facts.com, whole.com, atol=1e-14)
+    assert_allclose(facts.covariance, whole.covariance, atol=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -282,6 +292,17 @@ def test_float_noise_between_equal_corners_is_welded_and_a_gap_is_not(noise: flo
     if closes:
         assert 2 * noise < 4 * facts.weld_distance
         assert facts.n_vertices == 8
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.tuples(sizes, sizes, sizes))
+def test_noise_below_the_tolerance_is_welded_wherever_it_falls(seed: int, size: tuple[float, float, float]) -> None:
+    box = trimesh.creation.box(size)
+    # Any two copies of a corner lie within 1e-6 of the diagonal.
+    noise = np.random.default_rng(seed).uniform(-0.28e-6, 0.28e-6, (36, 3)) * np.linalg.norm(size)
+    facts = mesh_facts(obj(box.vertices[box.faces].reshape(-1, 3) + noise, np.arange(36).reshape(-1, 3)), "obj")
+    assert facts.watertight
+    assert facts.n_vertices == 8
 
 
 def test_non_finite_corners_are_counted_and_their_triangles_dropped() -> None:

@@ -180,6 +180,17 @@ def test_of_up_to_three_nobody_can_say_which_one_is_wrong(count: int) -> None:
     assert odd_one_out(places, turns, [(0, 0, 1)] * count) is None
 
 
+def test_a_row_of_three_is_not_enough() -> None:
+    turns = frames([(0, 0.3, 0), (0, 0, 0), (0, 0, 0)])
+    assert odd_one_out([(0.1 * i, 0, 0) for i in range(3)], turns, [(0, 1, 0)] * 3) is None
+
+
+def test_an_axis_that_points_nearer_to_another_choice_of_axes_is_no_tilt() -> None:
+    # The third frame is turned by 180°, which the first would have to follow; it is 40° from not following.
+    turns = frames([(0, 0, 0.7), (0, 0, 0), (math.pi, 0, 0), (0, 0, 0)])
+    assert odd_one_out(CAR_XYZ, turns, [(0, 1, 0)] * 4) is None
+
+
 def test_two_against_two_have_no_culprit() -> None:
     turns = frames([(0, 0.4, 0), (0, 0.4, 0), (0, 0, 0), (0, 0, 0)])
     assert odd_one_out(CAR_XYZ, turns, CAR_AXES) is None

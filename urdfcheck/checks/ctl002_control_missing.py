@@ -9,7 +9,6 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.model.names import listed
 from urdfcheck.model.parts import Joint
-from urdfcheck.source.xml import Element
 
 _DRIVABLE = frozenset({"revolute", "continuous", "prismatic"})
 _SEPARATOR = re.compile(r"[\s,;]+")
@@ -33,7 +32,7 @@ def _undriven(model: Model, rule: Rule) -> Iterator[Finding]:
             severity=Severity.INFO,
             joints=listed(j.name for j in without),
             count=len(without),
-            total=len(drivable),
+            total="joint" if len(drivable) == 1 else f"{len(drivable)} joints",
         )
 
 
@@ -55,22 +54,26 @@ def _words_of_control(model: Model) -> set[str]:
 
 
 def _misplaced(model: Model, rule: Rule) -> Iterator[Finding]:
-    for element in _commanded(model):
+    commanded = [
+        ("mimic", Severity.WARNING, "command interface", joint)
+        for control in model.robot.all("ros2_control")
+        for joint in control.all("joint")
+        if joint.child("command_interface") is not None and joint.get("mimic") != "false"
+    ]
+    # Gazebo Classic does not know <mimic>: there a follower with a transmission of its own is usual.
+    commanded += [
+        ("mimic-transmission", Severity.INFO, "transmission", joint)
+        for transmission in model.robot.all("transmission")
+        for joint in transmission.all("joint")
+    ]
+    for message, severity, what, element in commanded:
         joint = model.joint_by_name.get(element.get("name"))
-        if joint is None:
-            continue  # CTL001
-        if joint.type == "fixed":
-            yield rule.finding("fixed", at=element, severity=Severity.WARNING, related=[joint], joint=joint.name)
-        elif joint.mimic is not None and element.get("mimic") != "false":
+        if joint is not None and joint.type == "fixed":
+            yield rule.finding(
+                "fixed", at=element, severity=Severity.WARNING, related=[joint], joint=joint.name, what=what
+            )
+        elif joint is not None and joint.mimic is not None:
             leader = joint.mimic.get("joint")
             yield rule.finding(
-                "mimic", at=element, severity=Severity.WARNING, related=[joint.mimic], joint=joint.name, leader=leader
+                message, at=element, severity=severity, related=[joint.mimic], joint=joint.name, leader=leader
             )
-
-
-def _commanded(model: Model) -> Iterator[Element]:
-    """The `<joint>` elements that hand a command to a joint."""
-    for control in model.robot.all("ros2_control"):
-        yield from (j for j in control.all("joint") if j.child("command_interface") is not None)
-    for transmission in model.robot.all("transmission"):
-        yield from transmission.all("joint")

@@ -7,19 +7,23 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
 from urdfcheck.model.names import hint
+from urdfcheck.source.xml import Attribute
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     known = {*model.link_by_name, *model.joint_by_name}
+    unknown: dict[str, list[Attribute]] = {}
     for element in model.robot.all("gazebo"):
         reference = element.attributes.get("reference")
-        if reference is None or not reference.value or reference.value in known:
-            continue
+        if reference is not None and reference.value and reference.value not in known:
+            unknown.setdefault(reference.value, []).append(reference)
+    for name, uses in unknown.items():
+        content = dict.fromkeys(child.tag for use in uses for child in use.owner.children)
         yield rule.finding(
             "unknown",
-            at=reference,
-            related=reference.related(),
-            reference=reference.value,
-            near=hint(reference.value, known),
-            content=", ".join(dict.fromkeys(child.tag for child in element.children)) or "nothing",
+            at=uses[0],
+            related=[*uses[0].related(), *uses[1:]],
+            reference=name,
+            near=hint(name, known),
+            content=", ".join(content) or "content",
         )

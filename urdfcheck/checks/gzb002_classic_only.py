@@ -67,8 +67,7 @@ def _materials(rule: Rule, elements: list[Element]) -> Finding:
         "material",
         at=places[0],
         related=places[1:],
-        count=len(elements),
-        noun="material is" if len(elements) == 1 else "materials are",
+        which="1 material has a name" if len(elements) == 1 else f"{len(elements)} materials have names",
         names=listed(dict.fromkeys(element.text.strip() for element in elements)),
     )
 

@@ -8,7 +8,6 @@ from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.model import Link, Model
 from urdfcheck.model.body import body_mass
 
-
 # MuJoCo's mjMINVAL: what a consumer takes for zero.
 ZERO = 1e-15
 

@@ -111,7 +111,8 @@ def _cause(six: Sequence[float]) -> str | None:
 
 def _singular(rule: Rule, model: Model, message: str, links: Sequence[Link], rel_tol: float) -> Iterator[Finding]:
     """One warning for each link whose whole body is singular, one info for all the others together."""
-    alone, harmless = [], []
+    alone: list[Link] = []
+    harmless: list[Link] = []
     for link in links:
         fused = body_tensor(model, model.tree.body(link.name))
         if fused is None:
@@ -120,23 +121,24 @@ def _singular(rule: Rule, model: Model, message: str, links: Sequence[Link], rel
         singular = model.tree.moves(link.name) and moments[0] <= rel_tol * moments[2]
         (alone if singular else harmless).append(link)
     for link in alone:
-        yield rule.finding(message, at=_tensor_place(link), severity=Severity.WARNING, **_names([link]))
+        yield rule.finding(message, at=_tensor_place(link), severity=Severity.WARNING, links=_names([link]))
     if harmless:
         yield rule.finding(
             f"{message}_fixed",
             at=_tensor_place(harmless[0]),
             related=[_tensor_place(link) for link in harmless[1:]],
             severity=Severity.INFO,
-            **_names(harmless),
+            links=_names(harmless),
         )
 
 
-def _names(links: Sequence[Link]) -> dict[str, str]:
-    return {"links": ", ".join(f"{link.name} ({link.inertial.mass:g} kg)" for link in links if link.inertial)}
+def _names(links: Sequence[Link]) -> str:
+    return ", ".join(f"{link.name} ({link.inertial.mass:g} kg)" for link in links if link.inertial)
 
 
 def _tensor_place(link: Link) -> Location:
-    assert link.inertial is not None and link.inertial.tensor_element is not None
+    assert link.inertial is not None
+    assert link.inertial.tensor_element is not None
     return link.inertial.tensor_element.location
 
 

@@ -47,7 +47,8 @@ def _near(density: float | None, default: float, tolerance: float) -> bool:
 
 def _mesh_density(model: Model, link: Link) -> float | None:
     """Mass over the volume of what the link draws, kg/m³; None where that is not known or made of primitives only."""
-    assert link.inertial is not None and link.inertial.mass is not None
+    assert link.inertial is not None
+    assert link.inertial.mass is not None
     for role, shapes in (("visual", link.visuals), ("collision", link.collisions)):
         if any(shape.kind == "mesh" for shape in shapes):
             solid = model.solid(link, role)
@@ -62,7 +63,8 @@ def _solid_density(model: Model, link: Link, default: float, tolerance: float) -
     Another value says nothing: the part may have any shape. Nor does a link of primitives, whose numbers were computed.
     """
     inertial = link.inertial
-    assert inertial is not None and inertial.mass is not None
+    assert inertial is not None
+    assert inertial.mass is not None
     shapes = (*link.visuals, *link.collisions)
     if inertial.tensor is None or any(shape.kind != "mesh" for shape in shapes):
         return None

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.xml import Attribute, Definition, Element
+from urdfcheck.model.names import listed
+from urdfcheck.model.parts import Joint
+from urdfcheck.source.xml import Element
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    equal: dict[float, list[Joint]] = {}
     for joint in model.joints:
         limit, lower, upper = joint.limit, joint.limit_value("lower"), joint.limit_value("upper")
         if joint.type not in {"revolute", "prismatic"} or limit is None or lower is None or upper is None:
@@ -17,19 +21,36 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         typed = [limit.attributes[name] for name in ("lower", "upper") if name in limit.attributes]
         if not typed or lower < upper:
             continue  # neither is given: JNT004
-        data = {"joint": joint.name, "unit": "rad" if joint.type == "revolute" else "m"}
         if lower == upper:
-            yield rule.finding(
-                "equal", at=limit, severity=Severity.WARNING, related=_related(typed), value=lower, **data
-            )
+            equal.setdefault(lower, []).append(joint)
         else:
             yield rule.finding(
-                "inverted", at=limit, edits=_swap(limit), related=_related(typed), lower=lower, upper=upper, **data
+                "inverted",
+                at=limit,
+                edits=_swap(limit),
+                related=[definition for attribute in typed for definition in attribute.related()],
+                joint=joint.name,
+                lower=lower,
+                upper=upper,
+                unit="rad" if joint.type == "revolute" else "m",
             )
+    for value, joints in equal.items():
+        yield _locked(rule, value, joints)
 
 
-def _related(attributes: list[Attribute]) -> list[Definition]:
-    return [definition for attribute in attributes for definition in attribute.related()]
+def _locked(rule: Rule, value: float, joints: list[Joint]) -> Finding:
+    """One finding for all joints with the same numbers: they come from one template or one exporter's default."""
+    limits = [joint.limit for joint in joints if joint.limit is not None]
+    finding = rule.finding(
+        "equal",
+        at=limits[0],
+        severity=Severity.WARNING,
+        related=limits[1:],
+        joints=listed(j.name for j in joints),
+        which="1 joint has" if len(joints) == 1 else f"{len(joints)} joints have",
+        value=value,
+    )
+    return replace(finding, subjects=tuple(limit.subject for limit in limits))
 
 
 def _swap(limit: Element) -> list[Edit]:

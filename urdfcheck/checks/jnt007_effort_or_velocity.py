@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
@@ -33,7 +34,7 @@ def _together(rule: Rule, message: str, name: str, joints: list[Joint]) -> Itera
     """One finding for all joints with the same defect: they come from one template or one exporter's default."""
     attributes = [j.limit.attributes[name] for j in joints if j.limit is not None]
     if attributes:
-        yield rule.finding(
+        finding = rule.finding(
             message,
             at=attributes[0],
             related=[*attributes[0].related(), *attributes[1:]],
@@ -42,3 +43,4 @@ def _together(rule: Rule, message: str, name: str, joints: list[Joint]) -> Itera
             noun="joint" if len(joints) == 1 else "joints",
             verb="has" if len(joints) == 1 else "have",
         )
+        yield replace(finding, subjects=tuple(a.location.subject for a in attributes))

@@ -46,9 +46,7 @@ def _loop(model: Model, start: Joint) -> tuple[str, ...]:
     return tuple(seen) if joint is not None and joint.name == start.name else ()
 
 
-def _range(
-    rule: Rule, joint: Joint, leader: Joint, mimic: Element, at: Located, slack: float
-) -> Iterator[Finding]:
+def _range(rule: Rule, joint: Joint, leader: Joint, mimic: Element, at: Located, slack: float) -> Iterator[Finding]:
     own, led = _limits(joint), _limits(leader)
     multiplier = _coefficient(mimic, "multiplier", 1.0)
     offset = _coefficient(mimic, "offset", 0.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.facts.literals import EXACT, NearMiss, is_exact, near_miss
@@ -10,17 +11,18 @@ from urdfcheck.model import Model
 from urdfcheck.source.words import Word, words_of
 
 
-def check(model: Model, rule: Rule) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, negligible: float) -> Iterator[Finding]:
     words = _typed_angles(model)
     groups: dict[tuple[str, str], list[Word]] = {}
     for word in words:
-        if near_miss(word.text) is not None:
+        miss = near_miss(word.text)
+        if miss is not None and abs(miss.difference) >= negligible:
             groups.setdefault((word.span.file, word.text.lstrip("+-")), []).append(word)
     for (file, spelled), group in groups.items():
         miss = near_miss(spelled)
         assert miss is not None, "the group was made by it"
         exact = _exact_sibling(miss, [w for w in words if w.span.file == file])
-        yield rule.finding(
+        finding = rule.finding(
             "rounded" if exact is None else "mixed",
             at=group[0],
             related=[*([] if exact is None else [exact]), *group[1:]],
@@ -31,9 +33,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             difference=abs(miss.difference),
             lever=_length(abs(miss.difference)),
             correct=_written(group[0], in_xacro=model.source.is_xacro),
-            sibling="" if exact is None else exact.attribute.owner.subject.split("/")[0],
+            sibling="" if exact is None else _part(exact),
             digits="" if exact is None else exact.text,
         )
+        yield replace(finding, subjects=tuple(dict.fromkeys(w.location.subject for w in group)))
 
 
 def _typed_angles(model: Model) -> list[Word]:
@@ -65,7 +68,9 @@ def _symbol(constant: str) -> str:
 
 def _length(radians: float) -> str:
     """How far a point one metre away is displaced."""
-    metres = radians
-    if metres < 1e-3:
-        return f"{metres * 1e6:.2g} µm" if metres < 1e-5 else f"{metres * 1e6:.0f} µm"
-    return f"{metres * 1e3:.1f} mm"
+    return f"{radians * 1e6:.2g} µm" if radians < 1e-4 else f"{radians * 1e3:.2g} mm"
+
+
+def _part(word: Word) -> str:
+    """``joint wheel_4`` for a word of ``joint[wheel_4]/origin@rpy``."""
+    return word.location.subject.split("/")[0].replace("[", " ").rstrip("]")

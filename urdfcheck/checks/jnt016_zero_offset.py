@@ -12,7 +12,9 @@ from urdfcheck.model.parts import Joint
 _TURNING = frozenset({"revolute", "continuous"})
 
 
-def check(model: Model, rule: Rule, *, parallel: float, round_to: float, round_tol: float, decimals: int) -> Iterator[Finding]:
+def check(
+    model: Model, rule: Rule, *, parallel: float, round_to: float, round_tol: float, decimals: int
+) -> Iterator[Finding]:
     for joint in model.joints:
         attribute = joint.origin.attribute("rpy")
         if joint.type not in _TURNING or attribute is None or not attribute.literal:

@@ -3,21 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model.names import listed
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     yield from _repeated(model.links, "link", rule)
     yield from _repeated(model.joints, "joint", rule)
-    for joint in model.joint_by_name.values():
-        link = model.link_by_name.get(joint.name)
-        # Converters merge the two links of a fixed joint: its name disappears before it can clash.
-        if link is not None and joint.name and joint.type != "fixed":
-            yield rule.finding(
-                "shared", at=_name(joint), severity=Severity.WARNING, related=[_name(link)], called=joint.name
-            )
+    # Converters merge the two links of a fixed joint: its name disappears before it can clash.
+    shared = [j for j in model.joint_by_name.values() if j.name in model.link_by_name and j.name and j.type != "fixed"]
+    if shared:
+        names = [joint.name for joint in shared]
+        links = [_name(model.link_by_name[name]) for name in names]
+        finding = rule.finding(
+            "shared",
+            at=_name(shared[0]),
+            severity=Severity.WARNING,
+            related=links[:10],
+            names=listed(names),
+            first=names[0],
+        )
+        yield replace(finding, subjects=tuple(_name(joint).subject for joint in shared))
 
 
 def _repeated(parts: Sequence[Link] | Sequence[Joint], kind: str, rule: Rule) -> Iterator[Finding]:

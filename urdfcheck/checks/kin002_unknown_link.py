@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model import Model
@@ -13,18 +15,29 @@ from urdfcheck.source.xml import Attribute
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     graph = Graph.of(model)
+    # One link that is missing is one mistake, however many joints name it.
+    found: dict[str, list[tuple[str, Attribute]]] = {}
     for joint in graph.broken:
-        for role, name in (("parent", joint.parent), ("child", joint.child)):
-            element = joint.element.child(role)
-            attribute = element.attributes.get("link") if element is not None else None
-            if not name or name in graph.links or attribute is None:
-                continue  # XML005 reports a name that is missing
-            data = {"joint": joint.name, "role": role, "called": name, "links": listed(graph.links)}
-            near = graph.meant(role, name)
-            if near is None:
-                yield rule.finding("unknown", at=attribute, related=attribute.related(), **data)
-            else:
-                yield rule.finding("near", at=attribute, edits=_edit(attribute, near), near=near, **data)
+        for element in (joint.element.child("parent"), joint.element.child("child")):
+            name = element.attributes.get("link") if element is not None else None
+            if element is not None and name is not None and name.value and name.value not in graph.links:
+                found.setdefault(name.value, []).append((f"the {element.tag} of joint {joint.name}", name))
+    for called, places in found.items():
+        yield _finding(graph, called, places, rule)
+
+
+def _finding(graph: Graph, called: str, places: list[tuple[str, Attribute]], rule: Rule) -> Finding:
+    attributes = [attribute for _, attribute in places]
+    related = [*(a.location for a in attributes[1:10]), *(d.location for d in attributes[0].related())]
+    data: dict[str, Any] = {"called": called, "where": listed((where for where, _ in places), 3)}
+    near = graph.meant(attributes[0].owner.tag, called)
+    if near is None:
+        links = listed(graph.links) or "none"
+        finding = rule.finding("unknown", at=attributes[0], related=related, links=links, **data)
+    else:
+        edits = [edit for attribute in attributes for edit in _edit(attribute, near)]
+        finding = rule.finding("near", at=attributes[0], related=related, edits=edits, near=near, **data)
+    return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
 
 
 def _edit(attribute: Attribute, near: str) -> tuple[Edit, ...]:

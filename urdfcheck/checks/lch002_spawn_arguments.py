@@ -29,7 +29,16 @@ _REFUSES = "{tool} stops with «argument {option}: expected one argument» and t
 _TOOLS = {
     "spawn_model": _Tool(
         _PLACE
-        | {"-file", "-param", "-database", "-model", "-reference_frame", "-gazebo_namespace", "-robot_namespace", "-wait"},
+        | {
+            "-file",
+            "-param",
+            "-database",
+            "-model",
+            "-reference_frame",
+            "-gazebo_namespace",
+            "-robot_namespace",
+            "-wait",
+        },
         "-model",
         True,
         _REFUSES + "; versions before 2018 (ROS Kinetic) took the next word as the value",
@@ -83,9 +92,7 @@ def _is_option(text: str) -> bool:
     return text.startswith("-") and number(text) is None
 
 
-def _valueless(
-    rule: Rule, node: Element, tool: _Tool, option: Word, following: Word | None, robot: str
-) -> Finding:
+def _valueless(rule: Rule, node: Element, tool: _Tool, option: Word, following: Word | None, robot: str) -> Finding:
     names_robot = option.text == tool.name
     edits: list[Edit] = [option.replaced(f"{option.text} {robot}")] if names_robot and robot else []
     return rule.finding(

@@ -30,7 +30,9 @@ _SUCCESSORS = {
         ("robot_state_publisher", "state_publisher"): _Successor(
             "robot_state_publisher", "robot_state_publisher", "ROS 2"
         ),
-        ("gazebo_ros", "spawn_model"): _Successor("ros_gz_sim", "create", "ROS 2 (spawn_entity.py with Gazebo Classic)"),
+        ("gazebo_ros", "spawn_model"): _Successor(
+            "ros_gz_sim", "create", "ROS 2 (spawn_entity.py with Gazebo Classic)"
+        ),
         ("tf", "static_transform_publisher"): _Successor("tf2_ros", "static_transform_publisher", "ROS 2"),
         ("rviz", "rviz"): _Successor("rviz2", "rviz2", "ROS 2"),
         ("xacro", "xacro.py"): _Successor("xacro", "xacro", "ROS 2"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
@@ -29,7 +30,7 @@ def check(launch: Launch, rule: Rule, *, height_tol: float, likeness: float) -> 
 def _in_model(rule: Rule, transform: StaticTransform, model: Model) -> Iterator[Finding]:
     """A transform to a link of the model: it needs none, unless it is the root and hangs below the world."""
     joint = next((j for j in model.joints if j.child == transform.child), None)
-    data = {"parent": transform.parent, "child": transform.child}
+    data: dict[str, Any] = {"parent": transform.parent, "child": transform.child}
     if joint is not None:
         yield rule.finding(
             "second-parent", at=transform.at, related=[joint], joint=joint.name, other=joint.parent, **data
@@ -45,13 +46,11 @@ def _is_footprint(transform: StaticTransform, model: Model | None) -> bool:
     return transform.parent == "base_link" if model is None else transform.parent in model.link_by_name
 
 
-def _footprint(
-    rule: Rule, transform: StaticTransform, model: Model | None, height_tol: float
-) -> Iterator[Finding]:
+def _footprint(rule: Rule, transform: StaticTransform, model: Model | None, height_tol: float) -> Iterator[Finding]:
     exported = (transform.parent, transform.child, transform.xyz, transform.rpy) == _EXPORTED
     cause = "solidworks-exporter" if exported else None
     lowest = None if model is None or transform.xyz is None else lowest_point(model, transform.parent)
-    frames = {"parent": transform.parent, "child": transform.child}
+    frames: dict[str, Any] = {"parent": transform.parent, "child": transform.child}
     if lowest is None or transform.xyz is None or abs(lowest[0] - transform.xyz[2]) <= height_tol:
         yield rule.finding("footprint", at=transform.at, cause=cause, **frames)
         return
@@ -73,6 +72,4 @@ def _unknown(rule: Rule, transform: StaticTransform, model: Model, likeness: flo
     """A parent that the model lacks but for a letter or two; any other may come from a driver."""
     near = nearest(transform.parent, model.link_by_name, likeness)
     if transform.parent not in model.link_by_name and near is not None:
-        yield rule.finding(
-            "unknown-frame", at=transform.at, parent=transform.parent, child=transform.child, near=near
-        )
+        yield rule.finding("unknown-frame", at=transform.at, parent=transform.parent, child=transform.child, near=near)

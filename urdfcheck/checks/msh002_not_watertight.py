@@ -41,8 +41,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             related=[use.filename for use in drawn[1:]],
             severity=Severity.INFO,
             count=len(drawn),
-            meshes=", ".join(f"{use.filename.value} ({n:,})" for use, n in zip(drawn, counts, strict=True)),
+            meshes=", ".join(f"{_file(use)} ({n:,})" for use, n in zip(drawn, counts, strict=True)),
         )
+
+
+def _file(use: MeshUse) -> str:
+    return use.filename.value.rpartition("/")[2]
 
 
 def _measured(facts: MeshFacts, scale: Sequence[float]) -> dict[str, Any]:
@@ -51,7 +55,8 @@ def _measured(facts: MeshFacts, scale: Sequence[float]) -> dict[str, Any]:
     loops.sort(key=lambda loop: -loop["length"])
     return {
         "open_edges": facts.open_edges,
-        "holes": f"{len(loops)} hole" + "s" * (len(loops) > 1),
+        "edges": f"{facts.open_edges:,} edge" + "s" * (facts.open_edges > 1),
+        "places": f"{len(loops):,} place" + "s" * (len(loops) > 1),
         "length": loops[0]["length"],
         "centre": " ".join(f"{v:g}" for v in loops[0]["centre"]),
         "loops": loops[:LOOPS],

@@ -37,7 +37,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             related=[use.filename for use in drawn[1:]],
             severity=Severity.INFO,
             count=len(drawn),
-            meshes=", ".join(use.filename.value for use in drawn),
+            meshes=", ".join(use.filename.value.rpartition("/")[2] for use in drawn),
         )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.model import Joint, Link, Model
@@ -21,7 +22,8 @@ _KINDS: tuple[tuple[str, Severity, Callable[[str, bool], bool]], ...] = (
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    named = [part for part in (*model.links, *model.joints) if "name" in part.element.attributes]
+    parts: list[Link | Joint] = [*model.links, *model.joints]
+    named = [part for part in parts if "name" in part.element.attributes]
     for message, severity, wrong in _KINDS:
         yield from _finding(message, severity, [p for p in named if wrong(p.name, isinstance(p, Link))], rule)
     roots = {link.name for link in model.links} - {joint.child for joint in model.joints}
@@ -33,7 +35,7 @@ def _finding(message: str, severity: Severity, parts: list[Link | Joint], rule: 
     """One finding for all names of a kind: they come from one habit."""
     if parts:
         names = [part.name for part in parts]
-        yield rule.finding(
+        finding = rule.finding(
             message,
             at=_name(parts[0]),
             severity=severity,
@@ -41,6 +43,7 @@ def _finding(message: str, severity: Severity, parts: list[Link | Joint], rule: 
             names=listed(f"'{name}'" for name in dict.fromkeys(names)),
             count=len(names),
         )
+        yield replace(finding, subjects=tuple(_name(part).subject for part in parts))
 
 
 def _name(part: Link | Joint) -> Location:

@@ -11,10 +11,10 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
 
 # What packages and files add to a robot's name.
-_USUAL = frozenset(
-    "description descriptions support model models robot robots urdf xacro gazebo ros ros2 moveit config bringup "
-    "resources sim simulation package pkg common data".split()
-)
+_USUAL = frozenset({
+    "description", "descriptions", "support", "model", "models", "robot", "robots", "urdf", "xacro", "gazebo", "ros",
+    "ros2", "moveit", "config", "bringup", "resources", "sim", "simulation", "package", "pkg", "common", "data",
+})  # fmt: skip
 _ALIKE = 0.85
 _SHORT = 6
 
@@ -31,12 +31,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if package is None or _related(name.value, package.name):
         return
     for file, included in _dropped(model):
-        # Three names for one robot: they begin alike, and none is another one with something added.
         names = (name.value, package.name, included)
-        if len({_words(n)[0] for n in names}) == 1 and not _related(included, package.name):
-            yield rule.finding(
-                "several", at=name, name=name.value, package=package.name, included=included, file=file
-            )
+        if len({_words(n)[0] for n in names}) == 1:  # they begin alike: three names for one robot
+            yield rule.finding("several", at=name, name=name.value, package=package.name, included=included, file=file)
             return
 
 

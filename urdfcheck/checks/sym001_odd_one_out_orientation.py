@@ -28,10 +28,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         found = odd_one_out(frames[:, :3, 3], frames[:, :3, :3], axes)
         if found is not None:
             odd[group[found.index].name] = group, found
-    for name, (group, found) in odd.items():
+    for name, (members, one) in odd.items():
         before = {joint.name for joint in model.tree.path(model.joint_by_name[name].child)} - {name}
         if not before & odd.keys():  # else it stands askew because the joint before it does
-            yield _finding(model, rule, group, found)
+            yield _finding(model, rule, members, one)
 
 
 def _finding(model: Model, rule: Rule, group: Sequence[Joint], odd: OddOne) -> Finding:

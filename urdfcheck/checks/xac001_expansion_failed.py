@@ -168,7 +168,7 @@ def _missing_file(failure: _Failure, match: re.Match[str]) -> _Verdict:
         beside = [p.name for p in path.parent.iterdir()]
     except OSError:
         beside = []
-    data = {"file": display_name(path), "hint": hint(path.name, beside) if beside else "; nor does its folder"}
+    data: dict[str, Any] = {"file": display_name(path), "hint": hint(path.name, beside) if beside else "; nor does its folder"}
     if failure.expression:
         return _at_expression(failure, "file-missing", **data)
     return _verdict_at(failure, "file-missing", failure.problem.location, **data)

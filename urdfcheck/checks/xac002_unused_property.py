@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.model.names import listed
 from urdfcheck.source.load import Source
 from urdfcheck.source.usage import (
     elements,
@@ -14,29 +15,55 @@ from urdfcheck.source.usage import (
     properties,
 )
 from urdfcheck.source.words import removal
+from urdfcheck.source.xml import Attribute
 
 
-def check(source: Source, rule: Rule) -> Iterator[Finding]:
+def check(source: Source, rule: Rule, *, each: int) -> Iterator[Finding]:
     if not source.is_xacro or source.root is None or _reads_unseen_files(source):
         return
-    read = set().union(*(names_read(tree) for tree in source.trees.values()))
-    unread = {name: at for name, at in properties(own_trees(source)).items() if name not in read}
-    if not unread:
-        return
-    elsewhere = names_read_elsewhere(source)
-    for name, definitions in unread.items():
-        if name in elsewhere:
+    by_file: dict[str, list[list[Attribute]]] = {}
+    for definitions in _unread(source):
+        span = definitions[0].span
+        by_file.setdefault("" if span is None else span.file, []).append(definitions)
+    for file, unread in by_file.items():
+        if len(unread) > each:
+            yield _many(file, unread, rule)
             continue
-        first, *others = definitions
-        value = first.owner.get("value") or first.owner.get("default")
-        yield rule.finding(
-            "unused",
-            at=first,
-            related=others,
-            edits=[] if others or first.owner.children else removal(first.owner, source.files),
-            name=name,
-            value=f" = {value}" if value else "",
-        )
+        for definitions in unread:
+            yield _one(definitions, source, rule)
+
+
+def _unread(source: Source) -> list[list[Attribute]]:
+    """The definitions of each property that nothing reads; those for another scope are meant for other files."""
+    read = set().union(*(names_read(tree) for tree in source.trees.values()))
+    unread = {
+        name: definitions
+        for name, definitions in properties(own_trees(source)).items()
+        if name not in read and not any("scope" in d.owner.attributes for d in definitions)
+    }
+    elsewhere = names_read_elsewhere(source) if unread else set()
+    return [definitions for name, definitions in unread.items() if name not in elsewhere]
+
+
+def _one(definitions: Sequence[Attribute], source: Source, rule: Rule) -> Finding:
+    first, *others = definitions
+    value = first.owner.get("value") or first.owner.get("default")
+    return rule.finding(
+        "unused",
+        at=first,
+        related=others,
+        edits=[] if others or first.owner.children else removal(first.owner, source.files),
+        name=first.value,
+        value=f" = {value}" if value else "",
+    )
+
+
+def _many(file: str, unread: Sequence[Sequence[Attribute]], rule: Rule) -> Finding:
+    names = [definitions[0].value for definitions in unread]
+    places = [d for definitions in unread for d in definitions]
+    return rule.finding(
+        "several", at=places[0], related=places[1:], names=names, listed=listed(names), count=len(names), file=file
+    )
 
 
 def _reads_unseen_files(source: Source) -> bool:

@@ -6,12 +6,14 @@ import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.facts.literals import near_miss
 from urdfcheck.source.load import Source
 from urdfcheck.source.usage import names_read, own_trees, properties
 from urdfcheck.source.values import number
+from urdfcheck.source.words import removal
 from urdfcheck.source.xml import Attribute
 
 _PI = re.compile(r"(?:M_)?PI", re.IGNORECASE)
@@ -34,31 +36,41 @@ def check(source: Source, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
     read = set().union(*(names_read(tree) for tree in source.trees.values()))
     for name, definitions in properties(own_trees(source)).items():
         for definition in definitions:
-            yield from _judge(name, definition.owner.attributes.get("value"), name in read, rel_tol, rule)
+            value = definition.owner.attributes.get("value")
+            typed = None if value is None else number(value.value)
+            constant = None if value is None or typed is None else _constant(name, value.value)
+            if value is not None and typed is not None and constant is not None:
+                off = abs(typed / constant.value - 1)
+                yield from _judge(name, value, constant, off, rel_tol, name in read, source, rule)
 
 
-def _judge(name: str, value: Attribute | None, is_read: bool, rel_tol: float, rule: Rule) -> Iterator[Finding]:
-    typed = None if value is None else number(value.value)
-    constant = None if value is None or typed is None else _constant(name, value.value)
-    if value is None or typed is None or constant is None:
-        return
-    off = abs(typed / constant.value - 1)
-    data = {
+def _judge(
+    name: str,
+    value: Attribute,
+    constant: _Constant,
+    off: float,
+    rel_tol: float,
+    is_read: bool,
+    source: Source,
+    rule: Rule,
+) -> Iterator[Finding]:
+    data: dict[str, Any] = {
         "name": name,
         "value": value.value,
         "constant": constant.words,
         "expression": constant.expression,
         "exact": constant.value,
         "relative": off,
-        "read": is_read,
-        "unread": "" if is_read else ". Nothing reads it",
     }
-    if off > rel_tol:
-        kind = "rounded" if off < 0.01 else "wrong"
-        edits = [] if value.span is None or name == "pi" else [Edit(value.span, value.typed, constant.expression)]
-        yield rule.finding(kind, at=value, edits=edits, severity=None if is_read else Severity.INFO, **data)
+    removed = removal(value.owner, source.files)
+    if off > rel_tol and is_read and name != "pi":
+        edits = [] if value.span is None else [Edit(value.span, value.typed, constant.expression)]
+        yield rule.finding("rounded" if off < 0.01 else "wrong", at=value, edits=edits, **data)
+    elif off > rel_tol:
+        severity = None if is_read else Severity.INFO
+        yield rule.finding("hides" if name == "pi" else "unread", at=value, edits=removed, severity=severity, **data)
     elif name == "pi":
-        yield rule.finding("redefined", at=value, severity=Severity.INFO, **data)
+        yield rule.finding("redefined", at=value, edits=removed, severity=Severity.INFO, **data)
 
 
 def _constant(name: str, text: str) -> _Constant | None:

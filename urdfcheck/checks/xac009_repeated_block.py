@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -40,7 +39,9 @@ class _Block:
 def check(source: Source, rule: Rule, *, blocks: int, attributes: int, share: float) -> Iterator[Finding]:
     if not source.is_xacro:
         return
-    for tree in own_trees(source).values():
+    for name, tree in own_trees(source).items():
+        if name.endswith(".urdf"):
+            continue  # included as some program wrote it
         for parent in tree.walk():
             found = [b for b in _blocks(parent) if len(b.columns) >= attributes]
             for group in _groups(found, share):
@@ -53,6 +54,7 @@ def _finding(group: Sequence[_Block], rule: Rule) -> Finding:
     columns = sorted({i for other in group[1:] for i in first.differs(other)})
     macro = _common_name([b.name for b in group])
     parameters = _parameters([first.columns[i] for i in columns])
+    told = [_words(first.columns[i]) for i in columns if first.columns[i].name != "name"]
     with_joint = any(labels[0] == "joint" for labels in first.shape)
     return rule.finding(
         "repeated",
@@ -62,8 +64,8 @@ def _finding(group: Sequence[_Block], rule: Rule) -> Finding:
         links=[b.name for b in group],
         listed=listed([b.name for b in group], 4),
         what="links and the joints that carry them" if with_joint else "links",
-        differences=[_words(first.columns[i]) for i in columns],
-        differ=listed([_words(first.columns[i]) for i in columns]) or "nothing but their names",
+        differences=told,
+        differ=listed(told) or "nothing",
         macro=macro,
         parameters=" ".join(["name", *parameters]),
         call=" ".join(f'{p}="…"' for p in parameters),
@@ -129,9 +131,15 @@ def _parameters(columns: Sequence[Attribute]) -> list[str]:
     return list(dict.fromkeys(names))
 
 
+def _common_start(names: Sequence[str]) -> str:
+    shortest = min(names, key=len)
+    return next((shortest[:i] for i, c in enumerate(shortest) if any(n[i] != c for n in names)), shortest)
+
+
 def _common_name(names: Sequence[str]) -> str:
     """What the names have in common: ``wheel`` of wheel_1 and wheel_2, or of left_wheel and right_wheel."""
-    prefix = os.path.commonprefix(list(names))
-    suffix = os.path.commonprefix([n[::-1] for n in names])[::-1]
-    longest = re.sub(r"\W|\$|^[\d_]+|[\d_]+$", "", max(prefix, suffix, key=len))
-    return longest if longest.isidentifier() else "part"
+    names = [re.sub(r"\$\{[^}]*\}", "", n) for n in names]
+    prefix = _common_start(names)
+    suffix = _common_start([n[::-1] for n in names])[::-1]
+    longest = re.sub(r"\W|^[\d_]+|[\d_]+$", "", max(prefix, suffix, key=len))
+    return longest if longest.isidentifier() and longest not in {"link", "joint"} else "part"

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.source.load import Source
-from urdfcheck.source.usage import elements
+from urdfcheck.source.usage import elements, typed_at
 
 _READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 
@@ -15,12 +15,13 @@ _READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     for problem in source.problems_of("argument-missing"):
         name = str(problem.data["argument"])
+        at = typed_at(source, problem, f"$(arg {name})")
         declared = [e for e in elements(source.trees, "xacro:arg") if e.get("name") == name]
         missing = [name, *(n for n in _without_default(source) if n != name)]
         yield rule.finding(
             "too-late" if declared else "missing",
-            at=problem.location,
-            related=[*declared, *problem.related],
+            at=at,
+            related=[*declared, *(r for r in (problem.location, *problem.related) if r.span != at.span)],
             severity=Severity.ERROR if source.explicit else None,
             argument=name,
             missing=missing,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -14,23 +15,41 @@ from urdfcheck.source.xml import Element
 # Elements that a program other than urdfdom reads where they stand, or that name an extension of their own.
 _EXTENSIONS: dict[str, frozenset[str]] = {
     "robot": frozenset(
-        "transmission gazebo ros2_control sensor mujoco loop_joint self_collision self_collision_checking "
-        "group virtual_joint disable_collisions end_effector cad version author".split()
+        {
+            "transmission",
+            "gazebo",
+            "ros2_control",
+            "sensor",
+            "mujoco",
+            "loop_joint",
+            "self_collision",
+            "self_collision_checking",
+            "group",
+            "virtual_joint",
+            "disable_collisions",
+            "end_effector",
+            "cad",
+            "version",
+            "author",
+        }
     ),
     # contact, audio_source: Bullet; collision_checking: Pinocchio; sensor: URDF 1.0 on the wiki
-    "link": frozenset("contact audio_source collision_checking self_collision_checking sensor verbose".split()),
+    "link": frozenset(
+        ["contact", "audio_source", "collision_checking", "self_collision_checking", "sensor", "verbose"]
+    ),
     "visual": frozenset({"verbose"}),
     "collision": frozenset({"verbose", "material", "contact_coefficients"}),
     "geometry": frozenset({"plane", "cdf"}),  # Bullet
 }
 # What SDF has inside a link, a collision or a joint: in a URDF it counts only inside <gazebo>.
-_SDF = frozenset(
-    "gravity kinematic self_collide surface enable_wind velocity_decay must_be_base_link laser_retro max_contacts "
-    "selfCollide turnGravityOff dampingFactor maxContacts mu1 mu2 kp kd minDepth maxVel fdir1 implicitSpringDamper "
-    "provideFeedback stopCfm stopErp fudgeFactor plugin pose static".split()
-)
+_SDF = frozenset({
+    "gravity", "kinematic", "self_collide", "surface", "enable_wind", "velocity_decay", "must_be_base_link",
+    "laser_retro", "max_contacts", "selfCollide", "turnGravityOff", "dampingFactor", "maxContacts", "mu1", "mu2",
+    "kp", "kd", "minDepth", "maxVel", "fdir1", "implicitSpringDamper", "provideFeedback", "stopCfm", "stopErp",
+    "fudgeFactor", "plugin", "pose", "static",
+})  # fmt: skip
 # Unprefixed xacro has a rule of its own (XAC007).
-_XACRO = frozenset("macro property include arg if unless insert_block".split())
+_XACRO = frozenset(["macro", "property", "include", "arg", "if", "unless", "insert_block"])
 # <joint_properties damping= friction=> was the name of <dynamics> before URDF 1.0.
 _RENAMED = {"joint_properties": "dynamics", "colour": "color"}
 _CUTOFF = 0.75
@@ -48,7 +67,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             continue
         message, severity, data = judged
         data = {"tag": tag, "parent": parent_tag, "times": _times(len(places)), **data}
-        yield rule.finding(message, at=places[0], severity=severity, related=places[1:10], **data)
+        finding = rule.finding(message, at=places[0], severity=severity, related=places[1:10], **data)
+        yield replace(finding, subjects=tuple(place.subject for place in places))
 
 
 def _unknown(parent: str, child: Element) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
@@ -32,7 +33,6 @@ _ATTRIBUTES = {
     "mimic": ("joint",),
     "material": ("name",),
     "color": ("rgba",),
-    "texture": ("filename",),
 }
 
 
@@ -60,7 +60,7 @@ def _children(element: Element, rule: Rule) -> Iterator[Finding]:
 def _attributes(element: Element, rule: Rule) -> Iterator[Finding]:
     wanted = _ATTRIBUTES.get(element.tag, ())
     missing = [name for name in wanted if name not in element.attributes]
-    data = {"tag": element.tag, "owner": _owner(element), "loss": loss(element)}
+    data: dict[str, Any] = {"tag": element.tag, "owner": _owner(element), "loss": loss(element)}
     if missing:
         yield rule.finding("attribute", at=element, missing=", ".join(missing), **data)
     elif element.tag in {"parent", "child"} and not element.get("link"):

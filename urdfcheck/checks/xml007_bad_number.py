@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterator
+from typing import Any
 
 from urdfcheck.core import Applicability, Edit, Finding, Rule
 from urdfcheck.model import Model
@@ -17,10 +18,11 @@ _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
 _HEXADECIMAL = re.compile(r"[+-]?0x[0-9a-f.]+(p[+-]?\d+)?", re.IGNORECASE)
 _UNIT = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?) ?([A-Za-zµμ°%\"'][A-Za-z0-9µμ°%·*^/²³]*)")
 _EXPRESSION = re.compile(r"[\w.\s()]*(?:[*/()]|\bpi\b|\bM_PI\b)[\w.\s()*/+-]*", re.IGNORECASE)
-_UNITS = frozenset(
-    "m mm cm dm um µm km in inch inches ft g kg t lb lbs oz rad deg degree degrees ° % n nm mnm n*m n·m nmm s ms "
-    "rpm rad/s deg/s m/s mm/s kgm2 kg*m2 kg·m2 kgm^2 kg*m^2 kg·m² kgm² gmm2 g*mm2 g*mm^2 \" '".split()
-)
+_UNITS = frozenset({
+    "m", "mm", "cm", "dm", "um", "µm", "km", "in", "inch", "inches", "ft", "g", "kg", "t", "lb", "lbs", "oz", "rad",
+    "deg", "degree", "degrees", "°", "%", "n", "nm", "mnm", "n*m", "n·m", "nmm", "s", "ms", "rpm", "rad/s", "deg/s",
+    "m/s", "mm/s", "kgm2", "kg*m2", "kg·m2", "kgm^2", "kg*m^2", "kg·m²", "kgm²", "gmm2", "g*mm2", "g*mm^2", '"', "'",
+})  # fmt: skip
 _SI = frozenset({"m", "kg", "rad", "n", "nm", "n*m", "n·m", "s", "rad/s", "m/s"})
 
 
@@ -34,14 +36,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             if judged is not None:
                 message, word, better = judged
                 edits = _edits(attribute, word, better)
-                yield rule.finding(message, at=attribute, edits=edits, related=attribute.related(), **_data(attribute, word))
+                yield rule.finding(
+                    message, at=attribute, edits=edits, related=attribute.related(), **_data(attribute, word)
+                )
             elif _has_blank(attribute, count, plain=not model.source.is_xacro):
                 edits = _edits(attribute, attribute.typed, " ".join(attribute.typed.split()))
                 data = _data(attribute, attribute.value)
                 yield rule.finding("blank", at=attribute, edits=edits, applicability=Applicability.SAFE, **data)
 
 
-def _data(attribute: Attribute, word: str) -> dict[str, str]:
+def _data(attribute: Attribute, word: str) -> dict[str, Any]:
     shown = word if len(word) <= 40 else word[:37] + "..."
     names = [unicodedata.name(c, f"U+{ord(c):04X}").lower() for c in word if not c.isascii()]
     return {
@@ -70,21 +74,15 @@ def _judge(value: str, count: int) -> tuple[str, str, str | None] | None:
     if count == 1 and len(words) > 1 and _UNIT.fullmatch(value.strip()):
         words = [value.strip()]
     separated = [w for w in re.split(r"[,;\s]+", value) if w]
-    if len(separated) == count > 1 and len(words) < count + ("," in words[0][-1:] or ";" in words[0][-1:]) and all(
-        number(w) is not None for w in separated
-    ):
+    if len(separated) == count > 1 and all(number(w) is not None for w in separated):
         return "separator", value.strip(), " ".join(separated)
     word = next(w for w in words if number(w) is None)
     return _judge_word(word)
 
 
 def _foreign_blank(value: str) -> tuple[str, str, str | None] | None:
-    """Python takes a non-breaking space or an Arabic digit as part of numbers; no parser of URDF does."""
-    foreign = "".join(c for c in value if not c.isascii())
-    if not foreign:
-        return None
-    plain = "".join(" " if c.isspace() else str(unicodedata.digit(c, "")) if not c.isascii() else c for c in value)
-    return "character", value, " ".join(plain.split())
+    """Python splits at a non-breaking space, no parser of URDF does."""
+    return None if value.isascii() else ("character", value, " ".join(value.split()))
 
 
 def _judge_word(word: str) -> tuple[str, str, str | None]:
@@ -121,4 +119,4 @@ def _has_blank(attribute: Attribute, count: int, *, plain: bool) -> bool:
     text = attribute.typed if plain and attribute.literal else attribute.value
     if count == 1:
         return text != text.rstrip()
-    return any(part.strip() and part.lstrip() != part.strip() or len(part.split()) > 1 for part in text.split(" "))
+    return any((part.strip() and part.lstrip() != part.strip()) or len(part.split()) > 1 for part in text.split(" "))

@@ -25,9 +25,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     found = [place for element in root.walk() for place in _left(element)]
     if found:
         tags = sum(text.startswith("<") for _, text in found)
-        yield rule.finding(
-            "not_expanded", at=found[0][0], text=found[0][1], elements=tags, values=len(found) - tags
-        )
+        yield rule.finding("not_expanded", at=found[0][0], text=found[0][1], elements=tags, values=len(found) - tags)
 
 
 def _left(element: Element) -> Iterator[tuple[Location, str]]:

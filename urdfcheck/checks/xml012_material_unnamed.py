@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import chain
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -17,12 +18,18 @@ _STEP = 0.5 / 255
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     own = model.robot.all("material")
     inner = [m for link in model.links for shape in link.visuals for m in shape.element.all("material")]
-    for material in (*own, *inner):
-        name = material.attributes.get("name")
-        if name is not None and not name.value.strip():
-            yield rule.finding("empty", at=name, owner=_owner(material))
+    yield from _empty([*own, *inner], rule)
     yield from _repeated(own, rule)
     yield from _different(own, inner, rule)
+
+
+def _empty(materials: list[Element], rule: Rule) -> Iterator[Finding]:
+    names = [material.attributes["name"] for material in materials if "name" in material.attributes]
+    empty = [name.location for name in names if not name.value.strip()]
+    if empty:
+        what = "1 material has" if len(empty) == 1 else f"{len(empty)} materials have"
+        finding = rule.finding("empty", at=empty[0], related=empty[1:10], what=what, count=len(empty))
+        yield replace(finding, subjects=tuple(location.subject for location in empty))
 
 
 def _repeated(own: list[Element], rule: Rule) -> Iterator[Finding]:
@@ -30,9 +37,7 @@ def _repeated(own: list[Element], rule: Rule) -> Iterator[Finding]:
     for material in own:
         name = material.get("name")
         if name and first.setdefault(name, material) is not material:
-            yield rule.finding(
-                "repeated", at=material, severity=Severity.ERROR, related=[first[name]], material=name
-            )
+            yield rule.finding("repeated", at=material, severity=Severity.ERROR, related=[first[name]], material=name)
 
 
 def _different(own: list[Element], inner: list[Element], rule: Rule) -> Iterator[Finding]:

@@ -62,7 +62,7 @@ def _unique_rows(rows: NDArray[np.generic]) -> tuple[Indices, Indices]:
 def weld_exact(vertices: Array, faces: Indices) -> Surface:
     """Merge equal corners; vertices that no face uses are left out."""
     used, corners = np.unique(faces, return_inverse=True)
-    points = vertices[used] + 0.0  # -0.0 and 0.0 are one place
+    points = vertices[used]
     first, group = _unique_rows(points)
     return without_repeats(points[first], group[corners.reshape(-1, 3)])
 

@@ -1,7 +1,7 @@
 """Sibling frames that follow one symmetry, and the one among them that breaks it.
 
-The detector was measured on 199 groups of like joints in 88 published robots: 0 false alarms. With errors injected
-into the consistent groups of four it names the right member in nine of ten and never a wrong one. It stays silent
+On 65 groups of like joints in 48 published robots it raises no false alarm; of 318 errors injected into their groups
+of four and more (offsets of 2° to 85°, tilts of 0.2° to 40°) it names 145, and never a wrong member. It stays silent
 where it cannot decide, and about turns by 90° and 180°, which are choices of frame.
 """
 
@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 _SAME = 2e-3
 # Predictions made through different siblings and operations add up their typing errors.
 _AGREE = 1e-2
+# Beyond half way to the next axis, another choice of axes explains a joint axis better than a tilt does.
+_CHOICE = math.pi / 4
 # Positions match within 0.2 mm, a careful hand measurement, or half a percent of the pattern's size.
 _PLACE_ABSOLUTE, _PLACE_RELATIVE = 2e-4, 5e-3
 
@@ -272,8 +274,9 @@ def _deviation(
         return None
     if tilt < _SAME:
         return "zero_offset", math.copysign(turn, float(turn_axis @ axis)), _triple(found)
-    norm = float(np.linalg.norm(cross))
-    return "axis_tilt", tilt, _triple(cross / norm if norm > 0.0 else expected @ turn_axis)
+    if tilt > _CHOICE:
+        return None
+    return "axis_tilt", tilt, _triple(cross / np.linalg.norm(cross))
 
 
 def _triple(vector: Array) -> tuple[float, float, float]:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import difflib
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from urdfcheck.core import Unavailable
 from urdfcheck.model.model import Model
-from urdfcheck.model.names import nearest
 from urdfcheck.model.parts import Joint
+
+# Similarity (2 x common letters / all letters) of two words that may be one word misspelt: `weel` and `wheel` have 0.89,
+# `left` and `right` 0.44, `front` and `rear` 0.22, `upper` and `lower` 0.6.
+_ALIKE = 0.7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,13 +37,11 @@ class Graph:
         """The link that an unknown ``name`` probably means; for a child first among those that are no joint's child."""
         taken = {joint.child for joint in (*self.edges, *self.broken)}
         free = [link for link in self.links if link not in taken]
-        near = (nearest(name, free) if role == "child" else None) or nearest(name, self.links)
-        # wheel_5 is no misspelt wheel_4: names that differ in their numbers alone are different on purpose.
-        return None if near is not None and _unnumbered(near) == _unnumbered(name) else near
+        return (_misspelt(name, free) if role == "child" else None) or _misspelt(name, self.links)
 
     def parents(self) -> Mapping[str, tuple[Joint, ...]]:
         """The joints that have each link as their child."""
-        found: dict[str, tuple[Joint, ...]] = {name: () for name in self.links}
+        found: dict[str, tuple[Joint, ...]] = dict.fromkeys(self.links, ())
         for joint in self.edges:
             found[joint.child] += (joint,)
         return found
@@ -69,11 +71,11 @@ class Graph:
         Depth-first search over the joints: an edge back to a link on the current path closes a loop.
         """
         children: dict[str, list[Joint]] = {name: [] for name in self.links}
-        for joint in self.edges:
-            children[joint.parent].append(joint)
+        for edge in self.edges:
+            children[edge.parent].append(edge)
         state = dict.fromkeys(self.links, 0)  # 0 unseen, 1 on the path, 2 done
         found: list[tuple[Joint, ...]] = []
-        child_names = {joint.child for joint in self.edges}
+        child_names = {edge.child for edge in self.edges}
         starts = sorted(self.links, key=lambda name: name in child_names)  # from the roots first
         for start in starts:
             if state[start]:
@@ -82,7 +84,7 @@ class Graph:
             path: list[Joint] = []
             stack = [iter(children[start])]
             while stack:
-                joint = next(stack[-1], None)
+                joint: Joint | None = next(stack[-1], None)
                 if joint is None:
                     stack.pop()
                     done = path.pop().child if path else start
@@ -97,5 +99,24 @@ class Graph:
         return found
 
 
-def _unnumbered(name: str) -> str:
-    return re.sub(r"\d+", "0", name)
+def _misspelt(name: str, known: Iterable[str]) -> str | None:
+    """The known name of which ``name`` may be a misspelling, word by word: left_wheel is none of right_wheel."""
+    alike = [k for k in known if _letters(name) == _letters(k) or _alike(_words(name), _words(k))]
+    return max(alike, key=lambda k: difflib.SequenceMatcher(None, name, k).ratio(), default=None)
+
+
+def _alike(one: list[str], other: list[str]) -> bool:
+    return len(one) == len(other) and all(
+        a == b or (a.isalpha() and b.isalpha() and difflib.SequenceMatcher(None, a, b).ratio() >= _ALIKE)
+        for a, b in zip(one, other, strict=True)
+    )
+
+
+def _letters(name: str) -> str:
+    return re.sub(r"[\W_]", "", name).lower()
+
+
+def _words(name: str) -> list[str]:
+    """``Left_wheel2_link`` as left, wheel, 2: what a link is called, without the words that many add."""
+    words = [w.lower() for w in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+", name)]
+    return [w for w in words if w not in {"link", "lnk", "frame"}] or words

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
+
+_DIGITS = re.compile(r"\d")
 
 
 def nearest(name: str, known: Iterable[str], likeness: float = 0.6) -> str | None:
-    """The known name that is spelled most like ``name``, None when none is (1 is equal, 0.6 shares most letters)."""
-    close = difflib.get_close_matches(name, sorted(set(known) - {name, ""}), n=1, cutoff=likeness)
+    """The known name that is spelled most like ``name``, None when none is (1 is equal, 0.6 shares most letters).
+
+    A name that differs in its digits only is another part of the same kind, not another spelling.
+    """
+    letters = _DIGITS.sub("", name)
+    candidates = sorted(other for other in set(known) - {""} if _DIGITS.sub("", other) != letters)
+    close = difflib.get_close_matches(name, candidates, n=1, cutoff=likeness)
     return close[0] if close else None
 
 

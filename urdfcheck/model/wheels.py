@@ -122,7 +122,7 @@ def _shape_points(model: Model, shape: Shape) -> Iterator[Array]:
     elif shape.kind == "box":
         points = np.array(list(product((-0.5, 0.5), repeat=3))) * np.array(size)
     elif shape.kind == "sphere":
-        points = _ring() * size[0]
+        points = _sphere() * size[0]
     else:
         reach = np.array((0, 0, size[1] / 2))
         points = np.concatenate((_circle() * size[0] + reach, _circle() * size[0] - reach))
@@ -137,11 +137,9 @@ def _circle() -> Array:
 
 
 @cache
-def _ring() -> Array:
-    """Points of the unit sphere: circles about all directions of the equator."""
+def _sphere() -> Array:
+    """Points of the unit sphere: its equator, and 32 meridians."""
     circle = _circle()
-    turned = [circle[:, [2, 0, 1]] * 1.0]
-    for angle in np.arange(64) * math.tau / 128:
-        c, s = math.cos(angle), math.sin(angle)
-        turned.append(np.column_stack((circle[:, 0] * c, circle[:, 0] * s, circle[:, 1])))
-    return np.concatenate((circle, *turned))
+    angles = np.arange(32) * math.tau / 64
+    meridians = [np.column_stack((circle[:, 0] * math.cos(a), circle[:, 0] * math.sin(a), circle[:, 1])) for a in angles]
+    return np.concatenate((circle, *meridians))

@@ -211,7 +211,8 @@ class _Folder:
         for path, text in self.texts.items():
             if path.suffix == ".urdf":
                 if _ROBOT.search(text):
-                    yield path, False
+                    # An empty robot is a placeholder that others include.
+                    yield path, not any(tag in text for tag in ("<link", "<joint", "<xacro:"))
             elif _real(path) not in included and not only_macros(path):
                 yield path, not has_parts(path)
 

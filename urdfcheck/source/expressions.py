@@ -40,9 +40,10 @@ _NODES = (
     ast.cmpop,
 )
 
-# Attributes that lead from a value to the interpreter's own objects, and the string methods that read attributes by text.
+# Attributes that lead from a value to the interpreter's own objects, the string methods that read attributes by their
+# name, and what opens files and addresses from a block of XML, which an included file's namespace hands out.
 _ATTRIBUTES = frozenset(
-    {"format", "format_map", "mro"}
+    {"format", "format_map", "mro", "createDOMBuilder"}
     | {f"{kind}_{part}" for kind in ("gi", "cr", "ag") for part in ("frame", "code", "yieldfrom", "await", "running")}
     | {"f_back", "f_builtins", "f_code", "f_globals", "f_locals", "tb_frame", "tb_next"}
 )

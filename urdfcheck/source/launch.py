@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location, Span
-from urdfcheck.source.values import number
 from urdfcheck.source.packages import Package, PackageFinder, display_name
 from urdfcheck.source.problems import Problem
+from urdfcheck.source.values import number
 from urdfcheck.source.xml import Attribute, Element, SourceFile, XmlError, parse
 
 if TYPE_CHECKING:
@@ -221,7 +221,7 @@ class _Resolver:
 
 def _descriptions(root: Element, resolver: _Resolver) -> Iterator[Description]:
     for element in root.walk():
-        if element.tag != "param" or not element.get("name").split("/")[-1] == "robot_description":
+        if element.tag != "param" or element.get("name").split("/")[-1] != "robot_description":
             continue
         textfile, command = element.attributes.get("textfile"), element.attributes.get("command")
         value = element.attributes.get("value")
@@ -312,4 +312,3 @@ def _named_transform(words: list[str]) -> tuple[str, str, tuple[float, ...]] | N
     if any(v is None for v in values) or any(f"--q{k}" in options for k in "xyzw"):
         return parent, child, ()
     return parent, child, tuple(v for v in values if v is not None)
-

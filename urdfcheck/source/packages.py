@@ -16,6 +16,7 @@ from urdfcheck.source.xml import Element, SourceFile, XmlError, parse
 LEVELS_UP = 6
 MAX_SIBLINGS = 2000
 _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
+_SUFFIXES = frozenset({"description", "support", "gazebo", "moveit", "config", "bringup", "meshes", "resources", "robot"})
 _SCHEME = re.compile(r"^([A-Za-z][A-Za-z0-9+.-]*)://(.*)$", re.DOTALL)
 
 
@@ -72,8 +73,9 @@ class PackageFinder:
         environment: Mapping[str, str] | None = None,
     ) -> None:
         self.start = start if start.is_dir() else start.parent
-        self.explicit = dict(explicit or {})
-        self.paths = list(paths)
+        # Absolute, because xacro takes a relative path for one that starts at the file that names it.
+        self.explicit = {name: path.absolute() for name, path in (explicit or {}).items()}
+        self.paths = [path.absolute() for path in paths]
         self.environment = os.environ if environment is None else environment
         self._found: dict[str, Path | None] = {}
         self._around: dict[str, Path] | None = None
@@ -173,7 +175,10 @@ class PackageFinder:
         known = {*self.explicit, *self._below_paths(), *self._around_start(), *self._in_ros()}
         folded = name.replace("-", "_").lower()
         alike = [k for k in sorted(known) if k.replace("-", "_").lower() == folded]
-        return alike or difflib.get_close_matches(name, sorted(known), n=3, cutoff=0.75)
+        # `_description` and the like are common to all: what comes before it must be alike.
+        own, suffix = _stem(name)
+        stems = {_stem(k)[0]: k for k in sorted(known) if _stem(k)[1] == suffix}
+        return alike or [stems[s] for s in difflib.get_close_matches(own, sorted(stems), n=3, cutoff=0.75)]
 
     def package_of(self, path: Path) -> Package | None:
         """The package that a file belongs to: the nearest folder above it with a package.xml."""
@@ -254,6 +259,12 @@ def _actual_spelling(path: Path) -> str | None:
         return "/".join(spelled) if folder.is_file() else None
     except (OSError, ValueError):
         return None
+
+
+def _stem(name: str) -> tuple[str, str]:
+    """A package's name without the suffix that says what kind it is, and the suffix."""
+    stem, _, suffix = name.rpartition("_")
+    return (stem, suffix) if stem and suffix in _SUFFIXES else (name, "")
 
 
 def _folders(path: Path) -> list[Path]:

@@ -8,7 +8,7 @@ import re
 from urdfcheck.source.xml import Attribute, Element
 
 # What urdfdom's locale-independent conversion takes in full; Python's float() takes more (1_000, infinity, nan).
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
 def number(text: str) -> float | None:

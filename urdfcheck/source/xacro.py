@@ -9,15 +9,19 @@ xacro keeps its state in module globals: one expansion at a time in a process.
 
 from __future__ import annotations
 
+import builtins
 import os
 import re
+import sys
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 from unittest import mock
 from xml.dom import UserDataHandler, minidom
+from xml.parsers import expat
 
 from urdfcheck.core import Location, Span
 from urdfcheck.source.expressions import FORBIDDEN_FUNCTIONS, refusal
@@ -35,8 +39,10 @@ from urdfcheck.source.xml import (
 )
 
 _KEY = "urdfcheck"
-_ARGUMENT = re.compile(r"^\$\(arg\s+(\S+?)\s*\)$")
-_SUBSTITUTION = re.compile(r"\$[({]")
+# Each frame of xacro's own recursion comes with one or two of ours: a chain of macros that plain xacro expands must fit.
+_FRAMES = 3
+# A file that is included by what it includes itself is a circle; a few times around, its own conditions may still end it.
+_MAX_INCLUDED = 4
 
 
 @dataclass(slots=True, eq=False)
@@ -86,10 +92,12 @@ def expand(path: Path, arguments: Mapping[str, str], finder: PackageFinder) -> E
         import xacro
 
         try:
-            document = xacro.process_file(str(path), mappings=dict(arguments))
+            document = xacro.process_file(str(path), mappings=_Arguments(arguments, tracer.read_argument))
         except Exception as error:  # whatever a stranger's expression raises is a finding, not a crash
             tracer.fail(tracer.explain(error), error)
         else:
+            assert document is not None
+            assert document.documentElement is not None
             root = _convert(document.documentElement, None)
     return Expansion(
         root,
@@ -137,6 +145,7 @@ class _Tracer:
         self.evaluating = 0
         self.last_reads: tuple[Definition, ...] = ()
         self.defining: tuple[str, Span | None] | None = None
+        self.defaulting: Attribute | None = None
         self.adding: tuple[minidom.Element, list[str]] | None = None
         self.failed_at: Location | None = None
         self.failed_calls: list[_Call] = []
@@ -168,9 +177,6 @@ class _Tracer:
     def fail(self, message: str, error: BaseException) -> None:
         """Record what stopped the expansion, at the place where it was first raised."""
         at = self.failed_at or self.here()
-        if isinstance(error, RecursionError):
-            at = self.first_repetition(at)
-            message = "the expansion never ends: a macro calls itself"
         import xacro.substitution_args as substitution
 
         missing: str | None = None
@@ -183,8 +189,11 @@ class _Tracer:
                 self.problem("package-not-found", str(cause), at, package=cause.name)
                 return
             if isinstance(cause, XmlError):
-                self.problem(cause.reason, str(cause), Location("", cause.span, at.via))
+                via = tuple(c.span for c in self.failed_calls if c.span is not None)
+                self.problem(cause.reason, str(cause), Location("", cause.span, via))
                 return
+            if isinstance(cause, RecursionError):
+                at, message = self.first_repetition(at, str(cause))
             if isinstance(cause, substitution.ArgException):
                 missing = str(cause)
             cause = getattr(cause, "exc", None) or cause.__cause__
@@ -195,16 +204,18 @@ class _Tracer:
     def macros(self) -> tuple[str, ...]:
         return tuple(c.name for c in self.failed_calls)
 
-    def first_repetition(self, deepest: Location) -> Location:
+    def first_repetition(self, deepest: Location, message: str) -> tuple[Location, str]:
         """Of a recursion without end: the call that closes the circle for the first time, not the hundredth."""
         spans = [c.span for c in self.failed_calls]
         again = next((i for i, span in enumerate(spans) if span in spans[:i]), None)
         if again is None:
-            return deepest
+            return deepest, "the expansion is nested too deep"
         origin = _origin(self.failed_calls[again].node)
         via = tuple(span for span in spans[:again] if span is not None)
         self.failed_calls = self.failed_calls[: again + 1]
-        return Location("" if origin is None else origin.raw.subject, spans[again], via)
+        if not message.startswith("include cycle"):
+            message = "the expansion never ends: a macro calls itself"
+        return Location("" if origin is None else origin.raw.subject, spans[again], via), message
 
     def explain(self, error: BaseException) -> str:
         """xacro's own words in one line, without what the location already says."""
@@ -233,11 +244,11 @@ class _Tracer:
                 "eval_all",
                 "eval_text",
                 "safe_eval",
-                "eval_extension",
                 "handle_macro_call",
                 "process_include",
                 "grab_property",
                 "grab_macro",
+                "import_xml_namespaces",
                 "eval_default_arg",
                 "check_attrs",
                 "reqd_attrs",
@@ -260,10 +271,16 @@ class _Tracer:
             patch(xacro, "substitution_args_context", _Context(lambda: self.current_file()))
             symbols = xacro.create_global_symbols()
             for name in FORBIDDEN_FUNCTIONS:
-                symbols["python"][name] = _refusing(name)
+                symbols["python"][name] = _refusing(f"python.{name}")
             symbols["xacro"]["arg"] = self.argument
             patch(xacro, "_global_symbols", symbols)
+            patch(substitution, "eval", _evaluator({**symbols["python"]}))
             self._xacro = xacro
+            # What Python thinks of a stranger's expression (`1 is 1`, "\\d") is nothing for the terminal.
+            stack.enter_context(warnings.catch_warnings())
+            warnings.simplefilter("ignore")
+            stack.callback(sys.setrecursionlimit, sys.getrecursionlimit())
+            sys.setrecursionlimit(_FRAMES * sys.getrecursionlimit())
             yield
 
     def current_file(self) -> str:
@@ -274,7 +291,6 @@ class _Tracer:
         """``xacro.arg(name)`` of expressions, which plain xacro answers with a bare KeyError when there is none."""
         import xacro.substitution_args as substitution
 
-        self.read_argument(name)
         values = self._xacro.substitution_args_context["arg"]
         if name not in values:
             raise substitution.ArgException(name)
@@ -301,7 +317,12 @@ class _Tracer:
                 raise XmlError("prefix", f"the prefix {prefix!r} is not declared (xmlns:{prefix}=…)", element.span)
             self.files[name] = source
             self.trees[name] = tree
-            document = minidom.parseString(source.text)
+            try:
+                document = minidom.parseString(source.text)
+            except expat.ExpatError as error:  # namespaces, which the located tree leaves alone
+                at = source.at(error.lineno, error.offset + 1)
+                raise XmlError("malformed", expat.ErrorString(error.code), at) from error
+            assert document.documentElement is not None
             _attach(document.documentElement, tree)
             return document
 
@@ -373,9 +394,14 @@ class _Tracer:
                 self.last_reads = tuple(dict.fromkeys(self.readers.pop()))
             origin = _origin(self.node)
             if own and origin is not None and self.attribute is not None:
-                origin.reads[self.attribute] = self.last_reads
+                # A block is evaluated by the caller and, where it is inserted, once more: nothing is left to read then.
+                before = origin.reads.get(self.attribute, ())
+                origin.reads[self.attribute] = tuple(dict.fromkeys((*before, *self.last_reads)))
             elif self.adding is not None:
                 self.add_attribute(str(result))
+            elif self.attribute == "default" and self.node is not None and self.node.tagName == "xacro:arg":
+                name = self.node.getAttribute("name")
+                self.argument_definitions[name] = replace(self.argument_definitions[name], reads=self.last_reads)
             return result
 
         return wrapper
@@ -414,15 +440,6 @@ class _Tracer:
 
         return wrapper
 
-    def eval_extension(self, original: Callable[..., Any]) -> Callable[..., Any]:
-        def wrapper(text: str) -> Any:
-            argument = _ARGUMENT.match(text)
-            if argument:
-                self.read_argument(argument.group(1))
-            return original(text)
-
-        return wrapper
-
     def handle_macro_call(self, original: Callable[..., Any]) -> Callable[..., Any]:
         def wrapper(node: minidom.Element, macros: Any, symbols: Any) -> Any:
             if not node.tagName.startswith("xacro:") or node.tagName == "xacro:call":
@@ -450,11 +467,11 @@ class _Tracer:
             origin = _origin(node)
             name = node.getAttribute("filename")
             self.calls.append(_Call(node, None if origin is None else origin.raw.span, f"include {name}"))
-            stack = [str(Path(f).resolve()) for f in self._xacro.filestack if f]
-            if len(stack) != len(set(stack)):
-                raise self._xacro.XacroException(f"include cycle: {display_name(Path(stack[-1]))} includes itself")
             try:
                 with self.failing():
+                    stack = [os.path.realpath(f) for f in self._xacro.filestack if f]
+                    if stack.count(stack[-1]) >= _MAX_INCLUDED:
+                        raise RecursionError(f"include cycle: {display_name(Path(stack[-1]))} includes itself")
                     original(node, macros, symbols, func)
             finally:
                 self.calls.pop()
@@ -486,16 +503,41 @@ class _Tracer:
 
         return wrapper
 
+    def import_xml_namespaces(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(parent: minidom.Element, attributes: minidom.NamedNodeMap) -> None:
+            had = set(parent.attributes.keys())
+            original(parent, attributes)
+            target = _origin(parent)
+            for name in set(parent.attributes.keys()) - had:
+                source = _origin(attributes[name].ownerElement)
+                if target is not None and source is not None and name in source.raw.attributes:
+                    target.added[name] = source.raw.attributes[name]
+
+        return wrapper
+
     def eval_default_arg(self, original: Callable[..., Any]) -> Callable[..., Any]:
         def wrapper(forward: Any, default: Any, symbols: Any, macro: Any) -> Any:
             self.last_reads = ()
-            value = original(forward, default, symbols, macro)
+            self.readers.append([])
+            try:
+                value = original(forward, default, symbols, macro)
+            finally:
+                forwarded = self.readers.pop()
+            self.last_reads = (*forwarded, *self.last_reads)
             raw = getattr(_origin(macro.body), "raw", None)
-            params = None if raw is None else raw.attributes.get("params")
-            self.defining = ("parameter", None if params is None else params.span)
+            self.defaulting = None if raw is None else raw.attributes.get("params")
             return value
 
         return wrapper
+
+    def parameter_span(self, params: Attribute, name: str) -> Span | None:
+        """Where ``name:=default`` stands in the parameters of a macro, which may go over many lines."""
+        spec = rf"(?<!\S){re.escape(name)}\s*:?=\s*(\^\|?)?({self._xacro.default_value})"
+        match = re.search(spec, params.typed)
+        if match is None or params.span is None:
+            return params.span
+        start = params.span.start
+        return self.files[params.span.file].span(start + match.start(), start + match.end())
 
     def check_attrs(self, original: Callable[..., Any]) -> Callable[..., Any]:
         def wrapper(tag: minidom.Element, required: list[str], optional: list[str]) -> Any:
@@ -539,10 +581,11 @@ class _Tracer:
     def set_item(self, original: Callable[..., Any]) -> Callable[..., Any]:
         def wrapper(table: Any, key: str, value: Any, unevaluated: bool) -> Any:
             origin = _origin(self.node)
-            if self.defining is not None:
+            if self.defaulting is not None:
+                kind, span = "parameter", self.parameter_span(self.defaulting, key)
+                self.defaulting = None
+            elif self.defining is not None:
                 kind, span = self.defining
-                if kind == "parameter":  # set once for each default
-                    self.defining = None
             elif self.calls and origin is not None and self.calls[-1].node is self.node:
                 typed = origin.raw.attributes.get(key)
                 kind, span = "parameter", None if typed is None else typed.span
@@ -634,6 +677,30 @@ class _Context(dict[str, Any]):
         return self.current_file() if key == "filename" else super().__getitem__(key)
 
 
+class _Arguments(dict[str, Any]):
+    """xacro's arguments, which tell when one is read: by ``$(arg)``, by ``$(eval)`` or by ``xacro.arg()``."""
+
+    def __init__(self, values: Mapping[str, str], read: Callable[[str], None]) -> None:
+        super().__init__(values)
+        self.read = read
+
+    def __getitem__(self, name: str) -> Any:
+        value = super().__getitem__(name)
+        self.read(name)
+        return value
+
+
+def _evaluator(allowed: Mapping[str, Any]) -> Callable[..., Any]:
+    """What ``$(eval …)`` evaluates with: xacro leaves all of Python's builtins in its reach, ``open`` and ``exec`` as well."""
+    known = {name: _refusing(name) for name in dir(builtins)}
+    known.update(allowed)
+
+    def evaluate(expression: str, _symbols: Any, local: Any) -> Any:
+        return eval(expression, {"__builtins__": known}, local)
+
+    return evaluate
+
+
 def _silent(name: str) -> Callable[..., None]:
     def silent(*_: Any, **__: Any) -> None:
         """xacro prints; findings speak for us."""
@@ -644,7 +711,7 @@ def _silent(name: str) -> Callable[..., None]:
 
 def _refusing(name: str) -> Callable[..., None]:
     def refuse(*_: Any, **__: Any) -> None:
-        raise _Refused(f"python.{name} leads out of xacro's language")
+        raise _Refused(f"{name} leads out of xacro's language")
 
     return refuse
 
@@ -689,6 +756,8 @@ def _convert(node: minidom.Element, parent: Element | None) -> Element:
     element = Element(node.tagName, None if raw is None else raw.span, parent, via=via)
     for name, value in node.attributes.items():
         typed = None if raw is None else raw.attributes.get(name)
+        if typed is None and raw is not None and name == "xmlns":
+            typed = raw.attributes.get("xacro:targetNamespace")
         reads = () if origin is None else origin.reads.get(name, ())
         if origin is not None and name in origin.added:
             typed, reads = origin.added[name], origin.added[name].reads

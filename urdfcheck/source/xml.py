@@ -36,7 +36,7 @@ class XmlError(Exception):
         self.span = span
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Definition:
     """Where a value that went into an expression was defined: a property, argument, macro parameter or yaml key."""
 
@@ -52,14 +52,15 @@ class Definition:
 
 def nearest_first(reads: Iterable[Definition]) -> list[Definition]:
     """These definitions and every definition that they were computed from, nearest first, each place once."""
-    seen: dict[Span | None, Definition] = {}
-    queue = list(reads)
+    places: dict[Span | None, Definition] = {}
+    queue = dict.fromkeys(reads)
     while queue:
-        definition = queue.pop(0)
-        if definition.span not in seen:
-            seen[definition.span] = definition
-            queue.extend(definition.reads)
-    return list(seen.values())
+        further: dict[Definition, None] = {}
+        for definition in queue:
+            places.setdefault(definition.span, definition)
+            further.update(dict.fromkeys(definition.reads))
+        queue = further
+    return list(places.values())
 
 
 @dataclass(slots=True, eq=False)
@@ -188,6 +189,11 @@ class SourceFile:
             broken = cls(path, name, read.decode(encoding, "replace"))
             at = broken.span(len(broken.text), len(broken.text))
             raise XmlError("encoding", f"byte 0x{wrong:02x} is not valid {encoding}", at) from None
+
+    def at(self, line: int, col: int) -> Span:
+        """The character at a line and column, as a parser names it."""
+        start = min(self._starts[min(line, len(self._starts)) - 1] + col - 1, len(self.text))
+        return self.span(start, min(start + 1, len(self.text)))
 
     def span(self, start: int, end: int) -> Span:
         """The span between two offsets (code points)."""

@@ -32,9 +32,9 @@ def _wrap(value: Any, node: Any, key: str, source: SourceFile, read: Read) -> An
     from xacro import YamlDictWrapper, YamlListWrapper
 
     if isinstance(value, dict) and isinstance(node, yaml.MappingNode):
-        positions = {_scalar(k): (k, v) for k, v in node.value}
+        positions = _positions(node)
 
-        class TracedDict(YamlDictWrapper):
+        class TracedDict(YamlDictWrapper):  # type: ignore[misc]
             def __getattr__(self, item: Any) -> Any:
                 return self._get(item, super().__getattr__(item))
 
@@ -47,7 +47,7 @@ def _wrap(value: Any, node: Any, key: str, source: SourceFile, read: Read) -> An
             def _get(self, item: Any, found: Any) -> Any:
                 if str(item) not in positions:
                     return found
-                _, value_node = positions[str(item)]
+                value_node = positions[str(item)]
                 name = f"{key}.{item}".lstrip(".")
                 if isinstance(value_node, yaml.ScalarNode):
                     span = source.span(value_node.start_mark.index, value_node.end_mark.index)
@@ -57,7 +57,7 @@ def _wrap(value: Any, node: Any, key: str, source: SourceFile, read: Read) -> An
         return TracedDict(value)
     if isinstance(value, list) and isinstance(node, yaml.SequenceNode):
 
-        class TracedList(YamlListWrapper):
+        class TracedList(YamlListWrapper):  # type: ignore[misc]
             def __getitem__(self, index: Any) -> Any:
                 found = super().__getitem__(index)
                 if not isinstance(index, int):
@@ -75,5 +75,15 @@ def _wrap(value: Any, node: Any, key: str, source: SourceFile, read: Read) -> An
     return value
 
 
-def _scalar(node: Any) -> str:
-    return str(getattr(node, "value", ""))
+def _positions(node: Any) -> dict[str, Any]:
+    """The node of each key's value, with what ``<<`` merges in: the mapping's own keys go before, then the first merged."""
+    import yaml
+
+    positions: dict[str, Any] = {}
+    for key, value in node.value:
+        if key.tag == "tag:yaml.org,2002:merge":
+            merged = value.value if isinstance(value, yaml.SequenceNode) else [value]
+            for mapping in reversed(merged):
+                positions = {**positions, **_positions(mapping)}
+    own = {str(key.value): value for key, value in node.value if key.tag != "tag:yaml.org,2002:merge"}
+    return {**positions, **own}

@@ -15,8 +15,10 @@ from urdfcheck.output.html.text import esc
 MARGIN = 160
 LONGEST = 2 * MARGIN + 80
 _NEWLINE = re.compile(r"\r\n|\n|\r")
+# Enough to read XML by: comments, tags, attribute names, attribute values. Other text passes as it is.
 _TOKEN = re.compile(
-    r"(?P<c><!--.*?(?:-->|$))|(?P<e></?[A-Za-z_][\w:.-]*|/?>)|(?P<a>[\w:.-]+(?=\s*=\s*[\"']))|(?P<s>\"[^\"<]*\"|'[^'<]*')"
+    r"(?P<c><!--.*?(?:-->|$))|(?P<e></?[A-Za-z_][\w:.-]*|/?>)|(?P<a>[\w:.-]+(?=\s*=\s*[\"']))"
+    r"|(?:(?<==)|(?<== ))(?P<s>\"[^\"<]*\"|'[^'<]*')"
 )
 
 Token = tuple[int, int, str]

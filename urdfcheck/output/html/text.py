@@ -64,8 +64,14 @@ def millimetres(metres: float) -> str:
     """Three decimals of a millimetre; what rounds to nothing is a plain 0."""
     if not math.isfinite(metres):
         return str(metres)
-    text = f"{metres * 1000:.3f}"
-    return "0" if float(text) == 0 else text.replace("-", "−")
+    text = _fixed(metres * 1000, 3)
+    return text if text.strip("0.") else "0"
+
+
+def _fixed(value: float, decimals: int) -> str:
+    """No minus sign on what rounds to zero."""
+    text = f"{value:.{decimals}f}"
+    return text.replace("-", "" if float(text) == 0 else "−")
 
 
 def scaled(values: tuple[float, ...], digits: int = 4) -> tuple[list[str], str]:
@@ -73,7 +79,7 @@ def scaled(values: tuple[float, ...], digits: int = 4) -> tuple[list[str], str]:
     largest = max((abs(v) for v in values if math.isfinite(v)), default=0.0)
     power = 0 if largest == 0 or 0.1 <= largest < 1e4 else 3 * math.floor(math.log10(largest) / 3)
     decimals = max(0, digits - 1 - math.floor(math.log10(largest * 10.0**-power))) if largest > 0 else 0
-    mantissas = [f"{v * 10.0**-power:.{decimals}f}".replace("-", "−") for v in values]
+    mantissas = [_fixed(v * 10.0**-power, decimals) for v in values]
     return mantissas, f"×10{str(power).translate(_SUPERSCRIPT)}" if power else ""
 
 

@@ -1,0 +1,203 @@
+"""Mass and inertia: where the rules begin and end."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import check_text
+
+from urdfcheck.core import Finding, Severity
+
+SOUND = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+ZERO = '<inertial><mass value="{}"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
+BOX = '<visual><geometry><box size="1 1 1"/></geometry></visual>'
+
+
+def arm(child: str, joint: str = "continuous", more: str = "", base: str = SOUND) -> str:
+    """A base and a link on it."""
+    return (
+        f'<robot name="r"><link name="base">{base}</link><link name="arm">{child}</link>'
+        f'<joint name="j" type="{joint}"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint>{more}</robot>'
+    )
+
+
+def fixed(name: str, content: str, parent: str = "arm") -> str:
+    return (
+        f'<link name="{name}">{content}</link>'
+        f'<joint name="{name}_joint" type="fixed"><parent link="{parent}"/><child link="{name}"/></joint>'
+    )
+
+
+def inertial(mass: str = "1", **six: str) -> str:
+    values = {"ixx": "1", "ixy": "0", "ixz": "0", "iyy": "1", "iyz": "0", "izz": "1"} | six
+    return f'<inertial><mass value="{mass}"/><inertia {" ".join(f"{k}={v!r}" for k, v in values.items())}/></inertial>'
+
+
+def found(folder: Path, code: str, text: str) -> list[Finding]:
+    return list(check_text(folder, text, codes={code}).findings)
+
+
+# -- INR001 ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_link_on_a_fixed_joint_needs_no_inertial(tmp_path: Path) -> None:
+    assert not found(tmp_path, "INR001", arm("", joint="fixed"))
+
+
+def test_a_moving_link_needs_none_when_what_is_fixed_to_it_has_one(tmp_path: Path) -> None:
+    assert not found(tmp_path, "INR001", arm(BOX, more=fixed("cover", SOUND)))
+
+
+def test_what_hangs_behind_a_link_without_inertial_is_counted(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "INR001", arm(BOX, more=fixed("tool", "") + fixed("tip", "", parent="tool")))
+    assert finding.message_id == "missing"
+    assert finding.consequences["gazebo"].startswith("drops the link and the 2 links behind it")
+
+
+def test_mujoco_refuses_only_where_nothing_is_drawn(tmp_path: Path) -> None:
+    (drawn,) = found(tmp_path / "a", "INR001", arm(BOX))
+    (bare,) = found(tmp_path / "b", "INR001", arm(""))
+    assert "infers" in drawn.consequences["mujoco"]
+    assert "refuses" in bare.consequences["mujoco"]
+
+
+def test_a_description_without_any_inertial_is_one_info(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "INR001", arm(BOX, base=BOX))
+    assert (finding.message_id, finding.severity) == ("kinematic", Severity.INFO)
+
+
+def test_a_description_that_cannot_move_needs_no_inertial(tmp_path: Path) -> None:
+    assert not found(tmp_path, "INR001", arm("", joint="fixed", base=""))
+
+
+# -- INR002 ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "severity"),
+    [
+        (arm(inertial("-1")), "negative", Severity.ERROR),
+        (arm(inertial("0")), "inertia_without_mass", Severity.ERROR),
+        (arm(ZERO.format(0) + BOX), "zero", Severity.ERROR),
+        (arm(ZERO.format(0)), "helper", Severity.INFO),
+        (arm(ZERO.format(0), joint="fixed"), "helper", Severity.INFO),
+        (arm(SOUND, base=ZERO.format(0) + BOX), "root", Severity.INFO),
+    ],
+)
+def test_what_a_mass_of_zero_or_less_means(tmp_path: Path, text: str, message: str, severity: Severity) -> None:
+    (finding,) = found(tmp_path, "INR002", text)
+    assert (finding.message_id, finding.severity) == (message, severity)
+
+
+def test_the_smallest_positive_mass_is_a_mass(tmp_path: Path) -> None:
+    assert not found(tmp_path, "INR002", arm(inertial("1e-300")))
+
+
+def test_a_negative_mass_is_found_although_the_tree_is_broken(tmp_path: Path) -> None:
+    text = f'<robot name="r"><link name="a">{inertial("-1")}</link><link name="b">{ZERO.format(0)}</link></robot>'
+    assert [f.message_id for f in found(tmp_path, "INR002", text)] == ["negative"]
+
+
+# -- INR003 ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_flat_plate_keeps_the_triangle_inequality(tmp_path: Path) -> None:
+    assert not found(tmp_path, "INR003", arm(inertial(izz="2")))
+
+
+def test_a_violation_that_the_digits_explain_is_rounding(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "INR003", arm(inertial(ixx="0.001234", iyy="0.002345", izz="0.00358")))
+    assert (finding.message_id, finding.severity) == ("rounded", Severity.WARNING)
+
+
+def test_a_violation_that_the_digits_do_not_explain_is_not(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "INR003", arm(inertial(ixx="0.001234000", iyy="0.002345000", izz="0.003580000")))
+    assert (finding.message_id, finding.severity) == ("violated", Severity.ERROR)
+
+
+def test_the_residue_of_a_zero_tensor_breaks_no_inequality(tmp_path: Path) -> None:
+    assert not found(tmp_path, "INR003", arm(inertial("0.1", ixx="1e-21", iyy="3e-20", izz="9e-20")))
+
+
+# -- INR004 ---------------------------------------------------------------------------------------------------------
+
+
+def test_the_minus_sign_of_a_moment_is_removed_when_that_mends_the_tensor(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "INR004", arm(inertial(iyy="-1")))
+    assert finding.cause is not None
+    assert finding.cause.id == "sign"
+    assert finding.fix is not None
+    assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("-1", "1")]
+
+
+def test_no_edit_when_the_tensor_stays_impossible_without_the_sign(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "INR004", arm(inertial(iyy="-9")))
+    assert finding.fix is not None
+    assert not finding.fix.edits
+
+
+def test_numbers_in_the_order_of_another_tool_are_recognised(tmp_path: Path) -> None:
+    # Ixx Iyy Izz Ixy Ixz Iyz of a bar, in the slots ixx ixy ixz iyy iyz izz.
+    (finding,) = found(tmp_path, "INR004", arm(inertial(ixx="1", ixy="2", ixz="2.5", iyy="0.1", iyz="0.1", izz="0.1")))
+    assert finding.cause is not None
+    assert finding.cause.id == "diagonal_first"
+
+
+def test_a_product_at_its_bound_is_a_line_and_beyond_it_impossible(tmp_path: Path) -> None:
+    # A rod along x = y: Ixy = -sqrt(Ixx Iyy) exactly.
+    (line,) = found(tmp_path / "a", "INR004", arm(inertial(ixy="-1", izz="2")))
+    (beyond,) = found(tmp_path / "b", "INR004", arm(inertial(ixy="-1.001", izz="2")))
+    assert (line.message_id, line.severity) == ("line", Severity.WARNING)
+    assert (beyond.message_id, beyond.severity) == ("product", Severity.ERROR)
+
+
+def test_a_point_mass_fixed_to_a_body_is_an_info(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "INR004", arm(SOUND, more=fixed("ball", ZERO.format(1))))
+    assert (finding.message_id, finding.severity) == ("point_fixed", Severity.INFO)
+
+
+def test_a_frame_without_mass_is_no_point(tmp_path: Path) -> None:
+    assert not found(tmp_path, "INR004", arm(SOUND, more=fixed("frame", ZERO.format(0))))
+
+
+# -- INR014 ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("product", "noise"), [("9e-10", True), ("-1e-19", True), ("1.1e-9", False), ("0", False)])
+def test_noise_is_below_a_billionth_of_the_largest_moment(tmp_path: Path, product: str, noise: bool) -> None:
+    assert bool(found(tmp_path, "INR014", arm(inertial(ixy=product)))) == noise
+
+
+def test_all_residues_of_a_robot_are_one_finding_with_one_edit_each(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "INR014", arm(inertial(ixy="1e-17", iyz="-2e-18"), base=inertial(ixz="3e-20")))
+    assert finding.fix is not None
+    assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("3e-20", "0"), ("1e-17", "0"), ("-2e-18", "0")]
+
+
+# -- INR016 ---------------------------------------------------------------------------------------------------------
+
+
+def disk(radius: float, length: float, density: float) -> str:
+    mass = density * 3.141592653589793 * radius**2 * length
+    across = repr(mass * (3 * radius**2 + length**2) / 12)
+    return inertial(repr(mass), ixx=across, iyy=across, izz=repr(mass * radius**2 / 2))
+
+
+@pytest.mark.parametrize(("density", "default"), [(1000, True), (1002, True), (1005, False), (7850, True), (2700, False)])
+def test_two_different_disks_without_a_material(tmp_path: Path, density: float, default: bool) -> None:
+    text = arm(disk(0.03, 0.01, density), base=disk(0.1, 0.02, density))
+    assert bool(found(tmp_path, "INR016", text)) == default
+
+
+def test_two_equal_disks_are_one_piece_of_evidence(tmp_path: Path) -> None:
+    assert not found(tmp_path, "INR016", arm(disk(0.03, 0.01, 1000), base=disk(0.03, 0.01, 1000)))
+
+
+def test_a_robot_of_several_materials_has_materials(tmp_path: Path) -> None:
+    more = "".join(fixed(f"p{i}", disk(0.05, 0.01 * (i + 1), 2700)) for i in range(4))
+    assert not found(tmp_path, "INR016", arm(disk(0.03, 0.01, 1000), base=disk(0.1, 0.02, 1000), more=more))
+
+
+def test_links_drawn_with_primitives_are_computed_and_prove_nothing(tmp_path: Path) -> None:
+    assert not found(tmp_path, "INR016", arm(disk(0.03, 0.01, 1000) + BOX, base=disk(0.1, 0.02, 1000) + BOX))

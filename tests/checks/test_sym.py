@@ -1,0 +1,180 @@
+"""Odd ones out: who is blamed, what is proposed, and when nothing is said."""
+
+from __future__ import annotations
+
+from math import pi
+from pathlib import Path
+
+import pytest
+from conftest import check_text
+
+from urdfcheck.core import Finding
+
+WHEEL = (
+    '<inertial><origin xyz="0 0.002 0.001"/><mass value="0.03"/>'
+    '<inertia ixx="6.6e-6" ixy="0" ixz="0" iyy="1.27e-5" iyz="0" izz="6.6e-6"/></inertial>'
+)
+CORNERS = {
+    "front_left": ("0.07 0.05 0", "0 0 0", "0 1 0"),
+    "rear_left": ("-0.07 0.05 0", "0 0 0", "0 1 0"),
+    "rear_right": ("-0.07 -0.05 0", f"0 0 {pi}", "0 -1 0"),
+    "front_right": ("0.07 -0.05 0", f"0 0 {pi}", "0 -1 0"),
+}
+
+
+def joint(name: str, child: str, xyz: str, rpy: str, axis: str, kind: str = "continuous", parent: str = "base") -> str:
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="{xyz}" rpy="{rpy}"/><axis xyz="{axis}"/></joint>'
+    )
+
+
+def car(kind: str = "continuous", **rpy: str) -> str:
+    """Four wheels on the corners of a rectangle, some with another rpy."""
+    parts = ['<link name="base"/>']
+    for name, (xyz, usual, axis) in CORNERS.items():
+        parts.append(f'<link name="{name}_wheel">{WHEEL}</link>')
+        parts.append(joint(name, f"{name}_wheel", xyz, rpy.get(name, usual), axis, kind))
+    return f'<robot name="car" xmlns:xacro="http://www.ros.org/wiki/xacro">{"".join(parts)}</robot>'
+
+
+def found(folder: Path, code: str, text: str, name: str = "robot.urdf") -> list[Finding]:
+    return list(check_text(folder, text, name, codes={code}).findings)
+
+
+def edits(finding: Finding) -> list[tuple[str, str]]:
+    assert finding.fix is not None
+    return [(e.expected, e.replacement) for e in finding.fix.edits]
+
+
+# -- SYM001 ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_consistent_car_has_no_odd_wheel(tmp_path: Path) -> None:
+    assert not found(tmp_path, "SYM001", car())
+
+
+@pytest.mark.parametrize("name", CORNERS)
+def test_each_wheel_is_named_when_it_is_the_one(tmp_path: Path, name: str) -> None:
+    yaw = CORNERS[name][1].split()[2]
+    (finding,) = found(tmp_path, "SYM001", car(**{name: f"0 0.3 {yaw}"}))
+    assert finding.location.subject == f"joint[{name}]/origin@rpy"
+    assert finding.message_id == "zero"
+    assert abs(abs(finding.data["angle"]) - 17.19) < 0.01
+
+
+def test_the_angle_is_signed_about_the_joints_own_axis(tmp_path: Path) -> None:
+    (left,) = found(tmp_path / "a", "SYM001", car(front_left="0 0.3 0"))
+    (right,) = found(tmp_path / "b", "SYM001", car(front_right=f"0 0.3 {pi}"))
+    assert left.data["angle"] == pytest.approx(17.1887, abs=1e-3)
+    assert right.data["angle"] == pytest.approx(-17.1887, abs=1e-3)
+
+
+def test_the_edit_writes_the_angles_of_the_pattern(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "SYM001", car(front_right="0 0.3 3.1416"))
+    assert edits(finding) == [("0 0.3 3.1416", "0 0 3.14159265358979")]
+
+
+def test_a_xacro_gets_pi_by_name(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "SYM001", car(front_right="0 0.3 3.1416"), "robot.urdf.xacro")
+    assert edits(finding) == [("0 0.3 3.1416", "0 0 ${pi}")]
+
+
+def test_a_computed_rpy_is_not_edited(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "SYM001", car(front_left="0 ${0.1 + 0.2} 0"), "robot.urdf.xacro")
+    assert not edits(finding)
+
+
+def test_a_wheel_that_is_tilted_has_toe_or_camber(tmp_path: Path) -> None:
+    (toe,) = found(tmp_path / "a", "SYM001", car(front_left="0 0 0.05"))
+    (camber,) = found(tmp_path / "b", "SYM001", car(front_left="0.05 0 0"))
+    assert toe.message_id == camber.message_id == "wheel"
+    assert (toe.data["toe"], toe.data["camber"]) == (pytest.approx(2.865, abs=1e-3), pytest.approx(0, abs=1e-9))
+    assert (camber.data["toe"], camber.data["camber"]) == (pytest.approx(0, abs=1e-9), pytest.approx(2.865, abs=1e-3))
+
+
+def test_the_limits_of_a_revolute_joint_turn_with_it(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "SYM001", car("revolute", front_left="0 0.3 0"))
+    assert "the joint's limits" in finding.message
+
+
+def test_the_distance_of_the_centre_of_mass_from_the_axis_is_told(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "SYM001", car(front_left="0 0.3 0"))
+    assert "1 mm off the axis" in finding.message
+
+
+@pytest.mark.parametrize("rpy", ["0 0.001 0", f"0 {pi / 2} 0", f"0 {pi} 0"])
+def test_typing_errors_and_quarter_turns_are_choices(tmp_path: Path, rpy: str) -> None:
+    assert not found(tmp_path, "SYM001", car(front_left=rpy))
+
+
+def test_two_odd_wheels_of_four_leave_nobody_to_blame(tmp_path: Path) -> None:
+    assert not found(tmp_path, "SYM001", car(front_left="0 0.3 0", rear_right=f"0 0.7 {pi}"))
+
+
+def test_a_different_wheel_is_no_sibling(tmp_path: Path) -> None:
+    text = car(front_left="0 0.3 0").replace('value="0.03"', 'value="0.09"', 1)
+    assert not found(tmp_path, "SYM001", text)
+
+
+def test_children_without_inertial_and_mesh_are_not_compared(tmp_path: Path) -> None:
+    assert not found(tmp_path, "SYM001", car(front_left="0 0.3 0").replace(WHEEL, ""))
+
+
+def test_what_hangs_on_the_odd_joint_is_not_reported_again(tmp_path: Path) -> None:
+    more = "".join(
+        f'<link name="{name}_hub">{WHEEL}</link>'
+        + joint(f"{name}_2", f"{name}_hub", "0 0 0", "0 0 0", "0 1 0", parent=f"{name}_wheel")
+        for name in CORNERS
+    )
+    text = car(front_left="0 0.3 0").replace("</robot>", f"{more}</robot>")
+    assert [f.location.subject for f in found(tmp_path, "SYM001", text)] == ["joint[front_left]/origin@rpy"]
+
+
+# -- SYM005 ---------------------------------------------------------------------------------------------------------
+
+DISK = '<visual><origin rpy="1.5707963 0 0"/><geometry><cylinder radius="0.05" length="0.02"/></geometry></visual>'
+
+
+def wheeled(*axes: str, names: str = "wheel", rpy: str = "0 0 0", drawn: str = DISK, z: str = "0") -> str:
+    parts = ['<link name="base"/>']
+    for i, axis in enumerate(axes):
+        parts.append(f'<link name="{names}_{i}">{drawn}</link>')
+        parts.append(joint(f"{names}_{i}_joint", f"{names}_{i}", f"{i * 0.2} {0.1 - i % 2 * 0.2} {z}", rpy, axis))
+    return f'<robot name="car">{"".join(parts)}</robot>'
+
+
+def test_wheels_that_roll_alike_are_fine(tmp_path: Path) -> None:
+    assert not found(tmp_path, "SYM005", wheeled("0 1 0", "0 1 0"))
+    assert not found(tmp_path, "SYM005", wheeled("0 -1 0", "0 -1 0"))
+
+
+def test_of_two_wheels_the_one_that_rolls_backwards_is_turned_over(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "SYM005", wheeled("0 -1 0", "0 1 0"))
+    assert finding.message_id == "opposed"
+    assert edits(finding) == [("0 -1 0", "0 1 0")]
+
+
+def test_of_four_wheels_the_odd_one_is_turned_over(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "SYM005", wheeled("0 -1 0", "0 -1 0", "0 1 0", "0 -1 0"))
+    assert finding.message_id == "minority"
+    assert finding.location.subject == "joint[wheel_2_joint]/axis@xyz"
+    assert edits(finding) == [("0 1 0", "0 -1 0")]
+
+
+def test_casters_steered_and_standing_wheels_are_left_out(tmp_path: Path) -> None:
+    assert not found(tmp_path / "a", "SYM005", wheeled("0 -1 0", "0 1 0", names="caster_wheel"))
+    assert not found(tmp_path / "b", "SYM005", wheeled("0 0 -1", "0 0 1"))
+    steered = wheeled("0 -1 0", "0 1 0").replace('<link name="base"/>', '<link name="root"/><link name="base"/>')
+    steered = steered.replace("</robot>", joint("steer", "base", "0 0 0", "0 0 0", "0 0 1", parent="root") + "</robot>")
+    assert not found(tmp_path / "c", "SYM005", steered)
+
+
+def test_wheels_in_several_directions_are_holonomic(tmp_path: Path) -> None:
+    ball = '<visual><geometry><sphere radius="0.05"/></geometry></visual>'
+    assert not found(tmp_path, "SYM005", wheeled("0 1 0", "1 0 0", "0 -1 0", "-1 0 0", drawn=ball))
+
+
+def test_a_box_is_no_wheel(tmp_path: Path) -> None:
+    box = '<visual><geometry><box size="0.1 0.02 0.1"/></geometry></visual>'
+    assert not found(tmp_path, "SYM005", wheeled("0 -1 0", "0 1 0", drawn=box))

@@ -1,0 +1,526 @@
+"""The HTML report: one inert, self-contained file that says everything that the run knows."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+from dataclasses import replace
+from itertools import combinations
+
+import pytest
+from output.documents import Document, read
+from output.runs import FILE, SOURCE, a_run, chain, finding, info, joint, link, rule, scene, span, span_of, star
+
+from urdfcheck.core import Applicability, Edit, Finding, Fix, Location, Run, SceneFrame, Severity, Skip
+from urdfcheck.output.html import render
+from urdfcheck.output.html.code import code_frame, diff
+from urdfcheck.output.html.graph import forest
+from urdfcheck.output.html.text import esc, markdown, millimetres, number, scaled
+from urdfcheck.output.html.tree import BOX, WIDEST, layout
+
+HOSTILE = "<script>alert(1)</script>\"' onload=x & \u202egnp.\x1b[31m"
+
+
+def document(run: Run) -> Document:
+    """The report, checked for what must hold of every report."""
+    found = read(render(run))
+    assert len(found.ids) == len(set(found.ids)), "ids repeat"
+    links = [a["href"] for _, a in found.tags if "href" in a]
+    assert [h for h in links if not h.startswith("#") or h[1:] not in found.ids] == []
+    assert [t for t, _ in found.tags if t in {"script", "iframe", "img", "link", "object", "form", "base"}] == []
+    forbidden = {"style", "src", "srcset", "action", "xlink:href"}
+    assert [(t, n) for t, a in found.tags for n in a if n in forbidden or n.startswith("on")] == []
+    return found
+
+
+def plain(markup: str) -> str:
+    return read(markup).text
+
+
+# -- one safe file -----------------------------------------------------------------------------------------------------
+
+
+def test_policy_allows_the_one_style_and_nothing_else() -> None:
+    found = document(a_run())
+    policy = next(a["content"] for a in found.all("meta") if a.get("http-equiv") == "Content-Security-Policy")
+    digest = base64.b64encode(hashlib.sha256(found.style.encode()).digest()).decode()
+    assert policy.split("; ") == [
+        "default-src 'none'",
+        f"style-src 'sha256-{digest}'",
+        "base-uri 'none'",
+        "form-action 'none'",
+    ]
+    assert len(found.all("style")) == 1
+
+
+def test_style_loads_nothing_and_cannot_end_early() -> None:
+    style = document(a_run()).style
+    assert "url(" not in style
+    assert "@import" not in style
+    assert "</" not in style
+
+
+def test_addresses_appear_as_text_only() -> None:
+    found = document(a_run())
+    assert "https://example.org/manual" in found.text
+    assert not any("://" in value for _, attributes in found.tags for value in attributes.values())
+
+
+def test_names_from_files_are_inert_wherever_they_appear() -> None:
+    hostile = finding(
+        code="INR003",
+        message=HOSTILE,
+        subjects=(f"link[{HOSTILE}]", HOSTILE),
+        location=Location(HOSTILE, replace(span_of("0.09"), file=HOSTILE), (replace(span_of("-1"), file=HOSTILE),)),
+        related=(Location(HOSTILE, None),),
+        consequences={HOSTILE: HOSTILE},
+        data={"hides": [HOSTILE]},
+        fix=Fix(HOSTILE, Applicability.SAFE, (Edit(replace(span_of("0.09"), file=HOSTILE), HOSTILE, HOSTILE),)),
+        model=HOSTILE,
+    )
+    joints = (joint(HOSTILE, HOSTILE, "b", type=HOSTILE),)
+    run = a_run(
+        hostile,
+        models=(info(path=HOSTILE, robot=HOSTILE, args={HOSTILE: HOSTILE}, id=HOSTILE),),
+        skipped=(Skip(HOSTILE, HOSTILE, HOSTILE),),
+        rules={
+            "INR003": rule(
+                page=f"## What it checks\n\n{HOSTILE}\n\n`{HOSTILE}`\n\n- {HOSTILE}\n\n```\n{HOSTILE}\n```\n"
+            )
+        },
+        versions={"urdfcheck": HOSTILE},
+        sources={HOSTILE: SOURCE.replace("rover", HOSTILE)},
+        scenes=(
+            scene(
+                model=HOSTILE,
+                root=HOSTILE,
+                links=(link(HOSTILE, shapes=()), link("b")),
+                joints=joints,
+                frames=(SceneFrame(HOSTILE, HOSTILE + "2", (), (), None),),
+            ),
+        ),
+        failures=(HOSTILE,),
+    )
+    found = document(run)  # no script, no handler, properly nested
+    assert "alert(1)</script>" in found.text
+    assert "\u202e" not in found.text
+    assert "\x1b" not in found.text
+    assert "\\u202egnp.\\x1b[31m" in found.text
+
+
+def test_equal_runs_differ_in_seconds_only() -> None:
+    slow, fast = render(a_run(seconds=9.0)), render(a_run(seconds=0.1))
+    seconds = re.compile(r'(<span class="seconds">).*?(</span>)')
+    assert slow != fast
+    assert seconds.sub(r"\1\2", slow) == seconds.sub(r"\1\2", fast)
+
+
+def test_lone_surrogates_of_undecodable_file_names_can_be_written() -> None:
+    render(a_run(models=(info(path="m\udce9sh.urdf"),))).encode()
+
+
+# -- the head ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("run", "verdict"),
+    [
+        (a_run(), "1 error to repair"),
+        (a_run(finding(severity=Severity.WARNING)), "No errors, 1 warning to look at"),
+        (a_run(finding(severity=Severity.INFO)), "No errors and no warnings"),
+        (a_run(finding(suppressed="known")), "No errors and no warnings"),
+        (a_run(finding(severity=Severity.INFO), models=(info(status="failed"),)), "1 model of 1 could not be checked"),
+        (replace(a_run(), models=(), findings=(), scenes=()), "Nothing was checked"),
+        (a_run(failures=("INR003 crashed",)), "Not finished"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_verdict(run: Run, verdict: str) -> None:
+    assert verdict in document(run).text
+
+
+def test_head_names_robot_file_counts_and_version() -> None:
+    found = document(a_run())
+    head = found.text[: found.text.index("Rules behind the findings")]
+    for expected in (
+        "rover",
+        FILE,
+        "1 error",
+        "1 warning",
+        "1 info",
+        "urdfcheck 0.1.0",
+        "0.5283 kg",
+        "source and meshes",
+    ):
+        assert expected in head
+
+
+def test_severity_is_told_by_shape_and_word_too() -> None:
+    html = render(a_run())
+    for severity in ("error", "warning", "info"):
+        card = html.split(f'<article class="card {severity}"')[1].split("</article>")[0]
+        assert f'<use href="#g-{severity}"/>' in card
+        assert f'<span class="severity">{severity}</span>' in card
+
+
+def test_filter_is_hidden_where_no_style_makes_it_work() -> None:
+    assert all("hidden" in attributes for attributes in document(a_run()).all("fieldset"))
+    assert document(a_run(finding())).all("fieldset") == [], "one severity needs no filter"
+
+
+# -- findings ----------------------------------------------------------------------------------------------------------
+
+
+def test_card_tells_all_that_the_finding_knows() -> None:
+    text = document(a_run(finding())).text
+    for expected in (
+        "INR003 triangle-inequality",
+        "link wheel: principal moments break the triangle inequality",
+        "link[wheel]/inertial/inertia",
+        f"{FILE}:9:40",
+        "Brought here by a macro call or include",
+        f"{FILE}:5:3",
+        "link[wheel]/inertial/mass",
+        "a decimal point was lost in izz",
+        "MuJoCo",
+        "refuses to compile",
+        "put the point back",
+        "review it before it is applied",
+        "proof: follows from the numbers",
+        finding().fingerprints[0],
+    ):
+        assert expected in text
+
+
+def test_groups_are_by_severity_then_file() -> None:
+    other = replace(span_of("-1"), file="rover/wheel.xacro")
+    moved = finding(location=Location("link[a]", other), subjects=("link[a]",))
+    html = render(a_run(finding(severity=Severity.WARNING), finding(), moved))
+    errors, warnings = html.split('<section class="group error">')[1].split('<section class="group warning">')
+    assert "2 errors" in errors
+    assert errors.index(f"<code>{FILE}:9:40") < errors.index('<p class="file"><code>rover/wheel.xacro</code>')
+    assert f"<code>{FILE}:9:40" in warnings
+
+
+def test_every_fingerprint_is_an_anchor_even_when_two_findings_share_one() -> None:
+    many = finding(subjects=tuple(f"link[w{i}]" for i in range(9)))
+    found = document(a_run(many, many))
+    assert {f"f-{p}" for p in many.fingerprints} <= set(found.ids)
+    assert {f"f-{p}-2" for p in many.fingerprints} <= set(found.ids)
+
+
+def test_suppressed_findings_are_set_apart_with_their_reason() -> None:
+    html = render(a_run(finding(suppressed="the wheel is a dummy")))
+    set_apart = html.split('<details class="suppressed">')[1]
+    assert "the wheel is a dummy" in set_apart
+    assert "1 suppressed in the source" in set_apart
+
+
+def test_consumers_that_do_the_same_share_a_line() -> None:
+    found = document(a_run(finding(consequences={"mujoco": "refuses", "drake": "refuses", "my_sim": "loads"})))
+    assert "MuJoCo, Drake" in found.text
+    assert "my_sim" in found.text
+
+
+def test_a_finding_of_an_unknown_rule_links_nowhere() -> None:
+    assert "ABC001 mystery" in document(a_run(finding(code="ABC001", name="mystery"))).text
+
+
+def test_findings_of_no_model_have_a_part_of_their_own() -> None:
+    found = document(a_run(finding(), finding(code="PKG006", model="rover/package.xml")))
+    assert "rover/package.xml" in found.text
+    assert "m2" in found.ids
+
+
+def test_many_models_have_a_row_each() -> None:
+    models = tuple(info(id=f"m{i}.urdf", path=f"m{i}.urdf", robot=f"robot_{i}") for i in range(30))
+    findings = tuple(finding(model=f"m{i}.urdf") for i in range(30))
+    found = document(a_run(*findings, models=models, scenes=()))
+    assert {f"m{i}" for i in range(1, 31)} <= set(found.ids)
+    assert "30 models" in found.text
+    assert len(found.classes("card")) == 30
+
+
+def test_a_model_that_could_not_be_checked_says_so() -> None:
+    text = document(a_run(finding(), models=(info(robot="", status="needs-arguments"),), scenes=())).text
+    assert "cannot be expanded without arguments" in text
+    assert "rover.urdf" in text
+
+
+def test_a_run_without_scene_has_findings_only() -> None:
+    found = document(a_run(scenes=()))
+    assert "Kinematic tree" not in found.text
+    assert len(found.classes("card")) == 3
+
+
+# -- source text -------------------------------------------------------------------------------------------------------
+
+
+def marked(markup: str) -> list[str]:
+    return [plain(f"<p>{m}</p>") for m in re.findall(r"<mark[^>]*>(.*?)</mark>", markup)]
+
+
+def test_frame_marks_the_span_between_its_neighbours() -> None:
+    markup = code_frame({FILE: SOURCE}, span_of("-1"), context=1)
+    assert marked(markup) == ["-1"]
+    assert plain(markup).splitlines() == [
+        "6 <inertial>",
+        '7   <mass value="-1"/>',
+        '8   <inertia ixx="0.01" ixy="0" ixz="0"',
+    ]
+
+
+def test_frame_marks_a_span_over_several_lines() -> None:
+    markup = code_frame({FILE: SOURCE}, span_of('izz="0.09"/>\n    </inertial>'))
+    assert marked(markup) == ['izz="0.09"/>', "</inertial>"]
+
+
+def test_frame_of_a_long_element_is_cut() -> None:
+    markup = code_frame({FILE: SOURCE}, span(0, len(SOURCE) - 1))
+    assert "to line 13" in plain(markup)
+    assert "</robot>" not in plain(markup)
+
+
+@pytest.mark.parametrize("at", [SOURCE.index("\n"), len(SOURCE.rstrip("\n"))], ids=["line end", "end of file"])
+def test_frame_points_at_an_empty_span(at: int) -> None:
+    assert '<mark class="point"></mark>' in code_frame({FILE: SOURCE}, span(at, at))
+
+
+@pytest.mark.parametrize("sources", [{}, {FILE: ""}, {FILE: "short"}], ids=["absent", "empty", "other text"])
+def test_without_the_source_there_is_no_frame_but_the_place(sources: dict[str, str]) -> None:
+    assert code_frame(sources, span_of("0.09")) == ""
+    assert f"{FILE}:9:40" in document(a_run(finding(), sources=sources)).text
+
+
+def test_a_file_in_one_line_neither_floods_the_report_nor_hides_the_span() -> None:
+    source = "<robot>" + '<link name="a"/>' * 20000 + '<mass value="-1"/></robot>'
+    markup = code_frame({FILE: source}, span_of("-1", source))
+    assert marked(markup) == ["-1"]
+    assert len(markup) < 20_000
+
+
+def test_comments_are_told_from_elements() -> None:
+    markup = code_frame({FILE: SOURCE}, span_of("turns"), context=0)
+    assert '<mark><span class="c">turns</span></mark><span class="c"> --&gt;</span>' in markup
+
+
+def test_diff_is_a_patch() -> None:
+    edits = [Edit(span_of("0.09"), "0.09", "0.019"), Edit(span_of("-1"), "-1", "1")]
+    assert plain(diff({FILE: SOURCE}, edits)) == (
+        f"--- {FILE}\n+++ {FILE}\n"
+        "@@ -6,5 +6,5 @@\n"
+        "     <inertial>\n"
+        '-      <mass value="-1"/>\n'
+        '+      <mass value="1"/>\n'
+        '       <inertia ixx="0.01" ixy="0" ixz="0"\n'
+        '-               iyy="0.01" iyz="0" izz="0.09"/>\n'
+        '+               iyy="0.01" iyz="0" izz="0.019"/>\n'
+        "     </inertial>\n"
+    )
+
+
+def test_later_hunks_count_the_lines_that_earlier_ones_add() -> None:
+    base = '<link name="base"/>'
+    edits = [Edit(span_of(base), base, base + "\n" + base), Edit(span_of("continuous"), "continuous", "fixed")]
+    heads = [line for line in plain(diff({FILE: SOURCE}, edits)).splitlines() if line.startswith("@@")]
+    assert heads == ["@@ -1,3 +1,4 @@", "@@ -11,3 +12,3 @@"]
+
+
+def test_diff_of_a_text_that_changed_shows_old_and_new_only() -> None:
+    edit = Edit(span_of("0.09"), "0.08", "0.019")
+    assert plain(diff({FILE: SOURCE}, [edit])) == f"{FILE}:9:40\n-0.08\n+0.019\n"
+
+
+def test_many_edits_are_folded() -> None:
+    edits = tuple(Edit(span(i, i), "", " ") for i in range(0, 60, 10))
+    assert "6 edits" in document(a_run(finding(fix=Fix("indent", Applicability.SAFE, edits)))).text
+
+
+# -- the tree ----------------------------------------------------------------------------------------------------------
+
+
+def test_tree_shows_links_joints_and_launch_frames() -> None:
+    found = document(a_run())
+    for name in ("base", "wheel", "axle", "continuous", "footprint", "launch file"):
+        assert name in found.text
+    assert len(found.classes("node", "link")) == 2
+    assert len(found.classes("node", "launch")) == 1
+    assert len(found.classes("edge", "launch")) == 2, "the transform and its legend"
+
+
+def test_tree_takes_the_worst_finding_of_each_link_and_joint() -> None:
+    found = document(a_run())
+    assert len(found.classes("node", "error")) == 1
+    assert len(found.classes("edge", "info")) == 1
+    drawn = render(a_run()).split('<svg class="graph"')[1].split("</svg>")[0]
+    assert "link wheel: error, the worst of 2 findings" in drawn
+    assert f'<a href="#f-{finding().fingerprints[0]}">' in drawn
+
+
+def test_suppressed_findings_do_not_colour_the_tree() -> None:
+    assert document(a_run(finding(suppressed="known"))).classes("node", "error") == []
+
+
+@pytest.mark.parametrize("drawn", [chain(300), star(200), scene()], ids=["chain of 300", "star of 200", "small"])
+def test_boxes_neither_overlap_nor_leave_the_page(drawn: object) -> None:
+    nodes = forest(drawn)  # type: ignore[arg-type]
+    boxes, _ = layout(nodes)
+    assert max(box.x + box.width for box in boxes) <= WIDEST
+    apart = (abs(b.y - a.y) >= BOX or b.x >= a.x + a.width or a.x >= b.x + b.width for a, b in combinations(boxes, 2))
+    assert all(apart)
+    document(a_run(scenes=(drawn,)))
+
+
+def test_a_long_chain_goes_straight_down() -> None:
+    boxes, is_layered = layout(forest(chain(300)))
+    assert not is_layered
+    assert {box.x for box in boxes} == {1.0}
+
+
+def test_a_loop_is_cut_where_it_closes() -> None:
+    looped = scene(
+        root="", links=(link("a"), link("b")), joints=(joint("j", "a", "b"), joint("k", "b", "a")), frames=()
+    )
+    assert [(n.name, n.kind) for n in forest(looped)] == [("a", "link"), ("b", "link"), ("a", "repeated")]
+    assert "drawn elsewhere too" in document(a_run(scenes=(looped,))).text
+
+
+def test_a_joint_to_nowhere_is_drawn_to_a_missing_link() -> None:
+    broken = scene(root="", links=(link("a"),), joints=(joint("j", "a", "ghost"),), frames=())
+    assert [(n.name, n.kind) for n in forest(broken)] == [("a", "link"), ("ghost", "missing")]
+
+
+def test_a_launch_file_can_stand_above_the_root_but_takes_no_link_from_its_joint() -> None:
+    frames = (SceneFrame("map", "base", (), (), None), SceneFrame("map", "wheel", (), (), None))
+    nodes = forest(scene(frames=frames))
+    assert [(n.name, n.kind, n.depth) for n in nodes] == [
+        ("map", "launch", 0),
+        ("base", "link", 1),
+        ("wheel", "link", 2),
+        ("wheel", "repeated", 1),
+    ]
+
+
+def test_every_link_is_drawn_once() -> None:
+    pieces = scene(links=tuple(link(n) for n in "abcd"), joints=(joint("j", "c", "d"),), root="", frames=())
+    assert sorted(n.name for n in forest(pieces)) == ["a", "b", "c", "d"]
+
+
+def test_long_names_are_shortened_in_the_drawing_only() -> None:
+    name = "a_" + "very_" * 30 + "long_link"
+    html = render(a_run(scenes=(scene(root=name, links=(link(name),), joints=(), frames=()),)))
+    drawn = html.split('<svg class="graph"')[1].split("</svg>")[0]
+    assert f"<title>link {name}</title>" in drawn
+    assert f">{name}</text>" not in drawn
+
+
+# -- tables ------------------------------------------------------------------------------------------------------------
+
+
+def test_links_table_measures() -> None:
+    text = document(a_run()).text
+    for expected in ("0.0283", "−12.500", "6.60", "12.70", "×10⁻⁶", "1\u202f000", "12\u202f840", "0.5283"):
+        assert expected in text
+
+
+def test_links_table_tells_unknown_from_zero() -> None:
+    bare = link("bare", mass=None, com=None, principal=None, density=None, shapes=())
+    row = render(a_run(scenes=(scene(links=(bare,), joints=(), frames=()),))).split("<tbody><tr>")[1].split("</tr>")[0]
+    assert row.count("—") == 11
+    assert "0" not in plain(f"<p>{row}</p>")
+
+
+def test_limits_are_told_in_degrees_too() -> None:
+    limited = scene(joints=(joint("axle", "base", "wheel"),))
+    assert "−1.571 … 1.571 rad (−90° … 90°)" in document(a_run(scenes=(limited,))).text
+
+
+def test_tables_have_captions_and_scopes() -> None:
+    found = document(a_run())
+    assert len(found.all("caption")) == len(found.all("table")) == 4
+    assert all("scope" in attributes for attributes in found.all("th"))
+
+
+def test_skipped_checks_say_why() -> None:
+    text = document(a_run()).text
+    assert "COL001" in text
+    assert "needs --tier full" in text
+
+
+def test_rules_that_fired_are_explained_and_all_are_listed() -> None:
+    quiet = rule("JNT001", "zero-axis")
+    found = document(a_run(finding(), rules={"INR003": rule(), "JNT001": quiet}))
+    assert "rule-INR003" in found.ids
+    assert "rule-JNT001" not in found.ids
+    assert "JNT001 zero-axis" in found.text
+    assert "no finding" in found.text
+    assert "Export the tensor again." in found.text
+
+
+# -- text --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (None, "—"),
+        (0.0, "0"),
+        (0.497309733, "0.4973"),
+        (-1.27e-18, "−1.27×10⁻¹⁸"),
+        (12345.6, "12\u202f346"),
+        (2.5e9, "2.5×10⁹"),
+        (float("nan"), "nan"),
+        (float("-inf"), "−inf"),
+    ],
+)
+def test_numbers(value: float | None, text: str) -> None:
+    assert number(value) == text
+
+
+def test_lengths_below_a_micrometre_are_nothing() -> None:
+    assert millimetres(-1.3e-18) == "0"
+    assert millimetres(-0.0125) == "−12.500"
+
+
+@pytest.mark.parametrize(
+    ("values", "mantissas", "power"),
+    [
+        ((3.794e-4, 1.3886e-3, 1.6917e-3), ["0.379", "1.389", "1.692"], "×10⁻³"),
+        ((0.0, 0.0, 0.0), ["0", "0", "0"], ""),
+        ((1.0, 2.0, 30.0), ["1.00", "2.00", "30.00"], ""),
+        ((-1e-9, 0.0, 5e7), ["0.00", "0.00", "50.00"], "×10⁶"),
+    ],
+)
+def test_moments_share_a_power_of_ten(values: tuple[float, ...], mantissas: list[str], power: str) -> None:
+    assert scaled(values) == (mantissas, power)
+
+
+def test_markdown_of_rule_pages() -> None:
+    page = "One `a < b` and *two*\nlines.\n- first\n  goes on\n- **second**\n\n```urdf\n<robot/>\n```\nsee [here](http://x.y)\n"
+    assert markdown(page).splitlines() == [
+        "<p>One <code>a &lt; b</code> and <em>two</em> lines.</p>",
+        "<ul><li>first goes on</li><li><strong>second</strong></li></ul>",
+        "<pre>&lt;robot/&gt;</pre>",
+        "<p>see here (http://x.y)</p>",
+    ]
+
+
+def test_markdown_leaves_lone_signs_alone() -> None:
+    assert markdown("2 * 3 * 4, snake_case_name and a ` tick") == "<p>2 * 3 * 4, snake_case_name and a ` tick</p>"
+
+
+@pytest.mark.parametrize("sign", ["\u202e", "\u2066", "\u200f", "\x00", "\x1b", "\x85", "\u2028"])
+def test_escaping_spells_out_what_acts_on_text(sign: str) -> None:
+    assert sign not in esc(f"a{sign}b")
+
+
+def test_names_in_other_scripts_stay_as_they_are() -> None:
+    assert esc("колесо 轮 ü") == "колесо 轮 ü"
+
+
+def test_finding_type_is_the_contract() -> None:
+    """Every field of a finding reaches the page: a new field must be shown or left out on purpose."""
+    shown = {"code", "name", "severity", "confidence", "message", "location", "subjects", "related", "cause"}
+    shown |= {"consequences", "data", "fix", "model", "suppressed"}
+    assert set(Finding.__dataclass_fields__) - shown == {"message_id"}

@@ -1,0 +1,51 @@
+"""PKG003: paths are spelled as the files are, in upper and lower case."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from urdfcheck.core import Applicability, Edit, Finding, Location, Rule
+from urdfcheck.source.load import Source
+from urdfcheck.source.resources import ResourceUse, machine_part, resource_uses
+from urdfcheck.source.xml import SourceFile
+
+
+def check(source: Source, rule: Rule) -> Iterator[Finding]:
+    found: dict[tuple[object, str], list[ResourceUse]] = {}
+    for use in resource_uses(source):
+        resource = use.resource
+        if not resource.exists and resource.actual is not None and machine_part(use, source) is None:
+            found.setdefault((resource.path, resource.text), []).append(use)
+    for uses in found.values():
+        first = uses[0]
+        actual = first.resource.actual or ""
+        edits = {u.attribute.span: e for u in uses for e in _edits(u, actual, source.files)}
+        yield rule.finding(
+            "case",
+            at=_place(first, actual, source.files),
+            related=[u for u in uses if u.attribute.span != first.attribute.span],
+            edits=edits.values(),
+            applicability=Applicability.SAFE if all(u.attribute.literal for u in uses) else Applicability.UNSAFE,
+            written=_written(first, actual),
+            actual=actual,
+            file=first.resource.text,
+        )
+
+
+def _written(use: ResourceUse, actual: str) -> str:
+    """The last parts of the path as typed: as many as are spelled otherwise on disk."""
+    return "/".join(use.resource.text.replace("\\", "/").split("/")[-len(actual.split("/")) :])
+
+
+def _edits(use: ResourceUse, actual: str, files: Mapping[str, SourceFile]) -> list[Edit]:
+    """Replace the end of the typed path, which must be typed out there and not computed."""
+    span, written = use.attribute.span, _written(use, actual)
+    if span is None or span.file not in files or not use.attribute.typed.endswith(written):
+        return []
+    return [Edit(files[span.file].span(span.end - len(written), span.end), written, actual)]
+
+
+def _place(use: ResourceUse, actual: str, files: Mapping[str, SourceFile]) -> Location:
+    edits = _edits(use, actual, files)
+    whole = use.location
+    return Location(whole.subject, edits[0].span, whole.via) if edits else whole

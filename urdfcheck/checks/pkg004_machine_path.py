@@ -1,0 +1,73 @@
+"""PKG004: paths of meshes and textures mean something on every machine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from urdfcheck.core import Edit, Finding, Location, Rule
+from urdfcheck.model.names import listed
+from urdfcheck.source.load import Source
+from urdfcheck.source.resources import ResourceUse, machine_part, resource_uses
+
+
+@dataclass(slots=True, eq=False)
+class _Place:
+    """The text that holds the path of a machine, and the files that come from it."""
+
+    location: Location
+    uses: list[ResourceUse] = field(default_factory=list)
+
+
+_KINDS = {"absolute": "an absolute path", "file": "a file:// path", "home": "a path in somebody's home folder"}
+
+
+def check(source: Source, rule: Rule) -> Iterator[Finding]:
+    places: dict[object, _Place] = {}
+    for use in resource_uses(source):
+        typed = machine_part(use, source)
+        if typed is None:
+            continue
+        at = Location(use.location.subject, typed.span, use.location.via)
+        # One place for each text, and for each file that several texts name.
+        key = use.resource.path if typed is use.attribute else typed.span
+        places.setdefault(key, _Place(at)).uses.append(use)
+    for place in places.values():
+        yield _finding(place, source, rule)
+
+
+def _finding(place: _Place, source: Source, rule: Rule) -> Finding:
+    first = place.uses[0]
+    portable = _portable(first, source)
+    files = list(dict.fromkeys(u.resource.text for u in place.uses))
+    return rule.finding(
+        "here-only" if first.resource.exists else "nowhere",
+        at=place.location,
+        related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
+        edits=_edits(place, source) if portable else [],
+        file=first.resource.text,
+        files=files,
+        listed=listed(files, 2),
+        kind=_KINDS[first.resource.kind],
+        portable=portable or "package://PACKAGE/meshes/FILE",
+    )
+
+
+def _portable(use: ResourceUse, source: Source) -> str | None:
+    """The package path of a file that lies in the model's own package."""
+    own, path = source.package, use.resource.path
+    if own is None or path is None or not use.resource.exists:
+        return None
+    try:
+        return f"package://{own.name}/{path.resolve().relative_to(own.path.resolve()).as_posix()}"
+    except ValueError:
+        return None
+
+
+def _edits(place: _Place, source: Source) -> list[Edit]:
+    edits = {}
+    for use in place.uses:
+        span, portable = use.attribute.span, _portable(use, source)
+        if span is not None and use.attribute.literal and portable:
+            edits[span] = Edit(span, use.attribute.typed, portable)
+    return list(edits.values())

@@ -1,0 +1,46 @@
+"""PKG006: the package's name is one that all of ROS accepts."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.source.packages import Package
+
+# REP 144: lower case letters, digits and underscores, beginning with a letter, at least two characters.
+_REP144 = re.compile(r"[a-z][a-z0-9_]+")
+# What catkin_pkg takes with a warning at most.
+_CATKIN = re.compile(r"[a-z][a-z0-9_-]*")
+
+
+def check(package: Package, rule: Rule) -> Iterator[Finding]:
+    element = None if package.root is None else package.root.child("name")
+    if element is None:
+        return
+    name = package.name
+    good = _corrected(name)
+    if not _REP144.fullmatch(name):
+        hyphen = bool(_CATKIN.fullmatch(name)) and len(name) > 1
+        kind = "hyphen" if hyphen else "short" if len(name) < 2 else "illegal"
+        yield rule.finding(kind, at=element, name=name, good=good, why=_why(name), debian=name.replace("_", "-"))
+    elif "__" in name:
+        yield rule.finding("double", at=element, name=name, good=good)
+
+
+def _why(name: str) -> str:
+    if not name:
+        return "it is empty"
+    if not name[0].isalpha() or not name[0].isascii():
+        return f"it begins with {name[0]!r}"
+    if name != name.lower():
+        return "it has capital letters"
+    odd = sorted(set(re.findall(r"[^a-z0-9_-]", name)))
+    return "it holds " + ", ".join(repr(c) for c in odd)
+
+
+def _corrected(name: str) -> str:
+    """The name with what is not allowed replaced: ``Car-3`` becomes ``car_3``."""
+    words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+    cleaned = re.sub(r"_+", "_", re.sub(r"[^a-z0-9]", "_", words)).strip("_")
+    return cleaned if re.match(r"[a-z]", cleaned) else f"robot_{cleaned}".rstrip("_")
