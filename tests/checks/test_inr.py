@@ -184,7 +184,9 @@ def disk(radius: float, length: float, density: float) -> str:
     return inertial(repr(mass), ixx=across, iyy=across, izz=repr(mass * radius**2 / 2))
 
 
-@pytest.mark.parametrize(("density", "default"), [(1000, True), (1002, True), (1005, False), (7850, True), (2700, False)])
+@pytest.mark.parametrize(
+    ("density", "default"), [(1000, True), (1002, True), (1005, False), (7850, True), (2700, False)]
+)
 def test_two_different_disks_without_a_material(tmp_path: Path, density: float, default: bool) -> None:
     text = arm(disk(0.03, 0.01, density), base=disk(0.1, 0.02, density))
     assert bool(found(tmp_path, "INR016", text)) == default

@@ -217,6 +217,13 @@ def test_suppressed_findings_are_set_apart_with_their_reason() -> None:
     assert "1 suppressed in the source" in set_apart
 
 
+def test_many_related_places_are_named_but_not_all_quoted() -> None:
+    related = tuple(Location(f"link[w{i}]", span_of("-1")) for i in range(100))
+    html = render(a_run(finding(related=related)))
+    assert all(f"<code>link[w{i}]</code>" in html for i in range(100))
+    assert html.count('<figure class="frame">') == 10
+
+
 def test_consumers_that_do_the_same_share_a_line() -> None:
     found = document(a_run(finding(consequences={"mujoco": "refuses", "drake": "refuses", "my_sim": "loads"})))
     assert "MuJoCo, Drake" in found.text
@@ -240,6 +247,13 @@ def test_many_models_have_a_row_each() -> None:
     assert {f"m{i}" for i in range(1, 31)} <= set(found.ids)
     assert "30 models" in found.text
     assert len(found.classes("card")) == 30
+
+
+def test_models_of_one_name_are_told_apart_by_their_files() -> None:
+    models = (info(path="a/one.urdf", id="1"), info(path="a/two.xacro", id="2"))
+    nav = render(a_run(finding(model="1"), models=models, scenes=())).split("<nav")[1].split("</nav>")[0]
+    assert "rover <small>one.urdf</small>" in nav
+    assert "rover <small>two.xacro</small>" in nav
 
 
 def test_a_model_that_could_not_be_checked_says_so() -> None:

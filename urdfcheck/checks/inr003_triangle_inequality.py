@@ -23,12 +23,14 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
         excess = -triangle_excess(inertial.tensor)
         if excess <= rel_tol:
             continue
+        # What the eigenvalue solver leaves of a zero is no number to print.
+        shown = [0.0 if abs(m) < 1e-12 * moments[2] else float(m) for m in moments]
         data: dict[str, Any] = {
             "link": link.name,
-            # What the eigenvalue solver leaves of a zero is no number to print.
-            "moments": ", ".join(f"{0.0 if abs(m) < 1e-12 * moments[2] else m:.6g}" for m in moments),
-            "sum": float(moments[0] + moments[1]),
+            "moments": ", ".join(f"{m:.6g}" for m in shown),
+            "sum": shown[0] + shown[1],
             "excess": float(excess),
+            "percent": float(excess * 100),
         }
         typed = digits_needed([inertial.tensor_element.get(name) for name in TENSOR], rel_tol)
         if excess < rounding and typed.explained:

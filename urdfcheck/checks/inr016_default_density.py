@@ -26,7 +26,7 @@ def check(model: Model, rule: Rule, *, mesh_tol: float, solid_tol: float, fracti
         different = {f"{link.inertial.mass:.3g}" for link in at if link.inertial and link.inertial.mass}
         if len(different) < 2 or len(at) < fraction * len(densities) or 2 * len(at) < len(heavy):
             continue
-        found = [densities[link.name] for link in at]
+        spread = max(abs(densities[link.name] / default - 1.0) for link in at)
         yield rule.finding(
             "default",
             at=_place(at[0]),
@@ -35,7 +35,7 @@ def check(model: Model, rule: Rule, *, mesh_tol: float, solid_tol: float, fracti
             count=len(at),
             known=len(densities),
             default=default,
-            spread=max(abs(density / default - 1.0) for density in found),
+            spread=f" to within {spread:.1%}" if spread >= 5e-4 else "",
             mass=sum(link.inertial.mass or 0.0 for link in heavy if link.inertial),
             links=[link.name for link in at],
         )

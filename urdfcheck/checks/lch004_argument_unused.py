@@ -51,7 +51,8 @@ def _hands_everything_on(launch: Launch) -> bool:
 def _is_included(path: Path) -> bool:
     """Whether a launch file beside this one mentions it: then that one is where the arguments come from."""
     try:
-        others = [p for p in path.absolute().parent.iterdir() if p.name != path.name and "launch" in p.name]
+        beside = path.absolute().parent.iterdir()
+        others = [p for p in beside if p.name != path.name and "launch" in p.name and p.is_file()]
         return any(path.name in other.read_text(encoding="utf-8", errors="replace") for other in others)
     except OSError:
         return False

@@ -22,7 +22,7 @@ class _Gap:
     """What is missing for one cause: one file, or all files below a folder that does not exist."""
 
     folder: Path | None
-    files: dict[str, Path] = field(default_factory=dict)
+    files: dict[Path, str] = field(default_factory=dict)
     uses: list[ResourceUse] = field(default_factory=list)
 
 
@@ -48,8 +48,8 @@ def _gaps(missing: list[ResourceUse]) -> list[_Gap]:
     by_span: dict[object, _Gap] = {}
     gaps: list[_Gap] = []
     for use in missing:
-        path = use.resource.path
-        assert path is not None
+        assert use.resource.path is not None
+        path = Path(os.path.normpath(use.resource.path))  # two spellings of one file are one cause
         folder = _missing_folder(path)
         cause, span = folder or path, use.attribute.span
         gap = by_cause.get(cause) or (by_span.get(span) if span is not None else None)
@@ -57,7 +57,7 @@ def _gaps(missing: list[ResourceUse]) -> list[_Gap]:
             gap = _Gap(folder)
             gaps.append(gap)
         by_cause[cause] = by_span[span] = gap
-        gap.files.setdefault(use.resource.text, path)
+        gap.files.setdefault(path, use.resource.text)
         gap.uses.append(use)
     return gaps
 
@@ -74,11 +74,11 @@ def _finding(gap: _Gap, index: dict[str, list[Path]], source: Source, rule: Rule
     related = {u.attribute.span: u for u in gap.uses if u.attribute.span != first.attribute.span}
     near = _near(path, index)
     data = {
-        "files": list(gap.files),
+        "files": list(gap.files.values()),
         "amount": "1 mesh file" if len(gap.files) == 1 else f"{len(gap.files)} mesh files",
         "path": display_name(path),
         "name": path.name,
-        "listed": listed([p.name for p in gap.files.values()], 4),
+        "listed": listed([p.name for p in gap.files], 4),
         "links": list(dict.fromkeys(_link(u) for u in gap.uses)),
         "near": [display_name(p) for p in near],
         "hint": f" (did you mean {listed([display_name(p) for p in near], 2)}?)" if near else "",

@@ -19,7 +19,7 @@ from urdfcheck.source.xml import Element
 
 _EXPRESSIONS = " when evaluating expression '"
 _PATH = re.compile(r"(?<![\w./])/[^\s'\",:]+")
-# Python's name for a folder that was opened as a file: what an empty file name becomes once the folder is put before it.
+# What an empty file name ends in: the folder that is put before it is opened as a file.
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
 
 
@@ -168,7 +168,8 @@ def _missing_file(failure: _Failure, match: re.Match[str]) -> _Verdict:
         beside = [p.name for p in path.parent.iterdir()]
     except OSError:
         beside = []
-    data: dict[str, Any] = {"file": display_name(path), "hint": hint(path.name, beside) if beside else "; nor does its folder"}
+    near = hint(path.name, beside) if beside else "; nor does its folder"
+    data: dict[str, Any] = {"file": display_name(path), "hint": near}
     if failure.expression:
         return _at_expression(failure, "file-missing", **data)
     return _verdict_at(failure, "file-missing", failure.problem.location, **data)

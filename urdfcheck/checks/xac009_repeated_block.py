@@ -127,8 +127,9 @@ def _words(attribute: Attribute) -> str:
 def _parameters(columns: Sequence[Attribute]) -> list[str]:
     """A name for each column: its attribute's where that is enough, else with the element's before it."""
     short = [c.name for c in columns]
-    names = [s if short.count(s) == 1 and s != "name" else f"{c.owner.tag}_{s}" for c, s in zip(columns, short, strict=True)]
-    return list(dict.fromkeys(names))
+    long = [f"{c.owner.tag}_{c.name}" for c in columns]
+    clear = [short.count(s) == 1 and s != "name" for s in short]
+    return list(dict.fromkeys(s if c else n for s, n, c in zip(short, long, clear, strict=True)))
 
 
 def _common_start(names: Sequence[str]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
@@ -86,14 +87,14 @@ def _difference(urdf: Outline, xacro: Outline) -> _Difference:
 
 
 def _tops(parts: Iterable[str], other: Iterable[str]) -> tuple[str, ...]:
-    """Parts that only one has: a link or joint that the other lacks altogether counts once, by its name."""
-    known = {_head(part) for part in other}
-    heads = {part: _head(part) for part in parts}
-    return tuple(sorted({part if head in known else head for part, head in heads.items()}))
+    """Parts that only one has: what the other lacks altogether (a link, a collision) counts once, by its name."""
+    known = {prefix for part in other for prefix in _prefixes(part)}
+    return tuple(sorted({next((p for p in _prefixes(part) if p not in known), part) for part in parts}))
 
 
-def _head(part: str) -> str:
-    return part.split("/")[0].split("@")[0]
+def _prefixes(part: str) -> list[str]:
+    """``link[a]``, ``link[a]/inertial``, ``link[a]/inertial/mass``, ``link[a]/inertial/mass@value``."""
+    return [part[: m.start()] for m in re.finditer(r"[/@](?![^\[]*\])", part)] + [part]
 
 
 def _overlap(one: Outline, other: Outline) -> float:

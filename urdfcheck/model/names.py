@@ -9,8 +9,8 @@ from collections.abc import Iterable
 _DIGITS = re.compile(r"\d")
 
 
-def nearest(name: str, known: Iterable[str], likeness: float = 0.6) -> str | None:
-    """The known name that is spelled most like ``name``, None when none is (1 is equal, 0.6 shares most letters).
+def nearest(name: str, known: Iterable[str], likeness: float = 0.75) -> str | None:
+    """The known name that is spelled most like ``name``, None when none is (1 is equal, 0.75 shares most letters).
 
     A name that differs in its digits only is another part of the same kind, not another spelling.
     """

@@ -141,5 +141,7 @@ def _sphere() -> Array:
     """Points of the unit sphere: its equator, and 32 meridians."""
     circle = _circle()
     angles = np.arange(32) * math.tau / 64
-    meridians = [np.column_stack((circle[:, 0] * math.cos(a), circle[:, 0] * math.sin(a), circle[:, 1])) for a in angles]
+    meridians = [
+        np.column_stack((circle[:, 0] * math.cos(a), circle[:, 0] * math.sin(a), circle[:, 1])) for a in angles
+    ]
     return np.concatenate((circle, *meridians))

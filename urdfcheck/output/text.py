@@ -74,7 +74,7 @@ def _finding(out: Console, run: Run, finding: Finding) -> None:
     out.print(head, soft_wrap=True, highlight=False)
     _line(out, Text(visible(finding.message)), 2)
     if len(finding.subjects) > 1:
-        _labelled(out, "made", ", ".join(visible(s) for s in finding.subjects))
+        _labelled(out, "for", ", ".join(visible(s) for s in finding.subjects))
     if span is not None:
         _frame(out, run, span, STYLES[finding.severity])
     for call in reversed(finding.location.via):
@@ -113,9 +113,10 @@ def _repair(out: Console, finding: Finding, fix: Fix) -> None:
     here = None if finding.location.span is None else finding.location.span.file
     for edit in fix.edits[:MAX_RELATED]:
         place = "" if edit.span.file == here else f"{visible(edit.span.file)}:"
-        where = f"{place}{edit.span.line} "
-        _labelled(out, "", Text.assemble((where + "- ", "dim"), (visible(edit.expected), "red")))
-        _labelled(out, "", Text.assemble((where + "+ ", "dim"), (visible(edit.replacement), "green")))
+        for sign, text, style in (("-", edit.expected, "red"), ("+", edit.replacement, "green")):
+            for line in text.strip("\r\n").splitlines():
+                shown = visible(" ".join(line.split()) if sign == "-" else line)
+                _labelled(out, "", Text.assemble((f"{place}{edit.span.line} {sign} ", "dim"), (shown, style)))
     if len(fix.edits) > MAX_RELATED:
         _labelled(out, "", Text(f"… and {len(fix.edits) - MAX_RELATED} more edits", "dim"))
 

@@ -134,8 +134,10 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
     except XmlError as error:
         problem = Problem(error.reason, str(error), Location("launch", error.span))
         return Launch(path, name, "ros1", None, files, (problem,), (), (), finder, package)
-    ros2 = "$(find-pkg-share" in source.text or "$(var " in source.text or any(
-        "exec" in e.attributes for e in root.walk() if e.tag == "node"
+    ros2 = (
+        "$(find-pkg-share" in source.text
+        or "$(var " in source.text
+        or any("exec" in e.attributes for e in root.walk() if e.tag == "node")
     )
     resolver = _Resolver(root, path, finder)
     return Launch(

@@ -16,7 +16,7 @@ from urdfcheck.source.xml import Element, SourceFile, XmlError, parse
 LEVELS_UP = 6
 MAX_SIBLINGS = 2000
 _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
-_SUFFIXES = frozenset({"description", "support", "gazebo", "moveit", "config", "bringup", "meshes", "resources", "robot"})
+_SUFFIXES = frozenset({"description", "support", "gazebo", "config", "bringup", "meshes", "resources", "robot"})
 _SCHEME = re.compile(r"^([A-Za-z][A-Za-z0-9+.-]*)://(.*)$", re.DOTALL)
 
 

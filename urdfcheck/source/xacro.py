@@ -399,7 +399,7 @@ class _Tracer:
                 origin.reads[self.attribute] = tuple(dict.fromkeys((*before, *self.last_reads)))
             elif self.adding is not None:
                 self.add_attribute(str(result))
-            elif self.attribute == "default" and self.node is not None and self.node.tagName == "xacro:arg":
+            elif self.last_reads and self.node is not None and self.node.tagName == "xacro:arg":
                 name = self.node.getAttribute("name")
                 self.argument_definitions[name] = replace(self.argument_definitions[name], reads=self.last_reads)
             return result

@@ -12,6 +12,7 @@ from urdfcheck.output.html.text import esc, plural, prose
 
 MOST_SUBJECTS = 6
 MOST_EDITS = 4
+MOST_FRAMES = 8
 
 CONSUMERS = {
     "bullet": "Bullet",
@@ -142,7 +143,11 @@ def _via(run: Run, via: Sequence[Span]) -> str:
 def _related(run: Run, related: Sequence[Location]) -> str:
     if not related:
         return ""
-    items = "".join(f"<li><code>{esc(r.subject)}</code>{_source(run, r.span, 0)}</li>" for r in related)
+    items = "".join(f"<li><code>{esc(r.subject)}</code>{_source(run, r.span, 0)}</li>" for r in related[:MOST_FRAMES])
+    items += "".join(
+        f"<li><code>{esc(r.subject)}</code>" + (f" <code>{esc(place(r.span))}</code></li>" if r.span else "</li>")
+        for r in related[MOST_FRAMES:]
+    )
     return f'<details class="related"><summary>Compare with ({len(related)})</summary><ul>{items}</ul></details>'
 
 

@@ -21,7 +21,11 @@ def title_of(run: Run) -> str:
 
 
 def robot_name(info: ModelInfo) -> str:
-    return info.robot or info.path.replace("\\", "/").rsplit("/", 1)[-1]
+    return info.robot or file_name(info)
+
+
+def file_name(info: ModelInfo) -> str:
+    return info.path.replace("\\", "/").rsplit("/", 1)[-1]
 
 
 def header_html(run: Run) -> str:
@@ -95,8 +99,9 @@ def _filter(counts: Mapping[Severity, int]) -> str:
 
 def nav_html(parts: Sequence[Part], has_rules: bool) -> str:
     """A row per model with its counts; the sections of a model only where there is one model."""
+    titles = [part.title for part in parts]
     rows = "".join(
-        f'<li><a href="#{part.id}"><span class="name">{esc(part.title)}</span>'
+        f'<li><a href="#{part.id}"><span class="name">{esc(part.title)}{_file(part, titles)}</span>'
         f'<span class="badges">{badges(part.counts)}</span></a>{_sections(part) if len(parts) == 1 else ""}</li>'
         for part in parts
     )
@@ -104,6 +109,13 @@ def nav_html(parts: Sequence[Part], has_rules: bool) -> str:
     rest += [("skipped", "Skipped checks"), ("checks", "Checks"), ("about", "How it was made")]
     more = "".join(f'<li><a href="#{i}">{name}</a></li>' for i, name in rest)
     return f'<nav aria-label="Contents"><ul class="models">{rows}</ul><ul>{more}</ul></nav>'
+
+
+def _file(part: Part, titles: Sequence[str]) -> str:
+    """What tells models of one name apart."""
+    if part.info is None or titles.count(part.title) == 1:
+        return ""
+    return f" <small>{esc(file_name(part.info))}</small>"
 
 
 def _sections(part: Part) -> str:

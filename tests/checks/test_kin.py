@@ -1,0 +1,147 @@
+"""KIN rules: one broken tree, one finding, at its cause."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import check_text
+
+from urdfcheck.core import Run
+
+TREE = {"KIN001", "KIN002", "KIN003", "KIN004", "KIN005", "KIN006", "KIN007", "KIN008", "XML005"}
+
+
+def robot(links: str, *joints: str) -> str:
+    """``robot("a b c", "a b", "b c")``: links a, b, c and joints from a to b and from b to c."""
+    text = "".join(f'<link name="{name}"/>' for name in links.split())
+    for number, joint in enumerate(joints):
+        parent, child = joint.split()
+        text += f'<joint name="j{number}" type="fixed"><parent link="{parent}"/><child link="{child}"/></joint>\n'
+    return f'<robot name="r">{text}</robot>'
+
+
+def codes(run: Run) -> list[str]:
+    assert not run.failures
+    return [f.code for f in run.findings]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (robot("a"), []),
+        (robot("a b c", "a b", "a c"), []),
+        (robot("base_link arm tool", "base_lnk arm", "arm tool"), ["KIN002"]),
+        (robot("base arm tool", "base arm", "arm tol"), ["KIN002"]),
+        (robot("a b camera", "a b", "b zzz"), ["KIN002"]),
+        (robot("a b camera lidar", "a b", "b zzz"), ["KIN002", "KIN005"]),
+        (robot("a b c", "a b", "c c"), ["KIN006"]),
+        (robot("a b c", "a c", "b c"), ["KIN003"]),
+        (robot("a b", "a b", "b a"), ["KIN004"]),
+        (robot("w a b c", "w a", "a b", "b c", "c a"), ["KIN004"]),
+        (robot("w a b", "a b", "b a"), ["KIN004"]),
+        (robot("a b c d", "a b", "c d"), ["KIN005"]),
+        (robot(""), ["KIN007"]),
+    ],
+)
+def test_one_cause_one_finding(tmp_path: Path, text: str, expected: list[str]) -> None:
+    assert sorted(codes(check_text(tmp_path, text, codes=TREE))) == expected
+
+
+def test_a_copied_joint_is_a_duplicate_and_not_a_second_parent(tmp_path: Path) -> None:
+    joint = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
+    text = f'<robot name="r"><link name="a"/><link name="b"/>{joint}\n{joint}</robot>'
+    assert codes(check_text(tmp_path, text, codes=TREE)) == ["KIN001"]
+
+
+def test_a_fixed_joint_may_share_the_name_of_a_link(tmp_path: Path) -> None:
+    text = (
+        '<robot name="r"><link name="a"/><link name="b"/>'
+        '<joint name="b" type="{}"><parent link="a"/><child link="b"/></joint></robot>'
+    )
+    assert codes(check_text(tmp_path, text.format("fixed"), codes=TREE)) == []
+    assert codes(check_text(tmp_path, text.format("continuous"), codes=TREE)) == ["KIN001"]
+
+
+@pytest.mark.parametrize(
+    ("unknown", "near"),
+    [
+        ("base_lnk", "base_link"),
+        ("base", "base_link"),
+        ("baselink", "base_link"),
+        ("weel_4", "wheel_4"),
+        ("wheel_5", None),
+        ("right_arm", None),
+        ("lower_leg", None),
+        ("camera", None),
+    ],
+)
+def test_proposes_a_name_only_where_it_is_a_misspelling(tmp_path: Path, unknown: str, near: str | None) -> None:
+    links = "base_link wheel_1 wheel_4 left_arm upper_leg"
+    text = robot(links, f"{unknown} wheel_1", "wheel_1 wheel_4", "wheel_1 left_arm", "wheel_1 upper_leg")
+    finding = next(f for f in check_text(tmp_path, text, codes={"KIN002"}).findings)
+    assert finding.data.get("near") == near
+    assert finding.fix is not None
+    assert [e.replacement for e in finding.fix.edits] == ([near] if near else [])
+
+
+def test_a_child_means_first_a_link_that_still_has_no_parent(tmp_path: Path) -> None:
+    text = robot("base wheel_left weel_left_2 a", "base wheel_left", "base weel_left_3x", "base a")
+    assert not check_text(tmp_path, text, codes={"KIN002"}).failures
+    (finding,) = check_text(tmp_path, robot("b arm arms", "b arm", "arm armz"), codes={"KIN002"}).findings
+    assert finding.data["near"] == "arms"
+
+
+def test_a_missing_link_is_one_finding_however_many_joints_name_it(tmp_path: Path) -> None:
+    text = robot("a b c", "torso a", "torso b", "torso c")
+    (finding,) = check_text(tmp_path, text, codes=TREE).findings
+    assert (finding.code, len(finding.subjects)) == ("KIN002", 3)
+
+
+def test_the_loop_is_told_link_by_link(tmp_path: Path) -> None:
+    (finding,) = check_text(tmp_path, robot("w a b c", "w a", "a b", "b c", "c a"), codes=TREE).findings
+    assert finding.data["loop"] == "a → b → c → a"
+    assert finding.location.subject == "joint[j3]/child@link"
+
+
+def test_pieces_are_listed_the_largest_first(tmp_path: Path) -> None:
+    (finding,) = check_text(tmp_path, robot("x a b c d", "a b", "b c"), codes=TREE).findings
+    assert finding.data["roots"] == ["a", "x", "d"]
+    assert finding.data["main"] == "a (3 links)"
+
+
+def test_a_chain_of_two_thousand_links(tmp_path: Path) -> None:
+    count = 2000
+    joints = [f"l{i} l{i + 1}" for i in range(count - 1)]
+    text = robot(" ".join(f"l{i}" for i in range(count)), *joints, f"l{count - 1} l0")
+    assert codes(check_text(tmp_path, text, codes={"KIN003", "KIN004", "KIN005"})) == ["KIN004"]
+
+
+def test_xacro_that_nothing_expanded_says_nothing_about_the_tree(tmp_path: Path) -> None:
+    text = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arm/><link name="a"/><link name="b"/></robot>'
+    run = check_text(tmp_path, text, codes=TREE)
+    assert codes(run) == []
+    assert {s.code for s in run.skipped} >= {"KIN002", "KIN005", "KIN007"}
+
+
+class TestKIN008:
+    INERTIAL = '<inertial><mass value="{}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+
+    def model(self, mass: str) -> str:
+        return (
+            f'<robot name="r"><link name="a">{self.INERTIAL.format(mass)}</link><link name="b"/>'
+            '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint></robot>'
+        )
+
+    def test_root_with_mass(self, tmp_path: Path) -> None:
+        assert codes(check_text(tmp_path, self.model("1"), codes={"KIN008"})) == ["KIN008"]
+
+    def test_massless_or_malformed_root(self, tmp_path: Path) -> None:
+        assert codes(check_text(tmp_path, self.model("0"), codes={"KIN008"})) == []
+        assert codes(check_text(tmp_path, self.model("x"), codes={"KIN008"})) == []
+
+    def test_abstains_without_a_tree(self, tmp_path: Path) -> None:
+        run = check_text(tmp_path, robot("a b"), codes={"KIN008"})
+        assert codes(run) == []
+        run = check_text(tmp_path, robot("a b c", "a b"), codes={"KIN008"})
+        assert [s.code for s in run.skipped] == ["KIN008"]

@@ -1,0 +1,246 @@
+"""Launch files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import FIXTURES, check, check_text
+
+from urdfcheck.core import Finding, Run, Severity
+
+LOAD = '<param name="robot_description" textfile="$(find car)/urdf/car.urdf"/>'
+CAR = """<robot name="car"><link name="base_link"><collision>{shape}</collision></link>
+<link name="laser"/>
+<joint name="mount" type="fixed"><parent link="base_link"/><child link="laser"/></joint></robot>"""
+BOX = '<origin xyz="0 0 0.1" rpy="0.5235987755982988 0 0"/><geometry><box size="1 0.2 0.2"/></geometry>'
+
+
+def found(folder: Path, body: str, code: str) -> tuple[Finding, ...]:
+    """The findings of a launch file on its own."""
+    return only(check_text(folder, f"<launch>{body}</launch>", "robot.launch", codes={code}))
+
+
+def package(folder: Path, body: str, code: str, shape: str = BOX, depend: str = "") -> tuple[Finding, ...]:
+    """The findings of a launch file in the package ``car`` that has a robot."""
+    texts = {
+        "package.xml": f'<package format="2"><name>car</name>{depend}</package>',
+        "urdf/car.urdf": CAR.format(shape=shape),
+        "launch/car.launch": f"<launch>{body}</launch>",
+    }
+    for name, text in texts.items():
+        path = folder / "car" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return only(check(folder / "car" / "launch" / "car.launch", codes={code}))
+
+
+def only(run: Run) -> tuple[Finding, ...]:
+    assert not run.failures
+    return run.findings
+
+
+# -- LCH001 ------------------------------------------------------------------------------------------------------------
+
+
+def load(path: str) -> str:
+    return f'<param name="robot_description" textfile="{path}"/>'
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        (load("$(find car)/urdf/cra.urdf"), "file"),
+        (load("$(find cart)/urdf/car.urdf"), "package"),
+        (load("$(arg model)"), "argument"),
+        ('<arg name="a" default="$(arg b)"/><arg name="b" default="$(arg a)"/>' + load("$(arg a)"), "circle"),
+        ('<arg name="model"/>' + load("$(arg model)"), None),
+        (load("$(env HOME)/car.urdf"), None),
+        (LOAD, None),
+    ],
+)
+def test_why_a_description_cannot_be_loaded(tmp_path: Path, body: str, message: str | None) -> None:
+    assert [f.message_id for f in package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
+
+
+def test_a_declared_dependency_is_merely_not_installed(tmp_path: Path) -> None:
+    depend = "<exec_depend>other_car</exec_depend>"
+    assert not package(tmp_path, load("$(find other_car)/car.urdf"), "LCH001", depend=depend)
+
+
+def test_the_path_itself_is_pointed_at_and_a_similar_file_named(tmp_path: Path) -> None:
+    command = '<param name="robot_description" command="$(find xacro)/xacro \'$(find car)/urdf/cars.urdf\' a:=1"/>'
+    (finding,) = package(tmp_path, command, "LCH001")
+    span = finding.location.span
+    assert span is not None
+    text = (tmp_path / "car" / "launch" / "car.launch").read_text()
+    assert text[span.start : span.end] == "$(find car)/urdf/cars.urdf"
+    assert "'car.urdf'" in finding.message
+
+
+# -- LCH002 ------------------------------------------------------------------------------------------------------------
+
+
+def spawn(args: str, attributes: str = 'pkg="gazebo_ros" type="spawn_model"') -> str:
+    return f'<node name="s" {attributes} args="{args}"/>'
+
+
+CREATE = 'pkg="ros_gz_sim" exec="create"'
+
+
+@pytest.mark.parametrize(
+    ("node", "messages"),
+    [
+        (spawn("-urdf -param d -model"), ["valueless-end"]),
+        (spawn("-urdf -param d -model -unpause"), ["valueless"]),
+        (spawn("-urdf -param d"), ["missing"]),
+        (spawn("-urdf -param -model car"), ["valueless"]),
+        (spawn("-urdf -param d -model car -z -0.1 -Y -1e-3"), []),
+        (spawn("-urdf -param d $(arg name)"), []),
+        (spawn("-urdf -file $(find car)/urdf/car.urdf -model $(arg name) -J joint -0.5"), []),
+        (spawn("-topic d", CREATE), []),
+        (spawn("-topic d -name -z 1", CREATE), ["valueless"]),
+        (spawn("-model", 'pkg="other" type="spawn_model"'), []),
+    ],
+)
+def test_options_of_spawners(tmp_path: Path, node: str, messages: list[str]) -> None:
+    assert [f.message_id for f in found(tmp_path, node, "LCH002")] == messages
+
+
+def test_the_robots_own_name_is_the_missing_value(tmp_path: Path) -> None:
+    (finding,) = package(tmp_path, LOAD + spawn("-urdf -param d\n  -model -unpause"), "LCH002")
+    assert finding.fix is not None
+    assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("-model", "-model car")]
+
+
+# -- LCH003, LCH004, LCH007 --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("body", "new"),
+    [
+        ('<node name="n" pkg="robot_state_publisher" type="state_publisher"/>', ["robot_state_publisher"]),
+        ('<node pkg="tf" exec="static_transform_publisher"/>', ["tf2_ros"]),
+        ('<node name="n" pkg="tf" type="static_transform_publisher"/>', []),
+        ('<node pkg="rviz" exec="rviz"/>', ["rviz2", "rviz2"]),
+    ],
+)
+def test_each_generation_of_ros_has_removed_its_own(tmp_path: Path, body: str, new: list[str]) -> None:
+    findings = found(tmp_path, body, "LCH003")
+    assert [e.replacement for f in findings if f.fix is not None for e in f.fix.edits] == new
+
+
+def test_the_old_xacro_script(tmp_path: Path) -> None:
+    body = '<param name="robot_description" command="$(find xacro)/xacro.py $(find car)/urdf/car.urdf"/>'
+    (finding,) = package(tmp_path, body, "LCH003")
+    assert finding.fix is not None
+    assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("xacro.py", "xacro")]
+
+
+@pytest.mark.parametrize(
+    ("body", "messages"),
+    [
+        ('<arg name="x" default="1"/>', ["unused"]),
+        ('<arg name="x" default="1"/><param name="p" value="$(arg x)"/>', []),
+        ('<arg name="x" default="1"/><param name="p" value="$(eval 2 * x)"/>', []),
+        ('<arg name="x" default="1"/><param name="p" value="$(eval arg(\'x\'))"/>', []),
+        ('<arg name="x" default="1"/><rosparam subst_value="true">p: $(arg x)</rosparam>', []),
+        ('<arg name="x" default="1"/><include file="a.launch" pass_all_args="true"/>', []),
+        ('<arg name="x" default="1"/><include file="$(find-pkg-share p)/a.launch.xml"/>', []),
+        ('<include file="a.launch"><arg name="x" value="1"/></include>', []),
+        ('<arg name="x"/><param name="p" value="$(arg x)"/>', ["required"]),
+        ('<arg name="x" doc="why"/><param name="p" value="$(arg x)"/>', []),
+    ],
+)
+def test_arguments(tmp_path: Path, body: str, messages: list[str]) -> None:
+    assert [f.message_id for f in found(tmp_path, body, "LCH004")] == messages
+
+
+def test_a_required_argument_is_the_including_files_business(tmp_path: Path) -> None:
+    (tmp_path / "all.launch").write_text('<launch><include file="robot.launch"/></launch>', encoding="utf-8")
+    assert not found(tmp_path, '<arg name="x"/><param name="p" value="$(arg x)"/>', "LCH004")
+
+
+def test_a_line_is_deleted_with_its_line_break_and_nothing_else(tmp_path: Path) -> None:
+    body = '\n  <arg name="x" default="1"/>\n  <param name="use_gui" value="1"/><param name="p" value="1"/>\n'
+    (unused,) = found(tmp_path, body, "LCH004")
+    (leftover,) = found(tmp_path, body, "LCH007")
+    assert unused.fix is not None
+    assert leftover.fix is not None
+    assert [e.expected for e in unused.fix.edits] == ['  <arg name="x" default="1"/>\n']
+    assert [e.expected for e in leftover.fix.edits] == ['<param name="use_gui" value="1"/>']
+
+
+def test_an_element_with_content_is_not_deleted(tmp_path: Path) -> None:
+    body = '<node name="n" pkg="rostopic" type="rostopic" args="pub /calibrated std_msgs/Bool true"><env/></node>'
+    (finding,) = found(tmp_path, body, "LCH007")
+    assert finding.fix is not None
+    assert not finding.fix.edits
+
+
+# -- LCH005 ------------------------------------------------------------------------------------------------------------
+
+
+def transform(words: str) -> str:
+    return LOAD + f'<node name="t" pkg="tf2_ros" type="static_transform_publisher" args="{words}"/>'
+
+
+@pytest.mark.parametrize(
+    ("words", "messages"),
+    [
+        ("0 0 0 0 0 0 odom laser", ["second-parent"]),
+        ("0 0 0 0 0 0 laser base_link", ["loop"]),
+        ("0 0 0 0 0 0 bace_link camera", ["unknown-frame"]),
+        ("0 0 0 0 0 0 camera_link camera_optical", []),
+        ("0 0 0 0 0 0 map base_link 100", []),
+        ("0 0 0 0 0 0 base_link camera", []),
+        ("0 0 0 0 0 0 base_footprint base_link 40", []),
+        ("0 0 0 0 0 0 1 base_link base_footprint", ["footprint-height"]),
+        ("--frame-id base_link --child-frame-id base_footprint --z 1", ["footprint-height"]),
+    ],
+)
+def test_static_transforms_against_the_model(tmp_path: Path, words: str, messages: list[str]) -> None:
+    assert [f.message_id for f in package(tmp_path, transform(words), "LCH005")] == messages
+
+
+@pytest.mark.parametrize(
+    ("shape", "ground"),
+    [
+        # A box of half sides 0.1 turned by 30° about x reaches 0.1 (cos 30° + sin 30°) below its centre.
+        (BOX, 0.1 - 0.1366025),
+        ('<geometry><sphere radius="0.3"/></geometry>', -0.3),
+        ('<geometry><cylinder radius="0.3" length="1"/></geometry>', -0.5),
+        ('<origin rpy="1.5707963267948966 0 0"/><geometry><cylinder radius="0.3" length="1"/></geometry>', -0.3),
+    ],
+)
+def test_the_footprint_lies_at_the_lowest_point(tmp_path: Path, shape: str, ground: float) -> None:
+    wrong, right = (f"0 0 {z} 0 0 0 base_link base_footprint 40" for z in (ground + 0.003, ground + 0.001))
+    (finding,) = package(tmp_path / "wrong", transform(wrong), "LCH005", shape)
+    assert finding.data["ground"] == pytest.approx(ground, abs=1e-6)
+    (finding,) = package(tmp_path / "right", transform(right), "LCH005", shape)
+    assert finding.message_id == "footprint"
+
+
+def test_without_the_meshes_only_the_direction_is_known(tmp_path: Path) -> None:
+    shape = '<geometry><mesh filename="missing.stl"/></geometry>'
+    (finding,) = package(tmp_path, transform("0 0 0 0 0 0 base_link base_footprint 40"), "LCH005", shape)
+    assert finding.message_id == "footprint"
+
+
+def test_the_launch_file_of_the_first_car() -> None:
+    """Everything that is wrong with it, at its line."""
+    codes = {"LCH001", "LCH002", "LCH003", "LCH004", "LCH005", "LCH007"}
+    run = check(FIXTURES / "car-3" / "launch" / "car.launch", codes=codes)
+    lines = {(f.location.span.line, f.code, f.severity) for f in only(run) if f.location.span is not None}
+    assert lines == {
+        (8, "LCH007", Severity.INFO),
+        (11, "LCH004", Severity.INFO),
+        (14, "LCH007", Severity.INFO),
+        (16, "LCH003", Severity.WARNING),
+        (18, "LCH005", Severity.WARNING),
+        (19, "LCH002", Severity.ERROR),
+        (21, "LCH007", Severity.INFO),
+    }
+    (frame,) = (f for f in run.findings if f.code == "LCH005")
+    assert frame.cause is not None
+    assert frame.data["ground"] == pytest.approx(-0.030, abs=1e-5)

@@ -1,0 +1,220 @@
+"""XML rules: boundaries that a page cannot show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import check, check_text
+
+from urdfcheck.core import Applicability, Finding, Severity
+
+ROBOT = '<robot name="r"><link name="a"/><link name="b">{link}</link>{joint}</robot>'
+JOINT = (
+    '<joint name="j" type="revolute"><parent link="a"/><child link="b"/>'
+    '<limit lower="0" upper="1" effort="{effort}" velocity="1"/>{more}</joint>'
+)
+
+
+def findings(folder: Path, text: str, code: str, name: str = "robot.urdf") -> list[Finding]:
+    run = check_text(folder, text, name, codes={code})
+    assert not run.failures
+    return [f for f in run.findings if f.code == code]
+
+
+def with_effort(value: str) -> str:
+    return ROBOT.format(link="", joint=JOINT.format(effort=value, more=""))
+
+
+class TestXML001:
+    @pytest.mark.parametrize(
+        ("text", "cause"),
+        [
+            ("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n", "git_lfs"),
+            ("<html><body><p>not found</body></html>", "web_page"),
+            ('<robot name="r">\n<<<<<<< HEAD\n<link name="a"/>\n=======\n', "merge_conflict"),
+            ('\n<?xml version="1.0"?><robot name="r"><link name="a"/></robot>', "before_declaration"),
+            ('<robot name="r"><link name="a></robot>', None),
+        ],
+    )
+    def test_names_what_the_file_really_is(self, tmp_path: Path, text: str, cause: str | None) -> None:
+        (finding,) = findings(tmp_path, text, "XML001")
+        assert finding.message_id == "malformed"
+        assert (finding.cause.id if finding.cause else None) == cause
+
+    def test_bytes_that_are_no_text(self, tmp_path: Path) -> None:
+        path = tmp_path / "r.urdf"
+        path.write_bytes(b'<robot name="r">\n<link name="caf\xe9"/></robot>')
+        (finding,) = check(path, codes={"XML001"}).findings
+        assert finding.message_id == "encoding"
+        assert finding.location.span is not None
+        assert (finding.location.span.line, finding.location.span.col) == (2, 16)
+
+    def test_undeclared_prefix_stops_xacro_and_not_urdf(self, tmp_path: Path) -> None:
+        text = '<robot name="r"><link name="a"/><foo:bar/></robot>'
+        (plain,) = findings(tmp_path, text, "XML001")
+        (xacro,) = findings(tmp_path, text, "XML001", "robot.urdf.xacro")
+        assert (plain.severity, xacro.severity) == (Severity.WARNING, Severity.ERROR)
+
+    def test_xacro_prefix_in_a_urdf_is_left_to_xml009(self, tmp_path: Path) -> None:
+        run = check_text(tmp_path, '<robot name="r"><xacro:arm/></robot>', codes={"XML001", "XML009", "KIN007"})
+        assert [f.code for f in run.findings] == ["XML009"]
+
+
+class TestXML002:
+    def test_included_file_needs_no_name(self, tmp_path: Path) -> None:
+        ns = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+        (tmp_path / "part.xacro").write_text(f'<robot {ns}><link name="a"/></robot>')
+        text = f'<robot name="r" {ns}><xacro:include filename="part.xacro"/></robot>'
+        assert not findings(tmp_path, text, "XML002", "robot.urdf.xacro")
+
+    def test_nameless_xacro_is_only_wrong_where_it_was_asked_for(self, tmp_path: Path) -> None:
+        text = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"/></robot>'
+        assert findings(tmp_path, text, "XML002", "robot.urdf.xacro")
+        assert not check(tmp_path, codes={"XML002"}).findings
+
+    def test_empty_robot_in_a_folder_is_a_placeholder(self, tmp_path: Path) -> None:
+        (tmp_path / "empty.urdf").write_text("<robot></robot>")
+        assert not check(tmp_path, codes={"XML002", "KIN007"}).findings
+
+
+class TestXML003:
+    def test_inertia_in_a_link_is_misplaced_and_not_misspelt(self, tmp_path: Path) -> None:
+        (finding,) = findings(tmp_path, '<robot name="r"><link name="a"><inertia ixx="1"/></link></robot>', "XML003")
+        assert finding.message_id == "misplaced"
+
+    def test_inertia_that_holds_a_mass_is_a_misspelt_inertial(self, tmp_path: Path) -> None:
+        text = '<robot name="r"><link name="a"><inertia><mass value="1"/></inertia></link></robot>'
+        (finding,) = findings(tmp_path, text, "XML003")
+        assert (finding.message_id, finding.data["near"]) == ("misspelt", "inertial")
+
+    def test_one_mistake_in_many_places_is_one_finding(self, tmp_path: Path) -> None:
+        links = "".join(f'<link name="l{i}"><colision/></link>' for i in range(3))
+        (finding,) = findings(tmp_path, f'<robot name="r">{links}</robot>', "XML003")
+        assert len(finding.subjects) == 3
+        assert "(3 times)" in finding.message
+
+    def test_does_not_look_into_extensions(self, tmp_path: Path) -> None:
+        text = '<robot name="r"><link name="a"/><gazebo><visul/></gazebo><transmission><jont/></transmission></robot>'
+        assert not findings(tmp_path, text, "XML003")
+
+
+class TestXML005:
+    @pytest.mark.parametrize(
+        ("link", "loss"),
+        [
+            ("<inertial/>", "drops the inertial, and with it every visual and collision of the link"),
+            ("<visual/>", "drops every visual and collision of the link"),
+            ("<collision/>", "drops every collision of the link"),
+        ],
+    )
+    def test_says_what_urdfdom_gives_up(self, tmp_path: Path, link: str, loss: str) -> None:
+        text = ROBOT.format(link=link, joint=JOINT.format(effort="1", more=""))
+        (finding,) = findings(tmp_path, text, "XML005")
+        assert finding.consequences["urdfdom"] == loss
+
+    def test_missing_parent_is_not_told_again_as_unknown_link_or_root(self, tmp_path: Path) -> None:
+        text = '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="fixed"><child link="b"/></joint></robot>'
+        run = check_text(tmp_path, text, codes={"XML005", "KIN002", "KIN005"})
+        assert [f.code for f in run.findings] == ["XML005"]
+
+
+class TestXML007:
+    @pytest.mark.parametrize("good", ["1", "+1", "-1.5", ".5", "1.", "1e-3", "1E+2", " 1", "-0"])
+    def test_numbers(self, tmp_path: Path, good: str) -> None:
+        assert not findings(tmp_path, with_effort(good), "XML007")
+
+    @pytest.mark.parametrize(
+        ("bad", "kind", "repair"),
+        [
+            ("nan", "nan", None),
+            ("-INF", "infinite", None),
+            ("", "empty", None),
+            ("0,5", "comma", "0.5"),
+            ("1,000", "comma", None),
+            ("10kg", "unit", "10"),
+            ("10 mm", "unit", None),
+            ("90°", "unit", None),
+            ("1_000", "underscore", "1000"),
+            ("0x10", "hexadecimal", None),
+            ("\u22121", "character", "-1"),
+            ("\u0661", "character", None),
+            ("1e400", "overflow", None),
+            ("pi/2", "expression", None),
+            ("1d3", "other", None),
+            ("1 ", "blank", "1"),
+        ],
+    )
+    def test_kinds(self, tmp_path: Path, bad: str, kind: str, repair: str | None) -> None:
+        (finding,) = findings(tmp_path, with_effort(bad), "XML007")
+        assert finding.message_id == kind
+        assert finding.fix is not None
+        assert [e.replacement for e in finding.fix.edits] == ([] if repair is None else [repair])
+
+    def test_only_white_space_is_repaired_without_asking(self, tmp_path: Path) -> None:
+        (blank,) = findings(tmp_path, with_effort("1 "), "XML007")
+        (comma,) = findings(tmp_path, with_effort("0,5"), "XML007")
+        assert blank.fix is not None
+        assert comma.fix is not None
+        assert (blank.fix.applicability, comma.fix.applicability) == (Applicability.SAFE, Applicability.UNSAFE)
+
+    @pytest.mark.parametrize("xyz", ["0 0 0 ", "0  0 0", "0 0 \n0", " 0 0 0"])
+    def test_white_space_that_urdfdom_skips(self, tmp_path: Path, xyz: str) -> None:
+        text = ROBOT.format(link="", joint=JOINT.format(effort="1", more=f'<origin xyz="{xyz}"/>'))
+        assert not findings(tmp_path, text, "XML007")
+
+    @pytest.mark.parametrize("xyz", ["0\t0 0", "0 0\n0", "0 0 0\n"])
+    def test_white_space_that_it_does_not_skip(self, tmp_path: Path, xyz: str) -> None:
+        text = ROBOT.format(link="", joint=JOINT.format(effort="1", more=f'<origin xyz="{xyz}"/>'))
+        assert [f.message_id for f in findings(tmp_path, text, "XML007")] == ["blank"]
+        # xacro writes every tab and line break as a space.
+        assert not findings(tmp_path, text, "XML007", "robot.urdf.xacro")
+
+    @pytest.mark.parametrize("xyz", ["0,0,1", "0, 0, 1", "0;0;1", "(0 0 1)"])
+    def test_separators(self, tmp_path: Path, xyz: str) -> None:
+        text = ROBOT.format(link="", joint=JOINT.format(effort="1", more=f'<axis xyz="{xyz}"/>'))
+        (finding,) = findings(tmp_path, text, "XML007")
+        assert finding.fix is not None
+        repaired = [e.replacement for e in finding.fix.edits]
+        assert repaired == (["0 0 1"] if finding.message_id == "separator" else [])
+
+    def test_names_the_property_that_a_value_came_from(self, tmp_path: Path) -> None:
+        text = (
+            '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">\n'
+            '<xacro:property name="force" value="1,5"/>\n' + with_effort("${force}").removeprefix('<robot name="r">')
+        )
+        (finding,) = findings(tmp_path, text, "XML007", "robot.urdf.xacro")
+        assert [r.subject for r in finding.related] == ["property[force]"]
+        assert finding.fix is not None
+        assert not finding.fix.edits
+
+    def test_numbers_of_extensions_are_their_own(self, tmp_path: Path) -> None:
+        text = '<robot name="r"><link name="a"/><gazebo><origin xyz="x"/></gazebo></robot>'
+        assert not findings(tmp_path, text, "XML007")
+
+
+class TestXML008:
+    def test_no_number_at_all_is_xml007(self, tmp_path: Path) -> None:
+        text = ROBOT.format(link="", joint=JOINT.format(effort="1", more='<axis xyz=""/>'))
+        assert not findings(tmp_path, text, "XML008")
+        assert findings(tmp_path, text, "XML007")
+
+    def test_single_number_given_twice(self, tmp_path: Path) -> None:
+        (finding,) = findings(tmp_path, with_effort("1 2"), "XML008")
+        assert (finding.data["found"], finding.data["expected"]) == (2, 1)
+
+
+class TestXML012:
+    def test_difference_that_no_screen_shows(self, tmp_path: Path) -> None:
+        text = (
+            '<robot name="r"><material name="m"><color rgba="0.5 0.5 0.5 1"/></material><link name="a"><visual>'
+            '<geometry><sphere radius="1"/></geometry><material name="m"><color rgba="{} 0.5 0.5 1"/></material>'
+            "</visual></link></robot>"
+        )
+        assert not findings(tmp_path, text.format("0.5019"), "XML012")
+        assert findings(tmp_path, text.format("0.5021"), "XML012")
+
+    def test_empty_names_are_one_finding(self, tmp_path: Path) -> None:
+        visual = '<visual><geometry><sphere radius="1"/></geometry><material name=""/></visual>'
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{visual}{visual}</link></robot>', "XML012")
+        assert len(finding.subjects) == 2
