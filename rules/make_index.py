@@ -39,7 +39,9 @@ def index() -> str:
         members = [rule for code, rule in rules.items() if code.startswith(family)]
         if not members:
             continue
-        parts.append(f"\n## {family}: {title}\n\n| code | name | severity | confidence | finds |\n|---|---|---|---|---|\n")
+        parts.append(
+            f"\n## {family}: {title}\n\n| code | name | severity | confidence | finds |\n|---|---|---|---|---|\n"
+        )
         for rule in members:
             page = f"{rule.code}-{rule.name}.md"
             parts.append(

@@ -69,7 +69,9 @@ def words(finding: Finding) -> str:
     return "\n".join(parts)
 
 
-@pytest.mark.parametrize(("code", "file", "line", "said"), SAID, ids=lambda v: str(v) if not isinstance(v, tuple) else "")
+@pytest.mark.parametrize(
+    ("code", "file", "line", "said"), SAID, ids=lambda v: str(v) if not isinstance(v, tuple) else ""
+)
 def test_it_says(run: Run, code: str, file: str, line: int, said: tuple[str, ...]) -> None:
     found = [f for f in run.findings if f.code == code and place(f) == (file, line)]
     assert found, [place(f) for f in run.findings if f.code == code]
@@ -80,6 +82,7 @@ def test_it_says(run: Run, code: str, file: str, line: int, said: tuple[str, ...
 
 def test_every_finding_has_its_consequence_and_its_repair(run: Run) -> None:
     for finding in run.findings:
+        assert finding.consequences, finding.code
         assert finding.fix is not None, finding.code
         assert finding.fix.title, finding.code
 
@@ -94,9 +97,7 @@ def test_noise_is_one_finding_per_link_at_most(run: Run) -> None:
 def test_five_unnamed_materials(run: Run) -> None:
     for file in (XACRO, URDF):
         found = [f for f in run.findings if f.code == "XML012" and place(f)[0] == file]
-        places = {place(f)[1] for f in found} | {
-            r.span.line for f in found for r in f.related if r.span is not None
-        }
+        places = {place(f)[1] for f in found} | {r.span.line for f in found for r in f.related if r.span is not None}
         assert len(places) == 5
 
 

@@ -134,3 +134,16 @@ def test_model_ids_name_the_arguments(tmp_path: Path) -> None:
     outcome = check(path, arguments={"n": "2"})
     assert outcome.models[0].id == "r.urdf.xacro n:=2"
     assert outcome.models[0].args == {"n": "2"}
+
+
+def test_a_urdf_that_the_launch_file_hands_to_xacro_is_expanded(tmp_path: Path) -> None:
+    (tmp_path / "r.urdf").write_text(
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="n" value="7"/>'
+        '<link name="a${n}"/></robot>'
+    )
+    launch = tmp_path / "r.launch"
+    launch.write_text('<launch><param name="robot_description" command="xacro $(dirname)/r.urdf"/></launch>')
+    outcome = check(launch)
+    assert [(m.status, m.links) for m in outcome.models] == [("checked", 1)]
+    assert "XML009" not in {f.code for f in outcome.findings}
+    assert "XML009" in {f.code for f in check(tmp_path / "r.urdf").findings}

@@ -38,7 +38,9 @@ def test_the_validation_can_fail(report: dict[str, object]) -> None:
 
 
 def test_nan_and_strange_values_become_json(tmp_path: Path) -> None:
-    outcome = check_text(tmp_path, '<robot name="r"><link name="a"><inertial><mass value="nan"/></inertial></link></robot>')
+    outcome = check_text(
+        tmp_path, '<robot name="r"><link name="a"><inertial><mass value="nan"/></inertial></link></robot>'
+    )
     jsonschema.validate(json.loads(render(outcome)), SCHEMA)
 
 

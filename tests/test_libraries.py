@@ -24,9 +24,7 @@ def ros(tmp_path: Path) -> Path:
 
 def test_the_own_xacro_is_preferred(ros: Path, tmp_path: Path) -> None:
     model = tmp_path / "r.urdf.xacro"
-    model.write_text(
-        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="${1 + 1}_link"/></robot>'
-    )
+    model.write_text('<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="${1 + 1}_link"/></robot>')
     done = subprocess.run(
         [sys.executable, "-m", "urdfcheck", str(model), "--fail-on", "never"],
         capture_output=True,

@@ -46,7 +46,8 @@ def same_frames_as_pinocchio(model: Model) -> int:
 
 
 @pytest.mark.parametrize(
-    "path", ["car-3/urdf/car-3.urdf", "car-3/robot_description/urdf/car_body.urdf.xacro", "car-3-fixed/urdf/car_3.urdf.xacro"]
+    "path",
+    ["car-3/urdf/car-3.urdf", "car-3/robot_description/urdf/car_body.urdf.xacro", "car-3-fixed/urdf/car_3.urdf.xacro"],
 )
 def test_frames_of_the_fixtures(path: str, tmp_path: Path) -> None:
     model = model_of(FIXTURES / path)

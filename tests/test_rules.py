@@ -70,9 +70,7 @@ def lines_found(case: Case, folder: Path) -> tuple[set[tuple[str, int]], set[tup
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8", newline="")
         expected |= {
-            (name, number)
-            for number, line in enumerate(text.split("\n"), 1)
-            if case.rule in EXPECT.findall(line)
+            (name, number) for number, line in enumerate(text.split("\n"), 1) if case.rule in EXPECT.findall(line)
         }
     # A single file is named by the user; a tree of files is found in its folder.
     target = folder if len(case.files) > 1 else folder / case.files[0][0]
@@ -109,7 +107,8 @@ def test_page_is_complete(rule: Rule) -> None:
     assert set(headings) <= set(HEADINGS), "an unknown section"
     assert rule.messages.keys() == rule.fixes.keys(), "every message needs its repair"
     assert rule.status in {"preview", "stable", "deprecated"}
-    assert rule.scope in catalogue.SCOPES
+    assert rule.scopes
+    assert set(rule.scopes) <= set(catalogue.SCOPES)
     assert rule.needs
     assert set(rule.needs) <= set(catalogue.NEEDS)
     assert set(rule.hidden_by) <= set(catalogue.rules())

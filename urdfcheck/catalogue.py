@@ -77,6 +77,7 @@ def load_page(path: Path) -> Rule:
         unknown = sorted(set(meta) - _KEYS)
         if unknown:
             raise ValueError(f"unknown key {unknown[0]!r}")
+        scope = meta.get("scope", "model")
         return Rule(
             code=code,
             name=name,
@@ -84,13 +85,11 @@ def load_page(path: Path) -> Rule:
             confidence=Confidence(meta["confidence"]),
             status=meta["status"],
             since=meta["since"],
-            scope=meta.get("scope", "model"),
+            scopes=tuple([scope] if isinstance(scope, str) else scope),
             needs=tuple(meta["needs"]),
             tags=tuple(meta["tags"]),
             hidden_by=tuple(meta.get("hidden_by", ())),
-            options={
-                key: Option(key, o["default"], o["unit"], o["doc"]) for key, o in meta.get("options", {}).items()
-            },
+            options={key: Option(key, o["default"], o["unit"], o["doc"]) for key, o in meta.get("options", {}).items()},
             messages=meta["messages"],
             fixes=meta["fixes"],
             causes=meta.get("causes", {}),
@@ -130,7 +129,9 @@ def select(names: Iterable[str]) -> set[str]:
             import difflib
 
             known = {*rules(), *(r.name for r in rules().values()), *(t for r in rules().values() for t in r.tags)}
-            near = difflib.get_close_matches(word, known, n=1, cutoff=0.5) or difflib.get_close_matches(upper, known, n=1)
+            near = difflib.get_close_matches(word, known, n=1, cutoff=0.5) or difflib.get_close_matches(
+                upper, known, n=1
+            )
             hint = f"; did you mean {near[0]}?" if near else ""
             raise UrdfcheckError(f"no rule, prefix, name or tag is called {word!r}{hint} (urdfcheck rule lists them)")
         found |= codes

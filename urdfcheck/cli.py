@@ -68,14 +68,18 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--tier", choices=("source", "mesh", "full"), help="how much to compute (default: full)")
     p.add_argument("--select", action="append", metavar="CODES", help="only these rules: codes, prefixes, names, tags")
     p.add_argument("--ignore", action="append", metavar="CODES", help="not these rules")
-    p.add_argument("--fail-on", choices=("error", "warning", "info", "never"), help="exit 1 from here on (default: error)")
+    p.add_argument(
+        "--fail-on", choices=("error", "warning", "info", "never"), help="exit 1 from here on (default: error)"
+    )
     p.add_argument("--arg", action="append", default=[], metavar="NAME:=VALUE", help="xacro argument for all models")
     p.add_argument("--package", action="append", default=[], metavar="NAME=DIR", help="where a ROS package is")
     p.add_argument("--package-path", action="append", default=[], metavar="DIR", help="folder that holds packages")
     p.add_argument("--target", metavar="NAMES", help="who will read the model: gazebo, mujoco, drake, … (recorded)")
     p.add_argument("--jobs", type=int, metavar="N", help="models checked at the same time (default: the cores)")
     p.add_argument("--allow-empty", action="store_true", help="exit 0 when there is nothing to check")
-    p.add_argument("--color", choices=("auto", "always", "never"), default="auto", help="colours (default: on a terminal)")
+    p.add_argument(
+        "--color", choices=("auto", "always", "never"), default="auto", help="colours (default: on a terminal)"
+    )
     p.add_argument("--version", action="version", version=f"urdfcheck {__version__}")
     return p
 
@@ -123,9 +127,7 @@ def exit_code(run: Run, fail_on: str, *, allow_empty: bool = False) -> int:
 
     if run.failures:
         return FAILED
-    if fail_on != "never" and any(
-        f.severity >= Severity.parse(fail_on) and f.suppressed is None for f in run.findings
-    ):
+    if fail_on != "never" and any(f.severity >= Severity.parse(fail_on) and f.suppressed is None for f in run.findings):
         return FINDINGS
     if not run.units:
         return OK if allow_empty else NOTHING

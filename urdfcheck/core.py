@@ -191,7 +191,7 @@ class Rule:
     confidence: Confidence
     status: str
     since: str
-    scope: str
+    scopes: tuple[str, ...]
     needs: tuple[str, ...]
     tags: tuple[str, ...]
     hidden_by: tuple[str, ...]
@@ -245,9 +245,7 @@ class Rule:
             cause=None if cause is None else Cause(cause, self.causes[cause].format_map(data)),
             consequences={k: v.format_map(data) for k, v in consumers.items()},
             data=data,
-            fix=Fix(
-                self.fixes[message].format_map(data), applicability if edits else Applicability.DISPLAY, edits
-            ),
+            fix=Fix(self.fixes[message].format_map(data), applicability if edits else Applicability.DISPLAY, edits),
         )
 
 
@@ -335,7 +333,8 @@ class Scene:
 @dataclass(frozen=True, slots=True)
 class Run:
     """The whole outcome, immutable: what every output renders. ``sources`` holds the text of files with findings;
-    ``units`` counts the models, launch files and packages that were looked at."""
+    ``rules`` are those that were selected, ``tier`` how much was computed (source | mesh | full), ``units`` counts the
+    models, launch files and packages that were looked at."""
 
     models: tuple[ModelInfo, ...]
     findings: tuple[Finding, ...]
@@ -347,6 +346,7 @@ class Run:
     seconds: float = 0.0
     failures: tuple[str, ...] = ()
     units: int = 0
+    tier: str = "full"
 
     def count(self, severity: Severity) -> int:
         """Findings of exactly this severity that are not suppressed."""

@@ -91,6 +91,7 @@ def _units(found: Plan, root: Path) -> list[Unit]:
             dict(t.arguments),
             tuple(map(str, t.launches)),
             t.explicit,
+            t.xacro,
         )
         for t in found.models
     ]
@@ -119,7 +120,7 @@ def _assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]]
     outlines = [replace(r.outline, model=u.id) for u, r in kept if r.outline is not None]
     rules = catalogue.rules()
     for rule in rules.values():
-        if rule.scope == "run" and rule.code in request.codes and catalogue.has_check(rule):
+        if "run" in rule.scopes and rule.code in request.codes and catalogue.has_check(rule):
             options = {name: o.default for name, o in rule.options.items()}
             options.update(request.options.get(rule.code, {}))
             try:
@@ -137,13 +138,14 @@ def _assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]]
         models=tuple(r.info for _, r in kept if r.info is not None),
         findings=tuple(sorted(merge(findings), key=order)),
         skipped=tuple(skipped),
-        rules=rules,
+        rules={code: rule for code, rule in rules.items() if code in request.codes or code == "URC900"},
         versions=_versions(full=request.scene),
         sources=sources,
         scenes=tuple(r.scene for _, r in kept if r.scene is not None),
         seconds=seconds,
         failures=tuple(failures),
         units=len(kept),
+        tier=request.tier,
     )
 
 

@@ -36,7 +36,7 @@ _TIER_OF_NEED = {"source": "source", "package": "source", "mesh": "mesh", "dynam
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """What one worker audits. ``kind``: model | launch | package. ``id`` and ``model_path`` are names for the report."""
+    """What one worker audits. ``kind``: model | launch | package. ``id`` names it in the report; ``xacro``: see :func:`load`."""
 
     kind: str
     path: str
@@ -44,6 +44,7 @@ class Unit:
     arguments: Mapping[str, str] = field(default_factory=dict)
     launches: tuple[str, ...] = ()
     explicit: bool = True
+    xacro: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +113,8 @@ class _Audit:
 
     def model(self) -> None:
         path = Path(self.unit.path)
-        source = load(path, self.unit.arguments, self.finder(path), explicit=self.unit.explicit)
+        unit = self.unit
+        source = load(path, unit.arguments, self.finder(path), explicit=unit.explicit, xacro=unit.xacro)
         self.texts.update({name: file.text for name, file in source.files.items()})
         self.run("file", source)
         model: Model | None = None
@@ -152,7 +154,7 @@ class _Audit:
 
     def run(self, scope: str, subject: Any) -> None:
         for rule in self.rules.values():
-            if rule.scope != scope:
+            if scope not in rule.scopes:
                 continue
             missing = _missing_tier(rule, self.settings.tier)
             if missing:
@@ -181,7 +183,9 @@ class _Audit:
             self.failures.append(f"{what} crashed on {self.unit.id}: {text}")
             crash = catalogue.rules()["URC900"]
             start = Location("robot", Span(_display(self.unit.path), 1, 1, 1, 1, 0, 0))
-            self.findings.append(replace(crash.finding("crashed", at=start, check=what, error=text), model=self.unit.id))
+            self.findings.append(
+                replace(crash.finding("crashed", at=start, check=what, error=text), model=self.unit.id)
+            )
         return None
 
     def skip(self, code: str, reason: str) -> None:
@@ -189,7 +193,7 @@ class _Audit:
 
     def skip_scope(self, scope: str, reason: str) -> None:
         for rule in self.rules.values():
-            if rule.scope == scope:
+            if scope in rule.scopes:
                 self.skip(rule.code, reason)
 
     def report(self, seconds: float) -> Report:

@@ -87,7 +87,7 @@ def rule(code: str = "INR003", name: str = "triangle-inequality", page: str = PA
         confidence=Confidence.PROOF,
         status="stable",
         since="0.1.0",
-        scope="model",
+        scopes=("model",),
         needs=("source",),
         tags=(),
         hidden_by=(),
@@ -211,5 +211,6 @@ def a_run(*findings: Finding, **changes: Any) -> Run:
         sources={FILE: SOURCE},
         scenes=(scene(),),
         seconds=0.25,
+        tier="mesh",
     )
     return replace(plain, **changes)

@@ -192,9 +192,7 @@ def _condition(failure: _Failure, match: re.Match[str]) -> _Verdict:
 
 
 def _missing_attribute(failure: _Failure, match: re.Match[str]) -> _Verdict:
-    return _verdict_at(
-        failure, "attribute-missing", failure.problem.location, tag=match.group(1), name=match.group(2)
-    )
+    return _verdict_at(failure, "attribute-missing", failure.problem.location, tag=match.group(1), name=match.group(2))
 
 
 def _endless(failure: _Failure, match: re.Match[str]) -> _Verdict:

@@ -1,4 +1,4 @@
-"""XAC014: the xacro command is called without options that mean nothing any more."""
+"""XAC014: no option and no function name that xacro has left behind."""
 
 from __future__ import annotations
 
@@ -7,11 +7,25 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Applicability, Edit, Finding, Location, Rule
 from urdfcheck.source.launch import Launch
+from urdfcheck.source.load import Source
 
+_DIRECT = re.compile(r"^Using (\w+)\(\) directly is deprecated\. Use (\w+)\.")
 _IN_ORDER = re.compile(r"(?<!\S)(--inorder|-i)(\s+|$)")
 
 
-def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
+def check(subject: Source | Launch, rule: Rule) -> Iterator[Finding]:
+    yield from _options(subject, rule) if isinstance(subject, Launch) else _functions(subject, rule)
+
+
+def _functions(source: Source, rule: Rule) -> Iterator[Finding]:
+    """What xacro itself says of a function each time that it is called."""
+    for problem in source.problems_of("xacro-warning"):
+        said = _DIRECT.match(problem.message)
+        if said:
+            yield rule.finding("function", at=problem.location, function=said.group(1), namespace=said.group(2))
+
+
+def _options(launch: Launch, rule: Rule) -> Iterator[Finding]:
     for description in launch.descriptions:
         at, span = description.at, description.at.span
         if span is None or span.file not in launch.files or "xacro" not in "".join(description.words[:1]):

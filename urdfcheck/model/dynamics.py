@@ -68,7 +68,9 @@ def geometry_free(robot: Element) -> str:
     """The expanded model as URDF text with links, inertials and joints only."""
 
     def write(element: Element) -> Iterator[str]:
-        attributes = "".join(f" {a.name}={quoteattr(a.value)}" for a in element.attributes.values() if ":" not in a.name)
+        attributes = "".join(
+            f" {a.name}={quoteattr(a.value)}" for a in element.attributes.values() if ":" not in a.name
+        )
         kept = [c for c in element.children if c.tag in _KEPT.get(element.tag, set())]
         if not kept:
             yield f"<{element.tag}{attributes}/>"

@@ -43,7 +43,9 @@ class Meshes:
             for shape in (*link.visuals, *link.collisions):
                 filename = shape.mesh
                 if filename is not None:
-                    uses.append(MeshUse(link, shape, filename, source.finder.resolve(filename.value, source.path.parent)))
+                    uses.append(
+                        MeshUse(link, shape, filename, source.finder.resolve(filename.value, source.path.parent))
+                    )
         facts: dict[Path, MeshFacts] = {}
         errors: dict[Path, MeshError] = {}
         if read:

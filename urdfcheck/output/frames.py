@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,6 +11,8 @@ from urdfcheck.core import Span
 
 # A span over many lines (an element) shows its first lines only.
 MAX_LINES = 6
+# What ends a line for the spans: str.splitlines() would also break at form feeds and Unicode separators.
+NEWLINE = re.compile(r"\r\n|\n|\r")
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +26,7 @@ class FrameLine:
 
 def frame(source: str, span: Span, context: int = 1) -> list[FrameLine]:
     """The lines of ``span`` and ``context`` lines around it. Empty when the span lies outside of the text."""
-    lines = source.splitlines()
+    lines = NEWLINE.split(source)
     if not 1 <= span.line <= len(lines):
         return []
     last = min(span.end_line, span.line + MAX_LINES - 1, len(lines))

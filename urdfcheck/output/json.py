@@ -59,9 +59,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "subjects": [_subject(s) for s in finding.subjects],
         "location": location,
         "via": [_start(span) for span in finding.location.via],
-        "related": [
-            {"subject": r.subject, "location": _start(r.span)} for r in finding.related if r.span is not None
-        ],
+        "related": [{"subject": r.subject, "location": _start(r.span)} for r in finding.related if r.span is not None],
         "cause": None if finding.cause is None else {"id": finding.cause.id, "text": finding.cause.text},
         "consequences": dict(finding.consequences),
         "data": plain(finding.data),
@@ -88,9 +86,7 @@ def _fix(fix: Fix) -> dict[str, Any]:
     return {
         "title": fix.title,
         "applicability": str(fix.applicability),
-        "edits": [
-            {**_start(e.span), **_end(e.span), "old": e.expected, "new": e.replacement} for e in fix.edits
-        ],
+        "edits": [{**_start(e.span), **_end(e.span), "old": e.expected, "new": e.replacement} for e in fix.edits],
     }
 
 

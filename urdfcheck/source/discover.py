@@ -5,20 +5,23 @@ Standard library only: this runs before anything heavy is loaded.
 
 from __future__ import annotations
 
+import fnmatch
+import glob
 import os
 import re
 import subprocess
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from urdfcheck.source.launch import Launch, load_launch, models_in_python
-from urdfcheck.source.packages import PackageFinder, display_name
+from urdfcheck.source.packages import BUILT, PackageFinder, display_name
 from urdfcheck.source.xml import Element, SourceFile, XmlError, parse
 
 MESH_SUFFIXES = frozenset({".stl", ".dae", ".obj", ".ply", ".off", ".glb", ".gltf"})
-_SKIPPED = frozenset({"build", "install", "log", "node_modules", "__pycache__"})
+_SKIPPED = BUILT | {"node_modules", "__pycache__"}
 _INCLUDE = re.compile(r"""<xacro:include\s[^>]*?filename\s*=\s*["']([^"']+)["']""")
+_EXPRESSION = re.compile(r"\$[({][^)}]*[)}]")
 _ROBOT = re.compile(r"<robot[\s>]")
 _BUILTINS = frozenset(
     f"xacro:{name}" for name in ("macro", "property", "include", "arg", "if", "unless", "insert_block", "attribute")
@@ -27,13 +30,15 @@ _BUILTINS = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class ModelTarget:
-    """A model to check. ``explicit``: the user named the file; ``tentative``: only its expansion shows whether it is one."""
+    """A model to check. ``explicit``: the user named the file; ``tentative``: only its expansion shows whether it is one;
+    ``xacro``: a launch file hands it to xacro, whatever its name."""
 
     path: Path
     arguments: Mapping[str, str] = field(default_factory=dict)
     launches: tuple[Path, ...] = ()
     explicit: bool = False
     tentative: bool = False
+    xacro: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,12 +106,18 @@ class _Planner:
         if is_launch(path):
             self.add_launch(path)
         elif path.suffix.lower() in MESH_SUFFIXES:
-            self.add_users(path, self.surroundings(path).users_of(path), "no model of its package names this mesh")
+            users = self.users(path, lambda folder, package: folder.users_of(path, package))
+            self.add_users(path, users, "no model of its package or repository names this mesh")
         elif path.name == "package.xml":
             self.add_folder(path.parent)
-        elif path.suffix == ".xacro" and only_macros(path):
-            users = self.surroundings(path).including(path)
-            self.add_users(path, users, "only defines macros, and no model of its package includes it")
+        elif path.suffix == ".xacro" and not stands_alone(_read(path).root):
+            users = self.users(path, lambda folder, _: folder.including(path))
+            if users or only_macros(_read(path).root):
+                self.add_users(
+                    path, users, "only defines macros, and no model of its package or repository includes it"
+                )
+            else:
+                self.add_model(ModelTarget(path, self.arguments, explicit=True))
         elif path.suffix in {".urdf", ".xacro", ".xml", ""}:
             self.add_model(ModelTarget(path, self.arguments, explicit=True))
         else:
@@ -127,6 +138,7 @@ class _Planner:
                     launches=(*other.launches, *(x for x in target.launches if x not in other.launches)),
                     explicit=other.explicit or target.explicit,
                     tentative=other.tentative and target.tentative,
+                    xacro=other.xacro or target.xacro,
                 )
                 return
         known.append(target)
@@ -144,7 +156,9 @@ class _Planner:
         for description in launch.descriptions:
             if description.path is not None:
                 model = Path(os.path.relpath(description.path)) if not path.is_absolute() else description.path
-                self.add_model(ModelTarget(model, {**description.arguments, **self.arguments}, (path,)))
+                self.add_model(
+                    ModelTarget(model, {**description.arguments, **self.arguments}, (path,), xacro=description.by_xacro)
+                )
 
     def folder(self, path: Path) -> _Folder:
         key = _real(path)
@@ -152,11 +166,21 @@ class _Planner:
             self.folders[key] = _Folder(path, self.finder(path))
         return self.folders[key]
 
-    def surroundings(self, path: Path) -> _Folder:
-        """The package around a file, or its folder: where the models that use it are looked for."""
-        package = self.finder(path).package_of(path.absolute())
-        folder = path.parent if package is None else package.path
-        return self.folder(Path(os.path.relpath(folder)) if not path.is_absolute() else folder)
+    def users(self, path: Path, find: Callable[[_Folder, str], list[Path]]) -> list[Path]:
+        """The models that use a file: those of its package (or folder), else those of the repository around it.
+
+        ``find`` is also told the package by whose name the other packages reach the file.
+        """
+        own = self.finder(path).package_of(path.absolute())
+        inner = path.absolute().parent if own is None else own.path
+        outer = next((f for f in inner.parents if (f / ".git").exists()), None)
+        for folder, package in ((inner, ""), (outer, "" if own is None else own.name)):
+            if folder is None:
+                continue
+            found = find(self.folder(folder if path.is_absolute() else Path(os.path.relpath(folder))), package)
+            if found:
+                return found
+        return []
 
     def plan(self) -> Plan:
         models: list[ModelTarget] = []
@@ -178,7 +202,26 @@ class _Planner:
             package = self.finder(path).package_of(path.absolute())
             if package is not None:
                 packages[package.path] = None
-        return Plan(tuple(models), tuple(sorted(alone)), tuple(sorted(packages)), tuple(self.missing), tuple(self.unused))
+        return Plan(
+            tuple(models), tuple(sorted(alone)), tuple(sorted(packages)), tuple(self.missing), tuple(self.unused)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _File:
+    """A model's or macros' text and, where it can be parsed, its XML."""
+
+    text: str
+    root: Element | None
+
+    def names(self, mesh: str) -> bool:
+        """Whether a mesh of this name may be meant: spelled out, or with expressions in place of what differs."""
+        if mesh in self.text:
+            return True
+        typed = [e.get("filename") for e in self.root.walk() if e.tag == "mesh"] if self.root is not None else []
+        last = [_EXPRESSION.sub("\0", name).rpartition("/")[2] for name in typed]
+        patterns = ["*".join(map(glob.escape, name.split("\0"))) for name in last if "\0" in name]
+        return any(fnmatch.fnmatchcase(mesh, pattern) for pattern in patterns)
 
 
 class _Folder:
@@ -188,54 +231,56 @@ class _Folder:
         self.finder = finder
         files = sorted(_walk(path))
         self.launches = [f for f in files if is_launch(f)]
-        self.urdfs = [f for f in files if f.suffix == ".urdf"]
-        self.texts = {f: _text(f) for f in files if f.suffix in {".xacro", ".urdf"}}
-        self.includes = {f: self._included_by(f, text) for f, text in self.texts.items()}
+        self.files = {f: _read(f) for f in files if f.suffix in {".xacro", ".urdf"}}
+        self.by_real = {_real(f): file for f, file in self.files.items()}
+        self.includes = {_real(f): self._included_by(f, file) for f, file in self.files.items()}
 
-    def _included_by(self, path: Path, text: str) -> set[Path]:
+    def _included_by(self, path: Path, file: _File) -> set[Path]:
+        if file.root is not None:
+            names = [e.get("filename") for e in file.root.walk() if e.tag == "xacro:include"]
+        else:
+            names = _INCLUDE.findall(file.text)
         found: set[Path] = set()
-        for name in _INCLUDE.findall(text):
-            tail = re.sub(r"\$[({][^)}]*[)}]", "", name).lstrip("/")
+        for name in names:
+            tail = _EXPRESSION.sub("", name).lstrip("/")
             package = re.match(r"\$\(find ([^)\s]+)\)", name)
             folder = self.finder.find(package.group(1)) if package else path.parent
-            target = folder / tail if folder is not None else None
-            if target is not None and target.is_file():
-                found.add(_real(target))
+            targets = [] if folder is None else glob.glob(os.path.join(glob.escape(str(folder)), tail))
+            if any(map(os.path.isfile, targets)):
+                found |= {_real(Path(target)) for target in targets}
             else:  # a path with arguments in it: every file of that name may be meant
-                found |= {_real(f) for f in self.texts if tail and f.as_posix().endswith("/" + Path(tail).name)}
+                found |= {_real(f) for f in self.files if tail and f.name == Path(tail).name}
         return found - {_real(path)}
 
     def models(self) -> Iterator[tuple[Path, bool]]:
         """Each model, and whether only its expansion tells that it is one."""
-        included = set().union(*self.includes.values()) if self.includes else set()
-        for path, text in self.texts.items():
+        included = set().union(*self.includes.values())
+        for path, file in self.files.items():
             if path.suffix == ".urdf":
-                if _ROBOT.search(text):
+                if _ROBOT.search(file.text):
                     # An empty robot is a placeholder that others include.
-                    yield path, not any(tag in text for tag in ("<link", "<joint", "<xacro:"))
-            elif _real(path) not in included and not only_macros(path):
-                yield path, not has_parts(path)
+                    yield path, not any(tag in file.text for tag in ("<link", "<joint", "<xacro:"))
+            elif _real(path) not in included and not only_macros(file.root):
+                yield path, not has_parts(file.root)
 
     def including(self, path: Path) -> list[Path]:
         """The models that include a file, directly or through others."""
-        models = dict(self.models())
-        return [m for m in models if _real(path) in self._closure(m)]
+        return [model for model, _ in self.models() if _real(path) in self._closure(model)]
 
-    def users_of(self, mesh: Path) -> list[Path]:
-        """The models in whose own or included text the mesh's file name stands."""
-        by_real = {_real(f): text for f, text in self.texts.items()}
-        return [
-            model
-            for model, _ in self.models()
-            if any(mesh.name in by_real.get(f, "") for f in {_real(model), *self._closure(model)})
-        ]
+    def users_of(self, mesh: Path, package: str) -> list[Path]:
+        """The models in whose own or included text the mesh's file name stands, and the name of its package as well."""
+        users: list[Path] = []
+        for model, _ in self.models():
+            files = [self.by_real[f] for f in (_real(model), *self._closure(model)) if f in self.by_real]
+            if any(file.names(mesh.name) for file in files) and any(package in file.text for file in files):
+                users.append(model)
+        return users
 
     def _closure(self, path: Path) -> set[Path]:
-        by_real = {_real(f): included for f, included in self.includes.items()}
         seen: set[Path] = set()
         queue = [_real(path)]
         while queue:
-            for inner in by_real.get(queue.pop(), ()):
+            for inner in self.includes.get(queue.pop(), ()):
                 if inner not in seen:
                     seen.add(inner)
                     queue.append(inner)
@@ -247,18 +292,19 @@ def is_launch(path: Path) -> bool:
     return path.name.endswith((".launch", ".launch.xml", ".launch.py", "_launch.py", "_launch.xml"))
 
 
-def only_macros(path: Path) -> bool:
+def only_macros(root: Element | None) -> bool:
     """Whether a xacro file defines macros and properties and makes nothing itself."""
-    root = _tree(path)
-    if root is None:
-        return False
-    return not has_parts(path) and not any(c.tag == "xacro:include" for c in root.walk())
+    return root is not None and not has_parts(root) and not any(e.tag == "xacro:include" for e in root.walk())
 
 
-def has_parts(path: Path) -> bool:
+def has_parts(root: Element | None) -> bool:
     """Whether a xacro file makes links or joints, or calls a macro, outside of its macro definitions."""
-    root = _tree(path)
     return root is None or any(_makes_something(child) for child in root.children)
+
+
+def stands_alone(root: Element | None) -> bool:
+    """Whether a xacro file that others include may be a model as well: it makes something, and its robot has a name."""
+    return root is None or (has_parts(root) and bool(root.get("name")))
 
 
 def _makes_something(element: Element) -> bool:
@@ -269,18 +315,18 @@ def _makes_something(element: Element) -> bool:
     return element.tag.startswith("xacro:") and element.tag not in _BUILTINS
 
 
-def _tree(path: Path) -> Element | None:
+def _read(path: Path) -> _File:
     try:
-        return parse(SourceFile.read(path, display_name(path)))
+        source = SourceFile.read(path, display_name(path))
     except (OSError, XmlError):
-        return None
-
-
-def _text(path: Path) -> str:
+        try:
+            return _File(path.read_text(encoding="utf-8", errors="replace"), None)
+        except OSError:
+            return _File("", None)
     try:
-        return path.read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return ""
+        return _File(source.text, parse(source))
+    except XmlError:
+        return _File(source.text, None)
 
 
 def _real(path: Path) -> Path:
@@ -297,24 +343,26 @@ def _walk(root: Path) -> Iterable[Path]:
             continue
         seen.add(real)
         names[:] = sorted(
-            n
-            for n in names
-            if not n.startswith(".") and n not in _SKIPPED and os.path.realpath(os.path.join(folder, n)) not in ignored
+            n for n in names if not n.startswith(".") and n not in _SKIPPED and os.path.join(real, n) not in ignored
         )
         for name in files:
             path = Path(folder, name)
-            if os.path.realpath(path) not in ignored and path.is_file():
+            if os.path.join(real, name) not in ignored and os.path.isfile(path):
                 yield path
 
 
 def _ignored_by_git(root: Path) -> set[str]:
     """Files and folders below ``root`` that git ignores; empty outside of a work tree or without git."""
-    command = ["git", "-C", str(root), "ls-files", "-z", "--others", "--ignored", "--exclude-standard", "--directory"]
+    # The folder may be a stranger's: what its own git configuration would have git start is switched off.
+    safe = ["-c", "core.fsmonitor=false", "-c", "safe.bareRepository=explicit"]
+    listing = ["ls-files", "-z", "--others", "--ignored", "--exclude-standard", "--directory"]
     try:
-        listed = subprocess.run(command, capture_output=True, timeout=20, check=True).stdout
+        done = subprocess.run(["git", *safe, "-C", str(root), *listing], capture_output=True, timeout=20, check=True)
     except (OSError, subprocess.SubprocessError):
         return set()
-    names = [os.fsdecode(n) for n in listed.split(b"\0") if n]
+    names = [os.fsdecode(n) for n in done.stdout.split(b"\0") if n]
     if "./" in names:  # the given folder is ignored itself: the user means it all the same
         return set()
-    return {os.path.realpath(root / n) for n in names}
+    # Of a link its own place counts, not the place that it leads to.
+    places = [os.path.split(os.path.join(root, name.rstrip("/"))) for name in names]
+    return {os.path.join(os.path.realpath(folder), name) for folder, name in places}

@@ -7,15 +7,18 @@ read; nothing in them is executed.
 from __future__ import annotations
 
 import ast
+import itertools
+import os
 import re
 import shlex
-from collections.abc import Iterator, Mapping
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location, Span
-from urdfcheck.source.packages import Package, PackageFinder, display_name
+from urdfcheck.source.packages import BUILT, Package, PackageFinder, display_name, subfolders
 from urdfcheck.source.problems import Problem
 from urdfcheck.source.values import number
 from urdfcheck.source.xml import Attribute, Element, SourceFile, XmlError, parse
@@ -24,8 +27,11 @@ if TYPE_CHECKING:
     from urdfcheck.model.model import Model
 
 MODEL_SUFFIXES = (".urdf", ".xacro")
+# A path that is longer is none: it comes from arguments that multiply each other.
+MAX_LENGTH = 4000
 _SUBSTITUTION = re.compile(r"\$\(([^()]*)\)")
-_COMMAND = re.compile(r"^\$\(command\s+(['\"])(.*)\1\s*(?:'[a-z]+'\s*)?\)$", re.DOTALL)
+_NESTED = re.compile(r"\$\([^()]*(?:\([^()]*\)[^()]*)*\)")
+_COMMAND = re.compile(r"^\$\(command\s+(['\"])(.*?)\1\s*(?:['\"][a-z]+['\"]\s*)?\)$", re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +61,11 @@ class Description:
     path: Path | None
     arguments: Mapping[str, str]
     unresolved: Obstacle | None
+
+    @property
+    def by_xacro(self) -> bool:
+        """Whether the command hands the file to xacro."""
+        return bool(self.words) and "xacro" in self.words[0]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,26 +166,67 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
 
 
 def models_in_python(path: Path, finder: PackageFinder) -> list[Path]:
-    """The model files that a Python launch file names by literal paths, found in its own package."""
+    """The model files that a Python launch file names by literal paths, found in its own package or in those that it names.
+
+    A path may be one text, or the last texts of ``os.path.join(…)``, ``PathJoinSubstitution([…])`` and ``folder / …``.
+    """
     try:
-        tree = ast.parse(path.read_text(encoding="utf-8", errors="replace"))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of a stranger's code: nothing for the terminal
+            nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8", errors="replace"))))
     except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
         return []
     package = finder.package_of(path.absolute())
-    base = package.path if package is not None else path.parent
-    found: list[Path] = []
-    for node in ast.walk(tree):
-        if not (isinstance(node, ast.Constant) and isinstance(node.value, str)):
-            continue
-        literal = node.value.strip()
-        if not literal.endswith(MODEL_SUFFIXES) or len(literal) > 300 or any(c in literal for c in "*?[\0"):
-            continue
-        tail = literal.lstrip("/")
-        candidates = [base / tail, base / "urdf" / tail, *sorted(base.glob(f"*/{Path(tail).name}"))]
-        hit = next((c for c in candidates if c.is_file()), None)
-        if hit is not None and hit not in found:
-            found.append(hit)
-    return found
+    named = [finder.find(name) for name in dict.fromkeys(filter(None, map(_package_named, nodes)))]
+    folders = [package.path if package is not None else path.parent, *(f for f in named if f is not None)]
+    found: dict[Path, None] = {}
+    joined: set[int] = set()
+    for node in nodes:  # outer nodes come first: the pieces of a path that was found are no paths of their own
+        pieces = [] if id(node) in joined else _pieces(node)
+        model = _model_file("/".join(str(p.value) for p in pieces), folders)
+        if model is not None:
+            found[model] = None
+            joined.update(map(id, pieces))
+    return list(found)
+
+
+def _package_named(node: ast.AST) -> str | None:
+    """``p`` of ``get_package_share_directory("p")``, ``FindPackageShare("p")`` and the like."""
+    if not isinstance(node, ast.Call) or not node.args:
+        return None
+    function = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+    name = node.args[0]
+    if not re.search("package_share|PackageShare", function) or not isinstance(name, ast.Constant):
+        return None
+    return str(name.value)
+
+
+def _pieces(node: ast.AST) -> list[ast.Constant]:
+    """The texts that end what a node joins, or the text that it is."""
+    parts: list[ast.expr] = []
+    if isinstance(node, ast.Constant):
+        parts = [node]
+    elif isinstance(node, ast.Call):
+        parts = node.args
+    elif isinstance(node, (ast.List, ast.Tuple)):
+        parts = node.elts
+    while isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div):
+        parts, node = [node.right, *parts], node.left
+    texts = itertools.takewhile(lambda p: isinstance(p, ast.Constant) and isinstance(p.value, str), reversed(parts))
+    return [p for p in texts if isinstance(p, ast.Constant)][::-1]
+
+
+def _model_file(literal: str, folders: Sequence[Path]) -> Path | None:
+    """The file that a literal path names, below one of these folders or in one of their own folders."""
+    tail = literal.strip().lstrip("/")
+    if not tail.endswith(MODEL_SUFFIXES) or len(tail) > MAX_LENGTH or any(c in tail for c in "*?[\0"):
+        return None
+    for base in folders:
+        beside = [folder / Path(tail).name for folder in subfolders(base) if folder.name not in BUILT]
+        for candidate in (base / tail, base / "urdf" / tail, *beside):
+            if os.path.isfile(candidate):
+                return candidate
+    return None
 
 
 class _Resolver:
@@ -185,25 +237,40 @@ class _Resolver:
         self.finder = finder
         self.obstacle: Obstacle | None = None
         self.values: dict[str, str] = {}
+        self.known: dict[str, tuple[str | None, Obstacle | None]] = {}
+        self.pending: list[str] = []
         for element in root.walk():
             if element.tag in {"arg", "let"} and (element.parent is None or element.parent.tag != "include"):
                 value = element.attributes.get("value") or element.attributes.get("default")
-                if value is not None:
+                if value is not None and self.applies(element):
                     self.values.setdefault(element.get("name"), value.value)
 
-    def resolve(self, text: str, depth: int = 0) -> str | None:
+    def applies(self, element: Element | None) -> bool:
+        """Whether no ``if`` and no ``unless`` on the element and around it says otherwise, as far as they can be known."""
+        while element is not None:
+            for name, excluded in (("if", {"false", "0"}), ("unless", {"true", "1"})):
+                if (self.resolve(element.get(name)) or "").strip().lower() in excluded:
+                    return False
+            element = element.parent
+        return True
+
+    def resolve(self, text: str) -> str | None:
         """The text with its substitutions resolved, or None; then ``obstacle`` says what stood in the way."""
-        if depth > 20:
-            self.obstacle = Obstacle("circle")
-            return None
-        while match := _SUBSTITUTION.search(text):
-            value = self._one(match.group(1).split(), depth)
+        for _ in range(MAX_LENGTH):
+            match = _SUBSTITUTION.search(text)
+            if match is None or len(text) > MAX_LENGTH:
+                break
+            value = self._one(match.group(1).split())
             if value is None:
                 return None
             text = text[: match.start()] + value + text[match.end() :]
+        _, opened, rest = text.partition("$(")
+        if opened:  # an expression with parentheses of its own, or a text that grows without end
+            self.obstacle = Obstacle("launch-time", rest[:80])
+            return None
         return text
 
-    def _one(self, words: list[str], depth: int) -> str | None:
+    def _one(self, words: list[str]) -> str | None:
         verb, rest = (words[0], words[1:]) if words else ("", [])
         if verb in {"find", "find-pkg-share"} and len(rest) == 1:
             folder = self.finder.find(rest[0])
@@ -211,14 +278,27 @@ class _Resolver:
                 self.obstacle = Obstacle("package", rest[0])
             return None if folder is None else str(folder)
         if verb in {"arg", "var"} and len(rest) == 1:
-            if rest[0] in self.values:
-                return self.resolve(self.values[rest[0]], depth + 1)
-            self.obstacle = Obstacle("argument", rest[0])
-            return None
+            return self._argument(rest[0])
         if verb == "dirname":
             return str(self.path.absolute().parent)
         self.obstacle = Obstacle("launch-time", " ".join(words))
         return None
+
+    def _argument(self, name: str) -> str | None:
+        if name not in self.values:
+            self.obstacle = Obstacle("argument", name)
+            return None
+        if name in self.pending:
+            self.obstacle = Obstacle("circle")
+            return None
+        if name not in self.known:  # once each: arguments made of each other several times over would never end
+            self.pending.append(name)
+            value = self.resolve(self.values[name])
+            self.pending.pop()
+            self.known[name] = (value, None if value is not None else self.obstacle)
+        value, obstacle = self.known[name]
+        self.obstacle = obstacle or self.obstacle
+        return value
 
 
 def _descriptions(root: Element, resolver: _Resolver) -> Iterator[Description]:
@@ -239,11 +319,15 @@ def _descriptions(root: Element, resolver: _Resolver) -> Iterator[Description]:
 
 def _command(at: Attribute, text: str, resolver: _Resolver) -> Iterator[Description]:
     words = _words(text)
-    if not words or not re.search(r"xacro|cat$", words[0]):
+    command = words
+    for starter in (("rosrun", "xacro"), ("ros2", "run", "xacro")):
+        if words[: len(starter)] == starter:
+            command = words[len(starter) :]
+    if not command or not re.search(r"xacro|cat$", command[0]):
         return
     arguments: dict[str, str] = {}
     files = []
-    for word in words[1:]:
+    for word in command[1:]:
         name, assigned, value = word.partition(":=")
         if assigned:
             resolved = resolver.resolve(value)
@@ -257,7 +341,7 @@ def _command(at: Attribute, text: str, resolver: _Resolver) -> Iterator[Descript
 
 def _words(text: str) -> tuple[str, ...]:
     # $(find pkg) contains a blank; keep each substitution together while the shell's quotes are read.
-    kept = _SUBSTITUTION.sub(lambda m: m.group(0).replace(" ", "\0"), text)
+    kept = _NESTED.sub(lambda m: m.group(0).replace(" ", "\0"), text)
     try:
         words = shlex.split(kept)
     except ValueError:
@@ -272,7 +356,7 @@ def _description(
     resolved = resolver.resolve(file)
     path = None if resolved is None else Path(resolved)
     unresolved = resolver.obstacle if path is None else None
-    if path is not None and not path.is_file():
+    if path is not None and not os.path.isfile(path):
         unresolved = Obstacle("file", display_name(path))
         path = None
     return Description(at, words, file, path, dict(arguments), unresolved)
@@ -285,8 +369,7 @@ def _transforms(root: Element, resolver: _Resolver) -> Iterator[StaticTransform]
         args = node.attributes.get("args")
         if args is None:
             continue
-        resolved = resolver.resolve(args.value)
-        words = resolved.split() if resolved is not None else []
+        words = [resolver.resolve(word) or "" for word in _words(args.value)]
         named = _named_transform(words)
         if named is not None:
             parent, child, numbers = named
@@ -299,6 +382,8 @@ def _transforms(root: Element, resolver: _Resolver) -> Iterator[StaticTransform]
             numbers = numbers if len(numbers) == count else ()
         else:
             continue
+        if not parent or not child:
+            continue  # frames that are only known when it is launched
         xyz = numbers[:3] if numbers else None
         rpy = (numbers[5], numbers[4], numbers[3]) if len(numbers) == 6 else None
         quaternion_values = numbers[3:] if len(numbers) == 7 else None
@@ -306,11 +391,13 @@ def _transforms(root: Element, resolver: _Resolver) -> Iterator[StaticTransform]
 
 
 def _named_transform(words: list[str]) -> tuple[str, str, tuple[float, ...]] | None:
-    options = dict(zip(words[::2], words[1::2], strict=False))
-    parent, child = options.get("--frame-id"), options.get("--child-frame-id")
-    if parent is None or child is None:
+    options = {word: value for word, value in itertools.pairwise(words) if word.startswith("--")}
+    if "--frame-id" not in options or "--child-frame-id" not in options:
         return None
-    values = [number(options.get(f"--{k}", "0")) for k in ("x", "y", "z", "yaw", "pitch", "roll")]
-    if any(v is None for v in values) or any(f"--q{k}" in options for k in "xyzw"):
-        return parent, child, ()
-    return parent, child, tuple(v for v in values if v is not None)
+    turn = {"qx": "0", "qy": "0", "qz": "0", "qw": "1"}
+    if not any(f"--{name}" in options for name in turn):
+        turn = {"yaw": "0", "pitch": "0", "roll": "0"}
+    defaults = {"x": "0", "y": "0", "z": "0", **turn}
+    values = [number(options.get(f"--{name}", default)) for name, default in defaults.items()]
+    known = tuple(v for v in values if v is not None)
+    return options["--frame-id"], options["--child-frame-id"], known if len(known) == len(values) else ()

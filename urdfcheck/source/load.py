@@ -60,8 +60,12 @@ def load(
     finder: PackageFinder,
     *,
     explicit: bool = True,
+    xacro: bool = False,
 ) -> Source:
-    """Read a model. What is wrong with the file becomes a problem of the result, never an exception."""
+    """Read a model. What is wrong with the file becomes a problem of the result, never an exception.
+
+    ``xacro`` says that the file is handed to xacro although its name does not end in ``.xacro``.
+    """
     name = display_name(path)
     package = finder.package_of(path.absolute())
     files: dict[str, SourceFile] = {}
@@ -79,7 +83,7 @@ def load(
     except XmlError as error:
         problems.append(Problem(error.reason, str(error), Location("robot", error.span)))
     else:
-        is_xacro = is_xacro or (path.suffix == "" and bool(_USES_XACRO.search(source.text)))
+        is_xacro = is_xacro or ((xacro or path.suffix == "") and bool(_USES_XACRO.search(source.text)))
         prefixed = unbound_prefix(root)
         if prefixed is not None and not is_xacro:
             element, prefix = prefixed

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
@@ -15,6 +15,10 @@ from urdfcheck.source.xml import Element, SourceFile, XmlError, parse
 # How far up from a model its workspace is looked for, and how many folders are looked into on each level.
 LEVELS_UP = 6
 MAX_SIBLINGS = 2000
+# How deep packages lie below a folder of the workspace (src/repository/package) and below a given package path.
+LEVELS_DOWN_AROUND = 2
+LEVELS_DOWN_PATHS = 3
+BUILT = frozenset({"build", "install", "log"})
 _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 _SUFFIXES = frozenset({"description", "support", "gazebo", "config", "bringup", "meshes", "resources", "robot"})
 _SCHEME = re.compile(r"^([A-Za-z][A-Za-z0-9+.-]*)://(.*)$", re.DOTALL)
@@ -104,33 +108,27 @@ class PackageFinder:
         if self._below is None:
             self._below = {}
             for path in self.paths:
-                for folder in (path, *_folders(path)):
+                for name, folder in _packages(path, LEVELS_DOWN_PATHS):
+                    self._below.setdefault(name, folder)
+            for path in self.paths:
+                for folder in (path, *subfolders(path)):
                     self._below.setdefault(folder.name, folder)
-                    manifest = _manifest_name(folder)
-                    if manifest:
-                        self._below.setdefault(manifest, folder)
         return self._below
 
     def _around_start(self) -> dict[str, Path]:
         if self._around is None:
             self._around = {}
             for level in self._levels():
-                for folder in (level, *_folders(level)):
-                    name = _manifest_name(folder)
-                    if name:
-                        self._around.setdefault(name, folder)
-                        continue
-                    for inner in _folders(folder) if folder is not level else ():
-                        name = _manifest_name(inner)
-                        if name:
-                            self._around.setdefault(name, inner)
+                for name, folder in _packages(level, LEVELS_DOWN_AROUND):
+                    self._around.setdefault(name, folder)
         return self._around
 
     def _levels(self) -> list[Path]:
         """The folders from the start upwards that can belong to the same workspace."""
         levels: list[Path] = []
+        home = Path(os.path.expanduser("~"))
         for level in (self.start, *self.start.parents):
-            if len(levels) > LEVELS_UP or level == Path(level.anchor) or level == Path.home():
+            if len(levels) > LEVELS_UP or level == Path(level.anchor) or level == home:
                 break
             levels.append(level)
             if (level / ".git").exists():
@@ -141,12 +139,10 @@ class PackageFinder:
         if self._ros is None:
             self._ros = {}
             for entry in self.environment.get("ROS_PACKAGE_PATH", "").split(os.pathsep):
-                for folder in (Path(entry), *_folders(Path(entry))) if entry else ():
-                    name = _manifest_name(folder)
-                    if name:
-                        self._ros.setdefault(name, folder)
+                for name, folder in _packages(Path(entry), LEVELS_DOWN_PATHS) if entry else ():
+                    self._ros.setdefault(name, folder)
             for entry in self.environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
-                for folder in _folders(Path(entry) / "share") if entry else ():
+                for folder in subfolders(Path(entry) / "share") if entry else ():
                     self._ros.setdefault(folder.name, folder)
         return self._ros
 
@@ -202,7 +198,7 @@ class PackageFinder:
         if scheme:
             return Resource(text, "other", None, None, False)
         if text.startswith("~"):
-            return _looked_up(text, "home", None, Path(text).expanduser())
+            return _looked_up(text, "home", None, Path(os.path.expanduser(text)))
         if os.path.isabs(text) or re.match(r"^[A-Za-z]:[\\/]", text):
             return _looked_up(text, "absolute", None, Path(text))
         return _looked_up(text, "relative", None, base / text)
@@ -267,13 +263,30 @@ def _stem(name: str) -> tuple[str, str]:
     return (stem, suffix) if stem and suffix in _SUFFIXES else (name, "")
 
 
-def _folders(path: Path) -> list[Path]:
+def _packages(folder: Path, depth: int) -> Iterator[tuple[str, Path]]:
+    """The packages at a folder and at most ``depth`` levels below it; inside of one below it no other is looked for."""
+    name = _manifest_name(folder)
+    if name:
+        yield name, folder
+    for inner in subfolders(folder) if depth else ():
+        if inner.name in BUILT:
+            continue
+        name = _manifest_name(inner)
+        if name:
+            yield name, inner
+        else:
+            yield from _packages(inner, depth - 1)
+
+
+def subfolders(path: Path) -> list[Path]:
+    """The folders in a folder, hidden ones left out; none when it cannot be read."""
     try:
         with os.scandir(path) as entries:
-            found = [Path(e.path) for e in entries if not e.name.startswith(".") and e.is_dir()]
+            names = [entry.name for entry in entries if not entry.name.startswith(".")]
     except OSError:
         return []
-    return sorted(found)[:MAX_SIBLINGS]
+    # A link in a circle is no folder, and no reason to see none at all.
+    return [path / name for name in sorted(names) if os.path.isdir(path / name)][:MAX_SIBLINGS]
 
 
 def _manifest_name(folder: Path) -> str | None:

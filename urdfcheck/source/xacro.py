@@ -139,6 +139,7 @@ class _Tracer:
         self.calls: list[_Call] = []
         self.frames: list[_Frame] = []
         self.readers: list[list[Definition]] = []
+        self.resolving: list[Definition | None] = []
         self.argument_definitions: dict[str, Definition] = {}
         self.node: minidom.Element | None = None
         self.attribute: str | None = None
@@ -193,7 +194,7 @@ class _Tracer:
                 self.problem(cause.reason, str(cause), Location("", cause.span, via))
                 return
             if isinstance(cause, RecursionError):
-                at, message = self.first_repetition(at, str(cause))
+                at, message = self.first_repetition(str(cause)) or (at, message)
             if isinstance(cause, substitution.ArgException):
                 missing = str(cause)
             cause = getattr(cause, "exc", None) or cause.__cause__
@@ -204,12 +205,12 @@ class _Tracer:
     def macros(self) -> tuple[str, ...]:
         return tuple(c.name for c in self.failed_calls)
 
-    def first_repetition(self, deepest: Location, message: str) -> tuple[Location, str]:
+    def first_repetition(self, message: str) -> tuple[Location, str] | None:
         """Of a recursion without end: the call that closes the circle for the first time, not the hundredth."""
         spans = [c.span for c in self.failed_calls]
         again = next((i for i, span in enumerate(spans) if span in spans[:i]), None)
         if again is None:
-            return deepest, "the expansion is nested too deep"
+            return None
         origin = _origin(self.failed_calls[again].node)
         via = tuple(span for span in spans[:again] if span is not None)
         self.failed_calls = self.failed_calls[: again + 1]
@@ -603,6 +604,7 @@ class _Tracer:
             lazy = key in table.unevaluated
             if lazy:
                 self.readers.append([])
+                self.resolving.append(_definitions(table).get(key))
             try:
                 value = original(table, key)
             except BaseException:
@@ -613,6 +615,8 @@ class _Tracer:
                     self.read_before(Definition(definition.kind, definition.name, definition.span, reads))
                 raise
             finally:
+                if lazy:
+                    self.resolving.pop()
                 reads = tuple(dict.fromkeys(self.readers.pop())) if lazy else ()
             definition = _definitions(table).get(key)
             if definition is not None:
@@ -660,7 +664,9 @@ class _Tracer:
 
     def warning(self, *args: Any, **_: Any) -> None:
         text = " ".join(" ".join(map(str, args)).split())
-        self.problem("xacro-warning", text, self.here())
+        # A property is evaluated when it is first read; the text that xacro warns of stands at its definition.
+        lazily = self.resolving[-1] if self.resolving else None
+        self.problem("xacro-warning", text, self.here() if lazily is None else lazily.location)
 
 
 class _Context(dict[str, Any]):

@@ -11,6 +11,7 @@ from urdfcheck.output.html.model import Part
 from urdfcheck.output.html.text import esc, number, plural
 
 MOST_FILES = 3
+DEPTHS = {"source": "source only", "mesh": "source and meshes", "full": "full"}
 
 
 def title_of(run: Run) -> str:
@@ -69,21 +70,13 @@ def _facts(run: Run) -> str:
     facts.append(("Joints", str(sum(info.joints for info in run.models))))
     if len(run.models) == 1 and masses:
         facts.append(("Mass", f"{number(math.fsum(masses))} kg"))
-    facts.append(("Depth", _tier(run)))
+    facts.append(("Depth", DEPTHS[run.tier]))
     return '<dl class="facts">' + "".join(f"<div><dt>{k}</dt><dd>{v}</dd></div>" for k, v in facts) + "</dl>"
 
 
 def _names(names: Sequence[str]) -> str:
     shown = ", ".join(f"<code>{esc(name)}</code>" for name in names[:MOST_FILES])
     return shown + (f" and {len(names) - MOST_FILES} more" if len(names) > MOST_FILES else "")
-
-
-def _tier(run: Run) -> str:
-    """The tier that was asked for: the engine skips whatever a higher one would have run, and says so."""
-    reasons = {skip.reason for skip in run.skipped}
-    if "needs --tier mesh" in reasons:
-        return "source only"
-    return "source and meshes" if "needs --tier full" in reasons else "full"
 
 
 def _filter(counts: Mapping[Severity, int]) -> str:

@@ -1,0 +1,346 @@
+"""Launch files: which model they load with which arguments, as far as that is known without launching anything."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from urdfcheck.source.launch import Description, Launch, Obstacle, load_launch, models_in_python
+from urdfcheck.source.packages import PackageFinder
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    """A package with two models."""
+    folder = tmp_path / "src" / "car"
+    for name in ("urdf/car.urdf.xacro", "urdf/car.urdf", "urdf/wheels/wheel.urdf"):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text('<robot name="car"/>')
+    (folder / "package.xml").write_text("<package><name>car</name></package>")
+    (folder / "launch").mkdir()
+    return folder
+
+
+def launch(package: Path, text: str | bytes, name: str = "car.launch") -> Launch:
+    path = package / "launch" / name
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return load_launch(path, PackageFinder(path, environment={}))
+
+
+def description(package: Path, text: str) -> Description:
+    """The one robot_description of a launch file with these elements."""
+    loaded = launch(package, f"<launch>\n{text}\n</launch>")
+    (found,) = loaded.descriptions
+    return found
+
+
+def param(command: str) -> str:
+    return f'<param name="robot_description" command="{command}"/>'
+
+
+# -- ROS 1 -------------------------------------------------------------------------------------------------------------
+
+
+def test_ros_1_a_command_names_the_model_and_its_arguments(package: Path) -> None:
+    loaded = launch(
+        package,
+        """<launch>
+          <arg name="arm" default="ur5"/>
+          <group ns="robot">
+            <param name="robot_description"
+                   command="$(find xacro)/xacro --inorder '$(find car)/urdf/car.urdf.xacro' arm:=$(arg arm) size:='1 2'"/>
+          </group>
+        </launch>""",
+    )
+    (found,) = loaded.descriptions
+    assert loaded.dialect == "ros1"
+    assert found.path == package / "urdf/car.urdf.xacro"
+    assert found.file == "$(find car)/urdf/car.urdf.xacro"
+    assert found.arguments == {"arm": "ur5", "size": "1 2"}
+    assert found.unresolved is None
+    assert "--inorder" in found.words
+    assert found.at.span is not None
+    assert (found.at.span.line, found.at.location.subject) == (5, "group/param[robot_description]@command")
+
+
+@pytest.mark.parametrize(
+    "element",
+    [
+        '<param name="robot_description" textfile="$(find car)/urdf/car.urdf"/>',
+        '<param name="/left/robot_description" textfile="$(dirname)/../urdf/car.urdf"/>',
+        param("cat '$(find car)/urdf/car.urdf'"),
+        param("rosrun xacro xacro $(find car)/urdf/car.urdf"),
+        '<arg name="model" value="$(find car)/urdf/car.urdf"/>' + param("$(find xacro)/xacro.py $(arg model)"),
+        '<arg name="dir" default="$(find car)/urdf"/><arg name="model" default="$(arg dir)/car.urdf"/>'
+        + param("xacro $(arg model)"),
+    ],
+)
+def test_a_model_is_found_in_every_way_to_name_it(package: Path, element: str) -> None:
+    path = description(package, element).path
+    assert path is not None
+    assert path.resolve() == package / "urdf/car.urdf"
+
+
+def test_other_parameters_and_other_commands_load_no_model(package: Path) -> None:
+    loaded = launch(
+        package,
+        """<launch>
+          <param name="use_gui" value="true"/>
+          <param name="robot_description_file" textfile="$(find car)/urdf/car.urdf"/>
+          <param name="robot_description" value="&lt;robot/>"/>
+          <param name="robot_description" command="$(find car)/scripts/make_urdf.py"/>
+          <param name="robot_description" command=""/>
+        </launch>""",
+    )
+    assert loaded.descriptions == ()
+    assert loaded.problems == ()
+
+
+def test_the_first_definition_of_an_argument_that_applies_counts(package: Path) -> None:
+    text = """
+      <arg name="big" default="false"/>
+      <arg name="size" value="1" if="$(arg big)"/>
+      <group unless="true"><arg name="size" value="2"/></group>
+      <arg name="size" value="3" unless="$(arg big)"/>
+      <arg name="size" value="4"/>
+      <include file="other.launch"><arg name="big" value="true"/></include>
+    """
+    found = description(package, text + param("xacro $(find car)/urdf/car.urdf s:=$(arg size) b:=$(arg big)"))
+    assert found.arguments == {"s": "3", "b": "false"}
+
+
+@pytest.mark.parametrize(
+    ("path", "obstacle"),
+    [
+        ("$(find cars)/urdf/car.urdf", Obstacle("package", "cars")),
+        ("$(arg model)", Obstacle("argument", "model")),
+        ("$(arg round)", Obstacle("circle")),
+        ("$(env HOME)/car.urdf", Obstacle("launch-time", "env HOME")),
+        ("$(eval arg('a') + '.urdf')", Obstacle("launch-time", "eval arg('a') + '.urdf')")),
+        ("$(arg many)", Obstacle("launch-time", "find car)" + "/$(find car)" * 5 + "/$(find ca")),
+    ],
+)
+def test_what_stands_in_the_way_of_a_path_is_said(package: Path, path: str, obstacle: Obstacle) -> None:
+    text = '<arg name="model"/><arg name="round" default="$(arg trip)"/><arg name="trip" default="$(arg round)"/>'
+    text += f'<arg name="many" default="{"$(find car)/" * 2000}"/>'
+    found = description(package, f'{text}<param name="robot_description" textfile="{path}"/>')
+    assert found.path is None
+    assert found.unresolved == obstacle or found.unresolved.kind == obstacle.kind == "launch-time"
+
+
+def test_a_missing_file_is_named_by_its_path(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(package)
+    for name in ("no.urdf", "x" * 300 + ".urdf"):
+        found = description(package, f'<param name="robot_description" textfile="$(find car)/{name}"/>')
+        assert (found.path, found.unresolved) == (None, Obstacle("file", name))
+
+
+def test_an_argument_that_cannot_be_known_is_left_to_the_models_default(package: Path) -> None:
+    found = description(package, param("xacro $(find car)/urdf/car.urdf a:=$(env A) b:=1"))
+    assert found.arguments == {"b": "1"}
+    assert found.path == package / "urdf/car.urdf"
+
+
+@pytest.mark.parametrize("depth", [60])
+def test_arguments_that_multiply_each_other_end_soon(package: Path, depth: int) -> None:
+    for seed, kind in (("", "file"), ("x", "launch-time")):
+        rows = (
+            "".join(f'<arg name="a{n}" default="{f"$(arg a{n + 1})" * 10}"/>' for n in range(depth))
+            + f'<arg name="a{depth}" default="{seed}"/>'
+        )
+        found = description(package, rows + '<param name="robot_description" textfile="$(arg a0)"/>')
+        assert found.unresolved is not None
+        assert found.unresolved.kind == kind
+
+
+def test_a_folder_named_like_a_substitution_is_no_trap(tmp_path: Path) -> None:
+    path = tmp_path / "$(dirname)" / "a.launch"
+    path.parent.mkdir()
+    path.write_text('<launch><param name="robot_description" textfile="$(dirname)/a.urdf"/></launch>')
+    (found,) = load_launch(path, PackageFinder(path, environment={})).descriptions
+    assert found.unresolved is not None
+    assert found.unresolved.kind == "launch-time"
+
+
+def test_a_command_whose_quotes_do_not_close_leads_to_no_model(package: Path) -> None:
+    found = description(package, param("xacro '$(find car)/urdf/car.urdf a:=1"))
+    assert found.path is None
+    assert found.unresolved is not None
+    assert found.unresolved.kind == "file"
+
+
+# -- ROS 2 -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "$(command 'xacro $(find-pkg-share car)/urdf/car.urdf.xacro arm:=$(var arm)')",
+        "$(command 'xacro $(find-pkg-share $(var pkg))/urdf/car.urdf.xacro arm:=ur5' 'warn')",
+        "$(command 'ros2 run xacro xacro $(find-pkg-share car)/urdf/car.urdf.xacro arm:=ur5')",
+        "\n  $(command 'xacro\n  $(find-pkg-share car)/urdf/car.urdf.xacro\n  arm:=ur5')\n",
+    ],
+)
+def test_ros_2_a_command_substitution_names_the_model_and_its_arguments(package: Path, command: str) -> None:
+    loaded = launch(
+        package,
+        f"""<launch>
+          <arg name="arm" default="ur5"/>
+          <let name="pkg" value="car"/>
+          <node pkg="robot_state_publisher" exec="robot_state_publisher">
+            <param name="robot_description" value="{command}"/>
+          </node>
+        </launch>""",
+        "car.launch.xml",
+    )
+    (found,) = loaded.descriptions
+    assert loaded.dialect == "ros2"
+    assert found.path == package / "urdf/car.urdf.xacro"
+    assert found.arguments == {"arm": "ur5"}
+    assert found.at.location.subject == "node/param[robot_description]@value"
+
+
+# -- what is started beside the model ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("node", "xyz", "rpy", "quaternion"),
+    [
+        ('type="static_transform_publisher" args="1 2 3 0.1 0.2 0.3 base foot 40"', (1, 2, 3), (0.3, 0.2, 0.1), None),
+        ('type="static_transform_publisher" args="1 2 3 0.1 0.2 0.3 /base /foot"', (1, 2, 3), (0.3, 0.2, 0.1), None),
+        ('type="static_transform_publisher" args="1 2 3 0 0 0 1 base foot 40"', (1, 2, 3), None, (0, 0, 0, 1)),
+        ('type="static_transform_publisher" args="1 2 3 0 0 0 1 base foot"', (1, 2, 3), None, (0, 0, 0, 1)),
+        ('type="static_transform_publisher" args="$(arg x) 2 3 0 0 0 base foot"', (1, 2, 3), (0, 0, 0), None),
+        ('type="static_transform_publisher" args="$(env X) 2 3 0 0 0 base foot"', None, None, None),
+        (
+            'exec="static_transform_publisher" args="--x 1 --y -2 --yaw 0.1 --frame-id base --child-frame-id foot"',
+            (1, -2, 0), (0, 0, 0.1), None,
+        ),
+        (
+            'exec="static_transform_publisher" args="--qz 1 --qw 0 --frame-id base --child-frame-id foot --ros-args"',
+            (0, 0, 0), None, (0, 0, 1, 0),
+        ),
+        (
+            'exec="static_transform_publisher" args="--x $(env X) --frame-id base --child-frame-id foot"',
+            None, None, None,
+        ),
+    ],
+)  # fmt: skip
+def test_a_static_transform_is_read_in_all_its_spellings(
+    package: Path, node: str, xyz: object, rpy: object, quaternion: object
+) -> None:
+    loaded = launch(package, f'<launch><arg name="x" default="1"/><node name="n" pkg="tf2_ros" {node}/></launch>')
+    (transform,) = loaded.transforms
+    assert (transform.parent, transform.child) == ("base", "foot")
+    assert (transform.xyz, transform.rpy, transform.quaternion) == (xyz, rpy, quaternion)
+    assert transform.at.location.subject == "node[n]@args"
+
+
+@pytest.mark.parametrize("args", ["", "1 2 3", "0 0 0 0 0 0 $(env A) foot", "--x 1", "'0 0 0 0 0 0 a"])
+def test_a_static_transform_without_both_frames_is_left_out(package: Path, args: str) -> None:
+    node = f'<node name="n" pkg="tf" type="static_transform_publisher" args="{args}"/>'
+    assert launch(package, f"<launch>{node}</launch>").transforms == ()
+
+
+def test_nodes_and_own_arguments_are_listed_wherever_they_stand(package: Path) -> None:
+    loaded = launch(
+        package,
+        """<launch>
+          <arg name="a"/>
+          <include file="x"><arg name="b" value="1"/></include>
+          <group><arg name="c"/><node name="n"/></group>
+        </launch>""",
+    )
+    assert [e.get("name") for e in loaded.arguments] == ["a", "c"]
+    assert [e.get("name") for e in loaded.nodes] == ["n"]
+    assert loaded.package is not None
+    assert loaded.package.name == "car"
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [("<launch>", "malformed"), (b"<launch>\xff</launch>", "encoding"), ("<!DOCTYPE a><launch/>", "doctype")],
+)
+def test_a_broken_launch_file_is_a_problem_with_its_place(package: Path, text: str | bytes, kind: str) -> None:
+    loaded = launch(package, text)
+    (problem,) = loaded.problems
+    assert (problem.kind, loaded.root, loaded.descriptions) == (kind, None, ())
+    assert problem.location.span is not None
+    assert problem.location.span.file.endswith("car.launch")
+
+
+def test_a_launch_file_that_cannot_be_opened_is_a_problem(tmp_path: Path) -> None:
+    loaded = load_launch(tmp_path / "no.launch", PackageFinder(tmp_path, environment={}))
+    assert [p.kind for p in loaded.problems] == ["unreadable"]
+
+
+# -- Python ------------------------------------------------------------------------------------------------------------
+
+
+def python(package: Path, text: str) -> list[Path]:
+    path = package / "launch" / "car.launch.py"
+    path.write_text(text)
+    found = models_in_python(path, PackageFinder(path, environment={}))
+    return [p.relative_to(package) for p in found]
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "model = 'urdf/car.urdf'",
+        "model = share + '/urdf/car.urdf'",
+        "model = 'car.urdf'",
+        "model = os.path.join(get_package_share_directory('car'), 'urdf', 'car.urdf')",
+        "model = PathJoinSubstitution([FindPackageShare('car'), 'urdf', 'car.urdf'])",
+        "model = Path(share) / 'urdf' / 'car.urdf'",
+        "model = f(a, b=['xacro ', os.path.join(p, 'urdf/car.urdf')])",
+    ],
+)
+def test_python_a_literal_path_names_a_model(package: Path, code: str) -> None:
+    assert python(package, code) == [Path("urdf/car.urdf")]
+
+
+def test_python_a_joined_path_is_one_path(package: Path) -> None:
+    (package / "urdf/wheel.urdf").write_text("<robot/>")
+    assert python(package, "os.path.join(p, 'urdf', 'wheels', 'wheel.urdf')") == [Path("urdf/wheels/wheel.urdf")]
+
+
+def test_python_a_model_of_another_package_is_found_by_the_packages_name(package: Path) -> None:
+    other = package.parent / "bringup"
+    (other / "launch").mkdir(parents=True)
+    (other / "package.xml").write_text("<package><name>bringup</name></package>")
+    path = other / "launch" / "all.launch.py"
+    path.write_text("d = get_package_share_directory('car')\nm = os.path.join(d, 'urdf', 'car.urdf')")
+    assert models_in_python(path, PackageFinder(path, environment={})) == [package / "urdf/car.urdf"]
+
+
+def test_python_each_model_is_named_once_and_what_does_not_exist_is_left_out(package: Path) -> None:
+    (package / "build").mkdir()
+    (package / "build/old.urdf").write_text("<robot/>")
+    code = "a = 'car.urdf'; b = 'urdf/car.urdf'; c = 'no.urdf'; d = '*.urdf'; e = 'old.urdf'; f = '\\ud800.urdf'; g = '.urdf'"
+    assert python(package, code + f"; h = '{'x' * 290}.urdf'") == [Path("urdf/car.urdf")]
+
+
+def test_python_nothing_is_executed_and_nothing_is_printed(package: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    code = r"open('written', 'w'); raise SystemExit; x = '\d' is 'car.urdf'"
+    assert python(package, code) == [Path("urdf/car.urdf")]
+    assert not Path("written").exists()
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("code", ["def f(:", "\0", "(" * 5000, "x = " + "-" * 100000 + "1"])
+def test_python_that_cannot_be_parsed_names_no_model(package: Path, code: str) -> None:
+    assert python(package, code) == []
+
+
+def test_a_python_launch_file_is_loaded_without_being_read(package: Path) -> None:
+    loaded = launch(package, "raise SystemExit", "car.launch.py")
+    assert (loaded.dialect, loaded.root, loaded.problems, loaded.nodes, loaded.arguments) == (
+        "python",
+        None,
+        (),
+        [],
+        [],
+    )
+    assert loaded.location.span is not None
