@@ -9,19 +9,15 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import re
-import sys
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from urdfcheck.core import Confidence, Option, Rule, Severity, UrdfcheckError
+import tomli
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from urdfcheck.core import Confidence, Option, Rule, Severity, UrdfcheckError
 
 Check = Callable[..., Iterable[Any]]
 
@@ -73,7 +69,7 @@ def load_page(path: Path) -> Rule:
     if path.stem != f"{code}-{name}":
         raise UrdfcheckError(f"{path}: the file of rule {code} {name} must be called {code}-{name}.md")
     try:
-        meta = tomllib.loads(header.group(1))
+        meta = tomli.loads(header.group(1))
         unknown = sorted(set(meta) - _KEYS)
         if unknown:
             raise ValueError(f"unknown key {unknown[0]!r}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 import os
 import sys
 from collections.abc import Sequence
@@ -90,6 +91,7 @@ def check(words: Sequence[str]) -> int:
     if not options.paths:
         raise UrdfcheckError("name at least one model, launch file, package or folder (urdfcheck . for this folder)")
     outputs = [_output(text) for text in options.output]
+    formats = {options.format, *(name for name, _ in outputs)}
 
     from urdfcheck import catalogue, config, libraries
     from urdfcheck.engine import Request, run
@@ -112,8 +114,9 @@ def check(words: Sequence[str]) -> int:
             options=settings.options,
             severities=settings.severity,
             targets=_targets(options.target, settings.target),
-            scene="html" in {options.format, *(f for f, _ in outputs)},
-        )
+            scene="html" in formats,
+        ),
+        meanwhile=lambda: [importlib.import_module(f"urdfcheck.output.{name}") for name in formats],
     )
     _show(outcome, options.format, options.color)
     for output_format, file in outputs:

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import difflib
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import tomli
+
 from urdfcheck import catalogue
 from urdfcheck.core import Severity, UrdfcheckError
 from urdfcheck.source.packages import display_name
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 FAIL_ON = ("error", "warning", "info", "never")
 TIERS = ("source", "mesh", "full")
@@ -65,9 +60,9 @@ def find(start: Path) -> Config:
 
 def _load(path: Path) -> dict[str, Any]:
     try:
-        table: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+        table: dict[str, Any] = tomli.loads(path.read_text(encoding="utf-8"))
         return table
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except (OSError, UnicodeDecodeError, tomli.TOMLDecodeError) as error:
         raise UrdfcheckError(f"{display_name(path)}: {error}") from None
 
 
@@ -77,6 +72,8 @@ def _read(path: Path, table: Any) -> Config:
         raise reader.wrong("urdfcheck", "a table")
     for key in table:
         if key not in _KEYS:
+            import difflib
+
             near = difflib.get_close_matches(key, _KEYS, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else f" (known: {', '.join(_KEYS)})"
             raise UrdfcheckError(f"{reader.at(key)}: unknown key {key!r}{hint}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
@@ -156,6 +155,8 @@ class Finding:
     @property
     def fingerprints(self) -> tuple[str, ...]:
         """One per subject; they change neither with lines nor with the working directory."""
+        import hashlib  # loads OpenSSL: only outputs that show fingerprints pay for it
+
         return tuple(
             hashlib.sha256("\0".join((self.code, self.model, subject, self.message_id)).encode()).hexdigest()[:32]
             for subject in self.subjects

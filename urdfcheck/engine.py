@@ -45,10 +45,15 @@ class Request:
     scene: bool = False
 
 
-def run(request: Request, audit: Callable[[Unit, Settings], Report] | None = None) -> Run:
+def run(
+    request: Request,
+    audit: Callable[[Unit, Settings], Report] | None = None,
+    meanwhile: Callable[[], object] | None = None,
+) -> Run:
     """Check everything that the request's paths mean.
 
-    ``audit`` replaces the worker processes by a function in this one (for tests and for embedding).
+    ``audit`` replaces the worker processes by a function in this one (for tests and for embedding); ``meanwhile`` is called
+    once while the first workers are busy.
     """
     from urdfcheck.worker import Settings
 
@@ -65,7 +70,7 @@ def run(request: Request, audit: Callable[[Unit, Settings], Report] | None = Non
         scene=request.scene,
     )
     units = _units(found, request.root)
-    reports = [audit(u, settings) for u in units] if audit else _in_workers(units, settings, request.jobs)
+    reports = [audit(u, settings) for u in units] if audit else _in_workers(units, settings, request.jobs, meanwhile)
     kept = [(u, r) for u, r in zip(units, reports, strict=True) if not _is_nothing(u, r, found)]
     return _assemble(request, found, kept, time.perf_counter() - began)
 
@@ -167,7 +172,9 @@ def _versions(*, full: bool) -> dict[str, str]:
 # -- worker processes ------------------------------------------------------------------------------------------------
 
 
-def _in_workers(units: Sequence[Unit], settings: Settings, jobs: int) -> list[Report]:
+def _in_workers(
+    units: Sequence[Unit], settings: Settings, jobs: int, meanwhile: Callable[[], object] | None
+) -> list[Report]:
     """Audit each unit in a fresh process, at most ``jobs`` at once; the order of the result is that of the units."""
     from urdfcheck.worker import Report
 
@@ -183,6 +190,9 @@ def _in_workers(units: Sequence[Unit], settings: Settings, jobs: int) -> list[Re
             process.start()
             sender.close()
             running[receiver] = (index, process)
+        if meanwhile is not None:
+            meanwhile()
+            meanwhile = None
         for ready in wait(list(running)):
             assert isinstance(ready, Connection)
             index, process = running.pop(ready)

@@ -9,7 +9,6 @@ import fnmatch
 import glob
 import os
 import re
-import subprocess
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -214,6 +213,13 @@ class _File:
     text: str
     root: Element | None
 
+    @property
+    def includes(self) -> list[str]:
+        """The file names of its includes, as typed."""
+        if self.root is None:
+            return _INCLUDE.findall(self.text)
+        return [e.get("filename") for e in self.root.walk() if e.tag == "xacro:include"]
+
     def names(self, mesh: str) -> bool:
         """Whether a mesh of this name may be meant: spelled out, or with expressions in place of what differs."""
         if mesh in self.text:
@@ -233,13 +239,12 @@ class _Folder:
         self.launches = [f for f in files if is_launch(f)]
         self.files = {f: _read(f) for f in files if f.suffix in {".xacro", ".urdf"}}
         self.by_real = {_real(f): file for f, file in self.files.items()}
-        self.includes = {_real(f): self._included_by(f, file) for f, file in self.files.items()}
+        # An include in a comment is one that was tried: what it names is a part, unless it can stand alone.
+        self.mentions = {_real(f): self._files_named(f, _INCLUDE.findall(t.text)) for f, t in self.files.items()}
+        self.includes = {_real(f): self._files_named(f, file.includes) for f, file in self.files.items()}
 
-    def _included_by(self, path: Path, file: _File) -> set[Path]:
-        if file.root is not None:
-            names = [e.get("filename") for e in file.root.walk() if e.tag == "xacro:include"]
-        else:
-            names = _INCLUDE.findall(file.text)
+    def _files_named(self, path: Path, names: Iterable[str]) -> set[Path]:
+        """The files that the includes of a file mean."""
         found: set[Path] = set()
         for name in names:
             tail = _EXPRESSION.sub("", name).lstrip("/")
@@ -254,13 +259,15 @@ class _Folder:
 
     def models(self) -> Iterator[tuple[Path, bool]]:
         """Each model, and whether only its expansion tells that it is one."""
-        included = set().union(*self.includes.values())
+        included, mentioned = set().union(*self.includes.values()), set().union(*self.mentions.values())
         for path, file in self.files.items():
             if path.suffix == ".urdf":
                 if _ROBOT.search(file.text):
                     # An empty robot is a placeholder that others include.
                     yield path, not any(tag in file.text for tag in ("<link", "<joint", "<xacro:"))
-            elif _real(path) not in included and not only_macros(file.root):
+            elif _real(path) in included or (_real(path) in mentioned and not stands_alone(file.root)):
+                continue
+            elif not only_macros(file.root):
                 yield path, not has_parts(file.root)
 
     def including(self, path: Path) -> list[Path]:
@@ -353,6 +360,8 @@ def _walk(root: Path) -> Iterable[Path]:
 
 def _ignored_by_git(root: Path) -> set[str]:
     """Files and folders below ``root`` that git ignores; empty outside of a work tree or without git."""
+    import subprocess
+
     # The folder may be a stranger's: what its own git configuration would have git start is switched off.
     safe = ["-c", "core.fsmonitor=false", "-c", "safe.bareRepository=explicit"]
     listing = ["ls-files", "-z", "--others", "--ignored", "--exclude-standard", "--directory"]

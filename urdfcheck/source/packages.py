@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -174,6 +173,8 @@ class PackageFinder:
         # `_description` and the like are common to all: what comes before it must be alike.
         own, suffix = _stem(name)
         stems = {_stem(k)[0]: k for k in sorted(known) if _stem(k)[1] == suffix}
+        import difflib
+
         return alike or [stems[s] for s in difflib.get_close_matches(own, sorted(stems), n=3, cutoff=0.75)]
 
     def package_of(self, path: Path) -> Package | None:

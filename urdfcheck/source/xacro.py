@@ -19,7 +19,6 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
-from unittest import mock
 from xml.dom import UserDataHandler, minidom
 from xml.parsers import expat
 
@@ -238,7 +237,7 @@ class _Tracer:
         with ExitStack() as stack:
 
             def patch(target: Any, name: str, wrapper: Any) -> None:
-                stack.enter_context(mock.patch.object(target, name, wrapper))
+                stack.enter_context(_replaced(target, name, wrapper))
 
             for name in (
                 "parse",
@@ -667,6 +666,24 @@ class _Tracer:
         # A property is evaluated when it is first read; the text that xacro warns of stands at its definition.
         lazily = self.resolving[-1] if self.resolving else None
         self.problem("xacro-warning", text, self.here() if lazily is None else lazily.location)
+
+
+@contextmanager
+def _replaced(target: Any, name: str, value: Any) -> Iterator[None]:
+    """An attribute with another value for a while (unittest.mock would load asyncio for this).
+
+    A builtin that a module uses (``eval``) is no attribute of the module, and is none again afterwards.
+    """
+    own = name in vars(target)
+    original = getattr(target, name, None)
+    setattr(target, name, value)
+    try:
+        yield
+    finally:
+        if own:
+            setattr(target, name, original)
+        else:
+            delattr(target, name)
 
 
 class _Context(dict[str, Any]):

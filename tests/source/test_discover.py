@@ -1,0 +1,391 @@
+"""From the paths of the command line to the models, launch files and packages that are to be checked."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from urdfcheck.source.discover import ModelTarget, Plan, is_launch, plan
+
+URDF = '<robot name="r"><link name="base"/></robot>'
+XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+
+
+def xacro(body: str, name: str = ' name="r"') -> str:
+    return f"<robot{name} {XMLNS}>{body}</robot>"
+
+
+LINK = '<link name="base"/>'
+MACRO = '<xacro:macro name="wheel"><link name="w"/></xacro:macro>'
+
+
+def include(path: str) -> str:
+    return f'<xacro:include filename="{path}"/>'
+
+
+@pytest.fixture
+def workspace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def write(workspace: Path, files: Mapping[str, str | bytes]) -> None:
+    for name, content in files.items():
+        path = workspace / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+
+
+def planned(*paths: str, arguments: Mapping[str, str] | None = None) -> Plan:
+    return plan([Path(p) for p in paths], arguments or {}, {}, [])
+
+
+def models(*paths: str) -> list[str]:
+    return [t.path.as_posix() for t in planned(*paths).models]
+
+
+def manifest(name: str) -> str:
+    return f"<package><name>{name}</name></package>"
+
+
+# -- folders -----------------------------------------------------------------------------------------------------------
+
+
+def test_in_a_folder_every_model_is_found_in_a_stable_order(workspace: Path) -> None:
+    write(workspace, {"b/urdf/b.urdf": URDF, "a.urdf.xacro": xacro(LINK), "c.xacro": xacro(LINK), "notes.xml": URDF})
+    assert models(".") == ["a.urdf.xacro", "b/urdf/b.urdf", "c.xacro"]
+
+
+@pytest.mark.parametrize("folder", ["build", "install", "log", "a/build/x", ".hidden", "node_modules/x", "__pycache__"])
+def test_what_was_built_is_no_source(workspace: Path, folder: str) -> None:
+    write(workspace, {f"{folder}/a.urdf": URDF, "kept.urdf": URDF})
+    assert models(".") == ["kept.urdf"]
+
+
+@pytest.mark.parametrize("mark", ["COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"])
+def test_a_folder_marked_to_be_ignored_is_skipped_with_all_below_it(workspace: Path, mark: str) -> None:
+    write(workspace, {f"old/{mark}": "", "old/a.urdf": URDF, "old/deep/b.urdf": URDF, "new/c.urdf": URDF})
+    assert models(".") == ["new/c.urdf"]
+
+
+def test_a_skipped_folder_that_is_named_is_checked_all_the_same(workspace: Path) -> None:
+    write(workspace, {"build/a.urdf": URDF})
+    assert models("build") == ["build/a.urdf"]
+
+
+def git(workspace: Path, *words: str) -> None:
+    subprocess.run(["git", *words], cwd=workspace, check=True, capture_output=True)
+
+
+def test_what_git_ignores_is_skipped(workspace: Path) -> None:
+    write(
+        workspace,
+        {
+            ".gitignore": "out/\n*.tmp.urdf\nlatest\n/ignored.urdf\n",
+            "out/a.urdf": URDF,
+            "src/b.tmp.urdf": URDF,
+            "src/ignored.urdf": URDF,
+            "ignored.urdf": URDF,
+            "src/c.urdf": URDF,
+        },
+    )
+    os.symlink("src", workspace / "latest")  # an ignored link to a folder that is not
+    git(workspace, "init", "-q")
+    assert models(".") == ["src/c.urdf", "src/ignored.urdf"]
+    assert models("src") == ["src/c.urdf", "src/ignored.urdf"]
+    assert models("out") == ["out/a.urdf"]  # named, so meant
+
+
+def test_a_file_that_git_ignores_but_tracks_is_checked(workspace: Path) -> None:
+    write(workspace, {".gitignore": "*.urdf\n", "a.urdf": URDF, "b.urdf": URDF})
+    git(workspace, "init", "-q")
+    git(workspace, "add", "-f", "a.urdf")
+    assert models(".") == ["a.urdf"]
+
+
+def test_git_starts_nothing_that_the_repository_asks_for(workspace: Path) -> None:
+    write(workspace, {"a.urdf": URDF})
+    git(workspace, "init", "-q")
+    git(workspace, "config", "core.fsmonitor", f"touch {workspace}/started; false")
+    assert models(".") == ["a.urdf"]
+    assert not (workspace / "started").exists()
+
+
+def test_a_model_reached_by_links_is_checked_once(workspace: Path) -> None:
+    write(workspace, {"src/a.urdf": URDF})
+    os.symlink("a.urdf", workspace / "src/z.urdf")
+    os.symlink("src", workspace / "same")
+    os.symlink("..", workspace / "src/up")
+    os.symlink("circle", workspace / "circle")
+    os.symlink("nowhere.urdf", workspace / "broken.urdf")
+    assert len(models(".")) == 1
+    assert len(models("src/a.urdf", "src/z.urdf", "same/a.urdf", ".", str(workspace))) == 1
+
+
+def test_a_linked_folder_outside_is_followed(workspace: Path) -> None:
+    write(workspace, {"elsewhere/a.urdf": URDF, "ws/readme": ""})
+    os.symlink("../elsewhere", workspace / "ws/robots")
+    assert models("ws") == ["ws/robots/a.urdf"]
+
+
+# -- which files are models --------------------------------------------------------------------------------------------
+
+
+def test_a_xacro_that_only_defines_macros_is_no_model(workspace: Path) -> None:
+    write(
+        workspace,
+        {
+            "macros.xacro": xacro(MACRO + '<xacro:property name="p" value="1"/><xacro:arg name="a" default=""/>'),
+            "uses.xacro": xacro(MACRO + "<xacro:wheel/>"),
+            "conditional.xacro": xacro(f'<xacro:if value="1">{LINK}</xacro:if>'),
+        },
+    )
+    assert models(".") == ["conditional.xacro", "uses.xacro"]
+
+
+def test_a_xacro_that_is_included_is_no_model_of_its_own(workspace: Path) -> None:
+    write(
+        workspace,
+        {
+            "pkg/package.xml": manifest("pkg"),
+            "pkg/top.urdf.xacro": xacro(include("$(find pkg)/parts/arm.xacro") + include("parts/by_arg_$(arg kind).xacro")),
+            "pkg/parts/arm.xacro": xacro(include("hand.xacro") + LINK),
+            "pkg/parts/hand.xacro": xacro(LINK),
+            "pkg/parts/by_arg_.xacro": xacro(LINK),
+            "pkg/other.xacro": xacro(LINK + include("parts/glob/*.xacro")),
+            "pkg/parts/glob/a.xacro": xacro(LINK),
+            "pkg/parts/glob/b.xacro": xacro(LINK),
+        },
+    )  # fmt: skip
+    assert models(".") == ["pkg/other.xacro", "pkg/top.urdf.xacro"]
+
+
+def test_an_include_with_an_argument_in_its_path_may_mean_every_file_of_that_name(workspace: Path) -> None:
+    write(
+        workspace,
+        {
+            "top.xacro": xacro(LINK + include("$(arg vendor)/gripper.xacro")),
+            "a/gripper.xacro": xacro(LINK),
+            "b/gripper.xacro": xacro(LINK),
+        },
+    )
+    assert models(".") == ["top.xacro"]
+
+
+def test_an_include_in_a_comment_makes_a_part_of_a_file_that_has_no_name(workspace: Path) -> None:
+    write(
+        workspace,
+        {
+            "top.xacro": xacro(f"{LINK}<!-- {include('part.xacro')} {include('robot.xacro')} -->"),
+            "part.xacro": xacro(LINK, name=""),
+            "robot.xacro": xacro(LINK),
+        },
+    )
+    assert models(".") == ["robot.xacro", "top.xacro"]
+
+
+def test_a_xacro_of_includes_alone_is_a_model_only_if_its_expansion_says_so(workspace: Path) -> None:
+    write(workspace, {"a.xacro": xacro(include("m.xacro")), "m.xacro": xacro(MACRO), "b.xacro": xacro(LINK)})
+    assert [(t.path.name, t.tentative) for t in planned(".").models] == [("a.xacro", True), ("b.xacro", False)]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"\xff\xfe" + URDF.encode("utf-16-le"),
+        b"\xef\xbb\xbf" + URDF.encode(),
+        f"<?xml version='1.0'?>\n{URDF}".encode(),
+    ],
+)
+def test_a_model_is_recognised_in_any_encoding(workspace: Path, content: bytes) -> None:
+    write(workspace, {"a.urdf": content})
+    assert models(".") == ["a.urdf"]
+
+
+def test_a_broken_model_is_a_model_and_a_file_that_holds_no_robot_is_none(workspace: Path) -> None:
+    write(
+        workspace,
+        {
+            "broken.urdf": '<robot name="r"><link',
+            "broken.xacro": "<robot ",
+            "latin.urdf": b'<robot name="\xe4"/>',
+            "page.urdf": "<html/>",
+            "empty.urdf": "",
+        },
+    )
+    assert models(".") == ["broken.urdf", "broken.xacro", "latin.urdf"]
+
+
+# -- launch files ------------------------------------------------------------------------------------------------------
+
+ROS_1 = '<launch><param name="robot_description" command="xacro $(find car)/urdf/car.xacro {}"/></launch>'
+
+
+def test_a_model_reached_by_a_launch_file_and_by_the_folder_is_checked_once_with_its_arguments(workspace: Path) -> None:
+    write(
+        workspace,
+        {
+            "car/package.xml": manifest("car"),
+            "car/urdf/car.xacro": xacro(LINK),
+            "car/launch/view.launch": ROS_1.format("arm:=true"),
+        },
+    )
+    found = planned("car")
+    (target,) = found.models
+    assert (target.path, target.arguments) == (Path("car/urdf/car.xacro"), {"arm": "true"})
+    assert target.launches == (Path("car/launch/view.launch"),)
+    assert found.launches == ()  # checked with its model
+    assert [p.name for p in found.packages] == ["car"]
+
+
+def test_each_set_of_arguments_is_a_model_and_those_of_the_command_line_win(workspace: Path) -> None:
+    write(
+        workspace,
+        {
+            "car/package.xml": manifest("car"),
+            "car/urdf/car.xacro": xacro(LINK),
+            "car/launch/a.launch": ROS_1.format("arm:=1"),
+            "car/launch/b.launch": ROS_1.format("arm:=2"),
+            "car/launch/c.launch": ROS_1.format("arm:=2"),
+        },
+    )
+    assert [dict(t.arguments) for t in planned("car").models] == [{"arm": "1"}, {"arm": "2"}]
+    (one,) = planned("car", arguments={"arm": "3"}).models
+    assert one.arguments == {"arm": "3"}
+    assert [p.name for p in one.launches] == ["a.launch", "b.launch", "c.launch"]
+
+
+def test_a_named_model_is_checked_as_it_is_beside_what_a_launch_file_makes_of_it(workspace: Path) -> None:
+    write(
+        workspace,
+        {
+            "car/package.xml": manifest("car"),
+            "car/urdf/car.xacro": xacro(LINK),
+            "car/launch/a.launch": ROS_1.format("arm:=1"),
+        },
+    )
+    found = planned("car/launch/a.launch", "car/urdf/car.xacro").models
+    assert [(dict(t.arguments), t.explicit) for t in found] == [({}, True), ({"arm": "1"}, False)]
+
+
+def test_a_launch_file_without_model_is_checked_alone(workspace: Path) -> None:
+    write(workspace, {"a.launch": "<launch/>", "broken.launch.xml": "<launch", "c.launch.py": "1"})
+    found = planned(".")
+    assert (found.models, found.launches) == ((), (Path("a.launch"), Path("broken.launch.xml")))
+
+
+def test_a_python_launch_file_leads_to_the_models_that_it_names(workspace: Path) -> None:
+    write(
+        workspace,
+        {
+            "car/package.xml": manifest("car"),
+            "car/urdf/car.urdf": URDF,
+            "car/launch/car.launch.py": "m = os.path.join(share, 'urdf', 'car.urdf')",
+        },
+    )
+    assert [Path(m).resolve() for m in models("car/launch/car.launch.py")] == [workspace / "car/urdf/car.urdf"]
+
+
+@pytest.mark.parametrize(
+    ("name", "yes"),
+    [
+        ("a.launch", True), ("a.launch.xml", True), ("a.launch.py", True), ("a_launch.py", True), ("a_launch.xml", True),
+        ("launch.txt", False), ("a.xml", False), ("setup.py", False),
+    ],
+)  # fmt: skip
+def test_a_launch_file_is_known_by_its_name(name: str, yes: bool) -> None:
+    assert is_launch(Path("launch") / name) is yes
+
+
+# -- changed files, as pre-commit hands them over ----------------------------------------------------------------------
+
+
+@pytest.fixture
+def car(workspace: Path) -> Path:
+    """A package with two models, macros, a part without a name, and meshes."""
+    write(
+        workspace,
+        {
+            ".git/HEAD": "",
+            "car/package.xml": manifest("car"),
+            "car/urdf/car.urdf.xacro": xacro(
+                include("macros.xacro") + include("$(find car)/urdf/part.xacro") + LINK + '<xacro:wheel side="left"/>'
+            ),
+            "car/urdf/macros.xacro": xacro(include("inner.xacro")),
+            "car/urdf/inner.xacro": xacro(
+                '<xacro:macro name="wheel" params="side"><link name="w"><visual><geometry>'
+                '<mesh filename="package://car/meshes/wheel_${side}.stl"/></geometry></visual></link></xacro:macro>'
+            ),
+            "car/urdf/part.xacro": xacro('<link name="part"/>', name=""),
+            "car/urdf/box.urdf": '<robot name="b"><link name="l"><mesh filename="package://car/meshes/box.stl"/></link></robot>',
+            "car/meshes/box.stl": "",
+            "car/meshes/wheel_left.stl": "",
+            "car/meshes/unused.stl": "",
+            "bringup/package.xml": manifest("bringup"),
+            "bringup/two.xacro": xacro(include("$(find car)/urdf/other.xacro") + LINK),
+            "car/urdf/other.xacro": xacro(MACRO),
+        },
+    )  # fmt: skip
+    return workspace
+
+
+@pytest.mark.parametrize(
+    ("changed", "checked"),
+    [
+        ("car/urdf/car.urdf.xacro", ["car/urdf/car.urdf.xacro"]),
+        ("car/urdf/macros.xacro", ["car/urdf/car.urdf.xacro"]),
+        ("car/urdf/inner.xacro", ["car/urdf/car.urdf.xacro"]),
+        ("car/urdf/part.xacro", ["car/urdf/car.urdf.xacro"]),
+        ("car/urdf/other.xacro", ["bringup/two.xacro"]),
+        ("car/meshes/box.stl", ["car/urdf/box.urdf"]),
+        ("car/meshes/wheel_left.stl", ["car/urdf/car.urdf.xacro"]),
+        ("car/package.xml", ["car/urdf/box.urdf", "car/urdf/car.urdf.xacro"]),
+    ],
+)
+def test_a_changed_file_leads_to_the_models_that_use_it(car: Path, changed: str, checked: list[str]) -> None:
+    found = planned(changed)
+    assert [t.path.as_posix() for t in found.models] == checked
+    assert (found.missing, found.unused) == ((), ())
+    assert [t.path for t in planned(str(car / changed)).models] == [car / c for c in checked]
+
+
+def test_many_changed_files_of_one_model_check_it_once(car: Path) -> None:
+    changed = ["car/urdf/inner.xacro", "car/urdf/macros.xacro", "car/urdf/car.urdf.xacro", "car/meshes/wheel_left.stl"]
+    assert models(*changed) == ["car/urdf/car.urdf.xacro"]
+
+
+def test_a_mesh_or_macro_file_that_no_model_uses_is_said(car: Path) -> None:
+    write(car, {"car/urdf/lonely.xacro": xacro(MACRO)})
+    found = planned("car/meshes/unused.stl", "car/urdf/lonely.xacro")
+    assert found.models == ()
+    assert [path for path, _ in found.unused] == ["car/meshes/unused.stl", "car/urdf/lonely.xacro"]
+
+
+def test_a_mesh_of_another_package_with_the_same_name_is_another_mesh(car: Path) -> None:
+    write(car, {"boat/package.xml": manifest("boat"), "boat/meshes/box.stl": ""})
+    assert models("boat/meshes/box.stl") == []
+    write(car, {"bringup/boat.urdf": '<robot name="b"><link/><mesh filename="package://boat/meshes/box.stl"/></robot>'})
+    assert models("boat/meshes/box.stl") == ["bringup/boat.urdf"]
+
+
+def test_a_named_file_of_includes_that_nobody_includes_is_checked(workspace: Path) -> None:
+    write(workspace, {"top.xacro": xacro(include("m.xacro")), "m.xacro": xacro(MACRO)})
+    assert planned("top.xacro").models == (ModelTarget(Path("top.xacro"), {}, explicit=True),)
+
+
+def test_a_named_part_is_checked_itself_when_it_may_stand_alone(workspace: Path) -> None:
+    write(workspace, {"arm.xacro": xacro(LINK), "table.xacro": xacro(include("arm.xacro") + '<link name="t"/>')})
+    assert models("arm.xacro") == ["arm.xacro"]
+    assert models(".") == ["table.xacro"]
+
+
+def test_paths_that_lead_to_nothing_are_listed_and_hide_no_other(workspace: Path) -> None:
+    write(workspace, {"a.urdf": URDF, "readme.md": ""})
+    os.mkfifo(workspace / "pipe")
+    found = planned("no.urdf", "readme.md", "pipe", "a.urdf", "x" * 300 + ".urdf")
+    assert [t.path.name for t in found.models] == ["a.urdf"]
+    assert [path[:10] for path, _ in found.missing] == ["no.urdf", "readme.md", "pipe", "x" * 10]
