@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.model.extent import size_of
 from urdfcheck.model.names import listed
 from urdfcheck.source.load import Source
 from urdfcheck.source.usage import (
@@ -14,12 +17,18 @@ from urdfcheck.source.usage import (
     own_trees,
     properties,
 )
+from urdfcheck.source.values import number
 from urdfcheck.source.words import removal
 from urdfcheck.source.xml import Attribute
 
 
-def check(source: Source, rule: Rule, *, each: int) -> Iterator[Finding]:
-    if not source.is_xacro or source.root is None or _reads_unseen_files(source):
+# A property that by its name is a side of a link: base_x of base or base_link.
+_SIDE = re.compile(r"^(\w+?)_(?:size_|dim_)?([xyz])$")
+
+
+def check(model: Model, rule: Rule, *, each: int, near: float) -> Iterator[Finding]:
+    source = model.source
+    if not source.is_xacro or _reads_unseen_files(source):
         return
     by_file: dict[str, list[list[Attribute]]] = {}
     for definitions in _unread(source):
@@ -30,7 +39,7 @@ def check(source: Source, rule: Rule, *, each: int) -> Iterator[Finding]:
             yield _many(file, unread, rule)
             continue
         for definitions in unread:
-            yield _one(definitions, source, rule)
+            yield _one(definitions, model, rule, near)
 
 
 def _unread(source: Source) -> list[list[Attribute]]:
@@ -45,17 +54,34 @@ def _unread(source: Source) -> list[list[Attribute]]:
     return [definitions for name, definitions in unread.items() if name not in elsewhere]
 
 
-def _one(definitions: Sequence[Attribute], source: Source, rule: Rule) -> Finding:
+def _one(definitions: Sequence[Attribute], model: Model, rule: Rule, near: float) -> Finding:
     first, *others = definitions
     value = first.owner.get("value") or first.owner.get("default")
+    wrong = _wrong_side(first.value, value, model, near)
     return rule.finding(
-        "unused",
+        "unused" if wrong is None else "wrong",
         at=first,
         related=others,
-        edits=[] if others or first.owner.children else removal(first.owner, source.files),
+        edits=[] if others or first.owner.children else removal(first.owner, model.source.files),
         name=first.value,
         value=f" = {value}" if value else "",
+        link="" if wrong is None else wrong[0],
+        sides="" if wrong is None else " × ".join(f"{side:.3f}" for side in wrong[1]),
     )
+
+
+def _wrong_side(name: str, value: str, model: Model, near: float) -> tuple[str, tuple[float, ...]] | None:
+    """The link whose side a property names with another length than the link (or half of it) has, and its sides."""
+    named, typed = _SIDE.match(name), number(value)
+    if named is None or typed is None:
+        return None
+    link = model.link_by_name.get(named.group(1)) or model.link_by_name.get(f"{named.group(1)}_link")
+    sides = None if link is None else size_of(model, link)
+    if link is None or sides is None:
+        return None
+    side = sides["xyz".index(named.group(2))]
+    agrees = any(abs(abs(typed) - length) <= near * length for length in (side, side / 2))
+    return None if agrees else (link.name, sides)
 
 
 def _many(file: str, unread: Sequence[Sequence[Attribute]], rule: Rule) -> Finding:

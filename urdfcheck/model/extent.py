@@ -1,4 +1,4 @@
-"""How far down a robot reaches: the lowest point of its shapes at the neutral pose."""
+"""How far shapes reach: the lowest point of a robot at the neutral pose, and what a link measures."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from urdfcheck.core import Unavailable
 from urdfcheck.model.model import Model
-from urdfcheck.model.parts import Shape
+from urdfcheck.model.parts import Link, Shape
 
 if TYPE_CHECKING:
     import numpy as np
@@ -37,6 +37,23 @@ def lowest_point(model: Model, frame: str) -> tuple[float, str] | None:
                 return None
             found.append((bottom, link.name))
     return min(found, default=None)
+
+
+def size_of(model: Model, link: Link) -> tuple[float, float, float] | None:
+    """What a link draws measures along its own x, y and z (m); None when it draws nothing or a shape is not known."""
+    import numpy as np
+
+    sizes = []
+    for axis in np.eye(3):
+        toward = np.eye(4)
+        toward[2, :3] = axis
+        low = [_bottom(model, shape, toward) for shape in link.visuals]
+        high = [_bottom(model, shape, toward * [[1], [1], [-1], [1]]) for shape in link.visuals]
+        known = [(a, b) for a, b in zip(low, high, strict=True) if a is not None and b is not None]
+        if not known or len(known) != len(low):
+            return None
+        sizes.append(-min(b for _, b in known) - min(a for a, _ in known))
+    return sizes[0], sizes[1], sizes[2]
 
 
 def _bottom(model: Model, shape: Shape, link_pose: NDArray[np.float64]) -> float | None:
