@@ -1,0 +1,63 @@
+"""The terminal report: readable at 80 columns and in a CI log, and nothing in a name can act on it."""
+
+from __future__ import annotations
+
+import re
+
+from output.runs import FILE, SOURCE, a_run, finding, span_of
+
+from urdfcheck.core import Applicability, Edit, Fix, Location
+from urdfcheck.output.text import render
+
+
+def test_a_finding_reads_place_severity_code_and_name_on_one_line() -> None:
+    first = next(line for line in render(a_run()).splitlines() if line.startswith(FILE + ":"))
+    assert re.match(rf"{re.escape(FILE)}:\d+:\d+ [✖▲i] (error|warning|info) [A-Z]{{3}}\d{{3}} [a-z-]+$", first)
+
+
+def test_prose_wraps_at_the_width_and_only_source_lines_may_be_longer() -> None:
+    long = finding(message="a word " * 60, fix=Fix("do it " * 40))
+    for line in render(a_run(long), width=80).splitlines():
+        assert len(line) <= 80 or "│" in line or line.startswith(FILE)
+
+
+def test_the_span_is_underlined() -> None:
+    lines = render(a_run()).splitlines()
+    marked = next(i for i, line in enumerate(lines) if "^" in line)
+    start, end = lines[marked].index("^"), lines[marked].rindex("^") + 1
+    assert lines[marked - 1][start:end].strip(), "the marks stand below the text that is meant"
+
+
+def test_an_edit_that_deletes_a_line_shows_only_what_goes() -> None:
+    fix = Fix("delete the line", Applicability.SAFE, (Edit(span_of("<robot"), "    <x/>\n", ""),))
+    text = render(a_run(finding(fix=fix)))
+    assert re.search(r"\d+ - <x/>$", text, re.MULTILINE)
+    assert not re.search(r"\d+ \+", text)
+
+
+def test_no_colour_unless_asked_for() -> None:
+    assert "\x1b[" not in render(a_run())
+    assert "\x1b[" in render(a_run(), color=True)
+
+
+def test_control_characters_are_spelled_out() -> None:
+    text = render(a_run(finding(message="\x1b[31mred\x07 \u202eevil")))
+    assert "\\x1b[31mred\\x07 \\u202eevil" in text
+
+
+def test_square_brackets_are_text_and_not_markup() -> None:
+    text = render(a_run(finding(message="link [bold]a[/bold] [link=x]")))
+    assert "link [bold]a[/bold] [link=x]" in text
+
+
+def test_many_related_places_are_counted() -> None:
+    related = tuple(Location(f"link[{i}]", span_of(word)) for i, word in enumerate(SOURCE.split()[:9]))
+    assert "… and 5 more places" in render(a_run(finding(related=related)))
+
+
+def test_the_last_line_counts() -> None:
+    assert re.fullmatch(r"✖ 1 error {2}▲ 1 warning {2}i 1 info {2}in 1 model, 0\.2 s", render(a_run()).splitlines()[-1])
+
+
+def test_no_line_ends_in_blanks() -> None:
+    assert not [line for line in render(a_run()).splitlines() if line != line.rstrip()]

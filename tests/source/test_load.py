@@ -1,0 +1,177 @@
+"""One model's source: what was read, what became of it, and what went wrong; never an exception, whatever the bytes."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+from conftest import FIXTURES
+
+from urdfcheck.source.discover import plan
+from urdfcheck.source.launch import load_launch, models_in_python
+from urdfcheck.source.load import Source, load
+from urdfcheck.source.packages import PackageFinder
+
+XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+
+
+def loaded(folder: Path, name: str, content: str | bytes, **arguments: str) -> Source:
+    path = folder / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return load(path, arguments, PackageFinder(path, environment={}))
+
+
+def test_a_urdf_is_its_own_expansion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    source = loaded(tmp_path, "a.urdf", '<robot name="r">\n  <link name="l"/>\n</robot>')
+    assert source.root is not None
+    assert source.root is source.main
+    assert (source.name, source.is_xacro, source.problems) == ("a.urdf", False, ())
+    assert source.file_location.subject == "robot[r]"
+
+
+def test_a_xacro_keeps_the_files_as_typed_beside_the_expansion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "i.xacro").write_text(f"<robot {XMLNS}><link name='part'/></robot>")
+    text = (
+        f'<robot name="r" {XMLNS}><xacro:arg name="n" default="1"/><xacro:include filename="i.xacro"/>$(arg n)</robot>'
+    )
+    source = loaded(tmp_path, "a.urdf.xacro", text, n="7")
+    assert source.root is not None
+    assert [e.tag for e in source.root.children] == ["link"]
+    assert source.root.text == "7"
+    assert source.main is not None
+    assert [e.tag for e in source.main.children] == ["xacro:arg", "xacro:include"]
+    assert set(source.files) == set(source.trees) == {"a.urdf.xacro", "i.xacro"}
+    assert source.arguments_read == {"n"}
+
+
+@pytest.mark.parametrize(
+    ("name", "body", "expanded"),
+    [
+        ("a.xacro", "", True),
+        ("robot", "<xacro:if value='1'/>", True),
+        ("robot", "<link name='${1}'/>", True),
+        ("robot", "<link name='x'/>", False),
+        ("a.urdf", "<link name='${1}'/>", False),  # left to be reported: who loads it does not expand it either
+    ],
+)
+def test_what_is_expanded_depends_on_the_name_and_without_one_on_the_text(
+    tmp_path: Path, name: str, body: str, expanded: bool
+) -> None:
+    source = loaded(tmp_path, name, f'<robot name="r" {XMLNS}>{body}</robot>')
+    assert source.is_xacro is expanded
+    assert source.problems == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "kind", "readable"),
+    [
+        ("a.urdf", "<robot>", "malformed", False),
+        ("a.urdf", b"<robot name='\xff'/>", "encoding", False),
+        ("a.urdf", "<!DOCTYPE robot><robot/>", "doctype", False),
+        ("a.urdf", "<robot><xacro:if/></robot>", "prefix", True),
+        ("a.xacro", "<robot><xacro:if/></robot>", "prefix", True),
+        ("a.xacro", f"<robot {XMLNS}><xacro:no/></robot>", "expansion-failed", True),
+        ("a.xacro", f"<robot {XMLNS}>$(arg no)</robot>", "argument-missing", True),
+    ],
+)
+def test_what_is_wrong_is_one_problem_with_its_place(
+    tmp_path: Path, name: str, content: str | bytes, kind: str, readable: bool
+) -> None:
+    source = loaded(tmp_path, name, content)
+    assert [p.kind for p in source.problems] == [kind]
+    assert source.problems_of(kind) == list(source.problems)
+    assert source.problems_of("another kind") == []
+    assert source.problems[0].location.span is not None
+    assert (source.main is not None) is readable
+    assert source.file_location.span is not None
+
+
+@pytest.mark.parametrize("name", ["missing.urdf", "missing.xacro", "folder.urdf"])
+def test_a_file_that_cannot_be_opened_is_a_problem(tmp_path: Path, name: str) -> None:
+    (tmp_path / "folder.urdf").mkdir()
+    source = load(tmp_path / name, {}, PackageFinder(tmp_path, environment={}))
+    assert [p.kind for p in source.problems] == ["unreadable"]
+    assert (source.root, source.main) == (None, None)
+
+
+# -- any bytes ---------------------------------------------------------------------------------------------------------
+
+PIECES = [
+    b"${", b"}", b"$(", b")", b'"', b"'", b"<", b"/>", b"&", b"<!--", b"<![CDATA[", b"<!DOCTYPE r [", b"\0", b"\xff",
+    b"\xc3\xa9", b"\xef\xbb\xbf", b"\xff\xfe", b"\r\n", b'<?xml version="1.0" encoding="utf-16"?>', b'xmlns:a="u"', b'a:b="1"',
+    b"<xacro:macro/>", b'<xacro:include filename=""/>', b'<xacro:property name="${1}"/>', b'<xacro:insert_block name="b"/>',
+    b'<xacro:attribute name="a" value="b"/>', b'<xacro:element xacro:name="xacro:if"/>', b'<xacro:call macro=""/>', b"xacro:",
+    b"$(arg a)", b"$(eval 1)", b"$(find x)", b"${xacro.load_yaml('c')}", b"${[1].__class__}", b"params=' '", b"^|", b"**b",
+    b'<arg name="a" default="$(arg a)"/>', b"command=\"xacro '\"", b"'x.urdf'", b"\\ud800.urdf'",
+]  # fmt: skip
+
+
+def mutated(data: bytes, chance: random.Random) -> bytes:
+    """The bytes with a few of them cut, doubled, overwritten or interrupted by a piece that matters to some parser."""
+    for _ in range(chance.choice([1, 1, 2, 4])):
+        at, other = chance.randrange(len(data) + 1), chance.randrange(len(data) + 1)
+        after_quote = data.find(b'"', at) + 1
+        data = chance.choice(
+            [
+                data[:at] + data[at + chance.choice([1, 5, 300]) :],
+                data[:at] + data[other : other + 60] + data[at:],
+                data[:at] + bytes([chance.randrange(256)]) + data[at + 1 :],
+                data[:at] + chance.choice(PIECES) + data[at:],
+                data[:after_quote] + chance.choice(PIECES) + data[after_quote:],
+            ]
+        )
+    return data
+
+
+def assert_sound(source: Source) -> None:
+    """Whatever is left of a model is located, and so is everything that is wrong with it."""
+    assert source.root is not None or source.problems
+    for problem in source.problems:
+        assert problem.location.span is not None, problem
+    for element in source.root.walk() if source.root is not None else ():
+        assert element.span is not None
+        for attribute in element.attributes.values():
+            span = attribute.span
+            assert span is not None
+            assert source.files[span.file].text[span.start : span.end] == attribute.typed
+
+
+def test_no_bytes_make_reading_fail(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    sources = {
+        "package.xml": FIXTURES / "car-3-fixed/package.xml",
+        "car.urdf": FIXTURES / "car-3/urdf/car-3.urdf",
+        "car.launch": FIXTURES / "car-3/launch/car.launch",
+        "car.launch.xml": FIXTURES / "car-3-fixed/launch/car_3.launch.xml",
+    }
+    sources |= {f"urdf/{p.name}": p for p in (FIXTURES / "car-3-fixed/urdf").iterdir()}
+    original = {name: path.read_bytes() for name, path in sources.items()}
+    original["car.launch.py"] = (
+        b"x = os.path.join(get_package_share_directory('car_3_description'), 'urdf', 'car.urdf')\n"
+    )
+    for folder in ("urdf", ".git"):  # packages are looked for up to here
+        (tmp_path / folder).mkdir()
+    for name, data in original.items():
+        (tmp_path / name).write_bytes(data)
+    chance = random.Random(20)
+    for _ in range(200):
+        name = chance.choice(sorted(original))
+        path = Path(name)
+        path.write_bytes(mutated(original[name], chance))
+        finder = PackageFinder(path, environment={})
+        if path.suffix == ".py":
+            models_in_python(path, finder)
+        elif ".launch" in path.name:
+            assert all(p.location.span is not None for p in load_launch(path, finder).problems)
+        else:
+            main = Path("urdf/car_3.urdf.xacro") if path.suffix == ".xacro" else path
+            assert_sound(load(main, {}, finder))
+        plan([path], {}, {}, [])
+        path.write_bytes(original[name])
+    plan([Path()], {}, {}, [])
+    assert capfd.readouterr() == ("", "")
