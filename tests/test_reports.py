@@ -10,6 +10,6 @@ from conftest import REPOSITORY
 
 def test_sample_reports_are_current() -> None:
     done = subprocess.run(
-        [sys.executable, "reports/make.py", "--check"], cwd=REPOSITORY, capture_output=True, text=True
+        [sys.executable, "tools/make_reports.py", "--check"], cwd=REPOSITORY, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stdout + done.stderr

@@ -97,6 +97,26 @@ def load_page(path: Path) -> Rule:
         raise UrdfcheckError(f"{path}: {type(error).__name__}: {error}") from error
 
 
+def explain(rule: Rule) -> str:
+    """A rule's page for a reader: its header in words instead of TOML, then its sections as they stand."""
+    facts = [
+        f"{rule.severity}, {rule.confidence}",
+        f"since {rule.since} ({rule.status})",
+        f"tags: {', '.join(rule.tags)}",
+    ]
+    if rule.hidden_by:
+        facts.append(f"gives way to {', '.join(rule.hidden_by)} on the same element")
+    parts = [f"# {rule.code} {rule.name}", " · ".join(facts)]
+    body = _HEADER.sub("", _TITLE.sub("", rule.page)).strip()
+    parts.append(body)
+    if rule.options:
+        options = [
+            f"* `{o.name}` = {o.default} {o.unit.replace('1', '').strip()}: {o.doc}" for o in rule.options.values()
+        ]
+        parts.append("## Options\n\n" + "\n".join(options))
+    return "\n\n".join(parts)
+
+
 def has_check(rule: Rule) -> bool:
     """Whether the rule has a check module; rules about urdfcheck itself (URC) are found by the engine."""
     return importlib.util.find_spec(f"urdfcheck.checks.{rule.stem}") is not None

@@ -52,6 +52,7 @@ def parser() -> argparse.ArgumentParser:
     """The options of ``urdfcheck check``."""
     p = argparse.ArgumentParser(
         prog="urdfcheck",
+        usage="urdfcheck [check] PATH... [options]\n       urdfcheck rule [CODE]",
         description="Audit robot models: URDF, xacro, launch files, packages and folders of them.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -149,9 +150,7 @@ def rule(words: Sequence[str]) -> int:
         for known in catalogue.rules().values():
             print(f"{known.code}  {known.severity!s:7}  {known.confidence!s:9}  {known.name}")
         return OK
-    codes = catalogue.select([options.code])
-    for code in sorted(codes):
-        print(catalogue.rules()[code].page.rstrip())
+    print("\n\n".join(catalogue.explain(catalogue.rules()[code]) for code in sorted(catalogue.select([options.code]))))
     return OK
 
 

@@ -78,6 +78,13 @@ def _read(path: Path, table: Any) -> Config:
             hint = f"; did you mean {near[0]!r}?" if near else f" (known: {', '.join(_KEYS)})"
             raise UrdfcheckError(f"{reader.at(key)}: unknown key {key!r}{hint}")
     root = path.parent
+    for key, folders in (
+        ("packages", reader.texts(table, "packages").values()),
+        ("package-path", reader.words(table, "package-path", ())),
+    ):
+        for folder in folders:
+            if not (root / folder).is_dir():
+                raise reader.wrong(key, f"folders that exist; {folder} is none")
     return Config(
         root,
         select=reader.words(table, "select", ("ALL",)),

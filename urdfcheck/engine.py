@@ -72,7 +72,18 @@ def run(
     units = _units(found, request.root)
     reports = [audit(u, settings) for u in units] if audit else _in_workers(units, settings, request.jobs, meanwhile)
     kept = [(u, r) for u, r in zip(units, reports, strict=True) if not _is_nothing(u, r, found)]
-    return _assemble(request, found, kept, time.perf_counter() - began)
+    outcome = _assemble(request, found, kept, time.perf_counter() - began)
+    return reproducible(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
+
+
+def reproducible(outcome: Run) -> Run:
+    """Without what depends on the machine and the moment (reproducible-builds.org: SOURCE_DATE_EPOCH is set)."""
+    return replace(
+        outcome,
+        models=tuple(replace(model, seconds=0.0) for model in outcome.models),
+        seconds=0.0,
+        versions={"urdfcheck": outcome.versions["urdfcheck"]},
+    )
 
 
 def model_id(path: Path, arguments: Mapping[str, str], root: Path) -> str:

@@ -212,5 +212,6 @@ def a_run(*findings: Finding, **changes: Any) -> Run:
         scenes=(scene(),),
         seconds=0.25,
         tier="mesh",
+        units=1,
     )
     return replace(plain, **changes)

@@ -21,7 +21,6 @@ from urdfcheck.source.values import number
 from urdfcheck.source.words import removal
 from urdfcheck.source.xml import Attribute
 
-
 # A property that by its name is a side of a link: base_x of base or base_link.
 _SIDE = re.compile(r"^(\w+?)_(?:size_|dim_)?([xyz])$")
 

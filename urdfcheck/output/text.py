@@ -18,6 +18,8 @@ STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "bold yellow", Severity.
 GLYPHS = {Severity.ERROR: "✖", Severity.WARNING: "▲", Severity.INFO: "i"}
 WIDTH = 100
 MAX_RELATED = 4
+# From here on the errors and warnings are listed once more at the end.
+FEW = 8
 
 
 def render(run: Run, *, width: int = WIDTH, color: bool = False) -> str:
@@ -39,6 +41,7 @@ def render(run: Run, *, width: int = WIDTH, color: bool = False) -> str:
         for finding in findings:
             _finding(out, run, finding)
     _skipped(out, run)
+    _recap(out, run)
     for failure in run.failures:
         _line(out, Text.assemble(("urdfcheck failed: ", "bold red"), visible(failure)))
     _summary(out, run)
@@ -65,13 +68,14 @@ def _heading(out: Console, info: ModelInfo | None, model: str) -> None:
 
 def _finding(out: Console, run: Run, finding: Finding) -> None:
     span = finding.location.span
-    place = "" if span is None else f"{visible(span.file)}:{span.line}:{span.col} "
-    head = Text(place, style="bold")
-    head.append(f"{GLYPHS[finding.severity]} {finding.severity} ", STYLES[finding.severity])
-    head.append(f"{finding.code} {finding.name}", "bold")
+    place = Text("" if span is None else f"{visible(span.file)}:{span.line}:{span.col} ", style="bold")
+    head = _title(finding)
     if finding.suppressed is not None:
         head.append(f" (suppressed: {visible(finding.suppressed)})", "dim")
-    out.print(head, soft_wrap=True, highlight=False)
+    if place.cell_len + head.cell_len > out.width:  # a long path keeps its line, so that a click on it still works
+        out.print(place, soft_wrap=True, highlight=False)
+        place = Text("  ")
+    out.print(place + head, soft_wrap=True, highlight=False)
     _line(out, Text(visible(finding.message)), 2)
     if len(finding.subjects) > 1:
         _labelled(out, "for", ", ".join(visible(s) for s in finding.subjects))
@@ -99,13 +103,26 @@ def _frame(out: Console, run: Run, span: Span, style: str) -> None:
     if not lines:
         return
     digits = len(str(lines[-1].number))
+    room = max(out.width - digits - 5, 20)
     for line in lines:
         text = visible(line.text.replace("\t", " "))
-        out.print(Text(f"  {line.number:>{digits}} │ ", "dim") + Text(text), soft_wrap=True, highlight=False)
+        start, end = (len(visible(line.text[:k].replace("\t", " "))) for k in line.marked or (0, 0))
+        shown, cut = _window(text, start, end, room)
+        out.print(Text(f"  {line.number:>{digits}} │ ", "dim") + Text(shown), soft_wrap=True, highlight=False)
         if line.marked is not None:
-            start, end = (len(visible(line.text[:k].replace("\t", " "))) for k in line.marked)
-            marks = " " * start + "^" * max(end - start, 1)
+            marks = " " * (start - cut) + "^" * max(min(end - cut, room) - (start - cut), 1)
             out.print(Text(f"  {' ' * digits} │ ", "dim") + Text(marks, style), soft_wrap=True, highlight=False)
+
+
+def _window(text: str, start: int, end: int, room: int) -> tuple[str, int]:
+    """A line cut to ``room`` columns around its marked part, and how many columns were cut from its left."""
+    cut = 0 if end <= room - 1 else max(0, min(start - room // 3, len(text) - room))
+    shown = text[cut : cut + room]
+    if cut:
+        shown = "…" + shown[1:]
+    if cut + room < len(text):
+        shown = shown[:-1] + "…"
+    return shown, cut
 
 
 def _repair(out: Console, finding: Finding, fix: Fix) -> None:
@@ -155,7 +172,32 @@ def _some(words: Sequence[str], most: int = 8) -> str:
     return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")
 
 
+def _title(finding: Finding) -> Text:
+    head = Text(f"{GLYPHS[finding.severity]} {finding.severity} ", STYLES[finding.severity])
+    head.append(f"{finding.code} {finding.name}", "bold")
+    return head
+
+
+def _recap(out: Console, run: Run) -> None:
+    """After a long report: its errors and warnings once more, a line each, where the reader's eye is."""
+    serious = [f for f in run.findings if f.severity > Severity.INFO and f.suppressed is None]
+    if not serious or len(run.findings) <= FEW:
+        return
+    out.rule("errors and warnings", align="left", style="dim", characters="─")
+    for finding in sorted(serious, key=lambda f: -f.severity):
+        span = finding.location.span
+        place = "" if span is None else f" {visible(span.file)}:{span.line}:{span.col}"
+        out.print(_title(finding) + Text(place, "dim"), soft_wrap=True, highlight=False)
+    out.print()
+
+
 def _summary(out: Console, run: Run) -> None:
+    if not run.units and not run.failures:
+        _line(out, Text("nothing to check: no model, launch file or package was found there", "bold"))
+        return
+    if not run.findings and not run.failures:
+        _line(out, Text(f"✔ no findings in {_plural(len(run.models), 'model')}{_states(run.models)}", "bold green"))
+        return
     counts = [(s, run.count(s)) for s in (Severity.ERROR, Severity.WARNING, Severity.INFO)]
     text = Text()
     for severity, count in counts:

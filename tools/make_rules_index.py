@@ -1,4 +1,4 @@
-"""Makes rules/README.md from the pages: ``python rules/make_index.py``."""
+"""Makes rules/README.md from the pages: ``python tools/make_rules_index.py``."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ INTRODUCTION = """\
 # The rules
 
 One page per rule: its metadata, its documentation and its first test. `urdfcheck rule CODE` prints a page.
-How to add one stands in [CONTRIBUTING](../CONTRIBUTING.md). This index is made by `python rules/make_index.py`.
+How to add one stands in [CONTRIBUTING](../CONTRIBUTING.md). This index is made by `make reports`.
 """
 
 
@@ -55,4 +55,4 @@ def _cell(text: str) -> str:
 
 
 if __name__ == "__main__":
-    (Path(__file__).parent / "README.md").write_text(index(), encoding="utf-8", newline="\n")
+    (Path(__file__).parent.parent / "rules" / "README.md").write_text(index(), encoding="utf-8", newline="\n")

@@ -1,4 +1,4 @@
-"""Makes the picture of the README from the sample report: ``python reports/picture.py`` (needs playwright and Chromium).
+"""Makes the picture of the README from the sample report: ``python tools/make_picture.py`` (needs playwright and Chromium).
 
 URDFCHECK_BROWSER names the browser; without it Chromium is looked for in PATH.
 """
@@ -9,7 +9,7 @@ import os
 import shutil
 from pathlib import Path
 
-REPORTS = Path(__file__).resolve().parent
+REPORTS = Path(__file__).resolve().parent.parent / "reports"
 # The part of the report that shows what the tool is about: the card of the wheel that is off by 43°.
 CARD = "article:has-text('SYM001')"
 

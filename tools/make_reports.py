@@ -1,0 +1,49 @@
+"""Makes the committed sample reports: ``python tools/make_reports.py``; ``--check`` only says which are stale.
+
+SOURCE_DATE_EPOCH leaves times and versions of libraries out, so that the reports change only when urdfcheck or a fixture does.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+SUFFIXES = {"text": ".txt", "json": ".json", "html": ".html"}
+ROBOTS = ("car-3",)
+
+
+def made(robot: str) -> dict[Path, str]:
+    """The text of a robot's reports by their paths."""
+    with tempfile.TemporaryDirectory() as folder:
+        files = {name: Path(folder, robot + suffix) for name, suffix in SUFFIXES.items()}
+        outputs = [word for name, file in files.items() for word in ("-o", f"{name}={file}")]
+        environment = {k: v for k, v in os.environ.items() if k not in {"ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"}}
+        subprocess.run(
+            [sys.executable, "-m", "urdfcheck", f"fixtures/{robot}", "--fail-on", "never", *outputs],
+            cwd=REPOSITORY,
+            env={**environment, "SOURCE_DATE_EPOCH": "0"},
+            stdout=subprocess.DEVNULL,
+            check=True,
+        )
+        return {REPOSITORY / "reports" / file.name: file.read_text(encoding="utf-8") for file in files.values()}
+
+
+def main() -> int:
+    reports = {path: text for robot in ROBOTS for path, text in made(robot).items()}
+    stale = [p for p, text in reports.items() if not p.is_file() or p.read_text(encoding="utf-8") != text]
+    if "--check" in sys.argv:
+        for path in stale:
+            print(f"stale: {path.relative_to(REPOSITORY)} (make reports)")
+        return 1 if stale else 0
+    for path in stale:
+        path.write_text(reports[path], encoding="utf-8", newline="\n")
+        print(f"made {path.relative_to(REPOSITORY)}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
