@@ -135,7 +135,9 @@ def _from_ascii_stl(data: bytes) -> RawMesh:
 
 def _soup(name: str, corners: NDArray[np.floating], solid_header: bool) -> RawMesh:
     faces = np.arange(len(corners), dtype=np.int64).reshape(-1, 3)
-    return RawMesh(name, corners.astype(np.float64), faces, solid_header)
+    with np.errstate(invalid="ignore"):  # a broken file's NaN; it is counted later
+        wide = corners.astype(np.float64)
+    return RawMesh(name, wide, faces, solid_header)
 
 
 def _from_obj(data: bytes) -> RawMesh:

@@ -1,4 +1,4 @@
-"""Where each finding can be linked to, and which finding is the worst of each link and joint."""
+"""Where each finding can be linked to, and which finding is the worst of each link, joint and static transform."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from urdfcheck.core import Finding, Severity
+from urdfcheck.core import Finding, SceneFrame, Severity, Span
 
 _ELEMENT = re.compile(r"(link|joint)\[(.*?)\](?=[/@]|$)", re.DOTALL)
 
-Element = tuple[str, str]
+Element = tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,16 +49,29 @@ def element(subject: str) -> Element | None:
     return (match[1], match[2]) if match else None
 
 
-def marks(model_cards: Iterable[Card]) -> Mapping[Element, Mark]:
-    """The worst finding of each link and joint that has one; suppressed findings do not count."""
+def frame_element(parent: str, child: str) -> Element:
+    """A launch file's static transform. No finding's subject names it: its place in the file does."""
+    return ("frame", parent, child)
+
+
+def marks(model_cards: Iterable[Card], frames: Iterable[SceneFrame] = ()) -> Mapping[Element, Mark]:
+    """The worst finding of each link, joint and static transform that has one; suppressed findings do not count."""
+    spans = [(frame_element(f.parent, f.child), f.span) for f in frames if f.span is not None]
     found: dict[Element, Mark] = {}
     for card in model_cards:
         if card.finding.suppressed is not None:
             continue
-        for of in dict.fromkeys(e for s in card.finding.subjects if (e := element(s)) is not None):
+        at = card.finding.location.span
+        touched = [e for s in card.finding.subjects if (e := element(s)) is not None]
+        touched += [of for of, span in spans if at is not None and _overlap(at, span)]
+        for of in dict.fromkeys(touched):
             known = found.get(of)
             if known is None or card.finding.severity > known.severity:
                 found[of] = Mark(card.finding.severity, card.ids[0], 1 + (known.count if known else 0))
             else:
                 found[of] = Mark(known.severity, known.anchor, known.count + 1)
     return found
+
+
+def _overlap(a: Span, b: Span) -> bool:
+    return a.file == b.file and a.start < b.end and b.start < a.end

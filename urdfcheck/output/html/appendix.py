@@ -22,8 +22,8 @@ def appendix_html(run: Run) -> str:
         parts.append(f'<section id="rules" class="rules"><h2>The rules behind the findings</h2>{pages}</section>')
     parts.append(_skipped(run))
     parts.append(
-        f'<section id="checks"><h2>Checks</h2><details><summary>All {plural(len(run.rules), "rule")} and what they '
-        f"found</summary>{rules_table(run)}</details></section>"
+        f'<section id="checks"><h2>Checks</h2><details class="screen"><summary>All {plural(len(run.rules), "rule")} '
+        f"and what they found</summary>{rules_table(run)}</details></section>"
     )
     parts.append(_about(run))
     return "\n".join(parts)
@@ -34,8 +34,10 @@ def _rule(rule: Rule) -> str:
     shown = "".join(f"<h4>{title}</h4>{markdown(texts[title])}" for title in SHOWN if texts.get(title, "").strip())
     code = esc(rule.code)
     return (
-        f'<article class="rule" id="rule-{code}"><h3><span class="rule-code">{code}</span> {esc(rule.name)}</h3>'
-        f'<p class="facts">{rule.severity} · {rule.confidence} · since {esc(rule.since)}</p>{shown}</article>'
+        f'<details class="rule"><summary><h3><span class="rule-code">{code}</span> {esc(rule.name)}</h3></summary>'
+        # A browser opens what a link points into, but not a fold that is itself the target.
+        f'<div id="rule-{code}"><p class="facts">{rule.severity} · {rule.confidence} · since {esc(rule.since)}</p>'
+        f"{shown}</div></details>"
     )
 
 

@@ -1,4 +1,4 @@
-"""The findings of one model: grouped by severity, then file; one card each."""
+"""The findings of one model, a card each: errors and warnings, and apart from them information."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from urdfcheck.core import Confidence, Finding, Fix, Location, Run, Severity, Span
 from urdfcheck.output.html.anchors import Card
 from urdfcheck.output.html.code import code_frame, diff, place
-from urdfcheck.output.html.glyphs import ORDER, glyph, words
+from urdfcheck.output.html.glyphs import glyph, words
+from urdfcheck.output.html.groups import FileGroup, active, by_file
 from urdfcheck.output.html.text import esc, plural, prose
 
 MOST_SUBJECTS = 6
 MOST_EDITS = 4
 MOST_FRAMES = 8
+MOST_NOTES = 5
+SHOWN_DIGITS = 8
 
 CONSUMERS = {
     "bullet": "Bullet",
@@ -32,52 +35,73 @@ CONSUMERS = {
     "xacro": "xacro",
 }
 CONFIDENCE = {
-    Confidence.PROOF: "follows from the numbers in the file, whatever the author meant",
+    Confidence.PROOF: "follows from the file, whatever the author meant",
     Confidence.STRONG: "a named pattern with very few false alarms",
     Confidence.HEURISTIC: "a hint: judge for yourself",
 }
 APPLICABILITY = {
-    "safe": "safe: --fix applies it",
+    "safe": "safe to apply as shown",
     "unsafe": "review it before it is applied",
     "display": "by hand",
 }
 
 
-def findings_html(run: Run, cards: Sequence[Card], prefix: str) -> str:
-    """The groups of a model's cards; ``prefix`` makes the ids of the groups unique."""
-    shown = [c for c in cards if c.finding.suppressed is None]
-    suppressed = [c for c in cards if c.finding.suppressed is not None]
+def problems_html(run: Run, cards: Sequence[Card], own: str, prefix: str) -> str:
+    """Errors and warnings. ``own`` is the model's file; ``prefix`` makes the ids of the groups unique."""
     parts = []
-    for severity in ORDER:
-        group = [c for c in shown if c.finding.severity == severity]
-        if group:
-            title = f"{len(group)} {words(len(group), severity)}"
-            parts.append(
-                f'<section class="group {severity}">'
-                f'<h3 id="{prefix}-{severity}">{glyph(severity)} {title}</h3>{_by_file(run, group)}</section>'
-            )
-    if not shown:
-        parts.append(f'<p class="clean">{glyph("ok")} No findings.</p>')
+    for severity in (Severity.ERROR, Severity.WARNING):
+        if group := active(cards, severity):
+            parts.append(_group(severity, prefix, len(group), _by_file(run, group, own)))
+    if not parts:
+        found = "No errors and no warnings." if active(cards, Severity.INFO) else "No findings."
+        parts.append(f'<p class="clean">{glyph("ok")} {found}</p>')
+    return "\n".join(parts)
+
+
+def notes_html(run: Run, cards: Sequence[Card], own: str, prefix: str) -> str:
+    """Information, folded by file when there is much of it, and what was suppressed; empty when there is neither."""
+    parts = []
+    if group := active(cards, Severity.INFO):
+        shown = _by_file(run, group, own) if len(group) <= MOST_NOTES else _folded(run, group, own)
+        parts.append(_group(Severity.INFO, prefix, len(group), shown))
+    suppressed = [c for c in cards if c.finding.suppressed is not None]
     if suppressed:
         parts.append(
             f'<details class="suppressed"><summary>{len(suppressed)} suppressed in the source</summary>'
-            f"{_by_file(run, suppressed)}</details>"
+            f"{_by_file(run, suppressed, own)}</details>"
         )
     return "\n".join(parts)
 
 
-def _by_file(run: Run, cards: Sequence[Card]) -> str:
-    files: dict[str, list[Card]] = {}
-    for card in cards:
-        span = card.finding.location.span
-        files.setdefault("" if span is None else span.file, []).append(card)
-    parts = []
-    for file, group in files.items():
-        if len(files) > 1:
-            name = f"<code>{esc(file)}</code>" if file else "the model as a whole"
-            parts.append(f'<p class="file">{name}</p>')
-        parts += [_card(run, card) for card in group]
-    return "\n".join(parts)
+def _group(severity: Severity, prefix: str, count: int, body: str) -> str:
+    return (
+        f'<section class="group {severity}">'
+        f'<h3 id="{prefix}-{severity}">{glyph(severity)} {count} {words(count, severity)}</h3>{body}</section>'
+    )
+
+
+def _by_file(run: Run, cards: Sequence[Card], own: str) -> str:
+    groups = by_file(cards, own)
+    is_plain = len(groups) == 1 and groups[0].file in ("", own)
+    return "\n".join(f"{'' if is_plain else _file_head(group)}{_cards(run, group)}" for group in groups)
+
+
+def _folded(run: Run, cards: Sequence[Card], own: str) -> str:
+    return "\n".join(
+        f'<details class="fold"><summary>{_file_head(group)} <span class="count">{len(group.cards)}</span></summary>'
+        f"{_cards(run, group)}</details>"
+        for group in by_file(cards, own)
+    )
+
+
+def _file_head(group: FileGroup) -> str:
+    if not group.file:
+        return '<h4 class="file">the model as a whole</h4>'
+    return f'<h4 class="file">{group.kind} <code>{esc(group.file)}</code></h4>'
+
+
+def _cards(run: Run, group: FileGroup) -> str:
+    return f'<div class="cards">{"".join(_card(run, card) for card in group.cards)}</div>'
 
 
 def _card(run: Run, card: Card) -> str:
@@ -105,7 +129,7 @@ def _head(run: Run, card: Card) -> str:
     if finding.code in run.rules:
         code = f'<a href="#rule-{esc(finding.code)}">{code}</a>'
     return (
-        f'<h4>{glyph(finding.severity)} <span class="severity">{finding.severity}</span> {code}</h4>'
+        f'<h5>{glyph(finding.severity)} <span class="severity">{finding.severity}</span> {code}</h5>'
         f'<a class="permalink" href="#{card.ids[0]}"><span aria-hidden="true">#</span>'
         f'<span class="sr">link to this finding: {esc(finding.code)} {esc(finding.location.subject)}</span></a>'
     )
@@ -148,19 +172,19 @@ def _related(run: Run, related: Sequence[Location]) -> str:
         f"<li><code>{esc(r.subject)}</code>" + (f" <code>{esc(place(r.span))}</code></li>" if r.span else "</li>")
         for r in related[MOST_FRAMES:]
     )
-    return f'<details class="related"><summary>Compare with ({len(related)})</summary><ul>{items}</ul></details>'
+    return f'<details class="related"><summary>Related places ({len(related)})</summary><ul>{items}</ul></details>'
 
 
 def _explanation(finding: Finding) -> str:
     parts = []
     if finding.cause is not None:
-        parts.append(f'<div class="why"><h5>Why</h5><p>{prose(finding.cause.text)}</p></div>')
+        parts.append(f'<div class="why"><h6>Why</h6><p>{prose(finding.cause.text)}</p></div>')
     if finding.consequences:
         rows = "".join(
             f"<div><dt>{esc(', '.join(consumers))}</dt><dd>{prose(effect)}</dd></div>"
             for effect, consumers in _by_effect(finding.consequences).items()
         )
-        parts.append(f'<div class="then"><h5>What follows</h5><dl>{rows}</dl></div>')
+        parts.append(f'<div class="then"><h6>What follows</h6><dl>{rows}</dl></div>')
     hidden = finding.data.get("hides", ())
     if hidden:
         parts.append(f'<p class="hides">Set aside on the same element until this is repaired: {_codes(hidden)}</p>')
@@ -184,12 +208,13 @@ def _fix(run: Run, fix: Fix) -> str:
     edits = diff(run.sources, fix.edits) if fix.edits else ""
     if len(fix.edits) > MOST_EDITS:
         edits = f"<details><summary>{plural(len(fix.edits), 'edit')}</summary>{edits}</details>"
-    return f'<div class="fix"><h5>Repair <span class="how">{how}</span></h5><p>{prose(fix.title)}</p>{edits}</div>'
+    return f'<div class="fix"><h6>Repair <span class="how">{how}</span></h6><p>{prose(fix.title)}</p>{edits}</div>'
 
 
 def _foot(finding: Finding) -> str:
-    prints = f'<span class="print">{esc(finding.fingerprints[0])}</span>' if finding.subjects else ""
-    return (
-        f"<footer><span><b>{finding.confidence}</b>: {CONFIDENCE[finding.confidence]}</span> "
-        f"<span>fingerprint {prints}</span></footer>"
+    """Who wants to name the finding elsewhere finds the whole fingerprint in the title and in the card's address."""
+    prints = "".join(
+        f'<span>fingerprint <data class="print" value="{p}" title="{p}">{p[:SHOWN_DIGITS]}</data></span>'
+        for p in finding.fingerprints[:1]
     )
+    return f"<footer><span><b>{finding.confidence}</b>: {CONFIDENCE[finding.confidence]}</span> {prints}</footer>"

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from urdfcheck.core import Scene
+from urdfcheck.output.html.anchors import Element, frame_element
 
 LINK, LAUNCH, MISSING, REPEATED = "link", "launch", "missing", "repeated"
 
@@ -18,6 +19,7 @@ class Edge:
     kind: str
     child: str
     is_joint: bool
+    element: Element
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,11 +58,13 @@ def _edges(scene: Scene, links: set[str]) -> tuple[dict[str, list[Edge]], dict[s
     edges: dict[str, list[Edge]] = {}
     kinds = dict.fromkeys(links, LINK)
     for joint in scene.joints:
-        edges.setdefault(joint.parent, []).append(Edge(joint.name, joint.type, joint.child, True))
+        edge = Edge(joint.name, joint.type, joint.child, True, ("joint", joint.name))
+        edges.setdefault(joint.parent, []).append(edge)
         for name in (joint.parent, joint.child):
             kinds.setdefault(name, MISSING)
     for frame in scene.frames:
-        edges.setdefault(frame.parent, []).append(Edge("", "launch file", frame.child, False))
+        edge = Edge("", "launch file", frame.child, False, frame_element(frame.parent, frame.child))
+        edges.setdefault(frame.parent, []).append(edge)
         for name in (frame.parent, frame.child):
             kinds.setdefault(name, LAUNCH)
     return edges, kinds

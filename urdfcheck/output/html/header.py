@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 from urdfcheck.core import ModelInfo, Run, Severity
 from urdfcheck.output.html.glyphs import ORDER, badges, glyph, words
 from urdfcheck.output.html.model import Part
-from urdfcheck.output.html.text import esc, number, plural
+from urdfcheck.output.html.text import NONE, base_name, esc, number, plural
 
-MOST_FILES = 3
+MOST_NAMES = 3
+MOST_FILES = 5
 DEPTHS = {"source": "source only", "mesh": "source and meshes", "full": "full"}
 
 
 def title_of(run: Run) -> str:
-    """The robot's name, or how many models there are."""
-    if len(run.models) == 1:
-        return robot_name(run.models[0])
-    return plural(len(run.models), "model")
+    """The robots' names while they fit, then how many models there are."""
+    if not run.models:
+        return "No models"
+    if len(run.models) > MOST_NAMES:
+        return plural(len(run.models), "model")
+    return ", ".join(dict.fromkeys(map(_robot_name, run.models)))
 
 
-def robot_name(info: ModelInfo) -> str:
-    return info.robot or file_name(info)
-
-
-def file_name(info: ModelInfo) -> str:
-    return info.path.replace("\\", "/").rsplit("/", 1)[-1]
+def _robot_name(info: ModelInfo) -> str:
+    return info.robot or base_name(info.path)
 
 
 def header_html(run: Run) -> str:
@@ -59,24 +57,45 @@ def _verdict(run: Run, counts: Mapping[Severity, int]) -> tuple[str, str]:
 
 
 def _facts(run: Run) -> str:
-    paths = list(dict.fromkeys(info.path for info in run.models))
-    robots = list(dict.fromkeys(robot_name(info) for info in run.models))
-    masses = [info.mass for info in run.models if info.mass is not None]
-    facts = []
-    if len(run.models) > 1:
-        facts.append(("Robots", _names(robots)))
-    facts.append(("Files" if len(paths) > 1 else "File", _names(paths)))
-    facts.append(("Links", str(sum(info.links for info in run.models))))
-    facts.append(("Joints", str(sum(info.joints for info in run.models))))
-    if len(run.models) == 1 and masses:
-        facts.append(("Mass", f"{number(math.fsum(masses))} kg"))
+    facts = [_files(run)]
+    if len(run.models) > MOST_NAMES:
+        facts.insert(0, ("Robots", _names(list(dict.fromkeys(map(_robot_name, run.models))))))
+    if len(run.models) == 1:
+        # A sum over models, often two versions of one robot, would mean nothing.
+        info = run.models[0]
+        facts += [("Links", str(info.links)), ("Joints", str(info.joints))]
+        facts += [("Mass", f"{number(info.mass)} kg")] if info.mass is not None else []
     facts.append(("Depth", DEPTHS[run.tier]))
     return '<dl class="facts">' + "".join(f"<div><dt>{k}</dt><dd>{v}</dd></div>" for k, v in facts) + "</dl>"
 
 
 def _names(names: Sequence[str]) -> str:
-    shown = ", ".join(f"<code>{esc(name)}</code>" for name in names[:MOST_FILES])
-    return shown + (f" and {len(names) - MOST_FILES} more" if len(names) > MOST_FILES else "")
+    shown = ", ".join(f"<code>{esc(name)}</code>" for name in names[:MOST_NAMES])
+    return shown + (f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else "")
+
+
+def _files(run: Run) -> tuple[str, str]:
+    """The models and every other file with findings, below the folder that they share."""
+    spans = (finding.location.span for finding in run.findings)
+    paths = list(dict.fromkeys([*(info.path for info in run.models), *(span.file for span in spans if span)]))
+    folder = _shared_folder(paths) if len(paths) > 1 else ""
+    items = "".join(
+        f"<li><code>{esc(path[len(folder) :].lstrip('/') if folder else path)}</code></li>" for path in paths
+    )
+    listed = f"<ul>{items}</ul>" if paths else NONE
+    if len(paths) > MOST_FILES:
+        listed = f"<details><summary>{len(paths)} files</summary>{listed}</details>"
+    name = "Files" if len(paths) > 1 else "File"
+    return f"{name} in <code>{esc(folder)}/</code>" if folder else name, listed
+
+
+def _shared_folder(paths: Sequence[str]) -> str:
+    shared = []
+    for names in zip(*(path.split("/")[:-1] for path in paths), strict=False):
+        if len(set(names)) > 1:
+            break
+        shared.append(names[0])
+    return "/".join(shared)
 
 
 def _filter(counts: Mapping[Severity, int]) -> str:
@@ -105,10 +124,10 @@ def nav_html(parts: Sequence[Part], has_rules: bool) -> str:
 
 
 def _file(part: Part, titles: Sequence[str]) -> str:
-    """What tells models of one name apart."""
-    if part.info is None or titles.count(part.title) == 1:
+    """What tells parts of one name apart."""
+    if titles.count(part.title) == 1:
         return ""
-    return f" <small>{esc(file_name(part.info))}</small>"
+    return f" <small>{esc(base_name(part.path) if part.info else part.path)}</small>"
 
 
 def _sections(part: Part) -> str:

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 
 from urdfcheck.core import ModelInfo, Run, Scene, Severity
 from urdfcheck.output.html.anchors import Card, cards, marks
-from urdfcheck.output.html.findings import findings_html
+from urdfcheck.output.html.contents import contents_html
+from urdfcheck.output.html.findings import notes_html, problems_html
 from urdfcheck.output.html.tables import joints_table, links_table
-from urdfcheck.output.html.text import esc, number, plural
+from urdfcheck.output.html.text import base_name, esc, number, plural
 from urdfcheck.output.html.tree import tree_html
 
+PROBLEMS = (Severity.ERROR, Severity.WARNING)
 STATUS = {
     "needs-arguments": "Not checked: the model cannot be expanded without arguments.",
     "failed": "Not checked: the model could not be expanded. The findings say why.",
@@ -24,6 +26,7 @@ class Part:
 
     id: str
     title: str
+    path: str
     info: ModelInfo | None
     cards: tuple[Card, ...]
     scene: Scene | None
@@ -32,10 +35,11 @@ class Part:
     @property
     def sections(self) -> list[tuple[str, str]]:
         """Anchor and name of each section inside."""
-        found = [(f"{self.id}-findings", "Findings")]
+        found = [(f"{self.id}-findings", "Errors and warnings")]
         if self.scene is not None:
             found += [(f"{self.id}-tree", "Kinematic tree"), (f"{self.id}-links", "Links")]
             found += [(f"{self.id}-joints", "Joints")] if self.scene.joints else []
+        found += [(f"{self.id}-info", "Information")] if self.counts.get(Severity.INFO) else []
         return found
 
 
@@ -49,40 +53,47 @@ def parts_of(run: Run) -> list[Part]:
     parts = []
     for number_, (name, group) in enumerate(groups.items(), 1):
         info = infos.get(name)
-        title = (info.robot if info else "") or name or "This run"
+        path = info.path if info else name
+        title = (info.robot if info else "") or base_name(path) or "This run"
         counts: dict[Severity, int] = {}
         for card in group:
             if card.finding.suppressed is None:
                 counts[card.finding.severity] = counts.get(card.finding.severity, 0) + 1
-        parts.append(Part(f"m{number_}", title, info, tuple(group), scenes.get(name), counts))
+        parts.append(Part(f"m{number_}", title, path, info, tuple(group), scenes.get(name), counts))
     return parts
 
 
 def model_html(run: Run, part: Part) -> str:
     head = f'<section class="model" id="{part.id}">{_head(part)}'
-    found = findings_html(run, part.cards, part.id)
-    body = f'<section class="findings" id="{part.id}-findings">{found}</section>'
-    return head + body + _scene(part) + "</section>"
+    # Beside the drawing where the page is wide, if there is anything to put there.
+    beside = " beside" if part.scene is not None and any(part.counts.get(s) for s in PROBLEMS) else ""
+    problems = problems_html(run, part.cards, part.path, part.id)
+    body = f'<section class="findings{beside}" id="{part.id}-findings">{problems}</section>'
+    notes = notes_html(run, part.cards, part.path, part.id)
+    last = f'<section class="findings">{notes}</section>' if notes else ""
+    return head + body + _scene(part) + last + "</section>"
 
 
 def _head(part: Part) -> str:
     title = f"<h2>{esc(part.title)}</h2>"
     info = part.info
     if info is None:
-        return f'<div class="head">{title}</div>'
+        path = f'<p class="path"><code>{esc(part.path)}</code></p>' if part.path != part.title and part.path else ""
+        return f'<div class="head">{title}{path}{contents_html(part.cards, part.path)}</div>'
     args = "".join(f" <code>{esc(k)}:={esc(v)}</code>" for k, v in info.args.items())
     facts = [plural(info.links, "link"), plural(info.joints, "joint")]
     facts += [f"{number(info.mass)} kg"] if info.mass is not None else []
     status = STATUS.get(info.status)
     told = f'<p class="status">{status}</p>' if status else f'<p class="facts">{" · ".join(facts)}</p>'
-    return f'<div class="head">{title}<p class="path"><code>{esc(info.path)}</code>{args}</p>{told}</div>'
+    path = f'<p class="path"><code>{esc(info.path)}</code>{args}</p>'
+    return f'<div class="head">{title}{path}{told}{contents_html(part.cards, part.path)}</div>'
 
 
 def _scene(part: Part) -> str:
     scene = part.scene
     if scene is None:
         return ""
-    worst = marks(part.cards)
+    worst = marks(part.cards, scene.frames)
     tables: Sequence[str] = [
         f'<section class="links" id="{part.id}-links"><h3>Links</h3>{links_table(scene, worst)}</section>',
         f'<section class="joints" id="{part.id}-joints"><h3>Joints</h3>{joints_table(scene, worst)}</section>'

@@ -31,6 +31,18 @@ def plural(count: int, word: str) -> str:
     return f"{count} {word}" if count == 1 else f"{count} {word}s"
 
 
+def base_name(path: str) -> str:
+    return path.replace("\\", "/").rsplit("/", 1)[-1]
+
+
+def gist(text: str, most: int = 80) -> str:
+    """How a message begins: whole words of its first line, without code marks."""
+    line = " ".join(text.split("\n")[0].replace("`", "").split())
+    if len(line) <= most:
+        return line
+    return line[:most].rsplit(" ", 1)[0].rstrip(" ,;:(") + "…"
+
+
 def some(words: list[str], most: int) -> str:
     """The first ``most`` words, and how many more there are."""
     rest = len(words) - most

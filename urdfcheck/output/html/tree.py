@@ -123,11 +123,11 @@ def _svg(nodes: Sequence[Node], marks: Mapping[Element, Mark]) -> str:
     for node, box in zip(nodes, boxes, strict=True):
         if node.edge is not None:
             parent = boxes[node.parent]
-            mark = marks.get(("joint", node.edge.name)) if node.edge.is_joint else None
-            order = -1 if not node.edge.is_joint else 0 if mark is None else mark.severity
+            mark = marks.get(node.edge.element)
+            order = mark.severity if mark is not None else 0 if node.edge.is_joint else -1
             edges.append((order, _path(node.edge, parent, box, is_layered, mark)))
             items.append(_label(node.edge, parent, box, is_layered, mark))
-        items.append(_box(node, box, marks.get(("link", node.name)) if node.kind in (LINK, REPEATED) else None))
+        items.append(_box(node, box, _node_mark(node, marks)))
     # Siblings share a stem: the worst is painted last, so that its colour is the one to be seen.
     drawn = "".join(path for _, path in sorted(edges, key=lambda e: e[0]))
     # Presentation attributes, so that the drawing is legible where a server's policy blocks the style.
@@ -137,6 +137,13 @@ def _svg(nodes: Sequence[Node], marks: Mapping[Element, Mark]) -> str:
         f'fill="none" stroke-width="1.5">'
         f"<g>{drawn}</g>{''.join(items)}</svg>"
     )
+
+
+def _node_mark(node: Node, marks: Mapping[Element, Mark]) -> Mark | None:
+    if node.kind in (LINK, REPEATED):
+        return marks.get(("link", node.name))
+    # A frame that a launch file makes is as good as the transform that makes it.
+    return marks.get(node.edge.element) if node.kind == LAUNCH and node.edge is not None else None
 
 
 def _path(edge: Edge, parent: Box, child: Box, is_layered: bool, mark: Mark | None) -> str:
@@ -261,9 +268,9 @@ def _line(node: Node, nodes: Sequence[Node], marks: Mapping[Element, Mark]) -> s
         return text
     parent = f"<code>{esc(nodes[node.parent].name)}</code>"
     if not node.edge.is_joint:
-        return f"{text}, placed on {parent} by a launch file"
+        return f"{text}, placed on {parent} by a launch file" + _mark(marks.get(node.edge.element))
     joint = f"<code>{esc(node.edge.name)}</code> ({esc(node.edge.kind)})"
-    return f"{text}, on {parent} by joint {joint}" + _mark(marks.get(("joint", node.edge.name)))
+    return f"{text}, on {parent} by joint {joint}" + _mark(marks.get(node.edge.element))
 
 
 def _mark(mark: Mark | None) -> str:

@@ -1,0 +1,50 @@
+"""The order in which findings are shown: by severity, then by file; and what each file is to the model."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from urdfcheck.core import Severity
+from urdfcheck.output.html.anchors import Card
+
+MODEL, LAUNCH_FILE = "model file", "launch file"
+_LAUNCH = re.compile(r"\.launch(?:\.\w+)?$|[._]launch\.(?:py|xml|ya?ml)$", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class FileGroup:
+    """The cards of one file; ``file`` is empty for findings without a place."""
+
+    file: str
+    kind: str
+    cards: tuple[Card, ...]
+
+
+def active(cards: Iterable[Card], severity: Severity) -> list[Card]:
+    """The cards of a severity that are not suppressed."""
+    return [c for c in cards if c.finding.suppressed is None and c.finding.severity == severity]
+
+
+def by_file(cards: Sequence[Card], own: str) -> list[FileGroup]:
+    """The model's own file ``own`` first, launch files last: who reads about a robot looks at the robot first."""
+    files: dict[str, list[Card]] = {}
+    for card in cards:
+        span = card.finding.location.span
+        files.setdefault("" if span is None else span.file, []).append(card)
+    groups = [FileGroup(file, file_kind(file, own), tuple(group)) for file, group in files.items()]
+    return sorted(groups, key=lambda g: (g.kind != MODEL) + (g.kind == LAUNCH_FILE))
+
+
+def file_kind(file: str, own: str) -> str:
+    """What a file is, in words; empty for no file."""
+    if not file:
+        return ""
+    if _LAUNCH.search(file):
+        return LAUNCH_FILE
+    if file.replace("\\", "/").rsplit("/", 1)[-1] == "package.xml":
+        return "package manifest"
+    if file == own:
+        return MODEL
+    return "included file" if file.endswith((".xacro", ".urdf")) else "file"
