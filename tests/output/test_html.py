@@ -7,16 +7,17 @@ import hashlib
 import re
 from dataclasses import replace
 from itertools import combinations
+from typing import Any
 
 import pytest
 from output.documents import Document, read
 from output.runs import FILE, SOURCE, a_run, chain, finding, info, joint, link, rule, scene, span, span_of, star
 
-from urdfcheck.core import Applicability, Edit, Finding, Fix, Location, Run, SceneFrame, Severity, Skip
+from urdfcheck.core import Applicability, Edit, Finding, Fix, Location, Run, SceneFrame, Severity, Skip, Span
 from urdfcheck.output.html import render
 from urdfcheck.output.html.code import code_frame, diff
 from urdfcheck.output.html.graph import forest
-from urdfcheck.output.html.text import esc, markdown, millimetres, number, scaled
+from urdfcheck.output.html.text import esc, gist, markdown, millimetres, number, scaled
 from urdfcheck.output.html.tree import BOX, WIDEST, layout
 
 HOSTILE = "<script>alert(1)</script>\"' onload=x & \u202egnp.\x1b[31m"
@@ -146,6 +147,8 @@ def test_head_names_robot_file_counts_and_version() -> None:
     for expected in (
         "rover",
         FILE,
+        "Links2",
+        "Joints1",
         "1 error",
         "1 warning",
         "1 info",
@@ -154,6 +157,46 @@ def test_head_names_robot_file_counts_and_version() -> None:
         "source and meshes",
     ):
         assert expected in head
+
+
+@pytest.mark.parametrize(
+    ("robots", "title"),
+    [
+        (["rover"], "rover"),
+        (["rover", "arm"], "rover, arm"),
+        (["rover", "rover"], "rover"),
+        (["a", "b", "c", "d"], "4 models"),
+        ([], "No models"),
+    ],
+)
+def test_title_names_the_robots_while_they_are_few(robots: list[str], title: str) -> None:
+    models = tuple(info(robot=robot, id=str(i)) for i, robot in enumerate(robots))
+    run = a_run(finding(model="0" if robots else FILE), models=models, scenes=())
+    assert f"<h1>{title}</h1>" in render(run)
+    assert f"<title>{title} · urdfcheck</title>" in render(run)
+
+
+def test_head_adds_up_nothing_over_several_models() -> None:
+    models = (info(id="1"), info(id="2", robot="arm"))
+    head = render(a_run(finding(model="1"), models=models, scenes=())).split("<header")[1].split("</header>")[0]
+    assert not any(name in head for name in ("<dt>Links", "<dt>Joints", "<dt>Mass"))
+
+
+def test_head_lists_every_file_with_findings_below_their_folder() -> None:
+    head = render(a_run(finding(), in_file("rover/launch/car.launch"))).split("<header")[1].split("</header>")[0]
+    assert "Files in <code>rover/</code>" in head
+    assert re.findall(r"<li><code>(.*?)</code>", head) == ["rover.urdf", "launch/car.launch"]
+
+
+def test_files_without_a_common_folder_are_named_in_full() -> None:
+    head = render(a_run(finding(), in_file("/opt/wheel.xacro"))).split("<header")[1].split("</header>")[0]
+    assert re.findall(r"<li><code>(.*?)</code>", head) == [FILE, "/opt/wheel.xacro"]
+
+
+def test_many_files_are_folded() -> None:
+    head = render(a_run(*(in_file(f"rover/{i}.xacro") for i in range(9)))).split("<header")[1].split("</header>")[0]
+    assert "<summary>10 files</summary>" in head
+    assert head.count("<li><code>") == 10
 
 
 def test_severity_is_told_by_shape_and_word_too() -> None:
@@ -187,20 +230,98 @@ def test_card_tells_all_that_the_finding_knows() -> None:
         "refuses to compile",
         "put the point back",
         "review it before it is applied",
-        "proof: follows from the numbers",
-        finding().fingerprints[0],
+        "proof: follows from the file",
+        f"fingerprint {finding().fingerprints[0][:8]}",
     ):
         assert expected in text
+
+
+def test_whole_fingerprint_is_at_hand_but_not_in_the_way() -> None:
+    (shown,) = [a for a in document(a_run(finding())).all("data")]
+    assert shown["value"] == shown["title"] == finding().fingerprints[0]
+    assert finding().fingerprints[0] not in document(a_run(finding())).text
+
+
+@pytest.mark.parametrize("applicability", list(Applicability))
+def test_repairs_promise_no_command(applicability: Applicability) -> None:
+    fix = Fix("put the point back", applicability, (Edit(span_of("0.09"), "0.09", "0.019"),))
+    assert "--fix" not in document(a_run(finding(fix=fix))).text
 
 
 def test_groups_are_by_severity_then_file() -> None:
     other = replace(span_of("-1"), file="rover/wheel.xacro")
     moved = finding(location=Location("link[a]", other), subjects=("link[a]",))
-    html = render(a_run(finding(severity=Severity.WARNING), finding(), moved))
+    html = render(a_run(finding(severity=Severity.WARNING), moved, finding()))
     errors, warnings = html.split('<section class="group error">')[1].split('<section class="group warning">')
     assert "2 errors" in errors
-    assert errors.index(f"<code>{FILE}:9:40") < errors.index('<p class="file"><code>rover/wheel.xacro</code>')
+    own = errors.index(f'<h4 class="file">model file <code>{FILE}</code>')
+    included = errors.index('<h4 class="file">included file <code>rover/wheel.xacro</code>')
+    assert own < errors.index(f"<code>{FILE}:9:40") < included
     assert f"<code>{FILE}:9:40" in warnings
+    assert '<h4 class="file">' not in warnings, "the one file is the model's own"
+
+
+def in_file(file: str, **changes: Any) -> Finding:
+    subject = f"link[{file}]"
+    return finding(location=Location(subject, replace(span_of("-1"), file=file)), subjects=(subject,), **changes)
+
+
+@pytest.mark.parametrize(
+    ("file", "kind"),
+    [
+        ("rover/car.launch", "launch file"),
+        ("rover/car.launch.py", "launch file"),
+        ("rover/car_launch.xml", "launch file"),
+        ("rover/package.xml", "package manifest"),
+        ("rover/launch.xacro", "included file"),
+        ("rover/control.yaml", "file"),
+    ],
+)
+def test_a_file_that_is_not_the_model_says_what_it_is(file: str, kind: str) -> None:
+    assert f'<h4 class="file">{kind} <code>{file}</code>' in render(a_run(in_file(file)))
+
+
+def test_findings_of_launch_files_come_after_those_of_the_model() -> None:
+    html = render(a_run(in_file("a.launch"), in_file("b.xacro"), finding()))
+    heads = re.findall(r'<h4 class="file">([a-z ]+) <code>', html)
+    assert heads == ["model file", "included file", "launch file"]
+
+
+def test_a_model_opens_with_its_errors_and_warnings_in_a_line_each() -> None:
+    long = "joint `axle` turns " + "and turns " * 20
+    run = a_run(*a_run().findings, in_file("rover/car.launch", message=long))
+    lines = render(run).split('<ul class="contents"')[1].split("</ul>")[0]
+    assert re.findall(r'<li class="(\w+)"><a href="#(f-\w+)"', lines) == [
+        ("error", f"f-{finding().fingerprints[0]}"),
+        ("error", f"f-{in_file('rover/car.launch').fingerprints[0]}"),
+        ("warning", f"f-{run.findings[1].fingerprints[0]}"),
+    ]
+    assert "car.launch:7" in lines
+    assert gist(long) in lines
+    assert len(gist(long)) <= 81
+
+
+def test_one_problem_needs_no_list_and_many_are_folded() -> None:
+    assert document(a_run(finding())).classes("contents") == []
+    many = tuple(finding(subjects=(f"link[w{i}]",)) for i in range(40))
+    head = render(a_run(*many)).split('<div class="head">')[1].split('<section class="findings')[0]
+    assert head.count("<li ") == 40
+    assert "28 more</summary>" in head
+
+
+def test_tree_and_tables_stand_between_problems_and_information() -> None:
+    html = render(a_run())
+    order = ['<section class="group warning">', 'id="m1-tree"', 'id="m1-joints"', '<section class="group info">']
+    assert [html.index(part) for part in order] == sorted(html.index(part) for part in order)
+
+
+def test_much_information_is_folded_by_file() -> None:
+    few = [in_file(FILE, severity=Severity.INFO, message_id=str(i)) for i in range(5)]
+    assert document(a_run(*few)).classes("fold") == []
+    more = [in_file("rover/car.launch", severity=Severity.INFO), *few]
+    html = render(a_run(*more))
+    folds = [plain(f"<p>{s}</p>") for s in re.findall(r'<details class="fold"><summary>(.*?)</summary>', html)]
+    assert folds == [f"model file {FILE} 5", "launch file rover/car.launch 1"]
 
 
 def test_every_fingerprint_is_an_anchor_even_when_two_findings_share_one() -> None:
@@ -372,6 +493,26 @@ def test_tree_takes_the_worst_finding_of_each_link_and_joint() -> None:
     assert f'<a href="#f-{finding().fingerprints[0]}">' in drawn
 
 
+def test_tree_marks_a_transform_whose_text_a_finding_touches() -> None:
+    typed = span_of('type="continuous"', file="car.launch")
+    frames = (SceneFrame("base", "footprint", (), (), typed), SceneFrame("base", "map", (), (), None))
+    inside = span_of("continuous", file="car.launch")
+    conflict = finding(location=Location("node[tf]@args", inside), subjects=("node[tf]@args",))
+    found = document(a_run(conflict, scenes=(scene(frames=frames),)))
+    assert len(found.classes("node", "launch", "error")) == 1
+    assert len(found.classes("edge", "launch", "error")) == 1
+    assert "placed on base by a launch file error" in found.text.replace("  ", " ")
+
+
+@pytest.mark.parametrize(
+    "elsewhere", [span_of("continuous"), span_of("axle", file="car.launch"), None], ids=["file", "text", "no place"]
+)
+def test_tree_marks_no_transform_for_a_finding_elsewhere(elsewhere: Span | None) -> None:
+    frames = (SceneFrame("base", "footprint", (), (), span_of("continuous", file="car.launch")),)
+    other = finding(location=Location("node[tf]@args", elsewhere), subjects=("node[tf]@args",))
+    assert document(a_run(other, scenes=(scene(frames=frames),))).classes("launch", "error") == []
+
+
 def test_suppressed_findings_do_not_colour_the_tree() -> None:
     assert document(a_run(finding(suppressed="known"))).classes("node", "error") == []
 
@@ -490,6 +631,18 @@ def test_rules_that_fired_are_explained_and_all_are_listed() -> None:
 )
 def test_numbers(value: float | None, text: str) -> None:
     assert number(value) == text
+
+
+@pytest.mark.parametrize(
+    ("message", "start"),
+    [
+        ("`a` is\nwrong", "a is"),
+        ("word " * 15 + "(end, of it) and more", "word " * 15 + "(end…"),
+        ("x" * 100, "x" * 80 + "…"),
+    ],
+)
+def test_gist_is_how_a_message_begins(message: str, start: str) -> None:
+    assert gist(message) == start
 
 
 def test_lengths_below_a_micrometre_are_nothing() -> None:

@@ -81,6 +81,35 @@ def test_a_deep_link_opens_what_it_points_into(browser: Any, report: str) -> Non
     assert page.locator(":target").is_visible()
 
 
+def test_a_link_to_a_rule_opens_its_page(browser: Any, report: str) -> None:
+    page = opened(browser, report)
+    assert page.locator("#rule-INR003").is_hidden()
+    page.locator(".card h5 a").first.click()
+    page.locator("#rule-INR003").wait_for(state="visible")
+
+
+def test_filter_acts_on_the_list_of_problems_too(browser: Any, report: str) -> None:
+    page = opened(browser, report)
+    assert page.locator(".contents .warning").is_visible()
+    page.locator("#show-warning").uncheck()
+    assert page.locator(".contents .warning").is_hidden()
+
+
+@pytest.mark.parametrize("width", [390, 1280, 1440, 2560])
+def test_cards_tables_and_drawing_end_at_one_edge(browser: Any, report: str, width: int) -> None:
+    page = opened(browser, report, viewport={"width": width, "height": 900})
+    edges = {
+        round(box["x"] + box["width"])
+        for box in (each.bounding_box() for each in page.locator(".scroll, .card").all() if each.is_visible())
+    }
+    assert len(edges) == (1 if width < 1600 else 2), "wide pages have two columns"
+
+
+def test_links_table_fits_a_laptop(browser: Any, report: str) -> None:
+    page = opened(browser, report, viewport={"width": 1280, "height": 900})
+    assert page.locator(".links .scroll").evaluate("box => box.scrollWidth <= box.clientWidth")
+
+
 def test_paper_shows_what_is_folded_on_the_screen(browser: Any, report: str) -> None:
     page = opened(browser, report, color_scheme="dark")
     folded = page.locator("details.via figure").first

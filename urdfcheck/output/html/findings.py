@@ -9,7 +9,7 @@ from urdfcheck.output.html.anchors import Card
 from urdfcheck.output.html.code import code_frame, diff, place
 from urdfcheck.output.html.glyphs import glyph, words
 from urdfcheck.output.html.groups import FileGroup, active, by_file
-from urdfcheck.output.html.text import esc, plural, prose
+from urdfcheck.output.html.text import base_name, esc, plural, prose
 
 MOST_SUBJECTS = 6
 MOST_EDITS = 4
@@ -114,7 +114,7 @@ def _card(run: Run, card: Card) -> str:
     if finding.severity == Severity.INFO:
         # Many, and none of them urgent: one line each until it is asked for.
         span = finding.location.span
-        name = "Details" if span is None else f"<code>{esc(place(span))}</code>"
+        name = "Details" if span is None else f"<code>{esc(base_name(place(span)))}</code>"
         body = f'<details class="more"><summary>{name}</summary>{body}</details>'
     reason = "" if finding.suppressed is None else f'<p class="reason">Suppressed: {esc(finding.suppressed)}</p>'
     return (

@@ -57,15 +57,15 @@ def _verdict(run: Run, counts: Mapping[Severity, int]) -> tuple[str, str]:
 
 
 def _facts(run: Run) -> str:
-    facts = [_files(run)]
+    facts: list[tuple[str, str]] = []
     if len(run.models) > MOST_NAMES:
-        facts.insert(0, ("Robots", _names(list(dict.fromkeys(map(_robot_name, run.models))))))
+        facts.append(("Robots", _names(list(dict.fromkeys(map(_robot_name, run.models))))))
     if len(run.models) == 1:
         # A sum over models, often two versions of one robot, would mean nothing.
         info = run.models[0]
         facts += [("Links", str(info.links)), ("Joints", str(info.joints))]
         facts += [("Mass", f"{number(info.mass)} kg")] if info.mass is not None else []
-    facts.append(("Depth", DEPTHS[run.tier]))
+    facts += [("Depth", DEPTHS[run.tier]), _files(run)]
     return '<dl class="facts">' + "".join(f"<div><dt>{k}</dt><dd>{v}</dd></div>" for k, v in facts) + "</dl>"
 
 
@@ -110,11 +110,11 @@ def _filter(counts: Mapping[Severity, int]) -> str:
 
 
 def nav_html(parts: Sequence[Part], has_rules: bool) -> str:
-    """A row per model with its counts; the sections of a model only where there is one model."""
+    """A row per model with its counts; the sections of each only where there are few."""
     titles = [part.title for part in parts]
     rows = "".join(
         f'<li><a href="#{part.id}"><span class="name">{esc(part.title)}{_file(part, titles)}</span>'
-        f'<span class="badges">{badges(part.counts)}</span></a>{_sections(part) if len(parts) == 1 else ""}</li>'
+        f'<span class="badges">{badges(part.counts)}</span></a>{_sections(part) if len(parts) <= MOST_NAMES else ""}</li>'
         for part in parts
     )
     rest = [("rules", "Rules behind the findings")] if has_rules else []
@@ -132,4 +132,4 @@ def _file(part: Part, titles: Sequence[str]) -> str:
 
 def _sections(part: Part) -> str:
     items = "".join(f'<li><a href="#{i}">{name}</a></li>' for i, name in part.sections)
-    return f"<ul>{items}</ul>"
+    return f"<ul>{items}</ul>" if items else ""

@@ -34,11 +34,12 @@ class Part:
 
     @property
     def sections(self) -> list[tuple[str, str]]:
-        """Anchor and name of each section inside."""
-        found = [(f"{self.id}-findings", "Errors and warnings")]
-        if self.scene is not None:
-            found += [(f"{self.id}-tree", "Kinematic tree"), (f"{self.id}-links", "Links")]
-            found += [(f"{self.id}-joints", "Joints")] if self.scene.joints else []
+        """Anchor and name of each section inside; none where there are only findings."""
+        if self.scene is None:
+            return []
+        found = [(f"{self.id}-findings", "Errors and warnings"), (f"{self.id}-tree", "Kinematic tree")]
+        found += [(f"{self.id}-links", "Links")]
+        found += [(f"{self.id}-joints", "Joints")] if self.scene.joints else []
         found += [(f"{self.id}-info", "Information")] if self.counts.get(Severity.INFO) else []
         return found
 
