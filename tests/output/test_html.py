@@ -237,7 +237,7 @@ def test_card_tells_all_that_the_finding_knows() -> None:
 
 
 def test_whole_fingerprint_is_at_hand_but_not_in_the_way() -> None:
-    (shown,) = [a for a in document(a_run(finding())).all("data")]
+    (shown,) = document(a_run(finding())).all("data")
     assert shown["value"] == shown["title"] == finding().fingerprints[0]
     assert finding().fingerprints[0] not in document(a_run(finding())).text
 

@@ -40,7 +40,7 @@ def gist(text: str, most: int = 80) -> str:
     line = " ".join(text.split("\n")[0].replace("`", "").split())
     if len(line) <= most:
         return line
-    return line[:most].rsplit(" ", 1)[0].rstrip(" ,;:(") + "…"
+    return line[: most + 1].rsplit(" ", 1)[0][:most].rstrip(" ,;:(") + "…"
 
 
 def some(words: list[str], most: int) -> str:
