@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import compileall
 import platform
 import statistics
 import subprocess
@@ -13,6 +14,8 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+
+import urdfcheck
 
 LINK = """<link name="link_{i}"><inertial><origin xyz="0 0 0.1"/><mass value="1.2"/>
 <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.002"/></inertial>
@@ -42,6 +45,8 @@ def seconds(command: list[str], repeats: int) -> float:
 
 def main() -> None:
     repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 15
+    # As pip leaves an installed package; an environment may forbid Python to write bytecode by itself.
+    compileall.compile_dir(Path(urdfcheck.__file__).parent, quiet=1)
     with tempfile.TemporaryDirectory() as folder:
         arm = Path(folder, "arm.urdf")
         arm.write_text(robot(30))

@@ -9,18 +9,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from urdfcheck.facts.inertia import Solid, placed
 from urdfcheck.facts.mesh_decode import MeshError, RawMesh, decode
 from urdfcheck.facts.mesh_topology import Boundary, Edges, Surface, boundaries_of, edges_of, weld_exact, weld_near
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
+
 __all__ = ["Boundary", "MeshError", "MeshFacts", "hull_vertices", "mesh_facts", "transformed_moments"]
 
-Array = NDArray[np.float64]
 _Scalar = TypeVar("_Scalar", bound=np.generic)
 
 # Exporters write one corner of several triangles with different float noise. The least of these, as fractions of the
