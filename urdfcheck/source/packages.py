@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
-from urdfcheck.source.xml import Element, SourceFile, XmlError, parse
+from urdfcheck.source.xml import Element, SourceFile, XmlError, parse, read_regular
 
 # How far up from a model its workspace is looked for, and how many folders are looked into on each level.
 LEVELS_UP = 6
@@ -292,7 +292,7 @@ def subfolders(path: Path) -> list[Path]:
 
 def _manifest_name(folder: Path) -> str | None:
     try:
-        match = _NAME.search((folder / "package.xml").read_text(encoding="utf-8", errors="replace"))
+        match = _NAME.search(read_regular(folder / "package.xml").decode("utf-8", "replace"))
     except OSError:
         return None
     return match.group(1) if match else None

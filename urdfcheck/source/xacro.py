@@ -34,6 +34,7 @@ from urdfcheck.source.xml import (
     XmlError,
     nearest_first,
     parse,
+    read_regular,
     unbound_prefix,
 )
 
@@ -333,6 +334,7 @@ class _Tracer:
             from urdfcheck.source.yaml import traced
 
             try:
+                read_regular(Path(self._xacro.abs_filename_spec(filename)))
                 value = original(filename)
             except self._xacro.XacroException:
                 raise

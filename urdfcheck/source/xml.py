@@ -7,6 +7,7 @@ positions that expat reports for start tags are refined by reading the tag's own
 from __future__ import annotations
 
 import codecs
+import errno
 import re
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator
@@ -153,6 +154,16 @@ class Comment:
     span: Span
 
 
+def read_regular(path: Path) -> bytes:
+    """The bytes of a file that is one: a pipe or a device could be read for ever.
+
+    :raises OSError: for anything else, and when it cannot be read.
+    """
+    if path.exists() and not path.is_file():
+        raise OSError(errno.EINVAL, "is a folder" if path.is_dir() else "is no regular file", str(path))
+    return path.read_bytes()
+
+
 class SourceFile:
     """The decoded text of one file. ``name`` is how findings call it, ``path`` where it is."""
 
@@ -172,7 +183,7 @@ class SourceFile:
         :raises OSError: when it cannot be read.
         :raises XmlError: when its bytes are not text in the declared encoding.
         """
-        data = path.read_bytes()
+        data = read_regular(path)
         encoding = _marked(data)
         declared = _DECLARED.match(data[:400]) if encoding is None else None
         if declared is not None:
