@@ -147,3 +147,27 @@ def test_a_urdf_that_the_launch_file_hands_to_xacro_is_expanded(tmp_path: Path) 
     assert [(m.status, m.links) for m in outcome.models] == [("checked", 1)]
     assert "XML009" not in {f.code for f in outcome.findings}
     assert "XML009" in {f.code for f in check(tmp_path / "r.urdf").findings}
+
+
+def test_a_macro_line_with_another_value_for_each_link_is_told_for_each_call(tmp_path: Path) -> None:
+    text = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+      <xacro:macro name="leg" params="n m:=-1"><link name="leg_${n}"><inertial><mass value="${m}"/>
+        <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></xacro:macro>
+      <xacro:leg n="1"/>
+      <xacro:leg n="2"/>
+      <xacro:leg n="3" m="-7"/>
+    </robot>"""
+    found = check_text(tmp_path, text, "r.urdf.xacro", codes={"INR002"}).findings
+    assert [len(f.subjects) for f in found] == [2, 1]
+    assert ["-1" in found[0].message, "-7" in found[1].message] == [True, True]
+    assert [v.line for v in found[1].location.via] == [6]
+
+
+def test_a_computed_value_names_where_its_parts_are_defined(tmp_path: Path) -> None:
+    text = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+      <xacro:property name="weight" value="-2"/>
+      <link name="a"><inertial><mass value="${weight}"/>
+        <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+    </robot>"""
+    (found,) = check_text(tmp_path, text, "r.urdf.xacro", codes={"INR002"}).findings
+    assert [(r.subject, r.span.line if r.span else 0) for r in found.related] == [("property[weight]", 2)]

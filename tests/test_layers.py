@@ -27,7 +27,6 @@ ALLOWED = {
     "worker": {"catalogue", "core", "model", "outline", "scene", "source"},
     "engine": {"catalogue", "core", "outline", "source", "worker", "libraries", ""},
     "output": {"core", "output"},
-    "preload": {"worker", "libraries"},
     "core": {"errors"},
     "errors": set(),
     "libraries": set(),

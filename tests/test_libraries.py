@@ -51,3 +51,18 @@ def test_what_lies_outside_of_the_environment_is_foreign(ros: Path, monkeypatch:
         monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.syspath_prepend(str(ros))
     assert set(libraries.foreign()) == {"xacro", "pinocchio"}
+
+
+@pytest.mark.parametrize("models", [1, 3])
+@pytest.mark.parametrize("command", ["console script", "python -m"])
+def test_nothing_of_the_checked_folder_is_imported(command: str, models: int, tmp_path: Path) -> None:
+    """A repository under check may hold a struct.py or a rich.py of its own."""
+    for name in ("struct", "rich", "numpy", "xacro", "json", "urdfcheck_plugin"):
+        (tmp_path / f"{name}.py").write_text("import pathlib; pathlib.Path('RAN').write_text(__name__)\n")
+    for number in range(models):
+        (tmp_path / f"r{number}.urdf").write_text('<robot name="r"><link name="base"/></robot>')
+    script = Path(sys.executable).with_name("urdfcheck")
+    start = [str(script)] if command == "console script" else [sys.executable, "-m", "urdfcheck"]
+    done = subprocess.run([*start, ".", "--jobs", "2"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert not (tmp_path / "RAN").exists(), (tmp_path / "RAN").read_text()

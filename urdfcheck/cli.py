@@ -91,6 +91,8 @@ def check(words: Sequence[str]) -> int:
     options = parser().parse_args(words)
     if not options.paths:
         raise UrdfcheckError("name at least one model, launch file, package or folder (urdfcheck . for this folder)")
+    if "" in options.paths:
+        raise UrdfcheckError("a path is empty (urdfcheck . for this folder)")
     outputs = [_output(text) for text in options.output]
     formats = {options.format, *(name for name, _ in outputs)}
 
@@ -111,7 +113,7 @@ def check(words: Sequence[str]) -> int:
             jobs=_jobs(options.jobs),
             arguments=dict(_pair(text, ":=", "--arg") for text in options.arg),
             packages={**settings.packages, **_packages(options.package)},
-            package_paths=(*(Path(p) for p in options.package_path), *settings.package_path),
+            package_paths=(*_folders(options.package_path, "--package-path"), *settings.package_path),
             options=settings.options,
             severities=settings.severity,
             targets=_targets(options.target, settings.target),
@@ -225,6 +227,13 @@ def _packages(values: Sequence[str]) -> dict[str, Path]:
             raise UrdfcheckError(f"--package {text}: {folder} is no folder")
         found[name] = Path(folder).absolute()
     return found
+
+
+def _folders(values: Sequence[str], option: str) -> list[Path]:
+    for folder in values:
+        if not Path(folder).is_dir():
+            raise UrdfcheckError(f"{option} {folder}: is no folder")
+    return [Path(folder) for folder in values]
 
 
 def _targets(given: str | None, configured: tuple[str, ...]) -> tuple[str, ...]:

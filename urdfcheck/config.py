@@ -85,6 +85,14 @@ def _read(path: Path, table: Any) -> Config:
         for folder in folders:
             if not (root / folder).is_dir():
                 raise reader.wrong(key, f"folders that exist; {folder} is none")
+    for key in ("select", "ignore"):
+        try:
+            catalogue.select(reader.words(table, key, ()))
+        except UrdfcheckError as error:
+            raise UrdfcheckError(f"{reader.at(key)}: {error}") from None
+    unknown = [name for name in reader.words(table, "target", ()) if name not in TARGETS]
+    if unknown:
+        raise UrdfcheckError(f"{reader.at('target')}: unknown target {unknown[0]!r} (known: {', '.join(TARGETS)})")
     return Config(
         root,
         select=reader.words(table, "select", ("ALL",)),

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from urdfcheck.errors import Unavailable, UrdfcheckError
 
 __all__ = [
     "Applicability",
     "Cause",
+    "Computed",
     "Confidence",
     "Edit",
     "Finding",
@@ -104,6 +105,13 @@ class Located(Protocol):
 
     @property
     def location(self) -> Location: ...
+
+
+@runtime_checkable
+class Computed(Located, Protocol):
+    """A located thing whose text was computed from definitions that stand elsewhere."""
+
+    def related(self) -> Iterable[Located]: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,6 +239,9 @@ class Rule:
         """
         location = at if isinstance(at, Location) else at.location
         edits = tuple(edits)
+        # Where the properties, arguments and yaml keys stand that a computed value was made of.
+        definitions: Iterable[Located] = at.related() if isinstance(at, Computed) else ()
+        places = [r if isinstance(r, Location) else r.location for r in (*related, *definitions)]
         consumers = {k: v for k, v in self.consumers.items() if isinstance(v, str)}
         consumers.update(self.consumers.get(message, {}))
         return Finding(
@@ -242,7 +253,7 @@ class Rule:
             message=self.messages[message].format_map(data),
             location=location,
             subjects=(location.subject,),
-            related=tuple(r if isinstance(r, Location) else r.location for r in related),
+            related=tuple({(p.subject, p.span): p for p in places}.values()),
             cause=None if cause is None else Cause(cause, self.causes[cause].format_map(data)),
             consequences={k: v.format_map(data) for k, v in consumers.items()},
             data=data,
@@ -335,7 +346,7 @@ class Scene:
 class Run:
     """The whole outcome, immutable: what every output renders. ``sources`` holds the text of files with findings;
     ``rules`` are those that were selected, ``tier`` how much was computed (source | mesh | full), ``units`` counts the
-    models, launch files and packages that were looked at."""
+    models, launch files and packages that were looked at, ``targets`` names who will read the models."""
 
     models: tuple[ModelInfo, ...]
     findings: tuple[Finding, ...]
@@ -348,6 +359,7 @@ class Run:
     failures: tuple[str, ...] = ()
     units: int = 0
     tier: str = "full"
+    targets: tuple[str, ...] = ()
 
     def count(self, severity: Severity) -> int:
         """Findings of exactly this severity that are not suppressed."""

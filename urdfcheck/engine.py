@@ -1,11 +1,13 @@
 """One run: plan the units, audit each in a process of its own, put the reports together.
 
-The parent process imports the standard library only. With one model the worker is forked from it; with several, from a
-server process that has loaded the heavy libraries once.
+The parent process imports the standard library only, and forks the worker of a single model as it is. Before it forks the
+workers of several it loads the heavy libraries, once for all.
 """
 
 from __future__ import annotations
 
+import contextlib
+import importlib
 import multiprocessing
 import os
 import sys
@@ -24,6 +26,7 @@ from urdfcheck.source.packages import display_name
 if TYPE_CHECKING:
     from urdfcheck.worker import Report, Settings, Unit
 
+PRELOADED = ("numpy", "xacro", "yaml", "pinocchio", "coal", "trimesh", "urdfcheck.worker")
 DISTRIBUTIONS = ("xacro", "numpy", "pin", "coal", "trimesh")
 
 
@@ -162,6 +165,7 @@ def _assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]]
         failures=tuple(failures),
         units=len(kept),
         tier=request.tier,
+        targets=request.targets,
     )
 
 
@@ -243,15 +247,21 @@ def _dead(unit: Unit) -> Any:
 
 
 def _context(units: int) -> Any:
-    """fork where there is one unit to do, a preloaded fork server for several, spawn where nothing can be forked."""
-    # Many small worker processes share the cores: a pool of BLAS threads in each would only get in the way.
-    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
+    """How worker processes are made: forked where the platform can, else spawned.
+
+    A server process of multiprocessing's own (forkserver, and spawn without PYTHONSAFEPATH) is started as ``python -c``
+    and looks for modules in the working directory first: it would run a ``struct.py`` of the repository that is checked.
+    """
+    # Many small worker processes share the cores: a pool of BLAS threads in each would only get in the way, and a process
+    # that has threads must not be forked.
+    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(variable, "1")
-    methods = multiprocessing.get_all_start_methods()
-    if units <= 1 and "fork" in methods:
-        return multiprocessing.get_context("fork")
-    if "forkserver" in methods:
-        context = multiprocessing.get_context("forkserver")
-        context.set_forkserver_preload(["urdfcheck.preload"])
-        return context
-    return multiprocessing.get_context("spawn")
+    if "fork" not in multiprocessing.get_all_start_methods():
+        os.environ["PYTHONSAFEPATH"] = "1"
+        return multiprocessing.get_context("spawn")
+    if units > 1 and sys.platform == "linux":
+        # Loaded once here instead of once in each worker. Elsewhere system libraries do not survive a fork.
+        for name in PRELOADED:
+            with contextlib.suppress(ImportError):
+                importlib.import_module(name)
+    return multiprocessing.get_context("fork")

@@ -21,8 +21,11 @@ def own_folders() -> tuple[str, ...]:
 
 
 def prefer_own() -> None:
-    """Move the environment's own folders (and what their .pth files added) in front of PYTHONPATH's."""
+    """Move the environment's own folders (and what their .pth files added) in front of PYTHONPATH's, and forget the
+    working directory: what lies there is checked and never imported."""
     own = own_folders()
+    # `python -m urdfcheck` puts the working directory first: a rich.py of the checked repository would be imported.
+    sys.path[:] = [p for p in sys.path if p not in {"", os.getcwd()}]
     first = [p for p in sys.path if _is_below(p, own)]
     if os.environ.get("PYTHONPATH"):
         sys.path[:] = [*first, *(p for p in sys.path if p not in first)]

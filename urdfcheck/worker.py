@@ -218,11 +218,14 @@ class _Audit:
 
 
 def merge(findings: Iterable[Finding]) -> list[Finding]:
-    """Findings of one code, source text and message become one with several subjects: one typo, one finding."""
+    """Findings of one code, source text, message and measured values become one with several subjects: one typo, one
+    finding. Where a macro line gives another value to each link that it makes, each value is told with its own call."""
     merged: dict[tuple[Any, ...], Finding] = {}
     for finding in findings:
         span = finding.location.span
-        key = (finding.code, finding.message_id, finding.model, span, None if span else finding.location.subject)
+        numbers = tuple(sorted((k, v) for k, v in finding.data.items() if isinstance(v, (int, float))))
+        where = span or finding.location.subject
+        key = (finding.code, finding.message_id, finding.model, where, numbers)
         first = merged.get(key)
         if first is None:
             merged[key] = finding

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.model import Link, Model
 from urdfcheck.model.body import body_mass
 
@@ -41,10 +41,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         )
 
 
-def _place(link: Link) -> Location:
+def _place(link: Link) -> Located:
     assert link.inertial is not None
     attribute = link.inertial.mass_attribute
-    return link.inertial.location if attribute is None else attribute.location
+    return link.inertial.element if attribute is None else attribute
 
 
 def _kind(model: Model, link: Link) -> str:

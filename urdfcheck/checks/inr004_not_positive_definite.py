@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from urdfcheck.core import Edit, Finding, Location, Rule, Severity
+from urdfcheck.core import Edit, Finding, Located, Rule, Severity
 from urdfcheck.facts.inertia import principal_moments, tensor, triangle_excess
 from urdfcheck.model import Inertial, Link, Model
 from urdfcheck.model.body import body_tensor, is_point
@@ -136,13 +136,13 @@ def _names(links: Sequence[Link]) -> str:
     return ", ".join(f"{link.name} ({link.inertial.mass:g} kg)" for link in links if link.inertial)
 
 
-def _tensor_place(link: Link) -> Location:
+def _tensor_place(link: Link) -> Located:
     assert link.inertial is not None
     assert link.inertial.tensor_element is not None
-    return link.inertial.tensor_element.location
+    return link.inertial.tensor_element
 
 
-def _place(inertial: Inertial, name: str) -> Location:
+def _place(inertial: Inertial, name: str) -> Located:
     element = inertial.tensor_element
     assert element is not None
-    return element.attributes[name].location
+    return element.attributes[name]

@@ -19,6 +19,7 @@ def render(run: Run) -> str:
     report = {
         "schema": SCHEMA,
         "version": run.versions["urdfcheck"],
+        "targets": list(run.targets),
         "models": [_model(info) for info in run.models],
         "findings": [_finding(finding) for finding in run.findings],
         "skipped": [{"code": s.code, "model": s.model, "reason": s.reason} for s in run.skipped],

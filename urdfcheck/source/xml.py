@@ -145,6 +145,11 @@ class Element:
     def location(self) -> Location:
         return Location(self.subject, self.span, self.via)
 
+    def related(self) -> tuple[Definition, ...]:
+        """The definitions that went into the element's own attributes."""
+        found = [d for attribute in self.attributes.values() for d in attribute.related()]
+        return tuple({d.span: d for d in found}.values())
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Comment:
