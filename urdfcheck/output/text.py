@@ -57,7 +57,7 @@ def _line(out: Console, text: Text | Table, indent: int = 0) -> None:
 def _heading(out: Console, info: ModelInfo | None, model: str) -> None:
     title = Text(visible(model) or "this run", style="bold")
     if info is not None and info.status == "checked":
-        facts = [f"robot {visible(info.robot)}", f"{info.links} links", f"{info.joints} joints"]
+        facts = [f"robot {visible(info.robot)}", _plural(info.links, "link"), _plural(info.joints, "joint")]
         if info.mass is not None:
             facts.append(f"{info.mass:.4g} kg")
         title.append("  " + " · ".join(facts), style="dim")

@@ -164,8 +164,8 @@ def read_regular(path: Path) -> bytes:
 
     :raises OSError: for anything else, and when it cannot be read.
     """
-    if path.exists() and not path.is_file():
-        raise OSError(errno.EINVAL, "is a folder" if path.is_dir() else "is no regular file", str(path))
+    if path.exists() and not path.is_file() and not path.is_dir():
+        raise OSError(errno.EINVAL, "Is no regular file", str(path))
     return path.read_bytes()
 
 
