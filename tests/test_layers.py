@@ -21,7 +21,7 @@ ALLOWED = {
     "outline": {"model", "source", "core"},
     "scene": {"model", "source", "facts", "core"},
     "model": {"model", "source", "facts", "core"},
-    "checks": {"model", "source", "facts", "core", "outline", "checks"},
+    "checks": {"model", "source", "facts", "core", "outline"},
     "catalogue": {"core"},
     "config": {"catalogue", "core", "source"},
     "worker": {"catalogue", "core", "model", "outline", "scene", "source"},

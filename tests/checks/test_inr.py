@@ -203,3 +203,25 @@ def test_a_robot_of_several_materials_has_materials(tmp_path: Path) -> None:
 
 def test_links_drawn_with_primitives_are_computed_and_prove_nothing(tmp_path: Path) -> None:
     assert not found(tmp_path, "INR016", arm(disk(0.03, 0.01, 1000) + BOX, base=disk(0.1, 0.02, 1000) + BOX))
+
+
+@pytest.mark.parametrize("value", ["1e308", "1e60", "1e50", "1e-50", "1e-308", "5e-324"])
+@pytest.mark.filterwarnings("error")
+def test_numbers_of_no_robot_neither_crash_nor_warn(tmp_path: Path, value: str) -> None:
+    inertial = (
+        f'<inertial><origin xyz="{value} 0 {value}"/><mass value="{value}"/>'
+        f'<inertia ixx="{value}" ixy="0" ixz="{value}" iyy="1" iyz="0" izz="{value}"/></inertial>'
+    )
+    shapes = "".join(
+        f'<visual><origin xyz="0 {value} 0"/><geometry>{shape}</geometry></visual>'
+        for shape in (f'<box size="{value} 1 {value}"/>', f'<cylinder radius="{value}" length="{value}"/>')
+    )
+    links = "".join(f'<link name="wheel_{i}">{inertial}{shapes}</link>' for i in range(4))
+    joints = "".join(
+        f'<joint name="j{i}" type="continuous"><parent link="wheel_0"/><child link="wheel_{i}"/>'
+        f'<origin xyz="{value} {i} 0"/><axis xyz="0 {value} 0"/></joint>'
+        for i in (1, 2, 3)
+    )
+    run = check_text(tmp_path, f'<robot name="r">{links}{joints}</robot>', scene=True)
+    assert not run.failures
+    assert not [f for f in run.findings if " nan" in f.message or " inf " in f.message]

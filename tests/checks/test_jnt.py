@@ -101,9 +101,20 @@ def test_joints_locked_alike_are_one_finding_with_every_subject(tmp_path: Path) 
     assert finding.subjects == ("joint[j]/limit", "joint[k]/limit")
 
 
+@pytest.mark.parametrize("code", ["JNT005", "JNT007"])
+def test_a_limit_that_a_macro_makes_twice_is_one_place(tmp_path: Path, code: str) -> None:
+    made = joint('<limit lower="0" upper="0" effort="0" velocity="1"/>', name="${n}", child="${c}")
+    text = robot(
+        f'<xacro:macro name="m" params="n c">{made}</xacro:macro><xacro:m n="j" c="b"/><xacro:m n="k" c="c"/>'
+    ).replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ')
+    (finding,) = found(tmp_path, text, code, "robot.xacro")
+    assert len(finding.subjects) == 2
+    assert not finding.related
+
+
 def test_missing_effort_is_an_error_on_any_joint_with_a_limit(tmp_path: Path) -> None:
     (finding,) = found(tmp_path, robot(joint('<limit lower="0" upper="1"/>', "fixed")), "JNT007")
-    assert finding.message_id == "missing"
+    assert (finding.message_id, finding.severity) == ("missing", Severity.ERROR)
     assert "effort and velocity" in finding.message
 
 

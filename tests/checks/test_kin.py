@@ -7,7 +7,10 @@ from pathlib import Path
 import pytest
 from conftest import check_text
 
-from urdfcheck.core import Run
+from urdfcheck.core import Run, Unavailable
+from urdfcheck.model.parts import Joint, Link
+from urdfcheck.model.tree import Tree
+from urdfcheck.source.xml import SourceFile, parse
 
 TREE = {"KIN001", "KIN002", "KIN003", "KIN004", "KIN005", "KIN006", "KIN007", "KIN008", "XML005"}
 
@@ -124,6 +127,52 @@ def test_xacro_that_nothing_expanded_says_nothing_about_the_tree(tmp_path: Path)
     assert {s.code for s in run.skipped} >= {"KIN002", "KIN005", "KIN007"}
 
 
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ('<robot name="r"><link name=""/><link name="b"/></robot>', "NAM001"),
+        ('<robot name="r"><link/><link name="b"/></robot>', "XML005"),
+        ('<robot name="r"><link name="b"/><joint name="j" type="fixed"><child link="b"/></joint></robot>', "XML005"),
+        (robot("a b", "zzz b"), "KIN002"),
+        (robot("a b", "a b", "b b"), "KIN006"),
+        (robot("a b c", "a c", "b c"), "KIN003"),
+        (robot("w a b c", "w a", "a b", "b c", "c a"), "KIN004"),
+        (robot("w v a b", "w a", "v a", "a b", "b a"), "KIN003"),
+        (robot("a b", "a b", "b a"), "KIN004"),
+        (robot("a b"), "KIN005"),
+        (robot(""), "KIN007"),
+    ],
+)
+def test_a_check_that_needs_the_tree_names_the_finding_that_was_made(tmp_path: Path, text: str, code: str) -> None:
+    assert code in codes(check_text(tmp_path, text, codes={*TREE, "NAM001"}))
+    root = parse(SourceFile(tmp_path, "robot.urdf", text))
+    with pytest.raises(Unavailable, match=code):
+        Tree.build([Link(e) for e in root.all("link")], [Joint(e) for e in root.all("joint")])
+
+
+@pytest.mark.parametrize(
+    ("joints", "where"),
+    [
+        (["zzz a"], "the parent of joint j0"),
+        (["zzz a", "zzz b"], "the parent of joints j0 and j1"),
+        (["zzz a", "zzz b", "zzz c"], "the parent of joints j0, j1 and j2"),
+        (["zzz a", "zzz b", "zzz c", "zzz d", "zzz e"], "the parent of joints j0, j1, j2 and 2 more"),
+        (["a zzz", "zzz b"], "the child of joint j0 and the parent of joint j1"),
+    ],
+)
+def test_joints_of_a_missing_link_are_counted_up(tmp_path: Path, joints: list[str], where: str) -> None:
+    (finding,) = check_text(tmp_path, robot("a b c d e", *joints), codes={"KIN002"}).findings
+    assert finding.data["where"] == where
+
+
+def test_one_shared_name_is_told_in_the_singular(tmp_path: Path) -> None:
+    joint = '<joint name="b" type="continuous"><parent link="a"/><child link="b"/></joint>'
+    (finding,) = check_text(
+        tmp_path, f'<robot name="r"><link name="a"/><link name="b"/>{joint}</robot>', codes=TREE
+    ).findings
+    assert finding.message.startswith("a link and a joint share the name b:")
+
+
 class TestKIN008:
     INERTIAL = '<inertial><mass value="{}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
 
@@ -139,6 +188,11 @@ class TestKIN008:
     def test_massless_or_malformed_root(self, tmp_path: Path) -> None:
         assert codes(check_text(tmp_path, self.model("0"), codes={"KIN008"})) == []
         assert codes(check_text(tmp_path, self.model("x"), codes={"KIN008"})) == []
+
+    def test_says_no_sum_that_counts_a_wrong_mass(self, tmp_path: Path) -> None:
+        assert codes(check_text(tmp_path, self.model("-1"), codes={"KIN008"})) == []
+        wrong = self.model("1").replace('<link name="b"/>', f'<link name="b">{self.INERTIAL.format("-3")}</link>')
+        assert codes(check_text(tmp_path, wrong, codes={"KIN008"})) == []
 
     def test_abstains_without_a_tree(self, tmp_path: Path) -> None:
         run = check_text(tmp_path, robot("a b"), codes={"KIN008"})

@@ -54,8 +54,12 @@ def load(path: str) -> str:
         (load("$(find cart)/urdf/car.urdf"), "package"),
         (load("$(arg model)"), "argument"),
         ('<arg name="a" default="$(arg b)"/><arg name="b" default="$(arg a)"/>' + load("$(arg a)"), "circle"),
-        ('<arg name="model"/>' + load("$(arg model)"), None),
-        (load("$(env HOME)/car.urdf"), None),
+        ('<arg name="model"/>' + load("$(arg model)"), "unknown"),
+        (load("$(env HOME)/car.urdf"), "unknown"),
+        (load("$(eval find('car') + '/urdf/car.urdf')"), "unknown"),
+        (f'<group if="false">{load("$(find car)/urdf/none.xacro")}</group>', None),
+        (f'<arg name="sim" default="true"/><group unless="$(arg sim)">{load("none.xacro")}</group>', None),
+        (f'<arg name="sim" default="true"/><group if="$(arg sim)">{load("none.xacro")}</group>', "file"),
         (LOAD, None),
     ],
 )
@@ -65,7 +69,43 @@ def test_why_a_description_cannot_be_loaded(tmp_path: Path, body: str, message: 
 
 def test_a_declared_dependency_is_merely_not_installed(tmp_path: Path) -> None:
     depend = "<exec_depend>other_car</exec_depend>"
-    assert not package(tmp_path, load("$(find other_car)/car.urdf"), "LCH001", depend=depend)
+    (finding,) = package(tmp_path, load("$(find other_car)/car.urdf"), "LCH001", depend=depend)
+    assert (finding.message_id, finding.severity) == ("unknown", Severity.INFO)
+
+
+def test_an_argument_that_another_launch_file_hands_over_is_its_business(tmp_path: Path) -> None:
+    text = '<launch><include file="$(dirname)/car.launch"><arg name="model" value="{}"/></include></launch>'
+    outer = tmp_path / "car" / "launch" / "all.launch"
+    outer.parent.mkdir(parents=True)
+    outer.write_text(text.format("$(find car)/urdf/car.urdf"), encoding="utf-8")
+    assert not package(tmp_path, '<arg name="model"/>' + load("$(arg model)"), "LCH001")
+    assert [Path(m.path).name for m in check(outer, codes={"LCH001"}).models] == ["car.urdf"]
+    outer.write_text(text.format("$(find car)/urdf/cart.urdf"), encoding="utf-8")
+    (finding,) = only(check(outer, codes={"LCH001"}))
+    assert (finding.message_id, len(finding.location.via)) == ("file", 1)
+
+
+@pytest.mark.parametrize(
+    ("code", "message", "severity"),
+    [
+        ("join(get_package_share_directory('car'), 'urdf/bott.urdf.xacro')", "named", Severity.WARNING),
+        ("join(d, 'urdf/bott.urdf.xacro')", "unfound", Severity.INFO),
+        ("def f(:", "syntax", Severity.WARNING),
+        ("Node(parameters=[{'robot_description': text}])", "unknown", Severity.INFO),
+        ("Node(parameters=[{'robot_description': join(d, 'urdf/car.urdf')}])", None, None),
+        ("Node(arguments=['-topic', 'robot_description'])", None, None),
+    ],
+)
+def test_a_python_launch_file(tmp_path: Path, code: str, message: str | None, severity: Severity | None) -> None:
+    package(tmp_path, "", "LCH001")
+    path = tmp_path / "car" / "launch" / "car.launch.py"
+    path.write_text(code, encoding="utf-8")
+    findings = only(check(path))
+    lch = [(f.message_id, f.severity) for f in findings if f.code == "LCH001"]
+    assert lch == ([] if message is None else [(message, severity)])
+    assert not [
+        f for f in findings if f.location.span is not None and f.code != "LCH001" and "launch" in f.location.span.file
+    ]
 
 
 def test_the_path_itself_is_pointed_at_and_a_similar_file_named(tmp_path: Path) -> None:
@@ -96,6 +136,7 @@ CREATE = 'pkg="ros_gz_sim" exec="create"'
         (spawn("-urdf -param d"), ["missing"]),
         (spawn("-urdf -param -model car"), ["valueless"]),
         (spawn("-urdf -param d -model car -z -0.1 -Y -1e-3"), []),
+        (spawn("-urdf -param d -model car -z -$(arg h)"), []),
         (spawn("-urdf -param d $(arg name)"), []),
         (spawn("-urdf -file $(find car)/urdf/car.urdf -model $(arg name) -J joint -0.5"), []),
         (spawn("-topic d", CREATE), []),
@@ -111,6 +152,20 @@ def test_the_robots_own_name_is_the_missing_value(tmp_path: Path) -> None:
     (finding,) = package(tmp_path, LOAD + spawn("-urdf -param d\n  -model -unpause"), "LCH002")
     assert finding.fix is not None
     assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("-model", "-model car")]
+
+
+@pytest.mark.parametrize(
+    ("args", "title"),
+    [
+        ("-param d -model car -z", "write a value after `-z`"),
+        ("-param d -model", "write the robot's name after `-model`"),
+        ("-param d", "add `-model` and the robot's name"),
+    ],
+)
+def test_the_repair_says_what_to_write(tmp_path: Path, args: str, title: str) -> None:
+    (finding,) = found(tmp_path, spawn(args), "LCH002")
+    assert finding.fix is not None
+    assert finding.fix.title == title
 
 
 # -- LCH003, LCH004, LCH007 --------------------------------------------------------------------------------------------
@@ -154,6 +209,13 @@ def test_the_old_xacro_script(tmp_path: Path) -> None:
 )
 def test_arguments(tmp_path: Path, body: str, messages: list[str]) -> None:
     assert [f.message_id for f in found(tmp_path, body, "LCH004")] == messages
+
+
+@pytest.mark.parametrize(("node", "read"), [('type="n"', "$(arg x)"), ('exec="n"', "$(var x)")])
+def test_the_repair_reads_an_argument_as_the_generation_of_ros_does(tmp_path: Path, node: str, read: str) -> None:
+    (finding,) = found(tmp_path, f'<arg name="x" default="1"/><node name="n" pkg="p" {node}/>', "LCH004")
+    assert finding.fix is not None
+    assert f"`{read}`" in finding.fix.title
 
 
 def test_a_required_argument_is_the_including_files_business(tmp_path: Path) -> None:
@@ -219,6 +281,18 @@ def test_the_footprint_lies_at_the_lowest_point(tmp_path: Path, shape: str, grou
     assert finding.data["ground"] == pytest.approx(ground, abs=1e-6)
     (finding,) = package(tmp_path / "right", transform(right), "LCH005", shape)
     assert finding.message_id == "footprint"
+
+
+def test_a_description_in_a_variable_leads_to_the_model(tmp_path: Path) -> None:
+    body = """<let name="rd" value="$(command 'xacro $(find-pkg-share car)/urdf/car.urdf')"/>
+    <node pkg="robot_state_publisher" exec="robot_state_publisher">
+      <param name="robot_description" value="$(var rd)"/>
+    </node>
+    <node pkg="tf2_ros" exec="static_transform_publisher" args="0 0 0 0 0 0 odom laser"/>"""
+    (finding,) = package(tmp_path, body, "LCH005")
+    assert finding.message_id == "second-parent"
+    (finding,) = package(tmp_path, body.replace("car.urdf", "cars.urdf"), "LCH001")
+    assert finding.message_id == "file"
 
 
 def test_without_the_meshes_only_the_direction_is_known(tmp_path: Path) -> None:

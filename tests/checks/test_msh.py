@@ -47,6 +47,16 @@ def test_why_a_file_is_no_mesh(tmp_path: Path, content: bytes, reason: str) -> N
     assert (finding.severity, finding.data["reason_id"]) == (Severity.ERROR, reason)
 
 
+@pytest.mark.parametrize(
+    ("content", "repair"),
+    [(b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n", "git lfs pull"), (b"", "again")],
+)
+def test_the_repair_fits_the_reason(tmp_path: Path, content: bytes, repair: str) -> None:
+    (finding,) = found(tmp_path, "MSH001", content, shape("visual"))
+    assert finding.fix is not None
+    assert repair in finding.fix.title
+
+
 def test_a_format_that_is_not_read_is_not_called_broken(tmp_path: Path) -> None:
     (finding,) = found(tmp_path, "MSH001", b"data", shape("visual", "part.wrl"), name="part.wrl")
     assert (finding.severity, finding.message_id) == (Severity.WARNING, "unread")

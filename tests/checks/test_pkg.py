@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -105,6 +106,21 @@ def test_missing_folder_is_one_finding(tmp_path: Path) -> None:
     finding = only(audit(model, link("a", "package://p/meshes/x/a.stl"), link("b", "package://p/meshes/y/b.stl")))
     assert finding.message_id == "folder"
     assert finding.data["links"] == ["a", "b"]
+
+
+def test_folder_in_a_files_place_is_called_one(tmp_path: Path) -> None:
+    model = package(tmp_path, "meshes/b.stl")
+    finding = only(audit(model, link("a", "package://p/meshes", "../meshes"), link("b", "package://p/meshes/b.stl")))
+    assert (finding.code, finding.message_id, finding.data["what"]) == ("PKG002", "kind", "a folder")
+    assert len(finding.related) == 1
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes on this platform")
+def test_pipe_in_a_files_place_is_called_one(tmp_path: Path) -> None:
+    model = package(tmp_path, "meshes/b.stl")
+    os.mkfifo(tmp_path / "p/meshes/a.stl")
+    finding = only(audit(model, link("a", "package://p/meshes/a.stl")))
+    assert (finding.code, finding.message_id) == ("PKG002", "kind")
 
 
 def test_file_of_the_same_name_elsewhere_in_the_package_is_named(tmp_path: Path) -> None:

@@ -131,6 +131,78 @@ def test_what_hangs_on_the_odd_joint_is_not_reported_again(tmp_path: Path) -> No
     assert [f.location.subject for f in found(tmp_path, "SYM001", text)] == ["joint[front_left]/origin@rpy"]
 
 
+def mounted(*, mount: str = "0 0 0", own: str = "0 0 0", sibling: str = "0 0 0") -> str:
+    """Four wheels, each on a bracket that a fixed joint carries; one bracket and the wheel on it with another rpy."""
+    parts = ['<link name="base"/>']
+    for name, (xyz, _, _) in CORNERS.items():
+        odd = name == "front_left"
+        parts.append(f'<link name="{name}_bracket"/><link name="{name}_wheel">{WHEEL}</link>')
+        held = joint(f"{name}_mount", f"{name}_bracket", xyz, mount if odd else sibling, "0 1 0", "fixed")
+        parts.append(held.replace('<axis xyz="0 1 0"/>', ""))
+        own_rpy = own if odd else "0 0 0"
+        parts.append(joint(name, f"{name}_wheel", "0 0 0", own_rpy, "0 1 0", parent=f"{name}_bracket"))
+    return f'<robot name="car">{"".join(parts)}</robot>'
+
+
+def test_the_bracket_is_named_when_it_is_what_stands_askew(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "SYM001", mounted(mount="0 0.4 0"))
+    assert (finding.message_id, finding.location.subject) == ("mount", "joint[front_left_mount]/origin@rpy")
+    assert edits(finding) == [("0 0.4 0", "0 0 0")]
+    assert {r.subject for r in finding.related} == {
+        f"joint[{name}_mount]/origin@rpy" for name in CORNERS if name != "front_left"
+    }
+
+
+def test_the_wheel_is_named_when_the_brackets_are_alike(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "SYM001", mounted(own="0 0.4 0"))
+    assert (finding.message_id, finding.location.subject) == ("zero", "joint[front_left]/origin@rpy")
+    assert edits(finding) == [("0 0.4 0", "0 0 0")]
+
+
+@pytest.mark.parametrize(("mount", "own"), [("0 0.4 0", "0 0.1 0"), ("0 0.2 0", "0 0.2 0")])
+def test_where_bracket_and_wheel_are_off_both_are_named_and_nothing_is_edited(
+    tmp_path: Path, mount: str, own: str
+) -> None:
+    (finding,) = found(tmp_path, "SYM001", mounted(mount=mount, own=own))
+    assert finding.message_id == "chain"
+    assert not edits(finding)
+    assert "front_left_mount, front_left" in finding.message
+    assert finding.related[0].subject == "joint[front_left_mount]/origin@rpy"
+
+
+MACRO = """<robot name="car" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<link name="base"/>
+<xacro:property name="cfg" value="${xacro.load_yaml('w.yaml')}"/>
+<xacro:property name="tilt" value="${cfg['pitch']}"/>
+<xacro:macro name="wheel" params="n x y p">
+<link name="wheel_${n}">WHEEL</link>
+<joint name="j_${n}" type="continuous"><parent link="base"/><child link="wheel_${n}"/>
+<origin xyz="${x} ${y} 0" rpy="0 ${p} 0"/><axis xyz="0 1 0"/></joint>
+</xacro:macro>
+<xacro:wheel n="1" x=".2" y=".2" p="${tilt}"/>
+<xacro:wheel n="2" x="-.2" y=".2" p="0"/>
+<xacro:wheel n="3" x=".2" y="-.2" p="0"/>
+<xacro:wheel n="4" x="-.2" y="-.2" p="0"/>
+</robot>
+""".replace("WHEEL", WHEEL)
+
+
+def test_what_a_macro_computes_leads_to_the_argument_property_and_yaml_key(tmp_path: Path) -> None:
+    (tmp_path / "w.yaml").write_text("pitch: -0.7\n", encoding="utf-8")
+    (finding,) = found(tmp_path, "SYM001", MACRO, "robot.urdf.xacro")
+    assert finding.message_id == "computed"
+    assert not edits(finding)
+    assert [(r.subject, r.span and r.span.line) for r in finding.related] == [
+        ("parameter[p]", 10),
+        ("property[tilt]", 4),
+        ("property[cfg]", 3),
+        ("yaml[pitch]", 1),
+    ]
+    assert finding.fix is not None
+    assert "make `0 ${p} 0` give `0 0 0` for joint j_1" in finding.fix.title
+    assert "parameter p (line 10 of robot.urdf.xacro), property tilt (line 4" in finding.fix.title
+
+
 # -- SYM005 ---------------------------------------------------------------------------------------------------------
 
 DISK = '<visual><origin rpy="1.5707963 0 0"/><geometry><cylinder radius="0.05" length="0.02"/></geometry></visual>'

@@ -192,6 +192,37 @@ def test_constant_that_nothing_reads_is_an_info_and_hides_the_unused_property(tm
 
 
 @pytest.mark.parametrize(
+    ("main", "other"),
+    [
+        ('<xacro:include filename="$(find not_installed)/a.xacro"/>', ""),
+        ('<xacro:include filename="$(find not_installed)/a.xacro"/>', "wheel.xacro"),
+        ('<xacro:if value="${False}"><xacro:include filename="wheel.xacro"/></xacro:if>', "wheel.xacro"),
+        ('<xacro:if value="${False}"><xacro:include filename="parts/wheel.xacro"/></xacro:if>', "parts/wheel.xacro"),
+    ],
+)
+def test_constant_that_an_unreached_file_may_read_is_not_deleted(tmp_path: Path, main: str, other: str) -> None:
+    if other:
+        (tmp_path / other).parent.mkdir(exist_ok=True)
+        (tmp_path / other).write_text(f'{HEAD}<link name="${{M_PI}}"/></robot>', encoding="utf-8")
+    text = f'<xacro:property name="M_PI" value="3.14159"/>\n{main}'
+    finding = only(xacro(tmp_path, text, {"XAC005"}))
+    assert (finding.message_id, finding.severity) == ("rounded", Severity.WARNING)
+    assert finding.fix is not None
+    assert [e.replacement for e in finding.fix.edits] == ["${pi}"]
+
+
+def test_optional_part_below_a_folder_without_package_may_read_a_property(tmp_path: Path) -> None:
+    text = '<xacro:if value="${False}"><xacro:include filename="parts/wheel.xacro"/></xacro:if>'
+    assert not xacro(tmp_path, f'<xacro:property name="size" value="1"/>{text}', {"XAC002"}).findings
+
+
+@pytest.mark.parametrize(("value", "digits"), [("3.14159", 6), ("03.1415926e0", 8), ("3.14", 3)])
+def test_digits_of_a_rounded_constant_are_counted(tmp_path: Path, value: str, digits: int) -> None:
+    text = f'<xacro:property name="M_PI" value="{value}"/><link name="l_${{M_PI}}"/>'
+    assert f"typed with {digits} digits" in only(xacro(tmp_path, text, {"XAC005"})).message
+
+
+@pytest.mark.parametrize(
     ("namespace", "message"),
     [
         ("http://ros.org/wiki/xacro", "legacy"),
@@ -220,6 +251,42 @@ def wheels(*, count: int = 3, mass: str = "1") -> str:
 def test_three_blocks_make_a_group_and_two_do_not(tmp_path: Path) -> None:
     assert only(xacro(tmp_path, wheels(), {"XAC009"})).data["differences"] == ["joint origin xyz"]
     assert not xacro(tmp_path, wheels(count=2), {"XAC009"}).findings
+
+
+def corners(*, pitch: str = "0", masses: tuple[str, ...] = ("1", "1", "1", "1")) -> str:
+    """Four wheels as a CAD export types them: those on the right are turned by half a turn."""
+    places = [("0.1", "0.2"), ("-0.1", "0.2"), ("0.1", "-0.2"), ("-0.1", "-0.2")]
+    return "".join(
+        f'<link name="w{i}"><inertial><origin xyz="0 0 0" rpy="0 0 0"/><mass value="{masses[i]}"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        f'<joint name="j_w{i}" type="continuous"><parent link="base"/><child link="w{i}"/>'
+        f'<origin xyz="{x} {y} 0" rpy="0 {"0" if i else pitch} {"0" if y > "0" else "3.1416"}"/>'
+        f'<axis xyz="0 {1 if y > "0" else -1} 0"/></joint>\n'
+        for i, (x, y) in enumerate(places)
+    )
+
+
+def test_macro_has_no_parameter_for_a_number_in_which_one_block_stands_alone(tmp_path: Path) -> None:
+    finding = only(xacro(tmp_path, corners(pitch="-0.75"), {"XAC009"}))
+    assert "; only w0 has pitch -0.75, the others 0" in finding.message
+    assert finding.data["parameters"] == "name x y"
+    assert finding.fix is not None
+    assert "pitch -0.75 of w0 has no place there" in finding.fix.title
+    assert '<xacro:w name="w0" x="0.1" y="0.2"/>' in finding.fix.title
+
+
+def test_macro_derives_what_follows_from_the_side(tmp_path: Path) -> None:
+    finding = only(xacro(tmp_path, corners(), {"XAC009"}))
+    assert finding.fix is not None
+    assert ", with yaw `${0 if y > 0 else pi}` and axis_y `${1 if y > 0 else -1}`:" in finding.fix.title
+    assert "only" not in finding.message
+
+
+def test_two_against_two_and_two_against_one_are_parameters(tmp_path: Path) -> None:
+    two = only(xacro(tmp_path, corners(masses=("1", "2", "2", "1")), {"XAC009"}))
+    assert two.data["parameters"] == "name x y mass"
+    three = wheels().replace('value="1"', 'value="2"', 1)
+    assert only(xacro(tmp_path, three, {"XAC009"})).data["parameters"] == "name mass x"
 
 
 def test_digits_of_noise_do_not_tell_blocks_apart(tmp_path: Path) -> None:
@@ -271,6 +338,58 @@ def test_unsafe_expressions_are_never_evaluated(tmp_path: Path, expression: str)
 
 
 @pytest.mark.parametrize(
+    ("expression", "message", "says"),
+    [
+        ("${open('/etc/passwd').read()}", "outside", "open is no function"),
+        ("${globals()}", "outside", "globals is no function"),
+        ("$(eval __import__('os').system('true'))", "outside", "two underscores"),
+        ("${list(map(lambda i: i * 2, [1]))}", "construct", "it contains a lambda"),
+        ("${(lambda: ().__class__)()}", "unsafe", ".__class__"),
+    ],
+)
+def test_refused_expressions_say_what_they_are(tmp_path: Path, expression: str, message: str, says: str) -> None:
+    finding = only(xacro(tmp_path, f'<link name="{expression}"/>', {"XAC011", "XAC001"}))
+    assert (finding.code, finding.message_id) == ("XAC011", message)
+    assert says in finding.message
+
+
+def test_names_of_builtins_are_ordinary_names_of_properties(tmp_path: Path) -> None:
+    forgotten = only(xacro(tmp_path / "a", '<link name="${type}"/>', {"XAC011", "XAC001"}))
+    assert forgotten.code == "XAC001"
+    text = '<xacro:property name="type" value="arm"/><link name="${type}"/>'
+    assert not xacro(tmp_path / "b", text, {"XAC011", "XAC001"}).findings
+
+
+@pytest.mark.parametrize(
+    ("text", "says", "repair"),
+    [
+        ("", "foo is not defined, so `$(eval foo+1)` has no value", '`<xacro:arg name="foo" default="…"/>`'),
+        ('<xacro:arg name="fooo" default="1"/>', "did you mean 'fooo'?", "write `fooo`"),
+        ('<xacro:property name="foo" value="1"/>', "reads arguments only", "write the expression as `${…}`"),
+    ],
+)
+def test_eval_reads_arguments_and_no_properties(tmp_path: Path, text: str, says: str, repair: str) -> None:
+    finding = only(xacro(tmp_path, f'{text}<link name="$(eval foo+1)"/>', {"XAC001"}))
+    assert says in finding.message
+    assert finding.fix is not None
+    assert repair in finding.fix.title
+
+
+def test_yaml_that_cannot_be_read_is_located_in_its_file(tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text("a: 1\nb: [1, 2\nc: 3\n", encoding="utf-8")
+    text = """<xacro:property name="data" value="${xacro.load_yaml('a.yaml')}"/><link name="${data['b']}"/>"""
+    run = xacro(tmp_path, text, {"XAC001"})
+    finding = only(run)
+    assert (finding.message_id, finding.location.subject) == ("yaml", "yaml")
+    span = finding.location.span
+    assert span is not None
+    assert (span.file.rpartition("/")[2], span.line, span.col) == ("a.yaml", 3, 2)
+    assert run.sources[span.file].startswith("a: 1")
+    assert finding.related[0].span is not None
+    assert finding.related[0].span.file.endswith("robot.urdf.xacro")
+
+
+@pytest.mark.parametrize(
     ("command", "fixed"),
     [
         ("$(find xacro)/xacro --inorder 'a.xacro'", "$(find xacro)/xacro 'a.xacro'"),
@@ -310,6 +429,7 @@ def test_copies_are_compared_as_numbers(tmp_path: Path) -> None:
     finding = only(package(tmp_path, robot("r", "1"), robot("r", "2")))
     assert finding.message_id == "diverged"
     assert finding.data["values"] == [f"link[l{i}]/inertial/mass@value" for i in range(3)]
+    assert "3 values (link[l0]/inertial/mass@value: 1.0 and 2.0, " in finding.message
     assert finding.model == "r.urdf"
 
 
@@ -324,6 +444,7 @@ def test_part_that_one_copy_lacks_counts_once(tmp_path: Path) -> None:
     extra = '<link name="lamp"><visual><geometry><sphere radius="1"/></geometry></visual></link>'
     finding = only(package(tmp_path, robot("r", "1"), robot("r", "1", extra), overlap=0.7))
     assert finding.data["only_xacro"] == ["link[lamp]"]
+    assert "1 part only in the xacro (link[lamp])" in finding.message
 
 
 def test_another_robot_of_the_package_is_no_copy(tmp_path: Path) -> None:

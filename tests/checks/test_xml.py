@@ -28,19 +28,67 @@ def with_effort(value: str) -> str:
 
 class TestXML001:
     @pytest.mark.parametrize(
-        ("text", "cause"),
+        ("text", "message", "cause"),
         [
-            ("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n", "git_lfs"),
-            ("<html><body><p>not found</body></html>", "web_page"),
-            ('<robot name="r">\n<<<<<<< HEAD\n<link name="a"/>\n=======\n', "merge_conflict"),
-            ('\n<?xml version="1.0"?><robot name="r"><link name="a"/></robot>', "before_declaration"),
-            ('<robot name="r"><link name="a></robot>', None),
+            ("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n", "other", "git_lfs"),
+            ("<html><body><p>not found</body></html>", "other", "web_page"),
+            ("<!DOCTYPE html><html/>", "other", "web_page"),
+            ('<robot name="r">\n<<<<<<< HEAD\n<link name="a"/>\n=======\n', "malformed", "merge_conflict"),
+            ('\n<?xml version="1.0"?><robot name="r"><link name="a"/></robot>', "malformed", "before_declaration"),
+            ('<robot name="r"><link name="a></robot>', "malformed", None),
+            ("", "empty", None),
+            ("\x1f\0\0", "binary", None),
         ],
     )
-    def test_names_what_the_file_really_is(self, tmp_path: Path, text: str, cause: str | None) -> None:
+    def test_names_what_the_file_really_is(self, tmp_path: Path, text: str, message: str, cause: str | None) -> None:
         (finding,) = findings(tmp_path, text, "XML001")
-        assert finding.message_id == "malformed"
-        assert (finding.cause.id if finding.cause else None) == cause
+        assert (finding.message_id, finding.cause.id if finding.cause else None) == (message, cause)
+
+    @pytest.mark.parametrize("text", ["", "\x1f\0\0"])
+    def test_of_a_file_without_xml_nothing_is_said_to_pass(self, tmp_path: Path, text: str) -> None:
+        (finding,) = findings(tmp_path, text, "XML001")
+        assert "lenient" not in finding.consequences.get("urdfdom", "")
+
+    @pytest.mark.parametrize(
+        ("text", "message"),
+        [
+            ("", "launch"),
+            ("<launch>\n<node/>", "launch"),
+            ("<!DOCTYPE html><html/>", "launch"),
+            ("<!DOCTYPE launch><launch/>", "unread"),  # ROS reads it
+            ("<launch/>", None),
+        ],
+    )
+    @pytest.mark.parametrize("folder", [True, False])
+    def test_launch_file(self, tmp_path: Path, text: str, message: str | None, folder: bool) -> None:
+        (tmp_path / "car.launch").write_text(text)
+        (tmp_path / "car.urdf").write_text('<robot name="r"><link name="a"/></robot>')
+        run = check(tmp_path if folder else tmp_path / "car.launch", codes={"XML001", "XML002"})
+        assert [f.message_id for f in run.findings] == ([message] if message else [])
+        if message == "launch":
+            assert run.findings[0].severity == Severity.ERROR
+            assert run.findings[0].consequences.keys() == {"roslaunch", "ros2_launch"}
+
+    @pytest.mark.parametrize(
+        ("text", "codes"),
+        [
+            ("", ["XML001"]),
+            ("<package><name>p</package>", ["XML001"]),
+            ("<manifest><name>p</name></manifest>", ["XML002"]),
+            ("<package/>", ["PKG006"]),
+            ("<package><name>pkg</name></package>", []),
+        ],
+    )
+    def test_manifest(self, tmp_path: Path, text: str, codes: list[str]) -> None:
+        (tmp_path / "package.xml").write_text(text)
+        (tmp_path / "r.urdf").write_text('<robot name="r"><link name="a"/></robot>')
+        run = check(tmp_path / "r.urdf", codes={"XML001", "XML002", "PKG006"})
+        assert [f.code for f in run.findings] == codes
+        for finding in run.findings:
+            assert finding.severity == Severity.ERROR
+            assert finding.location.span is not None
+            assert finding.location.span.file.endswith("package.xml")
+            assert "urdfdom" not in finding.consequences
 
     def test_bytes_that_are_no_text(self, tmp_path: Path) -> None:
         path = tmp_path / "r.urdf"
@@ -118,6 +166,11 @@ class TestXML005:
         run = check_text(tmp_path, text, codes={"XML005", "KIN002", "KIN005"})
         assert [f.code for f in run.findings] == ["XML005"]
 
+    def test_mesh_without_a_file_name(self, tmp_path: Path) -> None:
+        shape = '<visual><geometry><mesh filename=" "/></geometry></visual>'
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{shape}</link></robot>', "XML005")
+        assert (finding.message_id, finding.consequences["urdfdom"]) == ("file", "loads the file")
+
 
 class TestXML007:
     @pytest.mark.parametrize("good", ["1", "+1", "-1.5", ".5", "1.", "1e-3", "1E+2", " 1", "-0"])
@@ -140,6 +193,8 @@ class TestXML007:
             ("\u22121", "character", "-1"),
             ("\u0661", "character", None),
             ("1e400", "overflow", None),
+            ("-.1e400", "overflow", None),
+            ("9" * 400, "overflow", None),
             ("pi/2", "expression", None),
             ("1d3", "other", None),
             ("1 ", "blank", "1"),
@@ -150,6 +205,14 @@ class TestXML007:
         assert finding.message_id == kind
         assert finding.fix is not None
         assert [e.replacement for e in finding.fix.edits] == ([] if repair is None else [repair])
+
+    def test_number_that_only_a_limit_may_have(self, tmp_path: Path) -> None:
+        assert not findings(tmp_path, with_effort("1e308"), "XML007")
+        small = ROBOT.format(link="", joint=JOINT.format(effort="1", more='<origin xyz="0 1e-308 0"/>'))
+        assert not findings(tmp_path, small, "XML007")
+        text = ROBOT.format(link="", joint=JOINT.format(effort="1", more='<origin xyz="0 1e308 0"/>'))
+        (finding,) = findings(tmp_path, text, "XML007")
+        assert (finding.message_id, finding.severity, finding.data["word"]) == ("extreme", Severity.WARNING, "1e308")
 
     def test_only_white_space_is_repaired_without_asking(self, tmp_path: Path) -> None:
         (blank,) = findings(tmp_path, with_effort("1 "), "XML007")
@@ -218,3 +281,46 @@ class TestXML012:
         visual = '<visual><geometry><sphere radius="1"/></geometry><material name=""/></visual>'
         (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{visual}{visual}</link></robot>', "XML012")
         assert len(finding.subjects) == 2
+
+
+class TestXML014:
+    @pytest.fixture(autouse=True)
+    def _pinocchio(self) -> None:
+        pytest.importorskip("pinocchio")
+
+    def robot(self, joint: str, kind: str = "revolute", name: str = ' name="r"') -> str:
+        ends = '<parent link="a"/><child link="b"/><axis xyz="0 0 1"/>'
+        return (
+            f'<robot{name}><link name="a"/><link name="b"/><joint name="j" type="{kind}">{ends}{joint}</joint></robot>'
+        )
+
+    def test_refusal_of_urdfdom_is_told_apart_from_pinocchios(self, tmp_path: Path) -> None:
+        limit = '<limit lower="0" upper="1" effort="1" velocity="1"/>'
+        (urdfdom,) = findings(tmp_path, self.robot(limit + "<safety_controller/>"), "XML014")
+        assert (urdfdom.message_id, urdfdom.severity) == ("refused", Severity.ERROR)
+        (pinocchio,) = findings(tmp_path, self.robot(limit + '<dynamics friction="-1"/>'), "XML014")
+        assert (pinocchio.message_id, pinocchio.severity) == ("pinocchio", Severity.WARNING)
+        assert pinocchio.consequences.keys() == {"pinocchio"}
+
+    @pytest.mark.parametrize(
+        ("joint", "kind", "name", "code"),
+        [
+            ("", "fixed", "", "XML002"),
+            ("", "prismatic", ' name="r"', "JNT004"),
+            ('<limit lower="0" upper="1" velocity="1"/>', "revolute", ' name="r"', "JNT007"),
+            ('<limit lower="0" upper="1" effort="-1" velocity="1"/>', "revolute", ' name="r"', "JNT007"),
+            ('<limit lower="0" upper="1" effort="1" velocity="-1"/>', "revolute", ' name="r"', "JNT007"),
+            ('<limit effort="1" velocity="1 "/>', "continuous", ' name="r"', "XML007"),
+            ('<origin xyz="0 0"/>', "fixed", ' name="r"', "XML008"),
+            ('<calibration rising="a"/>', "fixed", ' name="r"', "XML007"),
+            ("<dynamics/>", "continuous", ' name="r"', "XML005"),
+            ("<mimic/>", "continuous", ' name="r"', "XML005"),
+        ],
+    )
+    def test_what_another_rule_explains_is_not_told_again(
+        self, tmp_path: Path, joint: str, kind: str, name: str, code: str
+    ) -> None:
+        run = check_text(tmp_path, self.robot(joint, kind, name), codes={code, "XML014"})
+        assert {f.code for f in run.findings} == {code}
+        (skip,) = run.skipped
+        assert code in skip.reason

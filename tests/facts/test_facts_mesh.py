@@ -435,7 +435,7 @@ LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c
         pytest.param(
             dae(*TETRAHEDRON).replace(b"<COLLADA", b'<!DOCTYPE x [<!ENTITY a "b">]><COLLADA'),
             "dae",
-            "malformed",
+            "entities",
             id="DAE with entities",
         ),
     ],

@@ -275,7 +275,7 @@ def test_a_named_model_is_checked_as_it_is_beside_what_a_launch_file_makes_of_it
 def test_a_launch_file_without_model_is_checked_alone(workspace: Path) -> None:
     write(workspace, {"a.launch": "<launch/>", "broken.launch.xml": "<launch", "c.launch.py": "1"})
     found = planned(".")
-    assert (found.models, found.launches) == ((), (Path("a.launch"), Path("broken.launch.xml")))
+    assert (found.models, found.launches) == ((), (Path("a.launch"), Path("broken.launch.xml"), Path("c.launch.py")))
 
 
 def test_a_python_launch_file_leads_to_the_models_that_it_names(workspace: Path) -> None:
@@ -389,3 +389,16 @@ def test_paths_that_lead_to_nothing_are_listed_and_hide_no_other(workspace: Path
     found = planned("no.urdf", "readme.md", "pipe", "a.urdf", "x" * 300 + ".urdf")
     assert [t.path.name for t in found.models] == ["a.urdf"]
     assert [path[:10] for path, _ in found.missing] == ["no.urdf", "readme.md", "pipe", "x" * 10]
+
+
+def test_a_file_that_xacro_cannot_read_is_no_mere_macro_file(workspace: Path) -> None:
+    write(workspace, {"r.urdf.xacro": "<robot><foo:bar/></robot>", "m.xacro": xacro(MACRO)})
+    assert models("r.urdf.xacro") == ["r.urdf.xacro"]
+    assert models(".") == ["r.urdf.xacro"]
+
+
+def test_hidden_files_of_a_folder_are_left_alone(workspace: Path) -> None:
+    write(workspace, {".old.urdf": URDF, "new.urdf": URDF, ".spawn.launch": "<launch/>"})
+    assert models(".") == ["new.urdf"]
+    assert not planned(".").launches
+    assert models(".old.urdf") == [".old.urdf"]

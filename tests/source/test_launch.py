@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.source.launch import Description, Launch, Obstacle, load_launch, models_in_python
+from urdfcheck.source.launch import Description, Launch, Obstacle, load_launch
+from urdfcheck.source.launch_python import read_python
 from urdfcheck.source.packages import PackageFinder
 
 
@@ -37,6 +38,9 @@ def description(package: Path, text: str) -> Description:
 
 def param(command: str) -> str:
     return f'<param name="robot_description" command="{command}"/>'
+
+
+LOADS_CAR = param("xacro $(find car)/urdf/car.urdf")
 
 
 # -- ROS 1 -------------------------------------------------------------------------------------------------------------
@@ -82,19 +86,102 @@ def test_a_model_is_found_in_every_way_to_name_it(package: Path, element: str) -
     assert path.resolve() == package / "urdf/car.urdf"
 
 
-def test_other_parameters_and_other_commands_load_no_model(package: Path) -> None:
+def test_other_parameters_load_no_model(package: Path) -> None:
     loaded = launch(
         package,
         """<launch>
           <param name="use_gui" value="true"/>
           <param name="robot_description_file" textfile="$(find car)/urdf/car.urdf"/>
           <param name="robot_description" value="&lt;robot/>"/>
-          <param name="robot_description" command="$(find car)/scripts/make_urdf.py"/>
           <param name="robot_description" command=""/>
         </launch>""",
     )
     assert loaded.descriptions == ()
     assert loaded.problems == ()
+
+
+@pytest.mark.parametrize(
+    "element",
+    [
+        param("$(find car)/scripts/make_urdf.py"),
+        '<param name="robot_description" value="$(var text)"/>',
+        '<arg name="text" default="$(env TEXT)"/><param name="robot_description" value="$(var text)"/>',
+    ],
+)
+def test_a_model_that_only_the_launch_makes_is_told(package: Path, element: str) -> None:
+    found = description(package, element)
+    assert found.path is None
+    assert found.unresolved is not None
+
+
+@pytest.mark.parametrize(
+    "condition", ['if="false"', 'if="0"', 'unless="$(arg sim)"', 'unless="true"', 'if="$(eval 1)" unless="1"']
+)
+def test_what_a_condition_rules_out_is_not_loaded(package: Path, condition: str) -> None:
+    node = '<node name="t" pkg="tf" type="static_transform_publisher" args="0 0 0 0 0 0 a b"/>'
+    text = f'<arg name="sim" default="true"/><group {condition}>{param("xacro no.urdf")}{node}</group>'
+    text += f'<param {condition} name="robot_description" textfile="no.urdf"/>'
+    loaded = launch(package, f"<launch>{text}</launch>")
+    assert (loaded.descriptions, loaded.transforms) == ((), ())
+
+
+# -- included launch files ---------------------------------------------------------------------------------------------
+
+
+def write_upload(package: Path, text: str, name: str = "upload.launch") -> None:
+    (package / "launch" / name).write_text(f"<launch>{text}</launch>")
+
+
+def test_an_included_launch_file_is_followed_with_its_arguments(package: Path) -> None:
+    write_upload(
+        package, '<arg name="model"/><arg name="arm" default="0"/>' + param("xacro $(arg model) arm:=$(arg arm)")
+    )
+    found = description(
+        package,
+        """<arg name="dir" default="$(find car)/urdf"/>
+        <include file="$(find car)/launch/upload.launch">
+          <arg name="model" value="$(arg dir)/car.urdf"/><arg name="arm" value="1"/>
+        </include>""",
+    )
+    assert found.path == package / "urdf/car.urdf"
+    assert found.arguments == {"arm": "1"}
+    assert found.included
+    assert found.at.span is not None
+    assert found.at.span.file.endswith("upload.launch")
+    assert [span.line for span in found.at.location.via] == [3]
+
+
+@pytest.mark.parametrize(
+    ("include", "known"),
+    [
+        ('<include file="$(dirname)/upload.launch"/>', False),
+        ('<include file="$(dirname)/upload.launch" pass_all_args="true"/>', True),
+        ('<include file="$(dirname)/upload.launch"><arg name="other" value="$(var model)"/></include>', True),
+    ],
+)
+def test_ros_1_hands_on_what_it_is_told_to_and_ros_2_everything(package: Path, include: str, known: bool) -> None:
+    write_upload(package, '<arg name="model"/>' + param("xacro $(arg model)"))
+    found = description(package, f'<arg name="model" default="$(find car)/urdf/car.urdf"/>{include}')
+    assert (found.path is not None) == known
+
+
+def test_included_files_that_cannot_be_read_or_known_are_left_out(package: Path) -> None:
+    (package / "launch/broken.launch").write_text("<launch>")
+    (package / "launch/p.launch.py").write_text("pass")
+    names = ("broken.launch", "p.launch.py", "no.launch")
+    text = "".join(f'<include file="$(dirname)/{name}"/>' for name in names)
+    text += '<include file="$(env A)"/><include file=""/><include/><include if="0" file="$(dirname)/car.launch"/>'
+    loaded = launch(package, f"<launch>{text}</launch>")
+    assert (loaded.descriptions, loaded.problems) == ((), ())
+
+
+def test_launch_files_that_include_each_other_end_soon(package: Path) -> None:
+    again = '<include file="$(dirname)/{}"><arg name="x" value="$(arg x)+"/></include>'
+    write_upload(package, again.format("upload.launch") * 2 + again.format("car.launch"))
+    body = again.format("upload.launch") + again.format("car.launch") * 2
+    loaded = launch(package, f'<launch><arg name="x" default="1"/>{LOADS_CAR}{body}</launch>')
+    assert {d.path for d in loaded.descriptions} == {package / "urdf/car.urdf"}
+    assert len(loaded.descriptions) < 100
 
 
 def test_the_first_definition_of_an_argument_that_applies_counts(package: Path) -> None:
@@ -201,6 +288,27 @@ def test_ros_2_a_command_substitution_names_the_model_and_its_arguments(package:
     assert found.at.location.subject == "node/param[robot_description]@value"
 
 
+@pytest.mark.parametrize(
+    "definition",
+    [
+        '<let name="rd" value="{}"/>',
+        '<arg name="rd" default="{}"/>',
+        '<let name="text" value="{}"/><let name="rd" value="$(var text)"/>',
+    ],
+)
+def test_ros_2_a_variable_holds_the_description(package: Path, definition: str) -> None:
+    text = definition.format("$(command 'xacro $(find-pkg-share car)/urdf/car.urdf')")
+    found = description(package, text + '<param name="robot_description" value="$(var rd)"/>')
+    assert found.path == package / "urdf/car.urdf"
+    assert found.at.owner.tag in {"let", "arg"}
+
+
+def test_ros_2_variables_in_a_circle_end(package: Path) -> None:
+    text = '<let name="a" value="$(var b)"/><let name="b" value="$(var a)"/>'
+    found = description(package, text + '<param name="robot_description" value="$(var a)"/>')
+    assert found.unresolved == Obstacle("circle")
+
+
 # -- what is started beside the model ----------------------------------------------------------------------------------
 
 
@@ -281,7 +389,7 @@ def test_a_launch_file_that_cannot_be_opened_is_a_problem(tmp_path: Path) -> Non
 def python(package: Path, text: str) -> list[Path]:
     path = package / "launch" / "car.launch.py"
     path.write_text(text)
-    found = models_in_python(path, PackageFinder(path, environment={}))
+    found = list(read_python(path, PackageFinder(path, environment={})).models)
     return [p.relative_to(package) for p in found]
 
 
@@ -312,7 +420,7 @@ def test_python_a_model_of_another_package_is_found_by_the_packages_name(package
     (other / "package.xml").write_text("<package><name>bringup</name></package>")
     path = other / "launch" / "all.launch.py"
     path.write_text("d = get_package_share_directory('car')\nm = os.path.join(d, 'urdf', 'car.urdf')")
-    assert models_in_python(path, PackageFinder(path, environment={})) == [package / "urdf/car.urdf"]
+    assert list(read_python(path, PackageFinder(path, environment={})).models) == [package / "urdf/car.urdf"]
 
 
 def test_python_each_model_is_named_once_and_what_does_not_exist_is_left_out(package: Path) -> None:
@@ -334,7 +442,73 @@ def test_python_that_cannot_be_parsed_names_no_model(package: Path, code: str) -
     assert python(package, code) == []
 
 
-def test_a_python_launch_file_is_loaded_without_being_read(package: Path) -> None:
+def read(package: Path, text: str) -> tuple[list[str], list[str], str | None]:
+    """Of a Python launch file: the missing paths with the text pointed at, unknown ones, and why it is broken."""
+    loaded = launch(package, text, "car.launch.py")
+    python = loaded.python
+    assert python is not None
+    source = python.file
+    assert source is not None
+    shown = []
+    for named in python.missing:
+        span = named.location.span
+        assert span is not None
+        shown.append(f"{Path(named.path).relative_to(package)} {source.text[span.start : span.end]}")
+    return shown, [n.path for n in python.unknown], None if python.broken is None else python.broken.kind
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "d = get_package_share_directory('car')\nm = os.path.join(d, 'urdf', 'bott.urdf.xacro')",
+        "m = os.path.join(get_package_share_directory('car'), 'urdf/bott.urdf.xacro')",
+        "m = PathJoinSubstitution([FindPackageShare('car'), 'urdf', 'bott.urdf.xacro'])",
+        "m = Path(get_package_share_path('car')) / 'urdf' / 'bott.urdf.xacro'",
+        "m = 'é', f'{get_package_share_directory(\"car\")}/urdf/bott.urdf.xacro'",
+        "m = FindPackageShare(package='car').find('car') + '/urdf/bott.urdf.xacro'",
+        "s = FindPackageShare('car').find('car')\nn = 'bott.urdf.xacro'\nm = os.path.join(s, 'urdf', n)",
+    ],
+)
+def test_python_a_path_in_a_known_package_is_missing(package: Path, code: str) -> None:
+    (shown,), unknown, broken = read(package, code)
+    assert shown.startswith("urdf/bott.urdf.xacro ")
+    assert shown.endswith(("bott.urdf.xacro'", " 'urdf'"))  # where the last text of the path is typed
+    assert (unknown, broken) == ([], None)
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "m = os.path.join(get_package_share_directory('elsewhere'), 'urdf', x)",
+        "m = os.path.join(get_package_share_directory('car'), 'gen', 'car.urdf.xacro')",  # installed there, maybe
+        "m = os.path.join(get_package_share_directory('car'), 'urdf', 'built.urdf')",  # CMakeLists.txt makes it
+        "m = os.path.join(get_package_share_directory('car'), 'urdf', name + '.urdf')",
+        "n = 'a'\nn = 'b'\nm = os.path.join(get_package_share_directory('car'), n + '.urdf')",
+        "def f(n):\n  return get_package_share_directory('car') + '/%s.urdf' % n",
+        "m = f'{prefix}_arm.urdf'; k = '{}.urdf'.format(1); g = '/tmp/x.urdf'; h = 'xacro a.urdf'; i = '.urdf'",
+        "a = a + '/x.urdf'\nb = c + c\nc = b + 'x.urdf'",
+    ],
+)
+def test_python_what_cannot_be_known_is_not_called_missing(package: Path, code: str) -> None:
+    (package / "CMakeLists.txt").write_text("xacro_add_files(built.urdf)")
+    assert read(package, code) == ([], [], None)
+
+
+def test_python_a_relative_path_that_nothing_is_found_for_is_unknown(package: Path) -> None:
+    assert read(package, "m = os.path.join(d, 'urdf/bott.urdf.xacro')") == ([], ["urdf/bott.urdf.xacro"], None)
+    assert read(package, "m = 'urdf/bott.urdf.xacro'; n = 'urdf/car.urdf'") == ([], [], None)
+
+
+@pytest.mark.parametrize("code", ["def f(:", "\0", "(" * 5000, "x = " + "-" * 100000 + "1", "", "x = (\n"])
+def test_python_that_cannot_be_parsed_is_told_with_its_place(package: Path, code: str) -> None:
+    loaded = launch(package, code, "car.launch.py")
+    assert loaded.python is not None
+    broken = loaded.python.broken
+    assert (broken is None) == (code == "")
+    assert broken is None or broken.location.span is not None
+
+
+def test_a_python_launch_file_is_loaded_without_being_run(package: Path) -> None:
     loaded = launch(package, "raise SystemExit", "car.launch.py")
     assert (loaded.dialect, loaded.root, loaded.problems, loaded.nodes, loaded.arguments) == (
         "python",

@@ -9,7 +9,8 @@ import pytest
 from conftest import FIXTURES
 
 from urdfcheck.source.discover import plan
-from urdfcheck.source.launch import load_launch, models_in_python
+from urdfcheck.source.launch import load_launch
+from urdfcheck.source.launch_python import read_python
 from urdfcheck.source.load import Source, load
 from urdfcheck.source.packages import PackageFinder
 
@@ -165,7 +166,7 @@ def test_no_bytes_make_reading_fail(
         path.write_bytes(mutated(original[name], chance))
         finder = PackageFinder(path, environment={})
         if path.suffix == ".py":
-            models_in_python(path, finder)
+            read_python(path, finder)
         elif ".launch" in path.name:
             assert all(p.location.span is not None for p in load_launch(path, finder).problems)
         else:

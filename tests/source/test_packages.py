@@ -172,12 +172,21 @@ def test_a_manifest_names_the_package_and_what_it_depends_on(tmp_path: Path) -> 
     assert package.dependencies == {"xacro", "rviz", "x"}
 
 
-@pytest.mark.parametrize("content", [b"<package>", b"\xff", b"", b"<!DOCTYPE a><package/>"])
-def test_a_broken_manifest_still_makes_a_package(tmp_path: Path, content: bytes) -> None:
+@pytest.mark.parametrize(
+    ("content", "kind"),
+    [
+        (b"<package>", "malformed"),
+        (b"\xff", "encoding"),
+        (b"", "malformed"),
+        (b"<!DOCTYPE a><package/>", "doctype"),
+    ],
+)
+def test_a_broken_manifest_still_makes_a_package(tmp_path: Path, content: bytes, kind: str) -> None:
     (tmp_path / "package.xml").write_bytes(content)
     package = load_package(tmp_path)
     assert package is not None
     assert (package.name, package.root, package.dependencies) == (tmp_path.name, None, frozenset())
+    assert [p.kind for p in package.problems] == [kind]
 
 
 def test_a_folder_without_manifest_is_no_package(tmp_path: Path) -> None:

@@ -221,10 +221,11 @@ def test_nesting_ends_at_a_limit() -> None:
 @pytest.mark.parametrize(
     ("text", "says", "line", "column"),
     [
-        ("", "no element found", 1, 1),
-        ("<robot>\n<link>", "no element found", 2, 7),
+        ("", "the file is empty", 1, 1),
+        ("<!-- -->", "no element found", 1, 9),
+        ("<robot>\n<link>", "the file ends before <link>, opened in line 2, is closed", 2, 7),
         ('<robot>\n  <link name="é', "unclosed token", 2, 3),
-        ("<robot>\n  <link></robot>", "mismatched tag", 2, 11),
+        ("<robot>\n  <link></robot>", "mismatched tag: <link>, opened in line 2, has not been closed", 2, 11),
         ("<robot>\n  é &nbsp;</robot>", "undefined entity", 2, 5),
         ("\n<?xml version='1.0'?><robot/>", "declaration not at start", 2, 1),
         ("<robot>é</robot>\n<robot/>", "junk after document element", 2, 1),

@@ -133,8 +133,6 @@ def test_merged_and_repeated_keys_lead_to_the_one_that_counts(expand_text: Expan
     [
         ("a: 1", "c.b", "no key 'b'"),
         ("a: [1, 2]", "c.a[2]", "out of range"),
-        ("a: [1", "c.a", "yaml file f.yaml"),
-        ("a: !python/object/apply:os.system ['true']", "c.a", "could not determine a constructor"),
         ("a: !degrees ninety", "c.a", "name 'ninety' is not defined"),
         ("a: &a {<<: *a}", "c.a.b", "recursion"),
     ],
@@ -148,6 +146,28 @@ def test_what_is_wrong_in_a_yaml_file_fails_the_expansion_where_it_is_read(
     )
     assert says in x.problem.message
     assert x.place(x.problem.location.span) == f"robot.xacro:2 ${{{expression}}}"
+    assert "property[c]" in [r.subject for r in x.problem.related]
+
+
+@pytest.mark.parametrize(
+    ("content", "says", "column"),
+    [
+        ("a: [1", "expected ',' or ']'", 6),
+        ("a: !python/object/apply:os.system ['true']", "could not determine a constructor", 4),
+    ],
+)
+def test_a_yaml_file_that_cannot_be_read_fails_the_expansion_at_its_own_line(
+    expand_text: Expand, content: str, says: str, column: int
+) -> None:
+    x = expand_text(
+        """<xacro:property name="c" value="${xacro.load_yaml('f.yaml')}"/>\n<link name="${c.a}"/>""",
+        {"f.yaml": content},
+    )
+    assert says in x.problem.message
+    span = x.problem.location.span
+    assert span is not None
+    assert (span.file, span.line, span.col) == ("f.yaml", 1, column)
+    assert x.place(x.problem.data["reader"].span) == "robot.xacro:2 ${c.a}"
     assert "property[c]" in [r.subject for r in x.problem.related]
 
 

@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.model.names import listed
 from urdfcheck.model.parts import Joint
-
-# What moves by a motor of its own; a follower's motor is its leader's.
-_DRIVEN = frozenset({"revolute", "continuous", "prismatic"})
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -19,15 +16,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         limit = joint.limit
         missing = [] if limit is None else [n for n in ("effort", "velocity") if n not in limit.attributes]
         if limit is not None and missing:
-            yield rule.finding("missing", at=limit, joint=joint.name, names=" and ".join(missing))
+            yield rule.finding(
+                "missing", at=limit, severity=Severity.ERROR, joint=joint.name, names=" and ".join(missing)
+            )
     for name in ("effort", "velocity"):
-        values = [(joint, joint.limit_value(name)) for joint in model.joints if _driven(joint)]
+        values = [(joint, joint.limit_value(name)) for joint in model.joints if joint.is_driven]
         yield from _together(rule, f"{name}-zero", name, [j for j, v in values if v == 0])
         yield from _together(rule, f"{name}-negative", name, [j for j, v in values if v is not None and v < 0])
-
-
-def _driven(joint: Joint) -> bool:
-    return joint.type in _DRIVEN and joint.limit is not None and joint.mimic is None
 
 
 def _together(rule: Rule, message: str, name: str, joints: list[Joint]) -> Iterator[Finding]:
@@ -37,7 +32,7 @@ def _together(rule: Rule, message: str, name: str, joints: list[Joint]) -> Itera
         finding = rule.finding(
             message,
             at=attributes[0],
-            related=[*attributes[0].related(), *attributes[1:]],
+            related={a.span: a for a in attributes if a.span != attributes[0].span}.values(),
             joints=listed(j.name for j in joints),
             count=len(joints),
             noun="joint" if len(joints) == 1 else "joints",

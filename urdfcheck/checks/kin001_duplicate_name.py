@@ -23,6 +23,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             at=_name(shared[0]),
             severity=Severity.WARNING,
             related=links[:10],
+            who="a link and a joint share the name" if len(names) == 1 else "links and joints share the names",
             names=listed(names),
             first=names[0],
         )

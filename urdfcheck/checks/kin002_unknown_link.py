@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule
-from urdfcheck.model import Model
+from urdfcheck.model import Joint, Model
 from urdfcheck.model.graph import Graph
 from urdfcheck.model.names import listed
 from urdfcheck.source.xml import Attribute
@@ -16,20 +16,20 @@ from urdfcheck.source.xml import Attribute
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     graph = Graph.of(model)
     # One link that is missing is one mistake, however many joints name it.
-    found: dict[str, list[tuple[str, Attribute]]] = {}
+    found: dict[str, list[tuple[Joint, Attribute]]] = {}
     for joint in graph.broken:
         for element in (joint.element.child("parent"), joint.element.child("child")):
             name = element.attributes.get("link") if element is not None else None
             if element is not None and name is not None and name.value and name.value not in graph.links:
-                found.setdefault(name.value, []).append((f"the {element.tag} of joint {joint.name}", name))
+                found.setdefault(name.value, []).append((joint, name))
     for called, places in found.items():
         yield _finding(graph, called, places, rule)
 
 
-def _finding(graph: Graph, called: str, places: list[tuple[str, Attribute]], rule: Rule) -> Finding:
+def _finding(graph: Graph, called: str, places: list[tuple[Joint, Attribute]], rule: Rule) -> Finding:
     attributes = [attribute for _, attribute in places]
     related = [*(a.location for a in attributes[1:10]), *(d.location for d in attributes[0].related())]
-    data: dict[str, Any] = {"called": called, "where": listed((where for where, _ in places), 3)}
+    data: dict[str, Any] = {"called": called, "where": _where(places)}
     near = graph.meant(attributes[0].owner.tag, called)
     if near is None:
         links = listed(graph.links) or "none"
@@ -38,6 +38,20 @@ def _finding(graph: Graph, called: str, places: list[tuple[str, Attribute]], rul
         edits = [edit for attribute in attributes for edit in _edit(attribute, near)]
         finding = rule.finding("near", at=attributes[0], related=related, edits=edits, near=near, **data)
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
+
+
+def _where(places: list[tuple[Joint, Attribute]]) -> str:
+    """``the parent of joints a, b and c and the child of joint d``."""
+    joints: dict[str, list[str]] = {}
+    for joint, attribute in places:
+        joints.setdefault(attribute.owner.tag, []).append(joint.name)
+    return " and ".join(
+        f"the {role} of {'joint' if len(names) == 1 else 'joints'} {_and(names)}" for role, names in joints.items()
+    )
+
+
+def _and(names: list[str]) -> str:
+    return listed(names, 3) if len(names) > 3 else " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
 def _edit(attribute: Attribute, near: str) -> tuple[Edit, ...]:

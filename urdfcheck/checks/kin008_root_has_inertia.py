@@ -15,8 +15,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     inertial = root.inertial
     if inertial is None or not inertial.mass:
         return
-    masses = [link.inertial.mass or 0.0 for link in model.links if link.inertial is not None]
-    total = sum(masses)
+    masses = [link.inertial.mass for link in model.links if link.inertial is not None]
+    known = [mass for mass in masses if mass is not None and mass >= 0]
+    if len(known) < len(masses):
+        return  # a sum that counts a wrong mass says nothing
+    total = sum(known)
     yield rule.finding(
         "ignored",
         at=inertial.element,

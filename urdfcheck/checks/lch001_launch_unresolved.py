@@ -2,35 +2,92 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Confidence, Finding, Location, Rule, Severity
 from urdfcheck.model.names import hint
-from urdfcheck.source.launch import Launch
+from urdfcheck.source.launch import Description, Launch, Obstacle, declared, is_included
+from urdfcheck.source.launch_python import PythonLaunch
+from urdfcheck.source.packages import display_name
 from urdfcheck.source.words import part_of
+from urdfcheck.source.xml import Element
+
+# How much of a command a message shows.
+_SHOWN = 80
 
 
 def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
+    if launch.python is not None:
+        yield from _python(launch.python, rule)
     for description in launch.descriptions:
-        obstacle = description.unresolved
-        if obstacle is None:
-            continue
-        at = part_of(description.at, description.file, launch.files)
-        if obstacle.kind == "package":
-            declared = launch.package.dependencies if launch.package is not None else frozenset()
-            if obstacle.name not in declared:  # a declared one is merely not installed here: PKG001
-                near = _or(launch.finder.near(obstacle.name))
-                yield rule.finding("package", at=at, file=description.file, package=obstacle.name, near=near)
-        elif obstacle.kind == "argument":
-            names = [argument.get("name") for argument in launch.arguments]
-            if obstacle.name not in names:  # one without a default is handed over at launch
-                near = hint(obstacle.name, names)
-                yield rule.finding("argument", at=at, file=description.file, argument=obstacle.name, near=near)
-        elif obstacle.kind == "file":
-            yield rule.finding("file", at=at, path=obstacle.name, near=_near_file(obstacle.name))
-        elif obstacle.kind == "circle":
-            yield rule.finding("circle", at=at, file=description.file)
+        if description.unresolved is not None:
+            at = part_of(description.at, description.file, launch.files)
+            yield from _unresolved(launch, description, description.unresolved, at, rule)
+
+
+def _unresolved(
+    launch: Launch, description: Description, obstacle: Obstacle, at: Location, rule: Rule
+) -> Iterator[Finding]:
+    path = _file_of(description, launch)
+    if obstacle.kind == "package":
+        package = launch.finder.package_of(path.absolute())
+        if package is None or obstacle.name not in package.dependencies:
+            near = _or(launch.finder.near(obstacle.name))
+            yield rule.finding("package", at=at, file=description.file, package=obstacle.name, near=near)
+        else:
+            yield _unknown(rule, at, f"package {obstacle.name!r} is not on this machine")
+    elif obstacle.kind == "argument":
+        names = [argument.get("name") for argument in declared(_root(description.at.owner))]
+        if obstacle.name not in names:
+            near = hint(obstacle.name, names)
+            yield rule.finding("argument", at=at, file=description.file, argument=obstacle.name, near=near)
+        elif not is_included(path):  # one without a default is handed over at launch, or by that other file
+            yield _unknown(rule, at, f"argument {obstacle.name!r} has no default")
+    elif obstacle.kind == "file":
+        yield rule.finding("file", at=at, path=obstacle.name, near=_near_file(obstacle.name))
+    elif obstacle.kind == "circle":
+        yield rule.finding("circle", at=at, file=description.file)
+    else:
+        typed = textwrap.shorten(description.file, _SHOWN, placeholder=" …")
+        yield _unknown(rule, at, f"`{typed}` is computed then")
+
+
+def _unknown(rule: Rule, at: Location, reason: str) -> Finding:
+    return rule.finding("unknown", at=at, severity=Severity.INFO, reason=reason)
+
+
+def _python(python: PythonLaunch, rule: Rule) -> Iterator[Finding]:
+    if python.broken is not None:
+        yield rule.finding("syntax", at=python.broken.location, severity=Severity.WARNING, error=python.broken.message)
+    for named in python.missing:
+        path = display_name(Path(named.path))
+        yield rule.finding(
+            "named",
+            at=named.location,
+            severity=Severity.WARNING,
+            confidence=Confidence.STRONG,
+            path=path,
+            near=_near_file(path),
+        )
+    for named in python.unknown:
+        yield rule.finding("unfound", at=named.location, severity=Severity.INFO, path=named.path)
+    if python.loads is not None and not (python.models or python.missing or python.unknown):
+        yield _unknown(rule, python.loads, "the file names no model that is found")
+
+
+def _file_of(description: Description, launch: Launch) -> Path:
+    """The launch file, included or not, that a description stands in."""
+    span = description.at.span
+    file = None if span is None else launch.files.get(span.file)
+    return launch.path if file is None else file.path
+
+
+def _root(element: Element) -> Element:
+    while element.parent is not None:
+        element = element.parent
+    return element
 
 
 def _or(names: list[str]) -> str:

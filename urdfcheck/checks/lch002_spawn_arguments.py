@@ -76,9 +76,7 @@ def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
             yield _valueless(rule, node, tool, option, following, robot)
         unknown = any(word.text.startswith("$(") for word in words)
         if tool.demanded and not unknown and tool.name not in {word.text for word in words}:
-            yield rule.finding(
-                "missing", at=args, tool=executable(node), option=tool.name, robot=robot or "the robot's name"
-            )
+            yield rule.finding("missing", at=args, tool=executable(node), option=tool.name, robot=_quoted(robot))
 
 
 def _without_value(words: Sequence[Word], tool: _Tool) -> Iterator[tuple[Word, Word | None]]:
@@ -89,7 +87,12 @@ def _without_value(words: Sequence[Word], tool: _Tool) -> Iterator[tuple[Word, W
 
 
 def _is_option(text: str) -> bool:
-    return text.startswith("-") and number(text) is None
+    """Whether a word is no value. A negative number is one to argparse, and `-$(arg x)` is most likely to become one."""
+    return text.startswith("-") and "$(" not in text and number(text) is None
+
+
+def _quoted(robot: str) -> str:
+    return f"`{robot}`" if robot else "the robot's name"
 
 
 def _valueless(rule: Rule, node: Element, tool: _Tool, option: Word, following: Word | None, robot: str) -> Finding:
@@ -104,7 +107,7 @@ def _valueless(rule: Rule, node: Element, tool: _Tool, option: Word, following: 
         following="" if following is None else following.text,
         outcome=tool.outcome.format(tool=executable(node), option=option.text),
         taken=f" and would call the robot {following.text!r}" if names_robot and following is not None else "",
-        value=(robot or "the robot's name") if names_robot else "its value",
+        value=_quoted(robot) if names_robot else "a value",
     )
 
 

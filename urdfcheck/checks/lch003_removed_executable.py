@@ -57,7 +57,7 @@ def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
                 since=successor.since,
             )
     for description in launch.descriptions:
-        script = description.words[0] if description.words else ""
+        script = description.words[0] if description.words and not description.included else ""
         successor = successors.get(("xacro", script.rpartition("/")[2]))
         if successor is not None:
             at = part_of(description.at, "xacro.py", launch.files)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.source.launch import Launch
+from urdfcheck.source.launch import Launch, is_included
 from urdfcheck.source.words import removal
 from urdfcheck.source.xml import Element
 
@@ -21,6 +20,7 @@ def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
         return
     read = _names_read(launch.root)
     handed_on = _hands_everything_on(launch)
+    verb = "var" if launch.dialect == "ros2" else "arg"
     included: bool | None = None
     for argument in launch.arguments:
         name = argument.get("name")
@@ -28,9 +28,10 @@ def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
             continue
         if name not in read:
             if not handed_on:
-                yield rule.finding("unused", at=argument, edits=removal(argument, launch.files), argument=name)
+                edits = removal(argument, launch.files)
+                yield rule.finding("unused", at=argument, edits=edits, argument=name, verb=verb)
         elif not any(key in argument.attributes for key in ("default", "value", "doc", "description")):
-            included = _is_included(launch.path) if included is None else included
+            included = is_included(launch.path) if included is None else included
             if not included:
                 yield rule.finding("required", at=argument, severity=Severity.WARNING, argument=name)
 
@@ -46,13 +47,3 @@ def _hands_everything_on(launch: Launch) -> bool:
     """ROS 1 hands all arguments to an include when told so, ROS 2 always."""
     includes = [] if launch.root is None else [e for e in launch.root.walk() if e.tag == "include"]
     return any(launch.dialect == "ros2" or e.get("pass_all_args") in {"true", "1"} for e in includes)
-
-
-def _is_included(path: Path) -> bool:
-    """Whether a launch file beside this one mentions it: then that one is where the arguments come from."""
-    try:
-        beside = path.absolute().parent.iterdir()
-        others = [p for p in beside if p.name != path.name and "launch" in p.name and p.is_file()]
-        return any(path.name in other.read_text(encoding="utf-8", errors="replace") for other in others)
-    except OSError:
-        return False

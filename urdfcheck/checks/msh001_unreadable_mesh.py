@@ -10,6 +10,12 @@ from urdfcheck.model import Model
 # A format that we cannot read, and geometry kept in a second file, need not be broken.
 OTHER = {"unsupported": Severity.WARNING, "external-buffer": Severity.INFO}
 CAUSES = {"lfs-pointer": "lfs", "html": "web_page", "truncated": "incomplete", "wrong-size": "incomplete"}
+REPAIRS = {
+    "lfs-pointer": "run `git lfs pull` in the repository that holds the mesh",
+    "html": "download the raw file: the link to its content, not to the page that shows it",
+    "entities": "export the mesh again, or write the text of the entities where they are used and delete their declarations",
+    "no-triangles": "export the part as a surface of triangles",
+}
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -24,5 +30,6 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 severity=OTHER.get(error.reason_id),
                 mesh=uses[0].filename.value,
                 reason=str(error),
+                repair=REPAIRS.get(error.reason_id, "export or download the file again"),
                 reason_id=error.reason_id,
             )

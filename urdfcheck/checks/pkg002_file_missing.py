@@ -27,7 +27,12 @@ class _Gap:
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
-    missing = [use for use in resource_uses(source) if use.attribute.owner.tag == "mesh" and _is_missing(use, source)]
+    meshes = [use for use in resource_uses(source) if use.attribute.owner.tag == "mesh" and _is_missing(use, source)]
+    there = [use for use in meshes if _exists(use)]
+    for path, uses in _by_path(there).items():
+        what = "a folder" if path.is_dir() else "no regular file (a pipe, a socket or a device)"
+        yield rule.finding("kind", at=uses[0], related=uses[1:], path=display_name(path), what=what)
+    missing = [use for use in meshes if use not in there]
     if not missing:
         return
     index = _index({_root(use, source) for use in missing})
@@ -42,14 +47,30 @@ def _is_missing(use: ResourceUse, source: Source) -> bool:
     return machine_part(use, source) is None
 
 
+def _exists(use: ResourceUse) -> bool:
+    return use.resource.path is not None and use.resource.path.exists()
+
+
+def _by_path(uses: list[ResourceUse]) -> dict[Path, list[ResourceUse]]:
+    found: dict[Path, list[ResourceUse]] = {}
+    for use in uses:
+        found.setdefault(_path(use), []).append(use)
+    return found
+
+
+def _path(use: ResourceUse) -> Path:
+    """Two spellings of one file are one cause."""
+    assert use.resource.path is not None
+    return Path(os.path.normpath(use.resource.path))
+
+
 def _gaps(missing: list[ResourceUse]) -> list[_Gap]:
     """One gap for each missing folder or file; files that one text names through a macro belong together."""
     by_cause: dict[Path, _Gap] = {}
     by_span: dict[object, _Gap] = {}
     gaps: list[_Gap] = []
     for use in missing:
-        assert use.resource.path is not None
-        path = Path(os.path.normpath(use.resource.path))  # two spellings of one file are one cause
+        path = _path(use)
         folder = _missing_folder(path)
         cause, span = folder or path, use.attribute.span
         gap = by_cause.get(cause) or (by_span.get(span) if span is not None else None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.source.packages import Package
 
 # REP 144: lower case letters, digits and underscores, beginning with a letter, at least two characters.
@@ -15,8 +15,13 @@ _CATKIN = re.compile(r"[a-z][a-z0-9_-]*")
 
 
 def check(package: Package, rule: Rule) -> Iterator[Finding]:
-    element = None if package.root is None else package.root.child("name")
+    root = package.root
+    if root is None or root.tag != "package":
+        return
+    element = root.child("name")
     if element is None:
+        good = _corrected(package.path.absolute().name)
+        yield rule.finding("missing", at=root, severity=Severity.ERROR, good=good)
         return
     name = package.name
     good = _corrected(name)

@@ -4,20 +4,37 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.facts.kinematics import matrix_to_rpy
-from urdfcheck.facts.symmetry import OddOne, odd_one_out
+from urdfcheck.facts.symmetry import OddOne, angle_between, odd_one_out
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.siblings import siblings
+from urdfcheck.model.names import listed
+from urdfcheck.model.siblings import chain_of, siblings
+from urdfcheck.source.xml import Definition
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
 
 # The frames that a pattern predicts are only as exact as the siblings' rpy, of which 1.57 is the coarsest.
 SNAP = 2e-3
 STEP = math.pi / 12
 WORDS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six", 7: "seven"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Suspect:
+    """A joint whose origin is turned wrongly, the rotation (3, 3) that it needs, and the joints in its siblings' place."""
+
+    joint: Joint
+    expected: Array
+    like: tuple[Joint, ...]
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -37,23 +54,92 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 def _finding(model: Model, rule: Rule, group: Sequence[Joint], odd: OddOne) -> Finding:
     joint = group[odd.index]
     others = [other for other in group if other is not joint]
-    expected = model.frames[joint.parent][:3, :3].T @ odd.expected_frame
-    rpy = [_snapped(angle) for angle in matrix_to_rpy(expected)]
-    message, extra = _message(model, joint, odd)
+    suspect = _suspect(model, joint, others, odd.expected_frame)
+    data: dict[str, Any] = {
+        "joint": joint.name,
+        "siblings": ", ".join(other.name for other in others),
+        "count": WORDS.get(len(others), str(len(others))),
+        "pattern": odd.rule,
+        "angle": math.degrees(odd.angle),
+        "size": math.degrees(abs(odd.angle)),
+    }
+    if suspect is None:
+        chain = chain_of(model, joint)
+        places = [_place(other) for other in (*reversed(chain[:-1]), *others)]
+        own = _place(joint)
+        return rule.finding(
+            "chain",
+            at=own,
+            related=[place for place in places if place.span != own.span],
+            chain=listed([j.name for j in chain]),
+            **data,
+        )
+    place = _place(suspect.joint)
+    rpy = [_snapped(angle) for angle in matrix_to_rpy(suspect.expected)]
+    data["expected"] = " ".join(_text(angle, xacro=False) for angle in rpy)
+    attribute, definitions = suspect.joint.origin.attribute("rpy"), _definitions(suspect.joint)
+    around = [_place(other) for other in suspect.like]
+    extra: dict[str, Any]
+    if attribute is not None and definitions:
+        message = "computed"
+        extra = {"typed": attribute.typed, "origin": suspect.joint.name, "definitions": listed(_told(definitions))}
+    elif suspect.joint is not joint:
+        message, extra = "mount", {"mount": suspect.joint.name}
+    else:
+        message, extra = _message(model, joint, odd)
     return rule.finding(
         message,
-        at=_place(joint),
-        cause="free_mate" if odd.kind == "zero_offset" else None,
-        edits=_edits(model, joint, rpy),
-        related=[_place(other) for other in others],
-        joint=joint.name,
-        siblings=", ".join(other.name for other in others),
-        count=WORDS.get(len(others), str(len(others))),
-        pattern=odd.rule,
-        angle=math.degrees(odd.angle),
-        expected=" ".join(_text(angle, xacro=False) for angle in rpy),
+        at=place,
+        cause="free_mate" if odd.kind == "zero_offset" and message not in {"computed", "mount"} else None,
+        edits=_edits(model, suspect.joint, rpy),
+        related=[*definitions, *(other for other in around if other.span != place.span)],
+        **data,
         **extra,
     )
+
+
+def _suspect(model: Model, joint: Joint, others: Sequence[Joint], expected: Array) -> _Suspect | None:
+    """The joint of a chain whose rpy has to change: with it turned as in a sibling's chain, the pattern holds.
+
+    None when that can be said of no joint or of several, when the chains have different lengths, and when the line to
+    change made the siblings as well.
+    """
+    chain = chain_of(model, joint)
+    chains = [chain_of(model, other)[-len(chain) :] for other in others]
+    found = []
+    for place, one in enumerate(chain):
+        # What comes before and after stays as it is: parent @ rotation @ after = expected.
+        after = model.frames[one.child][:3, :3].T @ model.frames[joint.child][:3, :3]
+        needed = model.frames[one.parent][:3, :3].T @ expected @ after.T
+        like = tuple(other[place] for other in chains if len(other) == len(chain))
+        if len(chain) == 1 or any(angle_between(needed, _turn(model, other)) < SNAP for other in like):
+            found.append(_Suspect(one, needed, like))
+    if len(found) > 1:  # the one that no sibling has as it is
+        found = [s for s in found if all(angle_between(_turn(model, s.joint), _turn(model, o)) > SNAP for o in s.like)]
+    if len(found) != 1 or (len(chain) > 1 and any(len(chain_of(model, o)) != len(chain) for o in others)):
+        return None
+    (only,) = found
+    shared = not _definitions(only.joint) and _place(only.joint).span in {_place(o).span for o in only.like}
+    return None if shared else only
+
+
+def _definitions(joint: Joint) -> tuple[Definition, ...]:
+    """What the rpy of a joint is computed from, nearest first; nothing when it is typed as it stands."""
+    attribute = joint.origin.attribute("rpy")
+    return () if attribute is None or attribute.literal else attribute.related()
+
+
+def _turn(model: Model, joint: Joint) -> Array:
+    turn: Array = model.frames[joint.parent][:3, :3].T @ model.frames[joint.child][:3, :3]
+    return turn
+
+
+def _told(definitions: Sequence[Definition]) -> list[str]:
+    return [
+        f"{d.kind} {d.name} (line {d.span.line} of {d.span.file.rpartition('/')[2]})"
+        for d in definitions
+        if d.span is not None
+    ]
 
 
 def _message(model: Model, joint: Joint, odd: OddOne) -> tuple[str, dict[str, Any]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -50,7 +50,8 @@ class _Verdict:
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     for problem in source.problems_of("expansion-failed"):
         reason, *expressions = problem.message.split(_EXPRESSIONS)
-        failure = _Failure(source, problem, reason, expressions[0].rstrip().removesuffix("'") if expressions else "")
+        typed = expressions[0].rstrip().removesuffix("'") if expressions else ""
+        failure = _Failure(source, problem, reason, problem.data.get("evaluated") or typed)
         verdict = _verdict(failure)
         yield rule.finding(
             verdict.message,
@@ -62,6 +63,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
 
 
 def _verdict(failure: _Failure) -> _Verdict:
+    reader, file = failure.problem.data.get("reader"), failure.problem.data.get("file")
+    if reader is not None:
+        return _verdict_at(failure, "yaml", failure.problem.location, (reader,), file=file, reason=failure.reason)
     for pattern, explain in _KINDS:
         match = re.search(pattern, failure.reason)
         if match:
@@ -81,6 +85,8 @@ def _undefined_name(failure: _Failure, match: re.Match[str]) -> _Verdict:
     parameters = {p for m in macros(trees).values() for p in m.parameters}
     known = {*defined, *arguments, *parameters}
     extra: tuple[Location, ...] = ()
+    if failure.expression.startswith("$(eval "):
+        return _undefined_argument(failure, name, arguments)
     if name in arguments:
         why, repair = f"; an argument has this name, and arguments are read as $(arg {name})", f"write `$(arg {name})`"
     elif name in defined:
@@ -95,6 +101,23 @@ def _undefined_name(failure: _Failure, match: re.Match[str]) -> _Verdict:
         define = f'define it before this line: `<xacro:property name="{name}" value="…"/>`'
         repair = f"write `{near}`, or {define}" if near else define
     return _at_expression(failure, "undefined-name", extra, name=name, hint=why, repair=repair)
+
+
+def _undefined_argument(failure: _Failure, name: str, declared: Iterable[str]) -> _Verdict:
+    """A name in ``$(eval …)``, which reads arguments and no properties."""
+    define = f'declare it before this line: `<xacro:arg name="{name}" default="…"/>`'
+    defined = properties(failure.source.trees).get(name, ())
+    if defined:
+        why = "; a property has this name, and `$(eval …)` reads arguments only"
+        repair = "write the expression as `${…}`, which reads properties"
+    elif name in declared:
+        why, repair = "; the argument of this name is declared later, or in another branch", define
+    else:
+        near = _built_in(name) or nearest(name, declared)
+        why = f" (did you mean {near!r}?)" if near else ""
+        repair = f"write `{near}`, or {define}" if near else define
+    places = tuple(a.location for a in defined)
+    return _at_expression(failure, "undefined-name", places, name=name, hint=why, repair=repair)
 
 
 def _built_in(name: str) -> str | None:

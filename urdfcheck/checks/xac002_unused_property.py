@@ -11,11 +11,11 @@ from urdfcheck.model.extent import size_of
 from urdfcheck.model.names import listed
 from urdfcheck.source.load import Source
 from urdfcheck.source.usage import (
-    elements,
     names_read,
     names_read_elsewhere,
     own_trees,
     properties,
+    reads_unseen_files,
 )
 from urdfcheck.source.values import number
 from urdfcheck.source.words import removal
@@ -27,7 +27,7 @@ _SIDE = re.compile(r"^(\w+?)_(?:size_|dim_)?([xyz])$")
 
 def check(model: Model, rule: Rule, *, each: int, near: float) -> Iterator[Finding]:
     source = model.source
-    if not source.is_xacro or _reads_unseen_files(source):
+    if not source.is_xacro or reads_unseen_files(source):
         return
     by_file: dict[str, list[list[Attribute]]] = {}
     for definitions in _unread(source):
@@ -89,15 +89,3 @@ def _many(file: str, unread: Sequence[Sequence[Attribute]], rule: Rule) -> Findi
     return rule.finding(
         "several", at=places[0], related=places[1:], names=names, listed=listed(names), count=len(names), file=file
     )
-
-
-def _reads_unseen_files(source: Source) -> bool:
-    """Whether an include outside of the model's package was not followed here: what it reads is not known."""
-    reached = {name.rsplit("/", 1)[-1] for name in source.trees}
-    own = "" if source.package is None else f"$(find {source.package.name})"
-    for include in elements(source.trees, "xacro:include"):
-        filename = include.get("filename")
-        outside = "$(find" in filename and not (own and own in filename)
-        if outside and filename.rsplit("/", 1)[-1] not in reached:
-            return True
-    return False

@@ -6,12 +6,13 @@ import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.facts.literals import near_miss
 from urdfcheck.source.load import Source
-from urdfcheck.source.usage import names_read, own_trees, properties
+from urdfcheck.source.usage import names_read, names_read_elsewhere, own_trees, properties, reads_unseen_files
 from urdfcheck.source.values import number
 from urdfcheck.source.words import removal
 from urdfcheck.source.xml import Attribute
@@ -30,10 +31,27 @@ class _Constant:
     expression: str
 
 
+class _Read:
+    """Which names something may read: an expression of any file of the model, its package or folder, or what is unseen."""
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.here = set().union(*(names_read(tree) for tree in source.trees.values()))
+        # Where the expansion stopped, or did not follow an include to another package, nobody knows what reads a name.
+        self.unknown = source.root is None or reads_unseen_files(source)
+
+    @cached_property
+    def elsewhere(self) -> set[str]:
+        return names_read_elsewhere(self.source)
+
+    def maybe(self, name: str) -> bool:
+        return self.unknown or name in self.here or name in self.elsewhere
+
+
 def check(source: Source, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
     if not source.is_xacro:
         return
-    read = set().union(*(names_read(tree) for tree in source.trees.values()))
+    read = _Read(source)
     for name, definitions in properties(own_trees(source)).items():
         for definition in definitions:
             value = definition.owner.attributes.get("value")
@@ -41,7 +59,7 @@ def check(source: Source, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
             constant = None if value is None or typed is None else _constant(name, value.value)
             if value is not None and typed is not None and constant is not None:
                 off = abs(typed / constant.value - 1)
-                yield from _judge(name, value, constant, off, rel_tol, name in read, source, rule)
+                yield from _judge(name, value, constant, off, rel_tol, read, source, rule)
 
 
 def _judge(
@@ -50,7 +68,7 @@ def _judge(
     constant: _Constant,
     off: float,
     rel_tol: float,
-    is_read: bool,
+    read: _Read,
     source: Source,
     rule: Rule,
 ) -> Iterator[Finding]:
@@ -61,9 +79,11 @@ def _judge(
         "expression": constant.expression,
         "exact": constant.value,
         "relative": off,
+        "digits": _digits(value.value),
     }
     removed = removal(value.owner, source.files)
-    if off > rel_tol and is_read and name != "pi":
+    is_read = off > rel_tol and read.maybe(name)
+    if is_read and name != "pi":
         edits = [] if value.span is None else [Edit(value.span, value.typed, constant.expression)]
         yield rule.finding("rounded" if off < 0.01 else "wrong", at=value, edits=edits, **data)
     elif off > rel_tol:
@@ -81,3 +101,9 @@ def _constant(name: str, text: str) -> _Constant | None:
         return _Constant("π/180", math.pi / 180, "${pi / 180}")
     near = near_miss(text) if _FRACTION.search(name) else None
     return None if near is None else _Constant(near.constant.replace("pi", "π"), near.exact, near.expression)
+
+
+def _digits(text: str) -> int:
+    """The significant digits of a number as typed."""
+    mantissa = text.lower().partition("e")[0]
+    return len(re.sub(r"\D", "", mantissa).lstrip("0"))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model.names import listed
+from urdfcheck.model.variation import Column, variation
 from urdfcheck.source.load import Source
 from urdfcheck.source.usage import own_trees
 from urdfcheck.source.values import number
@@ -53,8 +54,11 @@ def _finding(group: Sequence[_Block], rule: Rule) -> Finding:
     first = group[0]
     columns = sorted({i for other in group[1:] for i in first.differs(other)})
     macro = _common_name([b.name for b in group])
-    parameters = _parameters([first.columns[i] for i in columns])
     told = [_words(first.columns[i]) for i in columns if first.columns[i].name != "name"]
+    whole, split = _split(group, columns)
+    varies = variation(split)
+    parameters = [*(c.name for c in varies.parameters), *_parameters([first.columns[i] for i in whole])]
+    given = {c.name: c.words[0] for c in varies.parameters}
     with_joint = any(labels[0] == "joint" for labels in first.shape)
     return rule.finding(
         "repeated",
@@ -68,9 +72,48 @@ def _finding(group: Sequence[_Block], rule: Rule) -> Finding:
         differ=listed(told) or "nothing",
         macro=macro,
         parameters=" ".join(["name", *parameters]),
-        call=" ".join(f'{p}="…"' for p in parameters),
+        call="".join(f' {p}="{given.get(p, "…")}"' for p in parameters),
         first=first.name,
+        lone="".join(
+            f"; only {group[i].name} has {c.name} {c.words[i]}, the others {rest}" for c, i, rest in varies.lone
+        ),
+        derived=", with " * bool(varies.derived) + " and ".join(f"{name} `{e}`" for name, e in varies.derived),
+        refused="".join(
+            f"; {c.name} {c.words[i]} of {group[i].name} has no place there: if it is meant, add `{c.name}:={rest}` to the params"
+            for c, i, rest in varies.lone
+        ),
     )
+
+
+def _split(group: Sequence[_Block], columns: Sequence[int]) -> tuple[list[int], list[Column]]:
+    """The differing attributes that are one parameter each, and the numbers of those that are rows of numbers."""
+    whole, split = [], []
+    for i in columns:
+        attribute = group[0].columns[i]
+        rows = [block.columns[i].value.split() for block in group]
+        if any(len(row) != len(rows[0]) for row in rows) or any(number(word) is None for row in rows for word in row):
+            whole.append(i)
+            continue
+        names = _numbers(attribute, len(rows[0]))
+        for name, words in zip(names, zip(*rows, strict=True), strict=True):
+            leads = _words(attribute) == "joint origin xyz"
+            split.append(Column(name, words, leads, attribute.name == "rpy"))
+    names = [c.name for c in split]
+    # Two origins have an x each: there the whole attribute is the parameter.
+    if len(set(names)) < len(names):
+        return list(columns), []
+    return whole, split
+
+
+def _numbers(attribute: Attribute, count: int) -> list[str]:
+    """A name for each number of an attribute: x y z and roll pitch yaw of the joint's origin, else the attribute's own."""
+    place = _words(attribute)
+    if place in {"joint origin xyz", "joint origin rpy"} and count == 3:
+        return ["x", "y", "z"] if attribute.name == "xyz" else ["roll", "pitch", "yaw"]
+    if count == 1:
+        return [f"{attribute.owner.tag}" if attribute.name == "value" else attribute.name]
+    letters = "xyz" if count == 3 else "123456789"[:count] if count < 10 else [str(i) for i in range(count)]
+    return [f"{attribute.owner.tag}_{letter}" for letter in letters]
 
 
 def _blocks(parent: Element) -> list[_Block]:

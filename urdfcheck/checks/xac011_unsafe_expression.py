@@ -15,7 +15,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         at = typed_at(source, problem, expression)
         users = [] if at is problem.location else [problem.location]
         yield rule.finding(
-            "unsafe",
+            str(problem.data["refusal"]),
             at=at,
             related=[*users, *(r for r in problem.related if r.span != at.span)],
             expression=expression,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from urdfcheck.core import Finding, Rule
@@ -62,12 +62,21 @@ def _sentences(urdf: Outline, xacro: Outline, difference: _Difference) -> Iterat
     if difference.names:
         yield f"the robot's name ({urdf.robot!r} and {xacro.robot!r})"
     if difference.values:
-        yield f"{len(difference.values)} values ({listed(difference.values, 3)})"
+        told = [f"{part}: {_text(urdf, part)} and {_text(xacro, part)}" for part in difference.values]
+        yield f"{_counted(difference.values, 'value')} ({listed(told, 3)})"
     for only, where in ((difference.only_urdf, "URDF"), (difference.only_xacro, "xacro")):
         if only:
-            yield f"{len(only)} parts only in the {where} ({listed(only, 3)})"
+            yield f"{_counted(only, 'part')} only in the {where} ({listed(only, 3)})"
     if difference.extensions:
         yield f"extensions ({', '.join(difference.extensions)})"
+
+
+def _text(outline: Outline, part: str) -> str:
+    return " ".join(outline.parts[part]) or "nothing"
+
+
+def _counted(things: Sequence[str], what: str) -> str:
+    return f"{len(things)} {what}{'' if len(things) == 1 else 's'}"
 
 
 def _difference(urdf: Outline, xacro: Outline) -> _Difference:

@@ -2,26 +2,69 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.source.launch import Launch
 from urdfcheck.source.load import Source
+from urdfcheck.source.packages import Package
 from urdfcheck.source.problems import Problem
-from urdfcheck.source.xml import unbound_prefix
+from urdfcheck.source.xml import SourceFile, unbound_prefix
 
 _KINDS = ("malformed", "encoding", "doctype", "depth", "prefix", "unreadable")
 # How a file that was never XML begins, and what that tells.
 _CAUSES = (("version https://git-lfs", "git_lfs"), ("<!doctype html", "web_page"), ("<html", "web_page"))
+# What we refuse and ROS may read.
+_OUR_CHOICE = ("doctype", "depth")
 
 
-def check(source: Source, rule: Rule) -> Iterator[Finding]:
+def check(subject: Source | Launch | Package, rule: Rule) -> Iterator[Finding]:
+    if isinstance(subject, Source):
+        yield from _model(subject, rule)
+    elif isinstance(subject, Launch):
+        yield from _beside(subject.problems, subject.files, "launch", rule)
+    else:
+        files = {} if subject.file is None else {subject.file.name: subject.file}
+        yield from _beside(subject.problems, files, "manifest", rule)
+
+
+def _model(source: Source, rule: Rule) -> Iterator[Finding]:
     for problem in source.problems_of(*_KINDS):
         location = replace(problem.location, subject=problem.location.subject or "robot")
-        if problem.kind != "prefix" or source.is_xacro:
-            yield rule.finding(problem.kind, at=location, cause=_cause(source, problem), error=problem.message)
-        elif not _is_xacro_prefix(source):
-            yield rule.finding("prefix", at=location, severity=Severity.WARNING, error=problem.message)
+        file = _file(problem, source.files)
+        if problem.kind == "prefix" and not source.is_xacro:
+            if not _is_xacro_prefix(source):
+                yield rule.finding("prefix", at=location, severity=Severity.WARNING, error=problem.message)
+        else:
+            cause = _cause(problem, file)
+            message = "other" if cause in {"git_lfs", "web_page"} else _message(problem, file)
+            yield rule.finding(message, at=location, cause=cause, error=problem.message)
+
+
+def _beside(
+    problems: Sequence[Problem], files: Mapping[str, SourceFile], message: str, rule: Rule
+) -> Iterator[Finding]:
+    """A launch file or a package.xml that could not be read."""
+    for problem in problems:
+        if problem.kind not in _KINDS:
+            continue
+        at, cause = problem.location, _cause(problem, _file(problem, files))
+        if problem.kind in _OUR_CHOICE and cause is None:
+            yield rule.finding("unread", at=at, severity=Severity.WARNING, error=problem.message)
+        else:
+            yield rule.finding(message, at=at, cause=cause, error=problem.message)
+
+
+def _file(problem: Problem, files: Mapping[str, SourceFile]) -> SourceFile | None:
+    span = problem.location.span
+    return None if span is None else files.get(span.file)
+
+
+def _message(problem: Problem, file: SourceFile | None) -> str:
+    if problem.kind != "malformed" or file is None:
+        return problem.kind
+    return "empty" if not file.text.strip() else "binary" if "\0" in file.text else "malformed"
 
 
 def _is_xacro_prefix(source: Source) -> bool:
@@ -30,10 +73,8 @@ def _is_xacro_prefix(source: Source) -> bool:
     return found is not None and found[1] == "xacro"
 
 
-def _cause(source: Source, problem: Problem) -> str | None:
-    span = problem.location.span
-    file = source.files.get(span.file) if span is not None else None
-    if file is None or span is None:
+def _cause(problem: Problem, file: SourceFile | None) -> str | None:
+    if file is None:
         return None
     text = file.text.lstrip("\ufeff \t\r\n")
     for beginning, cause in _CAUSES:

@@ -1,11 +1,13 @@
-"""XML002: the root element is a robot with a name."""
+"""XML002: the root element is a robot with a name; that of a launch file or manifest is what ROS reads there."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.source.launch import Launch
 from urdfcheck.source.load import Source
+from urdfcheck.source.packages import Package
 
 _FORMATS = {
     "sdf": "an SDF model",
@@ -21,7 +23,16 @@ _FORMATS = {
 }
 
 
-def check(source: Source, rule: Rule) -> Iterator[Finding]:
+def check(subject: Source | Launch | Package, rule: Rule) -> Iterator[Finding]:
+    if isinstance(subject, Source):
+        yield from _model(subject, rule)
+        return
+    wanted = "launch" if isinstance(subject, Launch) else "package"
+    if subject.root is not None and subject.root.tag != wanted:
+        yield rule.finding(wanted, at=subject.root, tag=subject.root.tag)
+
+
+def _model(source: Source, rule: Rule) -> Iterator[Finding]:
     root = source.root if source.root is not None else source.main
     if root is None:
         return

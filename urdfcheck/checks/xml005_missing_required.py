@@ -65,6 +65,8 @@ def _attributes(element: Element, rule: Rule) -> Iterator[Finding]:
         yield rule.finding("attribute", at=element, missing=", ".join(missing), **data)
     elif element.tag in {"parent", "child"} and not element.get("link"):
         yield rule.finding("empty", at=element.attributes["link"], missing="link", **data)
+    elif element.tag == "mesh" and not element.get("filename").strip():
+        yield rule.finding("file", at=element.attributes["filename"], **data)
 
 
 def _owner(element: Element) -> str:

@@ -7,10 +7,10 @@ import unicodedata
 from collections.abc import Iterator
 from typing import Any
 
-from urdfcheck.core import Applicability, Edit, Finding, Rule
+from urdfcheck.core import Applicability, Edit, Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.source.grammar import NUMBERS, elements, is_unexpanded, loss
-from urdfcheck.source.values import number
+from urdfcheck.source.values import DECIMAL, LARGEST, computable, number
 from urdfcheck.source.xml import Attribute
 
 _NOT_A_NUMBER = re.compile(r"[+-]?nan(\(\w*\))?", re.IGNORECASE)
@@ -23,6 +23,8 @@ _UNITS = frozenset({
     "deg", "degree", "degrees", "°", "%", "n", "nm", "mnm", "n*m", "n·m", "nmm", "s", "ms", "rpm", "rad/s", "deg/s",
     "m/s", "mm/s", "kgm2", "kg*m2", "kg·m2", "kgm^2", "kg*m^2", "kg·m²", "kgm²", "gmm2", "g*mm2", "g*mm^2", '"', "'",
 })  # fmt: skip
+# What is computed with, not only compared: a limit of 1e308 is a way to write that there is none.
+_MEASURED = frozenset({"origin", "mass", "inertia", "axis", "box", "cylinder", "capsule", "sphere", "mesh"})
 _SI = frozenset({"m", "kg", "rad", "n", "nm", "n*m", "n·m", "s", "rad/s", "m/s"})
 
 
@@ -39,6 +41,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 yield rule.finding(
                     message, at=attribute, edits=edits, related=attribute.related(), **_data(attribute, word)
                 )
+            elif (extreme := _extreme(attribute)) is not None:
+                yield rule.finding("extreme", at=attribute, severity=Severity.WARNING, **_data(attribute, extreme))
             elif _has_blank(attribute, count, plain=not model.source.is_xacro):
                 edits = _edits(attribute, attribute.typed, " ".join(attribute.typed.split()))
                 data = _data(attribute, attribute.value)
@@ -104,11 +108,21 @@ def _judge_word(word: str) -> tuple[str, str, str | None]:
         # 1,000 may mean one or a thousand; 0,000 and 0,5 cannot mean thousands.
         thousands = re.fullmatch(r"[+-]?[1-9]\d{0,2},\d{3}", word)
         return "comma", word, None if thousands else word.replace(",", ".")
-    if re.fullmatch(r"[+-]?\d+\.?\d*[eE][+-]?\d+", word):
+    if DECIMAL.fullmatch(word):  # and no number: not a finite one
         return "overflow", word, None
     if _EXPRESSION.fullmatch(word):
         return "expression", word, None
     return "other", word, None
+
+
+def _extreme(attribute: Attribute) -> str | None:
+    """The first number with which no check can compute. Small ones count as zero, but of a mass, which divides."""
+    tag = attribute.owner.tag
+    for word in attribute.value.split() if tag in _MEASURED else ():
+        value = number(word) or 0.0
+        if abs(value) > LARGEST or (tag == "mass" and not computable(value)):
+            return word
+    return None
 
 
 def _has_blank(attribute: Attribute, count: int, *, plain: bool) -> bool:

@@ -129,7 +129,7 @@ def digits_needed(texts: Sequence[str], rel_tol: float = 1e-9) -> Rounding:
     report = validity(tensor(typed), rel_tol)
     largest = max(abs(values[i]) for i in (0, 3, 5))
     # The slack I1 + I2 - I3 changes by at most 1 for each moment and 2 for both places of a product.
-    place = math.floor(math.log10(rel_tol * abs(float(largest)) / 4.5)) if largest else 0
+    place = math.floor(float(largest.log10()) + math.log10(rel_tol / 4.5)) if largest else 0
     return Rounding(
         excess=report.excess,
         explained=not report.triangle and _valid_within(np.array(typed), np.array(half), rel_tol),

@@ -36,7 +36,7 @@ class MeshError(Exception):
     """A mesh file that gives no triangles. The text completes "the mesh …" for a person.
 
     ``reason_id``: empty | lfs-pointer | html | unsupported | truncated | wrong-size | external-buffer | malformed |
-    no-triangles.
+    entities | no-triangles.
     """
 
     def __init__(self, reason_id: str, message: str) -> None:
@@ -202,7 +202,7 @@ def _from_dae(data: bytes) -> RawMesh:
     from collada.common import DaeError
 
     if _ENTITY.search(data):
-        raise MeshError("malformed", "declares XML entities, which no exporter writes and no loader should expand")
+        raise MeshError("entities", "declares XML entities, which no exporter writes and no loader should expand")
     if _ZIP_END in data:  # pycollada would unpack it, whatever its size
         raise MeshError("malformed", "is a zip archive, not a COLLADA document")
     # A broken material or light is no concern here, and other loaders pass over it.

@@ -153,6 +153,11 @@ def odd_one_out(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike) -> Odd
     return OddOne(index, kind, angle, axis, expected, len(related - good), len(good), agreement, rule)
 
 
+def angle_between(one: Array, other: Array) -> float:
+    """Angle (rad) of the rotation from one orthogonal matrix to another: ``|A - B| = 2 sqrt(2) sin(angle / 2)``."""
+    return 2.0 * math.asin(min(1.0, float(np.linalg.norm(one - other)) / math.sqrt(8.0)))
+
+
 def _alike(one: Signature, other: Signature) -> bool:
     return (
         math.isclose(one.mass, other.mass, rel_tol=5e-3)
@@ -222,12 +227,7 @@ def _relation(operation: _Operation, source: int, target: int, turn: Array) -> _
     relative = turn[target].T @ operation.linear @ turn[source]
     snapped = np.rint(relative)
     one_each = bool((np.abs(snapped).sum(axis=0) == 1).all() and (np.abs(snapped).sum(axis=1) == 1).all())
-    return _Relation(source, target, snapped, one_each and _angle_between(snapped, relative) < _SAME)
-
-
-def _angle_between(one: Array, other: Array) -> float:
-    """Angle (rad) of the rotation from one orthogonal matrix to another: ``|A - B| = 2 sqrt(2) sin(angle / 2)``."""
-    return 2.0 * math.asin(min(1.0, float(np.linalg.norm(one - other)) / math.sqrt(8.0)))
+    return _Relation(source, target, snapped, one_each and angle_between(snapped, relative) < _SAME)
 
 
 def _culprit(count: int, related: set[frozenset[int]], good: set[frozenset[int]]) -> int | None:
@@ -259,7 +259,7 @@ def _majority(predictions: Sequence[_Prediction]) -> tuple[Array, list[_Predicti
     best: list[_Prediction] = []
     frame, least = np.eye(3), math.inf
     for one in predictions:
-        angles = [_angle_between(one.frame, other.frame) for other in predictions]
+        angles = [angle_between(one.frame, other.frame) for other in predictions]
         agreeing = [other for other, angle in zip(predictions, angles, strict=True) if angle < _AGREE]
         total = sum(angle for angle in angles if angle < _AGREE)
         if (len(agreeing), -total) > (len(best), -least):

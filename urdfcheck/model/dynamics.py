@@ -17,6 +17,9 @@ from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
 
 from urdfcheck.core import Unavailable
+from urdfcheck.model.parts import Joint
+from urdfcheck.source.grammar import NUMBERS, elements
+from urdfcheck.source.values import numbers
 from urdfcheck.source.xml import Element
 
 if TYPE_CHECKING:
@@ -29,16 +32,19 @@ _KEPT = {
     "inertial": {"origin", "mass", "inertia"},
     "joint": {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "safety_controller", "calibration"},
 }
+# What Pinocchio raises when urdfdom gave it no model; whatever else it raises is its own.
+_NO_MODEL = "does not contain a valid URDF model"
 _SOURCE_LINE = re.compile(r"^\s*at line \d+ in .*$")
 _ANSI = re.compile(r"\x1b\[[0-9;]*m")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Dynamics:
-    """``model`` is the ``pinocchio.Model``, None when it was refused; ``messages`` is what urdfdom and Pinocchio said."""
+    """``model`` is the ``pinocchio.Model``, None when ``refused_by`` urdfdom or by pinocchio, which then had urdfdom's model;
+    ``messages`` is what both said."""
 
     model: Any
-    refused: bool
+    refused_by: str | None
     messages: tuple[str, ...]
 
 
@@ -46,7 +52,7 @@ def build(model: Model) -> Dynamics:
     """Hand a sound tree to Pinocchio.
 
     :raises Unavailable: when Pinocchio is not installed, or when the tree, an axis or a number would make it compute
-        nonsense: it loads a zero axis and gives NaN accelerations.
+        nonsense (it loads a zero axis and gives NaN accelerations), or when it is known to be refused.
     """
     try:
         import pinocchio
@@ -54,14 +60,15 @@ def build(model: Model) -> Dynamics:
         raise Unavailable("Pinocchio is not installed (there are no wheels of pin for this platform)") from None
     _ensure_sound(model)
     built: Any = None
-    said = ""
+    said, refused_by = "", None
     with captured_stderr() as read:
         try:
             built = pinocchio.buildModelFromXML(geometry_free(model.robot))
         except (ValueError, RuntimeError) as error:
             said = str(error)
+            refused_by = "urdfdom" if _NO_MODEL in said else "pinocchio"
         said += "\n" + read()
-    return Dynamics(built, built is None, tuple(_lines(said)))
+    return Dynamics(built, refused_by, tuple(_lines(said)))
 
 
 def geometry_free(robot: Element) -> str:
@@ -84,16 +91,54 @@ def geometry_free(robot: Element) -> str:
 
 
 def _ensure_sound(model: Model) -> None:
+    """:raises Unavailable: naming the rule, for every defect that is refused and that a rule of its own reports."""
+    if "name" not in model.robot.attributes:
+        raise Unavailable("the robot has no name (XML002)")
     _ = model.tree
+    inertials = [link.inertial.element for link in model.links if link.inertial is not None]
+    for part in (*(joint.element for joint in model.joints), *inertials):
+        for element in elements(part):
+            _ensure_numbers(element)
     for joint in model.joints:
-        if joint.has_axis and (joint.axis is None or not any(joint.axis)):
-            raise Unavailable(f"the axis of joint {joint.name!r} is zero or malformed (JNT001)")
-        if joint.origin.xyz is None or joint.origin.rpy is None:
-            raise Unavailable(f"the origin of joint {joint.name!r} is malformed (XML007, XML008)")
+        if joint.origin.xyz is None or joint.origin.rpy is None or joint.axis is None:
+            raise Unavailable(f"the origin or the axis of joint {joint.name!r} is out of range (XML007)")
+        if joint.has_axis and not any(joint.axis):
+            raise Unavailable(f"the axis of joint {joint.name!r} is zero (JNT001)")
+        _ensure_limit(joint)
+        _ensure_complete(joint)
     for link in model.links:
-        inertial = link.inertial
-        if inertial is not None and (inertial.mass is None or inertial.six is None):
-            raise Unavailable(f"the inertial of link {link.name!r} is malformed (XML005, XML007)")
+        if link.inertial is not None and (link.inertial.mass is None or link.inertial.six is None):
+            raise Unavailable(f"the inertial of link {link.name!r} is incomplete or out of range (XML005, XML007)")
+
+
+def _ensure_numbers(element: Element) -> None:
+    for name, count in NUMBERS.get(element.tag, {}).items():
+        attribute = element.attributes.get(name)
+        if attribute is None:
+            continue
+        # urdfdom skips white space before a single number and not after it.
+        trailing = count == 1 and attribute.value != attribute.value.rstrip()
+        if trailing or numbers(attribute.value, count) is None:
+            raise Unavailable(f"the number in {element.subject}@{name} is malformed (XML007, XML008)")
+
+
+def _ensure_limit(joint: Joint) -> None:
+    limit = joint.limit
+    if limit is None and joint.type in {"revolute", "prismatic"}:
+        raise Unavailable(f"joint {joint.name!r} has no <limit> (JNT004)")
+    for name in ("effort", "velocity") if limit is not None else ():
+        value = joint.limit_value(name)
+        if value is None:
+            raise Unavailable(f"the <limit> of joint {joint.name!r} has no {name} (JNT007)")
+        if value < 0 and joint.is_driven:
+            raise Unavailable(f"the {name} limit of joint {joint.name!r} is negative (JNT007)")
+
+
+def _ensure_complete(joint: Joint) -> None:
+    for tag, wanted in (("dynamics", {"damping", "friction"}), ("mimic", {"joint"})):
+        element = joint.element.child(tag)
+        if element is not None and not wanted & set(element.attributes):
+            raise Unavailable(f"the <{tag}> of joint {joint.name!r} is incomplete (XML005)")
 
 
 @contextmanager

@@ -1,6 +1,7 @@
 """Links, joints, inertials and shapes: thin located views of the expanded elements.
 
-A value that the file spells wrongly is None here: the rule about numbers reports it, every other rule abstains.
+A value that the file spells wrongly, or that nothing can be computed with, is None here: the rule about numbers reports it,
+every other rule abstains.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location
-from urdfcheck.source.values import attribute_number, attribute_numbers
+from urdfcheck.source.values import LARGEST, attribute_number, attribute_numbers, computable
 from urdfcheck.source.xml import Attribute, Element
 
 if TYPE_CHECKING:
@@ -32,11 +33,11 @@ class Pose:
 
     @property
     def xyz(self) -> tuple[float, ...] | None:
-        return attribute_numbers(self.element, "xyz", 3, _ZERO)
+        return _quantities(self.element, "xyz", 3, _ZERO)
 
     @property
     def rpy(self) -> tuple[float, ...] | None:
-        return attribute_numbers(self.element, "rpy", 3, _ZERO)
+        return _quantities(self.element, "rpy", 3, _ZERO)
 
     def attribute(self, name: str) -> Attribute | None:
         return None if self.element is None else self.element.attributes.get(name)
@@ -51,7 +52,7 @@ class Pose:
             return None
         placed = transform(xyz, rpy)
         if self.attribute("quat_xyzw") is not None and self.attribute("rpy") is None:
-            quaternion = attribute_numbers(self.element, "quat_xyzw", 4, ())
+            quaternion = _quantities(self.element, "quat_xyzw", 4, ())
             if quaternion is None or not any(quaternion):
                 return None
             placed[:3, :3] = quaternion_to_matrix(quaternion)
@@ -70,7 +71,8 @@ class Inertial:
 
     @property
     def mass(self) -> float | None:
-        return attribute_number(self.element.child("mass"), "value")
+        value = attribute_number(self.element.child("mass"), "value")
+        return value if value is not None and computable(value) else None
 
     @property
     def mass_attribute(self) -> Attribute | None:
@@ -84,7 +86,7 @@ class Inertial:
     @property
     def six(self) -> tuple[float, ...] | None:
         """ixx ixy ixz iyy iyz izz as typed, None unless all six are numbers."""
-        values = [attribute_number(self.tensor_element, name) for name in TENSOR]
+        values = [_quantity(self.tensor_element, name) for name in TENSOR]
         return None if any(v is None for v in values) else tuple(v for v in values if v is not None)
 
     @cached_property
@@ -140,11 +142,11 @@ class Shape:
         if self.shape is None:
             return None
         if self.kind == "box":
-            return attribute_numbers(self.shape, "size", 3, ()) or None
+            return _quantities(self.shape, "size", 3, ()) or None
         if self.kind == "mesh":
-            return attribute_numbers(self.shape, "scale", 3, (1.0, 1.0, 1.0))
+            return _quantities(self.shape, "scale", 3, (1.0, 1.0, 1.0))
         names = ("radius",) if self.kind == "sphere" else ("radius", "length")
-        values = [attribute_number(self.shape, n) for n in names]
+        values = [_quantity(self.shape, n) for n in names]
         return None if any(v is None for v in values) else tuple(v for v in values if v is not None)
 
     @property
@@ -229,7 +231,7 @@ class Joint:
     @property
     def axis(self) -> tuple[float, ...] | None:
         """As typed in the joint frame; (1, 0, 0) when absent; None when malformed."""
-        return attribute_numbers(self.axis_element, "xyz", 3, (1.0, 0.0, 0.0))
+        return _quantities(self.axis_element, "xyz", 3, (1.0, 0.0, 0.0))
 
     @property
     def limit(self) -> Element | None:
@@ -242,9 +244,34 @@ class Joint:
         return attribute_number(self.limit, name)
 
     @property
+    def is_driven(self) -> bool:
+        """Whether it moves by a motor of its own and has a ``<limit>``; a follower's motor is its leader's."""
+        return self.type in {"revolute", "continuous", "prismatic"} and self.limit is not None and self.mimic is None
+
+    @property
     def mimic(self) -> Element | None:
         return self.element.child("mimic")
 
     @property
     def location(self) -> Location:
         return self.element.location
+
+
+def _quantities(element: Element | None, name: str, count: int, default: tuple[float, ...]) -> tuple[float, ...] | None:
+    """The numbers of an attribute that is computed with, see `_computable`."""
+    values = attribute_numbers(element, name, count, default)
+    known = [_computable(v) for v in values or ()]
+    return None if values is None or None in known else tuple(v for v in known if v is not None)
+
+
+def _quantity(element: Element | None, name: str) -> float | None:
+    """The number of an attribute that is computed with, see `_computable`."""
+    value = attribute_number(element, name)
+    return None if value is None else _computable(value)
+
+
+def _computable(value: float) -> float | None:
+    """None for a number that is too large, 0 for one that is too small to tell from it (residues of an export)."""
+    if computable(value):
+        return value
+    return None if abs(value) > LARGEST else 0.0

@@ -33,6 +33,19 @@ def siblings(model: Model) -> list[tuple[Joint, ...]]:
     return [group for group in groups if len(group) > 1]
 
 
+def chain_of(model: Model, joint: Joint) -> tuple[Joint, ...]:
+    """The fixed joints between the moving joint before this one (or the root) and this one, and this one last.
+
+    :raises Unavailable: when the tree is broken.
+    """
+    chain = [joint]
+    before = model.tree.parent_joint.get(joint.parent)
+    while before is not None and before.type == "fixed":
+        chain.append(before)
+        before = model.tree.parent_joint.get(before.parent)
+    return tuple(reversed(chain))
+
+
 def _signature(model: Model, link: Link) -> Signature | None:
     inertial, surface = link.inertial, _surface(model, link)
     if inertial is None:

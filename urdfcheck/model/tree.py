@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 
 from urdfcheck.core import Unavailable
@@ -24,18 +24,22 @@ class Tree:
         names = [link.name for link in links]
         known = set(names)
         if not names:
-            raise Unavailable("the model has no link")
+            raise Unavailable("the model has no link (KIN007)")
+        nameless = next((link for link in links if not link.name), None)
+        if nameless is not None:
+            code = "NAM001" if "name" in nameless.element.attributes else "XML005"
+            raise Unavailable(f"a link has no name ({code})")
         if len(known) != len(names) or len({j.name for j in joints}) != len(joints):
             raise Unavailable("links or joints share a name (KIN001)")
         parent_joint: dict[str, Joint] = {}
         children: dict[str, list[Joint]] = {name: [] for name in names}
         for joint in joints:
-            if joint.parent not in known or joint.child not in known:
-                raise Unavailable(f"joint {joint.name!r} names a link that does not exist (KIN002)")
-            if joint.child in parent_joint:
-                raise Unavailable(f"link {joint.child!r} has several parents (KIN003)")
-            parent_joint[joint.child] = joint
+            _ensure_links(joint, known)
             children[joint.parent].append(joint)
+        for joint in joints:
+            if joint.child in parent_joint:
+                raise Unavailable(_why_two_parents(joint.child, joints, children))
+            parent_joint[joint.child] = joint
         roots = [name for name in names if name not in parent_joint]
         if len(roots) != 1:
             raise Unavailable(
@@ -73,3 +77,24 @@ class Tree:
     def moves(self, link: str) -> bool:
         """Whether the link's body hangs on a joint that moves (the root's body does not)."""
         return self.body(link)[0] in self.parent_joint
+
+
+def _ensure_links(joint: Joint, known: Set[str]) -> None:
+    if not joint.parent or not joint.child:
+        raise Unavailable(f"joint {joint.name!r} names no parent or no child (XML005)")
+    if joint.parent not in known or joint.child not in known:
+        raise Unavailable(f"joint {joint.name!r} names a link that does not exist (KIN002)")
+    if joint.parent == joint.child:
+        raise Unavailable(f"joint {joint.name!r} connects link {joint.child!r} with itself (KIN006)")
+
+
+def _why_two_parents(link: str, joints: Sequence[Joint], children: Mapping[str, Sequence[Joint]]) -> str:
+    """A link that has several parents, or one beside the joint that leads back to it."""
+    below, queue = {link}, [link]
+    while queue:
+        for joint in children[queue.pop()]:
+            if joint.child not in below:
+                below.add(joint.child)
+                queue.append(joint.child)
+    outside = [joint for joint in joints if joint.child == link and joint.parent not in below]
+    return f"link {link!r} has several parents (KIN003)" if len(outside) > 1 else "the links form a cycle (KIN004)"

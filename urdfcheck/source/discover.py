@@ -13,9 +13,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from urdfcheck.source.launch import Launch, load_launch, models_in_python
+from urdfcheck.source.launch import Launch, load_launch
+from urdfcheck.source.launch_python import read_python
 from urdfcheck.source.packages import BUILT, PackageFinder, display_name
-from urdfcheck.source.xml import Element, SourceFile, XmlError, parse
+from urdfcheck.source.xml import Element, SourceFile, XmlError, parse, unbound_prefix
 
 MESH_SUFFIXES = frozenset({".stl", ".dae", ".obj", ".ply", ".off", ".glb", ".gltf"})
 _SKIPPED = BUILT | {"node_modules", "__pycache__"}
@@ -148,7 +149,7 @@ class _Planner:
         self.launches[_real(path)] = path
         finder = self.finder(path)
         if path.suffix == ".py":
-            for model in models_in_python(path, finder):
+            for model in read_python(path, finder).models:
                 self.add_model(ModelTarget(model, self.arguments))
             return
         launch: Launch = load_launch(path, finder)
@@ -195,7 +196,7 @@ class _Planner:
             own = tuple(x for x in target.launches if _real(x) not in reached)
             models[index] = replace(target, launches=own)
             reached |= {_real(x) for x in own}
-        alone = [path for real, path in self.launches.items() if real not in reached and path.suffix != ".py"]
+        alone = [path for real, path in self.launches.items() if real not in reached]
         packages: dict[Path, None] = {}
         for path in [*(t.path for t in models), *self.launches.values()]:
             package = self.finder(path).package_of(path.absolute())
@@ -300,8 +301,10 @@ def is_launch(path: Path) -> bool:
 
 
 def only_macros(root: Element | None) -> bool:
-    """Whether a xacro file defines macros and properties and makes nothing itself."""
-    return root is not None and not has_parts(root) and not any(e.tag == "xacro:include" for e in root.walk())
+    """Whether a xacro file defines macros and properties and makes nothing itself. What xacro cannot read defines nothing."""
+    if root is None or has_parts(root) or unbound_prefix(root) is not None:
+        return False
+    return not any(e.tag == "xacro:include" for e in root.walk())
 
 
 def has_parts(root: Element | None) -> bool:
@@ -354,7 +357,9 @@ def _walk(root: Path) -> Iterable[Path]:
         )
         for name in files:
             path = Path(folder, name)
-            if os.path.join(real, name) not in ignored and os.path.isfile(path):
+            if name.startswith(".") or os.path.join(real, name) in ignored:
+                continue
+            if os.path.isfile(path):
                 yield path
 
 

@@ -8,6 +8,7 @@ expression is parsed here first, and only a tree made of the nodes below is eval
 from __future__ import annotations
 
 import ast
+from dataclasses import dataclass
 
 _NODES = (
     ast.Expression,
@@ -52,7 +53,23 @@ _ATTRIBUTES = frozenset(
 FORBIDDEN_FUNCTIONS = ("vars", "type")
 
 
-def refusal(expression: str) -> str | None:
+# Builtins that lead out of an expression. xacro offers none of them, but a file may define a property of such a name.
+OUTSIDE = frozenset(
+    {"breakpoint", "compile", "delattr", "eval", "exec", "exit", "getattr", "globals", "hasattr", "help", "input"}
+    | {"locals", "memoryview", "object", "open", "quit", "setattr", "super", "type", "vars"}
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Why an expression is not evaluated. ``kind``: ``unsafe`` for what leads out of the language, ``construct`` for a part
+    of Python that harms nobody by itself but is not looked into, ``outside`` for a function that xacro does not offer."""
+
+    kind: str
+    reason: str
+
+
+def refusal(expression: str) -> Refusal | None:
     """Why an expression must not be evaluated, or None when it is harmless.
 
     A text that is no Python expression at all is not refused here: evaluating it only fails.
@@ -61,14 +78,15 @@ def refusal(expression: str) -> str | None:
         tree = ast.parse(expression.strip(), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
+    construct: Refusal | None = None
     for node in ast.walk(tree):
-        if not isinstance(node, _NODES):
-            return f"{_called(node)} is not part of xacro's language"
         if isinstance(node, ast.Attribute) and (node.attr.startswith("_") or node.attr in _ATTRIBUTES):
-            return f"the attribute .{node.attr} leads out of xacro's language"
+            return Refusal("unsafe", f"the attribute .{node.attr} leads out of xacro's language")
         if isinstance(node, ast.Name) and node.id.startswith("__"):
-            return f"the name {node.id} leads out of xacro's language"
-    return None
+            return Refusal("unsafe", f"the name {node.id} leads out of xacro's language")
+        if not isinstance(node, _NODES):
+            construct = construct or Refusal("construct", _called(node))
+    return construct
 
 
 def names_in(expression: str) -> set[str]:

@@ -1,24 +1,23 @@
 """Launch files: which model they load with which arguments, and what they start beside it.
 
-XML launch files of ROS 1 and ROS 2 are read as located XML. Of Python launch files only the literal paths of models are
-read; nothing in them is executed.
+XML launch files of ROS 1 and ROS 2 are read as located XML, with the XML launch files that they include. Python launch
+files: see :mod:`urdfcheck.source.launch_python`.
 """
 
 from __future__ import annotations
 
-import ast
 import itertools
 import os
 import re
 import shlex
-import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location, Span
-from urdfcheck.source.packages import BUILT, Package, PackageFinder, display_name, subfolders
+from urdfcheck.source.launch_python import MAX_LENGTH, PythonLaunch, read_python
+from urdfcheck.source.packages import Package, PackageFinder, display_name
 from urdfcheck.source.problems import Problem
 from urdfcheck.source.values import number
 from urdfcheck.source.xml import Attribute, Element, SourceFile, XmlError, parse
@@ -26,11 +25,11 @@ from urdfcheck.source.xml import Attribute, Element, SourceFile, XmlError, parse
 if TYPE_CHECKING:
     from urdfcheck.model.model import Model
 
-MODEL_SUFFIXES = (".urdf", ".xacro")
-# A path that is longer is none: it comes from arguments that multiply each other.
-MAX_LENGTH = 4000
+# How many times launch files are included before it counts as a circle.
+MAX_INCLUDES = 64
 _SUBSTITUTION = re.compile(r"\$\(([^()]*)\)")
 _NESTED = re.compile(r"\$\([^()]*(?:\([^()]*\)[^()]*)*\)")
+_ARGUMENT = re.compile(r"^\s*\$\((?:arg|var)\s+([^\s()]+)\s*\)\s*$")
 _COMMAND = re.compile(r"^\$\(command\s+(['\"])(.*?)\1\s*(?:['\"][a-z]+['\"]\s*)?\)$", re.DOTALL)
 
 
@@ -46,9 +45,13 @@ class Obstacle:
     name: str = ""
 
 
+# The value of an argument, or what stands in its way.
+_Value = tuple[str | None, Obstacle | None]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Description:
-    """Where a launch file takes robot_description from.
+    """Where a launch file, or one that it includes, takes robot_description from.
 
     ``at`` is the attribute with the command or file, ``words`` the command's words as typed, ``file`` the model's path as
     typed and ``path`` what it resolves to (None: ``unresolved`` says why), ``arguments`` the xacro arguments that could be
@@ -66,6 +69,11 @@ class Description:
     def by_xacro(self) -> bool:
         """Whether the command hands the file to xacro."""
         return bool(self.words) and "xacro" in self.words[0]
+
+    @property
+    def included(self) -> bool:
+        """Whether an included launch file says so."""
+        return bool(self.at.owner.via)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,7 +96,8 @@ class StaticTransform:
 class Launch:
     """One launch file. ``dialect``: ros1 | ros2 | python; ``root`` is None for Python and for broken XML.
 
-    ``model`` is the model that its robot_description leads to, once it is loaded.
+    ``files`` holds it and those that it includes. ``python`` is what could be read of one in Python. ``model`` is the model
+    that its robot_description leads to, once it is loaded.
     """
 
     path: Path
@@ -101,6 +110,7 @@ class Launch:
     transforms: tuple[StaticTransform, ...]
     finder: PackageFinder
     package: Package | None
+    python: PythonLaunch | None = None
     model: Model | None = None
 
     @property
@@ -117,14 +127,27 @@ class Launch:
     @property
     def arguments(self) -> list[Element]:
         """Every ``<arg>`` that declares an argument of this file (not those handed to an include)."""
-        if self.root is None:
-            return []
-        return [e for e in self.root.walk() if e.tag == "arg" and (e.parent is None or e.parent.tag != "include")]
+        return [] if self.root is None else declared(self.root)
 
 
 def executable(node: Element) -> str:
     """The executable of a node: ``type`` in ROS 1, ``exec`` in ROS 2."""
     return node.get("type") or node.get("exec")
+
+
+def declared(root: Element) -> list[Element]:
+    """Every ``<arg>`` below ``root`` that declares an argument."""
+    return [e for e in root.walk() if e.tag == "arg" and (e.parent is None or e.parent.tag != "include")]
+
+
+def is_included(path: Path) -> bool:
+    """Whether a launch file beside this one mentions it: then that one is where the arguments come from."""
+    try:
+        beside = path.absolute().parent.iterdir()
+        others = [p for p in beside if p.name != path.name and "launch" in p.name and p.is_file()]
+        return any(path.name in other.read_text(encoding="utf-8", errors="replace") for other in others)
+    except OSError:
+        return False
 
 
 def load_launch(path: Path, finder: PackageFinder) -> Launch:
@@ -133,7 +156,11 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
     files: dict[str, SourceFile] = {}
     package = finder.package_of(path.absolute())
     if path.suffix == ".py":
-        return Launch(path, name, "python", None, files, (), (), (), finder, package)
+        python = read_python(path, finder)
+        if python.file is not None:
+            files[name] = python.file
+        problems = () if python.unreadable is None else (python.unreadable,)
+        return Launch(path, name, "python", None, files, problems, (), (), finder, package, python)
     try:
         source = SourceFile.read(path, name)
         files[name] = source
@@ -150,7 +177,8 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
         or "$(var " in source.text
         or any("exec" in e.attributes for e in root.walk() if e.tag == "node")
     )
-    resolver = _Resolver(root, path, finder)
+    resolver = _Resolver(root, path, finder, {})
+    included = _included(root, resolver, _Including(finder, files, ros2, {(os.path.realpath(path), frozenset())}))
     return Launch(
         path,
         name,
@@ -158,92 +186,76 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
         root,
         files,
         (),
-        tuple(_descriptions(root, resolver)),
+        (*_descriptions(root, resolver), *included),
         tuple(_transforms(root, resolver)),
         finder,
         package,
     )
 
 
-def models_in_python(path: Path, finder: PackageFinder) -> list[Path]:
-    """The model files that a Python launch file names by literal paths, found in its own package or in those that it names.
+@dataclass(frozen=True, slots=True)
+class _Including:
+    """What all launch files that one includes share: ``seen`` are the files with the arguments they were handed."""
 
-    A path may be one text, or the last texts of ``os.path.join(…)``, ``PathJoinSubstitution([…])`` and ``folder / …``.
-    """
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of a stranger's code: nothing for the terminal
-            nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8", errors="replace"))))
-    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
-        return []
-    package = finder.package_of(path.absolute())
-    named = [finder.find(name) for name in dict.fromkeys(filter(None, map(_package_named, nodes)))]
-    folders = [package.path if package is not None else path.parent, *(f for f in named if f is not None)]
-    found: dict[Path, None] = {}
-    joined: set[int] = set()
-    for node in nodes:  # outer nodes come first: the pieces of a path that was found are no paths of their own
-        pieces = [] if id(node) in joined else _pieces(node)
-        model = _model_file("/".join(str(p.value) for p in pieces), folders)
-        if model is not None:
-            found[model] = None
-            joined.update(map(id, pieces))
-    return list(found)
+    finder: PackageFinder
+    files: dict[str, SourceFile]
+    ros2: bool
+    seen: set[tuple[str, frozenset[tuple[str, _Value]]]]
 
 
-def _package_named(node: ast.AST) -> str | None:
-    """``p`` of ``get_package_share_directory("p")``, ``FindPackageShare("p")`` and the like."""
-    if not isinstance(node, ast.Call) or not node.args:
-        return None
-    function = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
-    name = node.args[0]
-    if not re.search("package_share|PackageShare", function) or not isinstance(name, ast.Constant):
-        return None
-    return str(name.value)
+def _included(root: Element, resolver: _Resolver, including: _Including) -> Iterator[Description]:
+    """The descriptions of the XML launch files that are included here, and by those."""
+    for element in root.walk():
+        if element.tag != "include" or not resolver.applies(element):
+            continue
+        text = resolver.resolve(element.get("file"))
+        if text is None or not os.path.isfile(text):
+            continue
+        handed = _handed(element, resolver, everything=including.ros2 or element.get("pass_all_args") in {"true", "1"})
+        key = (os.path.realpath(text), frozenset(handed.items()))
+        if key in including.seen or len(including.seen) > MAX_INCLUDES:
+            continue
+        including.seen.add(key)
+        path = Path(text)
+        try:
+            source = SourceFile.read(path, display_name(path))
+            inner = parse(source)
+        except (OSError, XmlError):  # a Python one, or broken: then checking it says so
+            continue
+        including.files[source.name] = source
+        for part in inner.walk():
+            part.via = element.via if element.span is None else (*element.via, element.span)
+        inside = _Resolver(inner, path, including.finder, handed)
+        yield from _descriptions(inner, inside)
+        yield from _included(inner, inside, including)
 
 
-def _pieces(node: ast.AST) -> list[ast.Constant]:
-    """The texts that end what a node joins, or the text that it is."""
-    parts: list[ast.expr] = []
-    if isinstance(node, ast.Constant):
-        parts = [node]
-    elif isinstance(node, ast.Call):
-        parts = node.args
-    elif isinstance(node, (ast.List, ast.Tuple)):
-        parts = node.elts
-    while isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div):
-        parts, node = [node.right, *parts], node.left
-    texts = itertools.takewhile(lambda p: isinstance(p, ast.Constant) and isinstance(p.value, str), reversed(parts))
-    return [p for p in texts if isinstance(p, ast.Constant)][::-1]
-
-
-def _model_file(literal: str, folders: Sequence[Path]) -> Path | None:
-    """The file that a literal path names, below one of these folders or in one of their own folders."""
-    tail = literal.strip().lstrip("/")
-    if not tail.endswith(MODEL_SUFFIXES) or len(tail) > MAX_LENGTH or any(c in tail for c in "*?[\0"):
-        return None
-    for base in folders:
-        beside = [folder / Path(tail).name for folder in subfolders(base) if folder.name not in BUILT]
-        for candidate in (base / tail, base / "urdf" / tail, *beside):
-            if os.path.isfile(candidate):
-                return candidate
-    return None
+def _handed(include: Element, resolver: _Resolver, *, everything: bool) -> dict[str, _Value]:
+    """The arguments that an included file gets."""
+    names = {*resolver.values, *resolver.known} if everything else set()
+    handed = {name: resolver.value_of(f"$(arg {name})") for name in sorted(names)}
+    for element in include.children:
+        value = element.attributes.get("value") or element.attributes.get("default")
+        if element.tag in {"arg", "let"} and value is not None and resolver.applies(element):
+            handed[element.get("name")] = resolver.value_of(value.value)
+    return handed
 
 
 class _Resolver:
     """Substitutions of launch files, as far as they can be known without running anything."""
 
-    def __init__(self, root: Element, path: Path, finder: PackageFinder) -> None:
+    def __init__(self, root: Element, path: Path, finder: PackageFinder, handed: Mapping[str, _Value]) -> None:
         self.path = path
         self.finder = finder
         self.obstacle: Obstacle | None = None
-        self.values: dict[str, str] = {}
-        self.known: dict[str, tuple[str | None, Obstacle | None]] = {}
+        self.values: dict[str, Attribute] = {}
+        self.known: dict[str, _Value] = dict(handed)
         self.pending: list[str] = []
         for element in root.walk():
             if element.tag in {"arg", "let"} and (element.parent is None or element.parent.tag != "include"):
                 value = element.attributes.get("value") or element.attributes.get("default")
-                if value is not None and self.applies(element):
-                    self.values.setdefault(element.get("name"), value.value)
+                if value is not None and element.get("name") not in handed and self.applies(element):
+                    self.values.setdefault(element.get("name"), value)
 
     def applies(self, element: Element | None) -> bool:
         """Whether no ``if`` and no ``unless`` on the element and around it says otherwise, as far as they can be known."""
@@ -253,6 +265,21 @@ class _Resolver:
                     return False
             element = element.parent
         return True
+
+    def value_of(self, text: str) -> _Value:
+        """The text with its substitutions resolved, or what stood in the way."""
+        self.obstacle = None
+        value = self.resolve(text)
+        return value, None if value is not None else self.obstacle
+
+    def definition(self, attribute: Attribute) -> Attribute:
+        """Where the value is typed of an attribute that only reads an argument."""
+        for _ in range(len(self.values)):
+            match = _ARGUMENT.match(attribute.value)
+            if match is None or match.group(1) not in self.values:
+                break
+            attribute = self.values[match.group(1)]
+        return attribute
 
     def resolve(self, text: str) -> str | None:
         """The text with its substitutions resolved, or None; then ``obstacle`` says what stood in the way."""
@@ -285,7 +312,7 @@ class _Resolver:
         return None
 
     def _argument(self, name: str) -> str | None:
-        if name not in self.values:
+        if name not in self.values and name not in self.known:
             self.obstacle = Obstacle("argument", name)
             return None
         if name in self.pending:
@@ -293,7 +320,7 @@ class _Resolver:
             return None
         if name not in self.known:  # once each: arguments made of each other several times over would never end
             self.pending.append(name)
-            value = self.resolve(self.values[name])
+            value = self.resolve(self.values[name].value)
             self.pending.pop()
             self.known[name] = (value, None if value is not None else self.obstacle)
         value, obstacle = self.known[name]
@@ -305,26 +332,33 @@ def _descriptions(root: Element, resolver: _Resolver) -> Iterator[Description]:
     for element in root.walk():
         if element.tag != "param" or element.get("name").split("/")[-1] != "robot_description":
             continue
+        if not resolver.applies(element):
+            continue
         textfile, command = element.attributes.get("textfile"), element.attributes.get("command")
         value = element.attributes.get("value")
         if textfile is not None:
             yield _description(textfile, (), textfile.value, {}, resolver)
         elif command is not None:
-            yield from _command(command, command.value, resolver)
+            command = resolver.definition(command)
+            if command.value.strip():
+                yield _command(command, command.value, resolver)
         elif value is not None:
+            value = resolver.definition(value)
             match = _COMMAND.match(value.value.strip())
             if match:
-                yield from _command(value, match.group(2), resolver)
+                yield _command(value, match.group(2), resolver)
+            elif value.value.strip().startswith("$("):
+                _, unresolved = resolver.value_of(value.value)
+                if unresolved is not None:
+                    yield Description(value, (), value.value.strip(), None, {}, unresolved)
 
 
-def _command(at: Attribute, text: str, resolver: _Resolver) -> Iterator[Description]:
+def _command(at: Attribute, text: str, resolver: _Resolver) -> Description:
     words = _words(text)
     command = words
     for starter in (("rosrun", "xacro"), ("ros2", "run", "xacro")):
         if words[: len(starter)] == starter:
             command = words[len(starter) :]
-    if not command or not re.search(r"xacro|cat$", command[0]):
-        return
     arguments: dict[str, str] = {}
     files = []
     for word in command[1:]:
@@ -335,8 +369,9 @@ def _command(at: Attribute, text: str, resolver: _Resolver) -> Iterator[Descript
                 arguments[name] = resolved
         elif not word.startswith("-"):
             files.append(word)
-    if files:
-        yield _description(at, words, files[0], arguments, resolver)
+    if not files or not re.search(r"xacro|cat$", command[0]):  # another program makes the model
+        return Description(at, words, text, None, {}, Obstacle("launch-time", text))
+    return _description(at, words, files[0], arguments, resolver)
 
 
 def _words(text: str) -> tuple[str, ...]:
@@ -352,10 +387,8 @@ def _words(text: str) -> tuple[str, ...]:
 def _description(
     at: Attribute, words: tuple[str, ...], file: str, arguments: Mapping[str, str], resolver: _Resolver
 ) -> Description:
-    resolver.obstacle = None
-    resolved = resolver.resolve(file)
+    resolved, unresolved = resolver.value_of(file)
     path = None if resolved is None else Path(resolved)
-    unresolved = resolver.obstacle if path is None else None
     if path is not None and not os.path.isfile(path):
         unresolved = Obstacle("file", display_name(path))
         path = None
@@ -364,7 +397,7 @@ def _description(
 
 def _transforms(root: Element, resolver: _Resolver) -> Iterator[StaticTransform]:
     for node in root.walk():
-        if node.tag != "node" or executable(node) != "static_transform_publisher":
+        if node.tag != "node" or executable(node) != "static_transform_publisher" or not resolver.applies(node):
             continue
         args = node.attributes.get("args")
         if args is None:

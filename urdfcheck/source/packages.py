@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
+from urdfcheck.core import Location, Span
+from urdfcheck.source.problems import Problem
 from urdfcheck.source.xml import Element, SourceFile, XmlError, parse, read_regular
 
 # How far up from a model its workspace is looked for, and how many folders are looked into on each level.
@@ -33,12 +35,14 @@ def display_name(path: Path) -> str:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Package:
-    """A folder with a package.xml: ``name`` as the manifest states it, else the folder's. ``root`` is the manifest's XML."""
+    """A folder with a package.xml: ``name`` as the manifest states it, else the folder's. ``root`` is the manifest's XML,
+    None when ``problems`` says why it could not be read."""
 
     name: str
     path: Path
     root: Element | None
     file: SourceFile | None
+    problems: tuple[Problem, ...] = ()
 
     @property
     def dependencies(self) -> frozenset[str]:
@@ -210,11 +214,18 @@ def load_package(folder: Path) -> Package | None:
     manifest = folder / "package.xml"
     if not manifest.is_file():
         return None
+    shown = display_name(manifest)
+    file: SourceFile | None = None
     try:
-        file = SourceFile.read(manifest, display_name(manifest))
+        file = SourceFile.read(manifest, shown)
         root = parse(file)
-    except (OSError, XmlError):
-        return Package(folder.name, folder, None, None)
+    except OSError as error:
+        start = Location("package", Span(shown, 1, 1, 1, 1, 0, 0))
+        problem = Problem("unreadable", error.strerror or str(error), start)
+        return Package(folder.name, folder, None, None, (problem,))
+    except XmlError as error:
+        problem = Problem(error.reason, str(error), Location("package", error.span))
+        return Package(folder.name, folder, None, file, (problem,))
     name = root.child("name")
     return Package(name.text.strip() if name is not None else folder.name, folder, root, file)
 

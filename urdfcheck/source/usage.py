@@ -104,6 +104,20 @@ def names_read_elsewhere(source: Source) -> set[str]:
     return found
 
 
+def reads_unseen_files(source: Source) -> bool:
+    """Whether an include was not followed here that may lead to a file which :func:`names_read_elsewhere` does not read."""
+    reached = {name.rsplit("/", 1)[-1] for name in source.trees}
+    own = "" if source.package is None else f"$(find {source.package.name})"
+    for include in elements(source.trees, "xacro:include"):
+        filename = include.get("filename")
+        outside = "$(find" in filename and not (own and own in filename)
+        # Without a package the model's own folder is known, and nothing around or below it.
+        outside |= source.package is None and ("/" in filename or "$" in filename)
+        if outside and filename.rsplit("/", 1)[-1] not in reached:
+            return True
+    return False
+
+
 def typed_at(source: Source, problem: Problem, expression: str) -> Location:
     """Where the expression that failed was typed: at the problem's place, or in a definition that is read there."""
 

@@ -8,16 +8,25 @@ import re
 from urdfcheck.source.xml import Attribute, Element
 
 # What urdfdom's locale-independent conversion takes in full; Python's float() takes more (1_000, infinity, nan).
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+
+# Lengths, masses and inertias beyond this are in no robot, and five of them multiplied (a volume times a squared length)
+# are still a double; so are five of its inverse.
+LARGEST = 1e50
 
 
 def number(text: str) -> float | None:
     """A finite number as URDF spells it, else None."""
     stripped = text.strip()
-    if not _NUMBER.fullmatch(stripped):
+    if not DECIMAL.fullmatch(stripped):
         return None
     value = float(stripped)
     return value if math.isfinite(value) else None
+
+
+def computable(value: float) -> bool:
+    """Whether products and quotients of such numbers stay within the range of a double."""
+    return value == 0 or 1 / LARGEST <= abs(value) <= LARGEST
 
 
 def numbers(text: str, count: int) -> tuple[float, ...] | None:

@@ -23,7 +23,7 @@ from xml.dom import UserDataHandler, minidom
 from xml.parsers import expat
 
 from urdfcheck.core import Location, Span
-from urdfcheck.source.expressions import FORBIDDEN_FUNCTIONS, refusal
+from urdfcheck.source.expressions import FORBIDDEN_FUNCTIONS, OUTSIDE, refusal
 from urdfcheck.source.packages import PackageFinder, display_name
 from urdfcheck.source.problems import Problem
 from urdfcheck.source.xml import (
@@ -68,11 +68,21 @@ class Expansion:
 
 
 class _Refused(Exception):
-    """An expression that must not be evaluated."""
+    """An expression that must not be evaluated. ``kind``: see :class:`~urdfcheck.source.expressions.Refusal`."""
 
-    def __init__(self, reason: str, expression: str = "") -> None:
+    def __init__(self, kind: str, reason: str, expression: str = "") -> None:
         super().__init__(reason)
+        self.kind = kind
         self.expression = expression
+
+
+class _YamlError(Exception):
+    """A yaml file that cannot be read, at the place in it that yaml names."""
+
+    def __init__(self, file: str, reason: str, span: Span) -> None:
+        super().__init__(reason)
+        self.file = file
+        self.span = span
 
 
 class _NoPackage(Exception):
@@ -151,6 +161,7 @@ class _Tracer:
         self.failed_at: Location | None = None
         self.failed_calls: list[_Call] = []
         self.failed_reads: list[Definition] = []
+        self.failed_extension = ""
 
     # -- reporting ---------------------------------------------------------------------------------------------
 
@@ -184,7 +195,7 @@ class _Tracer:
         cause: BaseException | None = error
         while cause is not None:
             if isinstance(cause, _Refused):
-                self.problem("unsafe-expression", str(cause), at, expression=cause.expression)
+                self.problem("unsafe-expression", str(cause), at, expression=cause.expression, refusal=cause.kind)
                 return
             if isinstance(cause, _NoPackage):
                 self.problem("package-not-found", str(cause), at, package=cause.name)
@@ -193,13 +204,24 @@ class _Tracer:
                 via = tuple(c.span for c in self.failed_calls if c.span is not None)
                 self.problem(cause.reason, str(cause), Location("", cause.span, via))
                 return
+            if isinstance(cause, _YamlError):
+                via = tuple(c.span for c in self.failed_calls if c.span is not None)
+                self.problem(
+                    "expansion-failed", str(cause), Location("yaml", cause.span, via), reader=at, file=cause.file
+                )
+                return
             if isinstance(cause, RecursionError):
                 at, message = self.first_repetition(str(cause)) or (at, message)
             if isinstance(cause, substitution.ArgException):
                 missing = str(cause)
             cause = getattr(cause, "exc", None) or cause.__cause__
         self.problem(
-            "argument-missing" if missing else "expansion-failed", message, at, argument=missing, macros=self.macros()
+            "argument-missing" if missing else "expansion-failed",
+            message,
+            at,
+            argument=missing,
+            macros=self.macros(),
+            evaluated=self.failed_extension,
         )
 
     def macros(self) -> tuple[str, ...]:
@@ -331,6 +353,8 @@ class _Tracer:
 
     def load_yaml(self, original: Callable[..., Any]) -> Callable[..., Any]:
         def wrapper(filename: str) -> Any:
+            import yaml
+
             from urdfcheck.source.yaml import traced
 
             try:
@@ -338,6 +362,13 @@ class _Tracer:
                 value = original(filename)
             except self._xacro.XacroException:
                 raise
+            except yaml.MarkedYAMLError as error:
+                path, mark = Path(self._xacro.abs_filename_spec(filename)), error.problem_mark or error.context_mark
+                if mark is None:
+                    raise
+                reason = ", ".join(part for part in (error.context, error.problem) if part)
+                span = SourceFile.read(path, display_name(path)).span(mark.index, mark.index + 1)
+                raise _YamlError(display_name(path), reason, span) from error
             except Exception as error:
                 # yaml's message names line and column, and spans several lines.
                 text = " ".join(str(error).split())
@@ -426,19 +457,32 @@ class _Tracer:
 
     def safe_eval(self, original: Callable[..., Any]) -> Callable[..., Any]:
         def wrapper(expression: str, symbols: Any, local: Any = None) -> Any:
-            reason = refusal(expression)
-            if reason is not None:
-                raise _Refused(reason, expression)
-            return original(expression, symbols, local)
+            refused = refusal(expression)
+            if refused is not None:
+                raise _Refused(refused.kind, refused.reason, expression)
+            try:
+                return original(expression, symbols, local)
+            except NameError as error:
+                unknown = re.search(r"name '([^']+)' is not defined", str(error))
+                # Only a call is meant for Python: `${type}` is a property that somebody forgot.
+                if unknown and unknown.group(1) in OUTSIDE and re.search(rf"\b{unknown.group(1)}\s*\(", expression):
+                    raise _Refused("outside", f"{unknown.group(1)} is no function of xacro", expression) from error
+                raise
 
         return wrapper
 
     def evaluate_extension(self, original: Callable[..., Any]) -> Callable[..., Any]:
         def wrapper(expression: str, context: Any) -> Any:
-            reason = refusal(expression)
-            if reason is not None:
-                raise _Refused(reason, expression)
-            return original(expression, context)
+            refused = refusal(expression)
+            if refused is not None:
+                raise _Refused(refused.kind, refused.reason, expression)
+            if "__" in expression:  # xacro looks for it in the text, whether or not the text is an expression
+                raise _Refused("outside", "xacro takes no name with two underscores in $(eval …)", expression)
+            try:
+                return original(expression, context)
+            except Exception:
+                self.failed_extension = self.failed_extension or f"$(eval {expression})"
+                raise
 
         return wrapper
 
@@ -478,7 +522,7 @@ class _Tracer:
             finally:
                 self.calls.pop()
             # An optional include that failed stopped nothing.
-            self.failed_at, self.failed_calls, self.failed_reads = None, [], []
+            self.failed_at, self.failed_calls, self.failed_reads, self.failed_extension = None, [], [], ""
 
         return wrapper
 
@@ -736,7 +780,7 @@ def _silent(name: str) -> Callable[..., None]:
 
 def _refusing(name: str) -> Callable[..., None]:
     def refuse(*_: Any, **__: Any) -> None:
-        raise _Refused(f"{name} leads out of xacro's language")
+        raise _Refused("unsafe", f"{name} leads out of xacro's language")
 
     return refuse
 

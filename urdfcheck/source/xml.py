@@ -320,9 +320,26 @@ def parse(source: SourceFile) -> Element:
         parser.Parse(data, True)
     except expat.ExpatError as error:
         at = min(offset(max(parser.ErrorByteIndex, 0)), len(text))
-        raise XmlError("malformed", expat.ErrorString(error.code), source.span(at, min(at + 1, len(text)))) from None
+        said = _said(error.code, stack, text)
+        raise XmlError("malformed", said, source.span(at, min(at + 1, len(text)))) from None
     assert root is not None, "expat accepts no document without a root element"
     return root
+
+
+def _said(code: int, stack: list[Element], text: str) -> str:
+    """expat's words for an error, with the element that is still open where the error is about its end."""
+    said: str = expat.ErrorString(code)
+    if not text.strip():
+        return "the file is empty"
+    if not stack:
+        return said
+    line = stack[-1].span.line if stack[-1].span is not None else 0
+    opened = f"<{stack[-1].tag}>, opened in line {line}"
+    if said == expat.errors.XML_ERROR_TAG_MISMATCH:
+        return f"{said}: {opened}, has not been closed"
+    if said == expat.errors.XML_ERROR_NO_ELEMENTS:
+        return f"the file ends before {opened}, is closed"
+    return said
 
 
 def _read_tag(text: str, begin: int) -> tuple[int, dict[str, tuple[tuple[int, int], str]]]:
