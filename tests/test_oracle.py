@@ -77,6 +77,6 @@ def test_frames_of_the_corpus(corpus: Path, tmp_path: Path) -> None:
             sound = build(model)
         except Unavailable:
             continue
-        assert not sound.refused, (entry["id"], sound.messages)
+        assert sound.model is not None, (entry["id"], sound.messages)
         compared += same_frames_as_pinocchio(model) > 0
     assert compared > 80
