@@ -111,7 +111,7 @@ def explain(rule: Rule) -> str:
     parts.append(body)
     if rule.options:
         options = [
-            f"* `{o.name}` = {o.default} {o.unit.replace('1', '').strip()}: {o.doc}" for o in rule.options.values()
+            f"* `{o.name}` = {o.default} {'' if o.unit == '1' else o.unit}: {o.doc}" for o in rule.options.values()
         ]
         parts.append("## Options\n\n" + "\n".join(options))
     return "\n\n".join(parts)

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from urdfcheck.core import Run
 
 OK, FINDINGS, FAILED, NOTHING = 0, 1, 2, 3
-COMMANDS = ("check", "rule")
 # Words that later versions use as commands: a file of this name is written ./baseline.
 RESERVED = ("baseline", "init", "diff", "lsp", "config", "cache", "engines", "drop", "srdf", "audit")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
@@ -10,6 +11,7 @@ from typing import Any, Protocol, runtime_checkable
 from urdfcheck.errors import Unavailable, UrdfcheckError
 
 __all__ = [
+    "NEWLINE",
     "Applicability",
     "Cause",
     "Computed",
@@ -34,6 +36,10 @@ __all__ = [
     "Unavailable",
     "UrdfcheckError",
 ]
+
+
+# What ends a line for every span: str.splitlines() would also break at form feeds and Unicode separators.
+NEWLINE = re.compile(r"\r\n|\n|\r")
 
 
 class Severity(IntEnum):

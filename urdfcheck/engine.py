@@ -69,7 +69,6 @@ def run(
         severities=request.severities,
         packages={name: str(path) for name, path in request.packages.items()},
         package_paths=tuple(str(p) for p in request.package_paths),
-        targets=request.targets,
         scene=request.scene,
     )
     units = _units(found, request.root)

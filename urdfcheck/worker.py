@@ -57,7 +57,6 @@ class Settings:
     severities: Mapping[str, str] = field(default_factory=dict)
     packages: Mapping[str, str] = field(default_factory=dict)
     package_paths: tuple[str, ...] = ()
-    targets: tuple[str, ...] = ()
     scene: bool = False
 
 

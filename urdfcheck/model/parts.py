@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOVING_TYPES = frozenset({"revolute", "continuous", "prismatic", "floating", "planar"})
-JOINT_TYPES = MOVING_TYPES | {"fixed"}
 _ZERO = (0.0, 0.0, 0.0)
 TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 SHAPES = ("mesh", "box", "cylinder", "sphere", "capsule")

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import re
 import unicodedata
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from urdfcheck.core import Span
+from urdfcheck.core import NEWLINE, Span
 
 # A span over many lines (an element) shows its first lines only.
 MAX_LINES = 6
-# What ends a line for the spans: str.splitlines() would also break at form feeds and Unicode separators.
-NEWLINE = re.compile(r"\r\n|\n|\r")
 
 
 @dataclass(frozen=True, slots=True)

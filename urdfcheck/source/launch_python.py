@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from urdfcheck.core import Location, Span
+from urdfcheck.core import NEWLINE, Location, Span
 from urdfcheck.source.packages import BUILT, PackageFinder, display_name, subfolders
 from urdfcheck.source.problems import Problem
 from urdfcheck.source.xml import SourceFile, read_regular
@@ -20,7 +20,6 @@ from urdfcheck.source.xml import SourceFile, read_regular
 MODEL_SUFFIXES = (".urdf", ".xacro")
 # A path that is longer is none: it comes from names that multiply each other.
 MAX_LENGTH = 4000
-_NEWLINE = re.compile(r"\r\n|\n|\r")
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,14 +73,14 @@ def read_python(path: Path, finder: PackageFinder) -> PythonLaunch:
 
 def _lines(text: str) -> list[int]:
     """Where each line begins, as Python counts them."""
-    return [0, *(m.end() for m in _NEWLINE.finditer(text))]
+    return [0, *(m.end() for m in NEWLINE.finditer(text))]
 
 
 def _place(file: SourceFile, line: int | None, column: int) -> Span:
     """The rest of a line from a column, as far as there is one."""
     starts = _lines(file.text)
     begin = starts[min(max(line or 1, 1), len(starts)) - 1]
-    stop = _NEWLINE.search(file.text, begin)
+    stop = NEWLINE.search(file.text, begin)
     end = len(file.text) if stop is None else stop.start()
     return file.span(min(begin + max(column, 0), end), end)
 

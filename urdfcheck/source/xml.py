@@ -15,14 +15,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
 
-from urdfcheck.core import Location, Span
+from urdfcheck.core import NEWLINE, Location, Span
 
 MAX_DEPTH = 256
 
 _DECLARED = re.compile(rb"""^\s*<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 # Codecs of Python that are no character encoding of a file.
 _NO_CHARSETS = frozenset({"idna", "punycode", "raw-unicode-escape", "undefined", "unicode-escape"})
-_NEWLINE = re.compile(r"\r\n|\n|\r")
 _BREAK = re.compile(r"\r\n|[\r\n\t]")
 _ATTRIBUTE = re.compile(r"""\s+([^\s=/>"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
 _SUBSTITUTION = re.compile(r"\$[({]")
@@ -179,7 +178,7 @@ class SourceFile:
         self.name = name
         self.text = text
         self.comments: list[Comment] = []
-        self._starts = [0, *(m.end() for m in _NEWLINE.finditer(text))]
+        self._starts = [0, *(m.end() for m in NEWLINE.finditer(text))]
 
     @classmethod
     def read(cls, path: Path, name: str) -> SourceFile:

@@ -7,14 +7,13 @@ from collections.abc import Mapping, Sequence
 from difflib import SequenceMatcher
 from itertools import groupby
 
-from urdfcheck.core import Edit, Span
+from urdfcheck.core import NEWLINE, Edit, Span
 from urdfcheck.output.frames import FrameLine, frame
 from urdfcheck.output.html.text import esc
 
 # A file in one line must neither flood the report nor hide the span: this much of it is shown on each side.
 MARGIN = 160
 LONGEST = 2 * MARGIN + 80
-_NEWLINE = re.compile(r"\r\n|\n|\r")
 # Enough to read XML by: comments, tags, attribute names, attribute values. Other text passes as it is.
 _TOKEN = re.compile(
     r"(?P<c><!--.*?(?:-->|$))|(?P<e></?[A-Za-z_][\w:.-]*|/?>)|(?P<a>[\w:.-]+(?=\s*=\s*[\"']))"
@@ -129,21 +128,21 @@ def diff(sources: Mapping[str, str], edits: Sequence[Edit]) -> str:
 
 
 def _bare(edit: Edit) -> str:
-    old, new = _NEWLINE.split(edit.expected), _NEWLINE.split(edit.replacement)
+    old, new = NEWLINE.split(edit.expected), NEWLINE.split(edit.replacement)
     return "".join(_diff_row("del", f"-{o}") for o in old) + "".join(_diff_row("ins", f"+{n}") for n in new)
 
 
 def _hunks(text: str, edits: Sequence[Edit]) -> list[str]:
     """One hunk for the edits of neighbouring lines, with a line of context; ``edits`` are sorted and of one file."""
     rows: list[str] = []
-    lines = _NEWLINE.split(text)
+    lines = NEWLINE.split(text)
     shift = 0
     for group in _neighbours(edits):
         first, last = group[0].span.line, max(e.span.end_line for e in group)
         before, after = lines[max(0, first - 2) : first - 1], lines[last : last + 1]
         start = group[0].span.start - (group[0].span.col - 1)
         old = lines[first - 1 : last]
-        new = _NEWLINE.split(_patched(text, start, group) + lines[last - 1][group[-1].span.end_col - 1 :])
+        new = NEWLINE.split(_patched(text, start, group) + lines[last - 1][group[-1].span.end_col - 1 :])
         new = [*before, *new, *after]
         old = [*before, *old, *after]
         top = first - len(before)
