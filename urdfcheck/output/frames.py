@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 from urdfcheck.core import NEWLINE, Span
@@ -49,8 +48,3 @@ def _spelled(character: str) -> str:
     if character in "\n\t" or unicodedata.category(character) not in {"Cc", "Cf", "Cs", "Co", "Zl", "Zp"}:
         return character
     return f"\\x{ord(character):02x}" if ord(character) < 0x100 else f"\\u{ord(character):04x}"
-
-
-def places(spans: Iterator[Span] | tuple[Span, ...]) -> list[str]:
-    """``file:line:column`` of each span."""
-    return [f"{s.file}:{s.line}:{s.col}" for s in spans]
