@@ -6,40 +6,66 @@ these numbers, and ``MeshFacts.unit`` and ``up_axis`` say what the file declares
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.facts.inertia import Solid, placed
 from urdfcheck.facts.mesh_decode import MeshError, RawMesh, decode
-from urdfcheck.facts.mesh_topology import Boundary, Edges, Surface, boundaries_of, edges_of, weld_exact, weld_near
+from urdfcheck.facts.mesh_moments import moments
+from urdfcheck.facts.mesh_topology import (
+    Boundary,
+    Edges,
+    Surface,
+    boundaries_of,
+    component_sizes,
+    meets,
+    repeated_faces,
+    weld_exact,
+    weld_near,
+    without_repeated,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     Array = NDArray[np.float64]
+    Parts = MutableMapping[str, Mapping[str, NDArray[Any]]]
 
-__all__ = ["Boundary", "MeshError", "MeshFacts", "hull_vertices", "mesh_facts", "transformed_moments"]
-
-_Scalar = TypeVar("_Scalar", bound=np.generic)
+__all__ = ["Boundary", "Hull", "MeshError", "MeshFacts", "hull_of", "known_facts", "mesh_facts", "transformed_moments"]
 
 # Exporters write one corner of several triangles with different float noise. The least of these, as fractions of the
-# diagonal, that closes a mesh is taken: residue of zero, one float32 rounding, and up to a micrometre on a metre where
-# transforms came between, which is still far below any feature of a part.
-_NOISE = (1e-9, 6e-8, 1e-6)
+# diagonal, that leaves the fewest edges open is taken: residue of zero, one float32 rounding, and up to five micrometres on
+# a metre where transforms came between (a part of 0.1 m that was placed 1 m from the origin when single precision rounded
+# its corners: 1.2e-6), which is still far below any feature of a part.
+_NOISE = (1e-9, 6e-8, 1e-6, 5e-6)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Hull:
+    """A convex hull: corners ``vertices`` (K, 3), triangles ``faces`` (F, 3) of them that face outwards, ``volume``, ``area``.
+
+    Of a flat or straight mesh it is the bounding box, which contains it, with the volume 0."""
+
+    vertices: Array
+    faces: NDArray[np.int64]
+    volume: float
+    area: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class MeshFacts:
     """A mesh, measured. Arrays are read-only; lengths are in file units.
 
     ``vertices`` (V, 3) and ``faces`` (F, 3): equal corners merged whatever their normals and texture coordinates,
-    triangles with a non-finite corner, with a repeated corner and repeated triangles dropped. If the mesh is open
-    then, corners within ``weld_distance``, at most 1e-6 of the diagonal, of each other are merged too, when that
-    closes it; else ``weld_distance`` is 0.
+    triangles with a non-finite or a repeated corner dropped. Triangles with the corners of an earlier one are dropped too,
+    unless the surface is closed with them and not open without; and if corners within ``weld_distance``, at most 1e-6 of
+    the diagonal, can be merged so that nothing is open any more, they are; else ``weld_distance`` is 0.
 
     ``n_triangles``: as stored in the file; the counts ``degenerate_faces`` (a repeated corner or no area),
     ``duplicate_faces`` (the same corners as an earlier face, either way round) and ``non_finite_vertices`` (as stored)
@@ -51,14 +77,15 @@ class MeshFacts:
     it holds for closed bodies that touch along an edge, and it is what the volume integrals need.
     ``inside_out``: closed, with negative volume.
 
-    ``volume`` (signed), ``com`` (3,) and ``covariance`` (3, 3) about the COM: exact integrals over signed tetrahedra
-    at uniform density (Tonon, *Explicit exact formulas for the 3-D tetrahedron inertia tensor*, 2004); NaN for the
-    latter two without volume. They mean something when ``closed``. ``area``, ``surface_centroid`` (3,) and
-    ``surface_covariance`` (3, 3): the same of the surface as a thin shell; they always mean something.
+    ``volume`` (signed), ``com`` (3,) and ``covariance`` (3, 3) about the COM: exact integrals over the solid at uniform
+    density; NaN for the latter two without volume. They mean something when ``closed``. ``area``, ``surface_centroid`` (3,)
+    and ``surface_covariance`` (3, 3): the same of the surface as a thin shell; they always mean something.
 
     ``unit``: metres per unit as COLLADA declares it, None where it or another format does not. ``up_axis``: COLLADA's
     ``X_UP``, ``Y_UP`` (where it declares none) or ``Z_UP``; None in other formats. ``format`` and ``solid_header``:
     see `urdfcheck.facts.mesh_decode.RawMesh`.
+
+    ``parts`` holds the arrays, and what is computed when it is first asked for: hull, components, duplicate faces.
     """
 
     format: str
@@ -67,8 +94,6 @@ class MeshFacts:
     up_axis: str | None
     n_triangles: int
     n_vertices: int
-    vertices: Array
-    faces: NDArray[np.int64]
     bounds: Array
     volume: float
     com: Array
@@ -79,78 +104,219 @@ class MeshFacts:
     watertight: bool
     winding_consistent: bool
     closed: bool
-    inside_out: bool
     open_edges: int
-    boundaries: tuple[Boundary, ...]
     non_manifold_edges: int
     degenerate_faces: int
-    duplicate_faces: int
+    dropped_duplicates: int
     non_finite_vertices: int
     weld_distance: float
+    parts: Parts
+
+    @property
+    def inside_out(self) -> bool:
+        return self.closed and self.volume < 0.0
+
+    @cached_property
+    def vertices(self) -> Array:
+        return _frozen(self.parts["surface"]["vertices"].astype(np.float64))
+
+    @cached_property
+    def faces(self) -> NDArray[np.int64]:
+        return _frozen(self.parts["surface"]["faces"].astype(np.int64))
+
+    @cached_property
+    def boundaries(self) -> tuple[Boundary, ...]:
+        return boundaries_of(self.vertices, self._edges.open) if self.open_edges else ()
+
+    @cached_property
+    def non_manifold_lines(self) -> Array:
+        """Ends (n, 2, 3) of the edges of three or more faces."""
+        return self.vertices[self._edges.non_manifold]
+
+    @cached_property
+    def flipped_lines(self) -> Array:
+        """Ends (n, 2, 3) of the edges along which their two faces run the same way."""
+        return self.vertices[self._edges.flipped]
+
+    @cached_property
+    def _edges(self) -> Edges:
+        return meets(self.faces, self.n_vertices)
+
+    @property
+    def duplicate_faces(self) -> int:
+        def count() -> Mapping[str, NDArray[Any]]:
+            return {"count": repeated_faces(self.faces).sum()}
+
+        return self.dropped_duplicates + int(self._part("duplicates", count)["count"])
+
+    @property
+    def components(self) -> NDArray[np.int64]:
+        """Number of faces of each piece that hangs together by vertices, largest first."""
+        return self._part("components", lambda: {"sizes": component_sizes(self.faces, self.n_vertices)})["sizes"]
+
+    @cached_property
+    def hull(self) -> Hull:
+        def compute() -> Mapping[str, NDArray[Any]]:
+            hull = hull_of(self.vertices)
+            return {"vertices": hull.vertices, "faces": hull.faces, "sizes": np.array((hull.volume, hull.area))}
+
+        part = self._part("hull", compute)
+        volume, area = map(float, part["sizes"])
+        return Hull(_frozen(part["vertices"]), _frozen(part["faces"]), volume, area)
+
+    def _part(self, name: str, compute: Callable[[], Mapping[str, NDArray[Any]]]) -> Mapping[str, NDArray[Any]]:
+        if name not in self.parts:
+            self.parts[name] = compute()
+        return self.parts[name]
 
 
-def mesh_facts(data: bytes, file_type: str) -> MeshFacts:
+def mesh_facts(data: bytes, file_type: str, parts: Parts | None = None) -> MeshFacts:
     """Measure the mesh file ``data``; ``file_type`` is its extension in lower case, without the dot.
+
+    What is found is put into ``parts``, from which `known_facts` gives it back.
 
     :raises MeshError: when it is no complete mesh file, or holds no triangle with finite corners.
     """
-    raw = decode(data, file_type)
-    with np.errstate(over="ignore", invalid="ignore"):  # corners of 1e200 are a finding, not a warning on stderr
-        return _measure(raw)
+    parts = {} if parts is None else parts
+    try:
+        raw = decode(data, file_type)
+        with np.errstate(over="ignore", invalid="ignore"):  # corners of 1e200 are a finding, not a warning on stderr
+            return _measure(raw, parts)
+    except MeshError as error:
+        parts["error"] = {"text": _packed([error.reason_id, error.message])}
+        raise
 
 
-def _measure(raw: RawMesh) -> MeshFacts:
-    finite = np.asarray(np.isfinite(raw.vertices).all(axis=1))
-    usable = raw.faces[finite[raw.faces].all(axis=1)]
-    if not len(usable):
-        raise MeshError("no-triangles", "has a NaN or infinite corner in every triangle")
-    exact = weld_exact(raw.vertices, usable)
-    if not len(exact.faces):
-        raise MeshError("no-triangles", "has nothing but triangles that repeat a corner")
-    surface, edges, weld_distance = _close(exact, edges_of(exact.faces))
+def known_facts(parts: Parts) -> MeshFacts | None:
+    """The facts that an earlier `mesh_facts` put into ``parts``; None when there are none.
+
+    :raises MeshError: the one that it raised.
+    """
+    if "error" in parts:
+        raise MeshError(*_unpacked(parts["error"]["text"]))
+    if "summary" not in parts:
+        return None
+    fields = _unpacked(parts["summary"]["text"])
+    arrays = {name: _frozen(np.array(v)) for name, v in fields.items() if isinstance(v, list)}
+    return MeshFacts(**{**fields, **arrays}, parts=parts)
+
+
+def _measure(raw: RawMesh, parts: Parts) -> MeshFacts:
+    surface, non_finite = _welded(raw)
+    edges = meets(surface.faces, len(surface.vertices))
+    weld_distance = 0.0
+    if not edges.watertight:
+        surface, edges, weld_distance = _mended(surface, edges)
     vertices, faces = surface.vertices, surface.faces
-    corners = vertices[faces]
-    volume, com, covariance = _volume_moments(corners)
-    area, surface_centroid, surface_covariance = _surface_moments(corners)
-    return MeshFacts(
-        format=raw.format,
-        solid_header=raw.solid_header,
-        unit=raw.unit,
-        up_axis=raw.up_axis,
-        n_triangles=len(raw.faces),
-        n_vertices=len(vertices),
-        vertices=_frozen(vertices),
-        faces=_frozen(faces),
-        bounds=_frozen(np.array((vertices.min(axis=0), vertices.max(axis=0)))),
-        volume=volume,
-        com=_frozen(com),
-        covariance=_frozen(covariance),
-        area=area,
-        surface_centroid=_frozen(surface_centroid),
-        surface_covariance=_frozen(surface_covariance),
-        watertight=edges.watertight,
-        winding_consistent=edges.winding_consistent,
-        closed=edges.closed,
-        inside_out=edges.closed and volume < 0.0,
-        open_edges=len(edges.open),
-        boundaries=boundaries_of(vertices, edges.open),
-        non_manifold_edges=edges.non_manifold,
-        degenerate_faces=surface.degenerate + _without_area(corners),
-        duplicate_faces=surface.duplicate,
-        non_finite_vertices=int((~finite).sum()),
-        weld_distance=weld_distance,
-    )
+    integrals = moments(vertices, faces)
+    narrow = vertices.astype(np.float32)
+    parts["surface"] = {
+        "vertices": narrow if np.array_equal(narrow, vertices) else vertices,
+        "faces": faces.astype(np.int32),
+    }
+    fields: dict[str, Any] = {
+        "format": raw.format,
+        "solid_header": raw.solid_header,
+        "unit": raw.unit,
+        "up_axis": raw.up_axis,
+        "n_triangles": raw.n_triangles,
+        "n_vertices": len(vertices),
+        "bounds": np.array((vertices.min(axis=0), vertices.max(axis=0))),
+        "volume": integrals.volume,
+        "com": integrals.com,
+        "covariance": integrals.covariance,
+        "area": integrals.area,
+        "surface_centroid": integrals.surface_centroid,
+        "surface_covariance": integrals.surface_covariance,
+        "watertight": edges.watertight,
+        "winding_consistent": edges.winding_consistent,
+        "closed": edges.closed,
+        "open_edges": len(edges.open),
+        "non_manifold_edges": len(edges.non_manifold),
+        "degenerate_faces": surface.collapsed + integrals.flat,
+        "dropped_duplicates": surface.repeated,
+        "non_finite_vertices": non_finite,
+        "weld_distance": weld_distance,
+    }
+    parts["summary"] = {"text": _packed({k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in fields.items()})}
+    frozen: dict[str, Any] = {k: _frozen(v) if isinstance(v, np.ndarray) else v for k, v in fields.items()}
+    facts = MeshFacts(**frozen, parts=parts)
+    # In memory already, and as precise as they were measured.
+    facts.__dict__.update(vertices=_frozen(vertices), faces=_frozen(faces), _edges=edges)
+    return facts
 
 
-def hull_vertices(facts: MeshFacts) -> Array:
-    """Corners (K, 3) of the convex hull; of the bounding box, which contains it, when the mesh is flat."""
+def _welded(raw: RawMesh) -> tuple[Surface, int]:
+    """The surface of the triangles with finite corners, equal corners merged, and how many corners are not finite."""
+    finite = np.isfinite(raw.vertices)
+    if finite.all():
+        points, faces, non_finite = raw.vertices, raw.faces, 0
+    else:
+        usable = finite.all(axis=1)
+        non_finite = int((~usable).sum())
+        corners = np.arange(len(raw.vertices)).reshape(-1, 3) if raw.faces is None else raw.faces
+        points, faces = raw.vertices, corners[usable[corners].all(axis=1)]
+        if not len(faces):
+            raise MeshError("no-triangles", "has a NaN or infinite corner in every triangle")
+    surface = weld_exact(points, faces)
+    if not len(surface.faces):
+        raise MeshError("no-triangles", "has nothing but triangles that repeat a corner")
+    return surface, non_finite
+
+
+def _mended(surface: Surface, edges: Edges) -> tuple[Surface, Edges, float]:
+    """Without repeated faces; and with float noise merged, and by how much, if that leaves fewer edges open."""
+    surface, edges = _single(surface, edges)
+    best = surface, edges, 0.0
+    diagonal = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
+    for distance in (noise * diagonal for noise in _NOISE):
+        if not len(best[1].open):
+            break
+        welded = weld_near(surface, edges.open, distance)
+        if welded is not None and len(welded.faces):
+            welded, met = _single(welded, meets(welded.faces, len(welded.vertices)))
+            closed = len(best[1].open) - len(met.open)
+            # What has become a point was no crack: the edges that are gone were longer than that.
+            if closed > 0 and _length(*best[:2]) - _length(welded, met) > 4.0 * distance * closed:
+                best = welded, met, distance
+    return best
+
+
+def _length(surface: Surface, edges: Edges) -> float:
+    """Of all open edges."""
+    starts, ends = surface.vertices[edges.open[:, 0]], surface.vertices[edges.open[:, 1]]
+    return float(np.linalg.norm(ends - starts, axis=1).sum())
+
+
+def _single(surface: Surface, edges: Edges) -> tuple[Surface, Edges]:
+    """Without repeated faces. Bodies that share a face keep both copies, which each needs to be closed; of a sheet with two
+    sides one is enough, and it is open."""
+    single = without_repeated(surface)
+    if single is surface:
+        return surface, edges
+    met = meets(single.faces, len(single.vertices))
+    return (single, met) if not edges.closed or len(met.open) else (surface, edges)
+
+
+def hull_of(points: Array) -> Hull:
+    """The convex hull of ``points`` (n, 3)."""
     from scipy.spatial import ConvexHull, QhullError
 
     try:
-        hull: Array = facts.vertices[ConvexHull(facts.vertices).vertices]
-        return hull
+        hull = ConvexHull(points)
     except (QhullError, ValueError):
-        return np.array(list(product(*facts.bounds.T)))
+        corners = np.array(list(product(*zip(points.min(axis=0), points.max(axis=0), strict=True))))
+        quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+        faces = np.array([(a, b, c) for a, b, c, _ in quads] + [(a, c, d) for a, _, c, d in quads])
+        return Hull(corners, faces, 0.0, float(moments(corners, faces).area))
+    number = np.zeros(len(points), dtype=np.int64)
+    number[hull.vertices] = np.arange(len(hull.vertices))
+    faces = number[hull.simplices]
+    vertices: Array = points[hull.vertices]
+    a, b, c = (vertices[column] for column in faces.T)
+    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0.0
+    faces[inward] = faces[inward][:, ::-1]
+    return Hull(vertices, faces, float(hull.volume), float(hull.area))
 
 
 def transformed_moments(facts: MeshFacts, scale: Sequence[float], rotation: ArrayLike, translation: ArrayLike) -> Solid:
@@ -165,55 +331,15 @@ def transformed_moments(facts: MeshFacts, scale: Sequence[float], rotation: Arra
     return placed(local, rotation, translation)
 
 
-def _close(surface: Surface, edges: Edges) -> tuple[Surface, Edges, float]:
-    """The surface with float noise merged and by how much, if that closes it; else as it is."""
-    if len(edges.open):
-        diagonal = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
-        for distance in (noise * diagonal for noise in _NOISE):
-            welded = weld_near(surface, distance)
-            if len(welded.faces) and not len((closed := edges_of(welded.faces)).open):
-                return welded, closed, distance
-    return surface, edges, 0.0
+def _packed(value: object) -> NDArray[np.uint8]:
+    """Plain values as bytes; floats survive to the last bit."""
+    return np.frombuffer(json.dumps(value).encode(), dtype=np.uint8)
 
 
-def _volume_moments(corners: Array) -> tuple[float, Array, Array]:
-    """Volume, COM and covariance from the tetrahedra that each triangle forms with a reference point.
-
-    The reference is the middle of the corners, not the origin, to keep the digits of a mesh that lies far away.
-    """
-    reference = corners.reshape(-1, 3).mean(axis=0)
-    size = float(np.ptp(corners.reshape(-1, 3), axis=0).max())
-    a, b, c = np.moveaxis(corners - reference, 1, 0)
-    six_volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
-    volume = float(six_volumes.sum()) / 6.0
-    if abs(volume) <= 1e-15 * size**3:
-        return volume, np.full(3, np.nan), np.full((3, 3), np.nan)
-    total = a + b + c
-    com = six_volumes @ total / 24.0 / volume
-    second = sum((p * six_volumes[:, None]).T @ p for p in (a, b, c, total)) / 120.0 / volume
-    return volume, com + reference, second - np.outer(com, com)
+def _unpacked(packed: NDArray[np.uint8]) -> Any:
+    return json.loads(packed.tobytes())
 
 
-def _surface_moments(corners: Array) -> tuple[float, Array, Array]:
-    reference = corners.reshape(-1, 3).mean(axis=0)
-    a, b, c = np.moveaxis(corners - reference, 1, 0)
-    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2.0
-    area = float(areas.sum())
-    if area == 0.0:
-        return 0.0, reference, np.zeros((3, 3))
-    total = a + b + c
-    centroid = areas @ total / 3.0 / area
-    second = sum((p * areas[:, None]).T @ p for p in (a, b, c, total)) / 12.0 / area
-    return area, centroid + reference, second - np.outer(centroid, centroid)
-
-
-def _without_area(corners: Array) -> int:
-    """Triangles whose distinct corners lie on one line, to within double rounding."""
-    ab, ac, bc = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], corners[:, 2] - corners[:, 1]
-    longest = np.maximum(np.maximum((ab**2).sum(axis=1), (ac**2).sum(axis=1)), (bc**2).sum(axis=1))
-    return int((np.linalg.norm(np.cross(ab, ac), axis=1) <= 1e-14 * longest).sum())
-
-
-def _frozen(array: NDArray[_Scalar]) -> NDArray[_Scalar]:
+def _frozen(array: NDArray[Any]) -> NDArray[Any]:
     array.setflags(write=False)
     return array

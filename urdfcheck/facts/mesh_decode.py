@@ -11,20 +11,20 @@ import json
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.facts.mesh_text import BadToken, Text
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    Indices = NDArray[np.int64]
+
 _STL_HEADER = 84
 _STL_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-_NUMBER = rb"([^\s]+)"
-_STL_VERTEX = re.compile(rb"\bvertex\s+" + _NUMBER + rb"\s+" + _NUMBER + rb"\s+" + _NUMBER, re.IGNORECASE)
-_STL_LOOP = re.compile(rb"\bouter\s+loop\b(.*?)\bendloop\b", re.IGNORECASE | re.DOTALL)
-_STL_FACET_WORD = re.compile(rb"\bfacet\b", re.IGNORECASE)
+_COMMENT = re.compile(rb"#[^\r\n]*")
 # First bytes that tell a format whatever the file is called. STL, OBJ and OFF readers would find garbage or nothing.
 _SIGNATURES = {"dae": (b"<?xml", b"<COLLADA"), "ply": (b"ply\n", b"ply\r"), "glb": (b"glTF",)}
 # In UTF-16 too.
@@ -50,18 +50,23 @@ class MeshError(Exception):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RawMesh:
-    """Triangles as a file stores them: ``vertices`` (V, 3) in file units, ``faces`` (F, 3), scene transforms applied.
+    """Triangles as a file stores them: ``vertices`` (V, 3) in file units, float32 or float64, ``faces`` (F, 3), scene
+    transforms applied. Without faces each three vertices in turn are a triangle.
 
     ``format``: the file type, but ``stl-binary`` or ``stl-ascii``. ``solid_header``: a binary STL that begins with
     ``solid`` as an ASCII one must. ``unit`` (metres per file unit) and ``up_axis``: COLLADA's.
     """
 
     format: str
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int64]
+    vertices: NDArray[np.floating]
+    faces: NDArray[np.int64] | None
     solid_header: bool = False
     unit: float | None = None
     up_axis: str | None = None
+
+    @property
+    def n_triangles(self) -> int:
+        return len(self.vertices) // 3 if self.faces is None else len(self.faces)
 
 
 def decode(data: bytes, file_type: str) -> RawMesh:
@@ -77,7 +82,7 @@ def decode(data: bytes, file_type: str) -> RawMesh:
     except Exception as error:  # loaders raise whatever their internals do: AttributeError, IndexError, DaeError …
         text = " ".join(str(error).split())[:200]
         raise MeshError("malformed", f"cannot be read as {file_type}: {type(error).__name__}: {text}") from error
-    if not len(mesh.faces):
+    if not mesh.n_triangles:
         raise MeshError("no-triangles", "holds no triangles")
     return mesh
 
@@ -106,7 +111,7 @@ def _from_stl(data: bytes) -> RawMesh:
     solid = data[:512].lstrip()[:5].lower() == b"solid"
     if len(data) >= _STL_HEADER and len(data) == expected:
         corners = np.frombuffer(data, _STL_FACET, count=declared, offset=_STL_HEADER)["corners"]
-        return _soup("stl-binary", corners.reshape(-1, 3), solid)
+        return RawMesh("stl-binary", np.ascontiguousarray(corners, dtype=np.float32).reshape(-1, 3), None, solid)
     if solid and b"\0" not in data:
         return _from_ascii_stl(data)
     if len(data) < _STL_HEADER:
@@ -126,75 +131,120 @@ def _from_stl(data: bytes) -> RawMesh:
 
 
 def _from_ascii_stl(data: bytes) -> RawMesh:
-    loops = [_STL_VERTEX.findall(loop) for loop in _STL_LOOP.findall(data)]
-    for number, loop in enumerate(loops, 1):
-        if len(loop) != 3:
-            raise MeshError("malformed", f"has {len(loop)} vertices in facet {number}, where a triangle has 3")
-    declared = len(_STL_FACET_WORD.findall(data))
-    if len(loops) < declared:
-        raise MeshError("truncated", f"is truncated: {declared:,} facets begin and {len(loops):,} are complete")
-    return _soup("stl-ascii", np.array(loops, dtype=np.bytes_).astype(np.float64).reshape(-1, 3), False)
+    text = Text(_nameless(data))
+    begins, ends = np.flatnonzero(text.spell(b"outer")), np.flatnonzero(text.spell(b"endloop"))
+    corners = np.flatnonzero(text.spell(b"vertex"))
+    facets = int(np.count_nonzero(text.spell(b"facet")))
+    if len(ends) < facets:
+        raise MeshError("truncated", f"is truncated: {facets:,} facets begin and {len(ends):,} are complete")
+    if len(begins) != len(ends):
+        raise MeshError("malformed", f"has {len(begins):,} times 'outer loop' and {len(ends):,} times 'endloop'")
+    counts = np.searchsorted(corners, ends) - np.searchsorted(corners, begins)
+    for number in np.flatnonzero(counts != 3)[:1]:
+        raise MeshError("malformed", f"has {counts[number]} vertices in facet {number + 1}, where a triangle has 3")
+    inside = corners[np.searchsorted(begins, corners) > np.searchsorted(ends, corners)]
+    return RawMesh("stl-ascii", _numbers(text, inside[:, None] + (1, 2, 3), "stl"), None)
 
 
-def _soup(name: str, corners: NDArray[np.floating], solid_header: bool) -> RawMesh:
-    faces = np.arange(len(corners), dtype=np.int64).reshape(-1, 3)
-    with np.errstate(invalid="ignore"):  # a broken file's NaN; it is counted later
-        wide = corners.astype(np.float64)
-    return RawMesh(name, wide, faces, solid_header)
+def _nameless(data: bytes) -> bytes:
+    """Without the lines that begin and end a solid: its name may hold any word."""
+    word = b"SOLID" if data[:512].lstrip().startswith(b"SOLID") else b"solid"
+    parts, at = [], 0
+    while (begin := data.find(word, at)) >= 0:
+        parts.append(data[at:begin])
+        at = data.find(b"\n", begin)
+        if at < 0:
+            return b"".join(parts)
+    return b"".join((*parts, data[at:]))
 
 
 def _from_obj(data: bytes) -> RawMesh:
     if b"\0" in data:
         raise MeshError("malformed", "holds binary data, and OBJ is text")
-    vertices: list[tuple[float, float, float]] = []
-    faces: list[tuple[int, int, int]] = []
-    for number, line in enumerate(data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").splitlines(), 1):
-        keyword, *words = line.partition(b"#")[0].split() or [b""]
-        try:
-            if keyword == b"v":
-                vertices.append((float(words[0]), float(words[1]), float(words[2])))
-            elif keyword == b"f":
-                corners = [_obj_index(word, len(vertices)) for word in words]
-                faces += [(corners[0], b, c) for b, c in pairwise(corners[1:])]
-        except (ValueError, IndexError):
-            text = line.decode(errors="replace")[:80]
-            raise MeshError("malformed", f"cannot be read as obj: line {number} is {text!r}") from None
-    return _checked("obj", vertices, faces)
-
-
-def _obj_index(word: bytes, count: int) -> int:
-    index = int(word.partition(b"/")[0])
-    return index - 1 if index > 0 else count + index if index < 0 else -1
+    if b"\\" in data:
+        data = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
+    text = Text(_COMMENT.sub(b"", data))
+    starts = text.line_starts()
+    counts = np.diff(starts, append=len(text)) - 1
+    is_vertex, is_face = (text.spell(word)[starts] for word in (b"v", b"f"))
+    for line in np.flatnonzero(is_vertex & (counts < 3))[:1]:
+        raise _bad_line(text, starts[line], "obj")
+    vertices = _numbers(text, starts[is_vertex][:, None] + (1, 2, 3), "obj")
+    faces, line = _fans(text, starts[is_face] + 1, counts[is_face], "obj")
+    # Negative indices count back from the vertices so far; there is no vertex 0.
+    before = np.cumsum(is_vertex)[is_face][line][:, None]
+    return _checked("obj", vertices, np.where(faces > 0, faces - 1, np.where(faces < 0, before + faces, -1)))
 
 
 def _from_off(data: bytes) -> RawMesh:
-    lines = [words for line in data.splitlines() if (words := line.partition(b"#")[0].split())]
-    header = lines[0][0] if lines else b""
+    text = Text(_COMMENT.sub(b"", data))
+    starts = text.line_starts()
+    header = text.token(0) if len(text) else b""
     if not re.fullmatch(rb"(ST)?C?N?OFF", header):
         raise MeshError("malformed", "does not begin as an off file does")
-    counts = lines[0][1:] or lines[1]
-    n_vertices, n_faces = int(counts[0]), int(counts[1])
-    body = lines[1:] if lines[0][1:] else lines[2:]
+    # The counts stand beside the header word or on a line of their own.
+    beside = len(starts) == 1 or starts[1] > 1
+    n_vertices, n_faces = map(int, _indices(text, np.array((0, 1)) + (1 if beside else starts[1]), "off"))
+    body = starts[1:] if beside else starts[2:]
     if len(body) < n_vertices + n_faces:
         raise MeshError(
             "truncated",
             f"is truncated: it declares {n_vertices:,} vertices and {n_faces:,} faces, "
             f"{n_vertices + n_faces:,} lines, and has {len(body):,}",
         )
-    vertices = [(float(x), float(y), float(z)) for x, y, z, *_ in body[:n_vertices]]
-    faces = []
-    for words in body[n_vertices : n_vertices + n_faces]:
-        corners = [int(word) for word in words[1 : 1 + int(words[0])]]
-        faces += [(corners[0], b, c) for b, c in pairwise(corners[1:])]
-    return _checked("off", vertices, faces)
+    points, polygons = body[:n_vertices], body[n_vertices : n_vertices + n_faces]
+    if len(points) and points[-1] + 3 >= len(text):
+        raise _bad_line(text, points[-1], "off")
+    corners, _ = _fans(text, polygons + 1, _indices(text, polygons, "off"), "off")
+    return _checked("off", _numbers(text, points[:, None] + (0, 1, 2), "off"), corners)
 
 
-def _checked(name: str, vertices: list[tuple[float, float, float]], faces: list[tuple[int, int, int]]) -> RawMesh:
-    corners = np.array(faces, dtype=np.int64).reshape(-1, 3)
-    outside = (corners < 0) | (corners >= len(vertices))
+def _fans(text: Text, first: Indices, counts: Indices, name: str) -> tuple[Indices, Indices]:
+    """Polygons as triangles (F, 3) around their first corner, and the polygon (F,) that each is of.
+
+    ``first`` and ``counts``: the token of each polygon's first corner and how many it has."""
+    triangles, owners = [np.empty((0, 3), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
+    for count in np.unique(counts[counts > 2]):
+        polygon = np.flatnonzero(counts == count)
+        if first[polygon[-1]] + count > len(text):
+            raise _bad_line(text, first[polygon[-1]] - 1, name)
+        corners = _indices(text, first[polygon][:, None] + np.arange(count), name)
+        fan = np.stack((np.zeros(count - 2, dtype=np.int64), np.arange(1, count - 1), np.arange(2, count)), axis=1)
+        triangles.append(corners[:, fan].reshape(-1, 3))
+        owners.append(np.repeat(polygon, count - 2))
+    owner = np.concatenate(owners)
+    order = np.argsort(owner, kind="stable")
+    return np.concatenate(triangles)[order], owner[order]
+
+
+def _numbers(text: Text, tokens: Indices, name: str) -> NDArray[np.float64]:
+    if tokens.size and tokens.max() >= len(text):
+        raise _bad_line(text, len(text) - 1, name)
+    try:
+        return text.numbers(tokens)
+    except BadToken as bad:
+        raise _bad_line(text, bad.index, name) from None
+
+
+def _indices(text: Text, tokens: Indices, name: str) -> Indices:
+    if tokens.size and tokens.max() >= len(text):
+        raise _bad_line(text, len(text) - 1, name)
+    try:
+        return text.indices(tokens)
+    except BadToken as bad:
+        raise _bad_line(text, bad.index, name) from None
+
+
+def _bad_line(text: Text, token: int, name: str) -> MeshError:
+    number, line = text.place(token)
+    return MeshError("malformed", f"cannot be read as {name}: line {number} is {line!r}")
+
+
+def _checked(name: str, vertices: NDArray[np.float64], faces: Indices) -> RawMesh:
+    outside = (faces < 0) | (faces >= len(vertices))
     if outside.any():
         raise MeshError("malformed", f"has {int(outside.any(axis=1).sum()):,} faces that name a vertex it lacks")
-    return RawMesh(name, np.array(vertices, dtype=np.float64).reshape(-1, 3), corners)
+    return RawMesh(name, vertices, faces)
 
 
 def _from_dae(data: bytes) -> RawMesh:
@@ -233,9 +283,9 @@ def _from_ply(data: bytes) -> RawMesh:
     mesh = _from_trimesh(data, "ply")
     # trimesh reads as many lines of an ASCII file as there are.
     declared = re.search(rb"^element\s+face\s+(\d+)", data.partition(b"end_header")[0], re.MULTILINE)
-    if declared and 0 < len(mesh.faces) < int(declared[1]):
+    if declared and 0 < mesh.n_triangles < int(declared[1]):
         raise MeshError(
-            "truncated", f"is truncated: it declares {int(declared[1]):,} faces and has {len(mesh.faces):,}"
+            "truncated", f"is truncated: it declares {int(declared[1]):,} faces and has {mesh.n_triangles:,}"
         )
     return mesh
 

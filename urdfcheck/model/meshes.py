@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from urdfcheck.cache import Cache, version_of
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import Resource
@@ -14,6 +15,11 @@ from urdfcheck.source.xml import Attribute
 
 if TYPE_CHECKING:
     from urdfcheck.facts.mesh import MeshError, MeshFacts
+
+# What the measurements of a mesh depend on beside its content.
+MEASURING = tuple(
+    f"urdfcheck.facts.{name}" for name in ("mesh", "mesh_decode", "mesh_moments", "mesh_text", "mesh_topology")
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,19 +31,25 @@ class MeshUse:
     filename: Attribute
     resource: Resource
 
+    @property
+    def name(self) -> str:
+        """The file's name without its folders."""
+        return self.filename.value.rpartition("/")[2]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Meshes:
-    """``uses`` in document order; ``facts`` and ``errors`` by file, empty in the source tier."""
+    """``uses`` in document order; ``facts``, ``errors`` and ``digests`` of the content by file, empty in the source tier."""
 
     uses: tuple[MeshUse, ...]
     facts: Mapping[Path, MeshFacts]
     errors: Mapping[Path, MeshError]
+    digests: Mapping[Path, str]
     by_shape: Mapping[int, MeshUse]
 
     @classmethod
-    def of(cls, links: Sequence[Link], source: Source, *, read: bool) -> Meshes:
-        """Resolve the meshes of all links; with ``read``, read every file that exists."""
+    def of(cls, links: Sequence[Link], source: Source, cache: Cache, *, read: bool) -> Meshes:
+        """Resolve the meshes of all links; with ``read``, measure every file that exists, or recall what was measured."""
         uses: list[MeshUse] = []
         for link in links:
             for shape in (*link.visuals, *link.collisions):
@@ -46,11 +58,8 @@ class Meshes:
                     uses.append(
                         MeshUse(link, shape, filename, source.finder.resolve(filename.value, source.path.parent))
                     )
-        facts: dict[Path, MeshFacts] = {}
-        errors: dict[Path, MeshError] = {}
-        if read:
-            _read_all({u.resource.path for u in uses if u.resource.exists and u.resource.path}, facts, errors)
-        return cls(tuple(uses), facts, errors, {id(u.shape): u for u in uses})
+        found = cls(tuple(uses), {}, {}, {}, {id(u.shape): u for u in uses})
+        return found._read(cache) if read and found.by_file() else found
 
     def facts_of(self, shape: Shape) -> MeshFacts | None:
         """The facts of a shape's mesh; None when it is no mesh, is missing or could not be read."""
@@ -65,25 +74,40 @@ class Meshes:
                 found.setdefault(use.resource.path, []).append(use)
         return {path: tuple(sorted(uses, key=lambda u: u.shape.role != "collision")) for path, uses in found.items()}
 
+    def key(self, path: Path) -> str | None:
+        """What identifies a file's content and how it is read; None for a file that could not be opened."""
+        digest = self.digests.get(path)
+        return None if digest is None else f"{digest}-{_kind(path)}"
 
-def _read_all(paths: set[Path], facts: dict[Path, MeshFacts], errors: dict[Path, MeshError]) -> None:
-    from urdfcheck.facts.mesh import MeshError, mesh_facts
+    def _read(self, cache: Cache) -> Meshes:
+        from urdfcheck.facts.mesh import MeshError, known_facts, mesh_facts
 
-    by_content: dict[tuple[str, bytes], MeshFacts | MeshError] = {}
-    for path in sorted(paths):
-        kind = path.suffix.lower().lstrip(".")
-        try:
-            key = (kind, path.read_bytes())
-        except OSError as error:
-            errors[path] = MeshError("unreadable", error.strerror or str(error))
-            continue
-        if key not in by_content:
+        version = version_of(*MEASURING)
+        facts: dict[Path, MeshFacts] = {}
+        errors: dict[Path, MeshError] = {}
+        digests: dict[Path, str] = {}
+        by_content: dict[str, MeshFacts | MeshError] = {}
+        for path in sorted(self.by_file()):
+            kind = _kind(path)
             try:
-                by_content[key] = mesh_facts(key[1], kind)
+                digests[path], data = cache.digest(path)
+                key = f"{digests[path]}-{kind}-{version}"
+                if key not in by_content:
+                    parts = cache.entry("meshes", key)
+                    found = known_facts(parts) or mesh_facts(data or path.read_bytes(), kind, parts)
+                    by_content[key] = found
             except MeshError as error:
                 by_content[key] = error
-        known = by_content[key]
-        if isinstance(known, MeshError):
-            errors[path] = known
-        else:
-            facts[path] = known
+            except OSError as error:
+                errors[path] = MeshError("unreadable", error.strerror or str(error))
+                continue
+            known = by_content[key]
+            if isinstance(known, MeshError):
+                errors[path] = known
+            else:
+                facts[path] = known
+        return replace(self, facts=facts, errors=errors, digests=digests)
+
+
+def _kind(path: Path) -> str:
+    return path.suffix.lower().lstrip(".")

@@ -1,0 +1,64 @@
+"""Numbers of text formats are those that ``float`` reads."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from urdfcheck.facts.mesh_text import BadToken, Text
+
+
+def read(*tokens: str) -> list[float]:
+    return Text(" ".join(tokens).encode()).numbers(np.arange(len(tokens))).tolist()
+
+
+@given(st.integers(-(10**15) + 1, 10**15 - 1), st.integers(0, 15), st.integers(-6, 6), st.sampled_from("eE"))
+def test_up_to_fifteen_digits_are_rounded_as_float_does(digits: int, places: int, power: int, mark: str) -> None:
+    plain = f"{abs(digits):0{places + 1}d}"
+    number = "-" * (digits < 0) + plain[: len(plain) - places] + "." + plain[len(plain) - places :]
+    assert read(number, f"{number}{mark}{power:+03d}") == [float(number), float(f"{number}e{power}")]
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(("r", ".17g", ".17e", ".9f", ".6e", "g")))
+def test_any_other_is_right_to_two_units_in_the_last_place(value: float, style: str) -> None:
+    text = repr(value) if style == "r" else format(value, style)
+    expected = float(text)
+    (found,) = read(text)
+    assert abs(found - expected) <= 2 * math.ulp(expected)
+
+
+@pytest.mark.parametrize(
+    "token",
+    ["5", "+5", "-0.0", "5.", ".5", "-.5e1", "1e5", "1E-300", "1e+010", "4.9e-324", "9" * 30, "inf", "-Infinity"],
+)
+def test_every_usual_and_unusual_way_to_write_a_number(token: str) -> None:
+    assert read("1", token, "2.5") == [1.0, float(token), 2.5]
+
+
+@pytest.mark.parametrize(
+    "token", ["1.2.3", "1e", "e5", "--1", "1-2", "abc", "1,5", ".", "-", "1e5.0", "0x10", "1e+", "1/2", "½"]
+)
+def test_what_is_no_number_is_named(token: str) -> None:
+    text = Text(f"1.0\n 2 {token} 3\n".encode())
+    with pytest.raises(BadToken) as bad:
+        text.numbers(np.arange(4))
+    assert text.place(bad.value.index) == (2, f"2 {token} 3")
+
+
+def test_whole_numbers_end_at_a_slash() -> None:
+    text = Text(b"12/3/4 -7//2 1234567890123 +5")
+    assert text.indices(np.arange(4)).tolist() == [12, -7, 1234567890123, 5]
+    for bad in (b"1.5", b"/2", b"12x", b"-"):
+        with pytest.raises(BadToken):
+            Text(b"1 " + bad).indices(np.arange(2))
+
+
+def test_lines_and_words() -> None:
+    text = Text(b"\r\n  v 1 2\r\nVN 3\n\n\nf 4")
+    assert text.line_starts().tolist() == [0, 3, 5]
+    assert text.spell(b"vn").tolist() == [False, False, False, True, False, False, False]
+    assert text.spell(b"v").tolist() == [True, *[False] * 6]

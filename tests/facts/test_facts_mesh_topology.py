@@ -1,0 +1,74 @@
+"""Grouping by hashing gives what grouping by comparing gives, whatever the hashes do."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from urdfcheck.facts import mesh_topology
+from urdfcheck.facts.mesh_topology import component_sizes, meets, repeated_faces, weld_exact
+
+# Few different numbers, so that corners and faces do coincide; -0 equals 0.
+coordinates = st.sampled_from((0.0, -0.0, 1.0, -1.0, 0.5, 1e-30, 3.0))
+corners = st.lists(st.tuples(coordinates, coordinates, coordinates), min_size=3, max_size=60)
+triangles = st.lists(st.lists(st.integers(0, 6), min_size=3, max_size=3, unique=True), min_size=1, max_size=40)
+
+
+@pytest.fixture(params=["as it is", "every hash is equal", "no table is tried"])
+def _hashes(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    if request.param == "every hash is equal":
+        monkeypatch.setattr(mesh_topology, "_MIX", (np.uint64(0),) * 3)
+    if request.param == "no table is tried":
+        monkeypatch.setattr(mesh_topology, "_ROUNDS", 0)
+
+
+@pytest.mark.usefixtures("_hashes")
+class TestGrouping:
+    @pytest.mark.parametrize("dtype", [np.float32, np.float64])
+    def test_corners_are_merged_where_they_are_equal(self, dtype: type) -> None:
+        @given(corners)
+        def holds(points: list[tuple[float, float, float]]) -> None:
+            points = points[: len(points) // 3 * 3]
+            array = np.array(points, dtype=dtype)
+            proper = [t for t in array.reshape(-1, 3, 3) + 0 if len({tuple(c) for c in t}) == 3]
+            surface = weld_exact(array, None)
+            assert surface.collapsed == len(points) // 3 - len(proper)
+            assert len({tuple(v) for v in surface.vertices.tolist()}) == len(surface.vertices)
+            np.testing.assert_array_equal(surface.vertices[surface.faces], np.array(proper).reshape(-1, 3, 3))
+
+        holds()
+
+    def test_edges_are_counted(self) -> None:
+        @given(triangles)
+        def holds(faces: list[list[int]]) -> None:
+            edges = meets(np.array(faces), 7)
+            directed = [(f[i], f[(i + 1) % 3]) for f in faces for i in range(3)]
+            count = Counter(frozenset(e) for e in directed)
+            once = [e for e in directed if count[frozenset(e)] == 1]
+            assert sorted(map(tuple, edges.open.tolist())) == sorted(once)
+            assert {frozenset(e) for e in edges.non_manifold.tolist()} == {e for e, n in count.items() if n > 2}
+            pairs = {e for e, n in count.items() if n == 2}
+            flipped = {e for e in pairs if sum(d == tuple(sorted(e)) for d in directed) != 1}
+            assert {frozenset(e) for e in edges.flipped.tolist()} == flipped
+            assert edges.watertight == (set(count.values()) == {2})
+            assert edges.winding_consistent == (not flipped)
+            assert edges.closed == (Counter(directed) == Counter((b, a) for a, b in directed))
+
+        holds()
+
+    def test_repeated_faces_are_found_either_way_round(self) -> None:
+        @given(triangles)
+        def holds(faces: list[list[int]]) -> None:
+            sets = [frozenset(f) for f in faces]
+            assert repeated_faces(np.array(faces)).tolist() == [s in sets[:i] for i, s in enumerate(sets)]
+
+        holds()
+
+
+def test_pieces_are_counted_by_their_faces() -> None:
+    faces = np.array([(0, 1, 2), (2, 3, 4), (5, 6, 7), (8, 9, 10), (9, 10, 11), (10, 11, 12)])
+    assert component_sizes(faces, 13).tolist() == [3, 2, 1]

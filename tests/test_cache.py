@@ -1,0 +1,169 @@
+"""What is kept between runs: never wrong, never in the way."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import FIXTURES
+
+from urdfcheck.cache import Cache
+from urdfcheck.cli import main
+from urdfcheck.facts.mesh import MeshError, known_facts, mesh_facts
+
+WHEEL = FIXTURES / "car-3" / "meshes" / "wheel_1.STL"
+KEY = "0123456789abcdef"
+
+
+def files_of(folder: Path, pattern: str = "*.npz") -> list[Path]:
+    return sorted(folder.rglob(pattern))
+
+
+def test_an_entry_is_there_in_the_next_run(tmp_path: Path) -> None:
+    Cache(tmp_path).entry("kind", KEY)["part"] = {"a": np.arange(3), "b": np.eye(2)}
+    entry = Cache(tmp_path).entry("kind", KEY)
+    assert list(entry) == ["part"]
+    assert entry["part"]["a"].tolist() == [0, 1, 2]
+    assert "part" not in Cache(tmp_path).entry("kind", KEY[::-1])
+    assert "part" not in Cache(tmp_path).entry("other", KEY)
+
+
+def test_without_a_folder_nothing_is_kept() -> None:
+    Cache().entry("kind", KEY)["part"] = {"a": np.arange(3)}
+    assert not Cache().entry("kind", KEY)
+
+
+@pytest.mark.parametrize("damage", [b"", b"PK\x03\x04 but no archive", b"half"])
+def test_a_corrupt_file_is_dropped_without_harm(tmp_path: Path, damage: bytes) -> None:
+    entry = Cache(tmp_path).entry("kind", KEY)
+    entry["part"] = {"a": np.arange(1000)}
+    (file,) = files_of(tmp_path)
+    file.write_bytes(file.read_bytes()[:300] if damage == b"half" else damage)
+    again = Cache(tmp_path).entry("kind", KEY)
+    assert "part" not in again
+    assert not files_of(tmp_path)
+    again["part"] = {"a": np.arange(2)}
+    assert len(Cache(tmp_path).entry("kind", KEY)["part"]["a"]) == 2
+
+
+def test_pickled_objects_are_not_loaded(tmp_path: Path) -> None:
+    entry = Cache(tmp_path).entry("kind", KEY)
+    entry["part"] = {"a": np.arange(2)}
+    (file,) = files_of(tmp_path)
+    np.savez(file, a=np.array([{"an": "object"}], dtype=object))
+    assert "part" not in Cache(tmp_path).entry("kind", KEY)
+
+
+def test_a_folder_that_cannot_be_written_is_no_error(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("not a folder")
+    entry = Cache(tmp_path / "file").entry("kind", KEY)
+    entry["part"] = {"a": np.arange(2)}
+    assert entry["part"]["a"].tolist() == [0, 1]  # in this run
+    assert Cache(tmp_path / "file").digest(WHEEL)[0] == Cache().digest(WHEEL)[0]
+
+
+def test_a_file_is_not_read_again_until_it_changes(tmp_path: Path) -> None:
+    cache, file = Cache(tmp_path / "cache"), tmp_path / "mesh.stl"
+    file.write_bytes(b"first")
+    os.utime(file, (time.time() - 60,) * 2)
+    digest, content = cache.digest(file)
+    assert content == b"first"
+    assert cache.digest(file) == (digest, None)
+    file.write_bytes(b"other")
+    assert cache.digest(file) == (Cache().digest(file)[0], b"other")
+
+
+def test_a_file_that_changed_a_moment_ago_is_not_trusted(tmp_path: Path) -> None:
+    """It may change again within one tick of the file system's clock."""
+    cache, file = Cache(tmp_path / "cache"), tmp_path / "mesh.stl"
+    file.write_bytes(b"first")
+    status = file.stat()
+    cache.digest(file)
+    file.write_bytes(b"other")
+    os.utime(file, ns=(status.st_atime_ns, status.st_mtime_ns))
+    assert cache.digest(file)[1] == b"other"
+
+
+def test_what_was_used_last_is_kept(tmp_path: Path) -> None:
+    cache = Cache(tmp_path)
+    for number in range(4):
+        cache.entry("kind", f"{KEY}{number}")["part"] = {"a": np.zeros(1000)}
+    for age, file in enumerate(files_of(tmp_path)):
+        os.utime(file, (time.time() - 100 * (age + 1),) * 2)
+    assert "part" in Cache(tmp_path).entry("kind", f"{KEY}3")  # the oldest, used now
+    size = files_of(tmp_path)[0].stat().st_size
+    cache.trim(2 * size)
+    assert [f.parent.name[-1] for f in files_of(tmp_path)] == ["0", "3"]
+    cache.clear()
+    assert not files_of(tmp_path, "*.*")
+
+
+def _fill(folder: Path) -> None:
+    for turn in range(50):
+        entry = Cache(folder).entry("kind", KEY)
+        entry["part"] = {"a": np.full(5000, turn)}
+        values = Cache(folder).entry("kind", KEY).get("part", {}).get("a")
+        assert values is None or (len(values) == 5000 and (values == values[0]).all())
+
+
+def test_several_processes_write_one_entry(tmp_path: Path) -> None:
+    workers = [multiprocessing.get_context("spawn").Process(target=_fill, args=(tmp_path,)) for _ in range(3)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    assert [worker.exitcode for worker in workers] == [0, 0, 0]
+    assert [file.name for file in files_of(tmp_path, "*") if file.is_file()] == [
+        "part.npz"
+    ]  # nothing half written is left
+
+
+def test_a_mesh_comes_back_as_it_was_measured(tmp_path: Path) -> None:
+    cold = mesh_facts(WHEEL.read_bytes(), "stl", Cache(tmp_path).entry("meshes", KEY))
+    assert len(cold.components) == 1
+    assert cold.hull.volume > 0
+    warm = known_facts(Cache(tmp_path).entry("meshes", KEY))
+    assert warm is not None
+    for name in ("vertices", "faces", "bounds", "com", "covariance", "surface_covariance", "components"):
+        np.testing.assert_array_equal(getattr(warm, name), getattr(cold, name), err_msg=name)
+    assert (warm.volume, warm.area, warm.watertight) == (cold.volume, cold.area, cold.watertight)
+    np.testing.assert_array_equal(warm.hull.vertices, cold.hull.vertices)
+
+
+def test_a_mesh_that_could_not_be_read_is_remembered_as_such(tmp_path: Path) -> None:
+    with pytest.raises(MeshError) as first:
+        mesh_facts(b"", "stl", Cache(tmp_path).entry("meshes", KEY))
+    with pytest.raises(MeshError) as again:
+        known_facts(Cache(tmp_path).entry("meshes", KEY))
+    assert (again.value.reason_id, again.value.message) == (first.value.reason_id, first.value.message)
+
+
+def test_the_command_says_where_and_how_much_and_clears(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("URDFCHECK_CACHE_DIR", str(tmp_path))
+    Cache(tmp_path).entry("kind", KEY)["part"] = {"a": np.zeros(10)}
+    assert main(["cache", "info"]) == 0
+    said = capsys.readouterr().out
+    assert str(tmp_path) in said
+    assert "1 file, " in said
+    assert main(["cache", "clear"]) == 0
+    assert not files_of(tmp_path)
+
+
+@pytest.mark.parametrize("flags", [[], ["--no-cache"]])
+def test_a_run_keeps_measurements_unless_told_not_to(
+    flags: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("URDFCHECK_CACHE_DIR", str(tmp_path))
+    model = str(FIXTURES / "car-3" / "urdf" / "car-3.urdf")
+    outputs = []
+    for _ in range(2):
+        main([model, "--format", "json", "--tier", "mesh", *flags])
+        outputs.append([line for line in capsys.readouterr().out.splitlines() if '"seconds"' not in line])
+    assert outputs[0] == outputs[1]  # cold and warm say the same
+    assert bool(files_of(tmp_path)) == (not flags)

@@ -1,0 +1,199 @@
+"""Results that are kept between runs: named groups of arrays under a key that says all they depend on.
+
+An entry is one npz file per group, written whole or not at all, read without pickle. A file that cannot be read is
+dropped, a folder that cannot be written is no error: what is missing is computed again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import tempfile
+import time
+import zipfile
+from collections.abc import Iterator, Mapping, MutableMapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Arrays = Mapping[str, NDArray[Any]]
+    Entry = MutableMapping[str, Arrays]
+
+FOLDER_VARIABLE = "URDFCHECK_CACHE_DIR"
+# What the least recently used entries are dropped for.
+LARGEST = 2 * 1024**3
+# A file that was changed a moment ago may be changed again without its time of change telling (as git's index fears).
+_SETTLED_NS = 2_000_000_000
+_TIDY_EVERY = 3600.0
+
+
+@dataclass(frozen=True, slots=True)
+class Cache:
+    """A folder of entries; without a folder every entry is an empty dictionary that nothing keeps."""
+
+    folder: Path | None = None
+
+    def entry(self, kind: str, key: str) -> Entry:
+        """The groups of arrays of one key, read when they are asked for and written when they are set."""
+        return {} if self.folder is None else _Files(self.folder / kind / key[:2] / key[2:])
+
+    def digest(self, path: Path) -> tuple[str, bytes | None]:
+        """SHA-256 of a file's content, in hex, and the content if it was read for it.
+
+        A file whose time, size and inode are known is not read again.
+
+        :raises OSError: when it cannot be read.
+        """
+        status = path.stat()
+        stamp = f"{status.st_size} {status.st_mtime_ns} {status.st_ino}"
+        place = None if self.folder is None else self.folder / "files" / _hash(os.fsencode(os.path.realpath(path)))
+        if place is not None:
+            with contextlib.suppress(OSError, ValueError):
+                known, _, digest = place.read_text(encoding="ascii").rpartition(" ")
+                if known == stamp and len(digest) == 64:
+                    return digest, None
+        data = path.read_bytes()
+        digest = _hash(data)
+        if place is not None and time.time_ns() - status.st_mtime_ns > _SETTLED_NS:
+            _write(place, f"{stamp} {digest}".encode("ascii"))
+        return digest, data
+
+    def files(self) -> Iterator[tuple[Path, os.stat_result]]:
+        """What lies in the folder."""
+        if self.folder is not None:
+            for parent, _, names in os.walk(self.folder):
+                for name in names:
+                    with contextlib.suppress(OSError):
+                        yield (path := Path(parent, name)), path.stat()
+
+    def tidy(self) -> None:
+        """Trim, if that was not done for an hour."""
+        if self.folder is None or not self.folder.is_dir():
+            return
+        marker = self.folder / "trimmed"
+        with contextlib.suppress(OSError):
+            if time.time() - marker.stat().st_mtime < _TIDY_EVERY:
+                return
+        self.trim()
+        _write(marker, b"")
+
+    def trim(self, largest: int = LARGEST) -> None:
+        """Drop what was not used for longest until at most ``largest`` bytes are left."""
+        found = sorted(((status.st_mtime_ns, status.st_size, path) for path, status in self.files()), reverse=True)
+        kept = 0
+        for _, size, path in found:
+            kept += size
+            if kept > largest:
+                with contextlib.suppress(OSError):
+                    path.unlink()
+
+    def clear(self) -> None:
+        """Drop everything."""
+        self.trim(-1)
+
+
+def default_folder() -> Path:
+    """Where this platform keeps caches, or where ``URDFCHECK_CACHE_DIR`` says."""
+    if named := os.environ.get(FOLDER_VARIABLE):
+        return Path(named).absolute()
+    from platformdirs import user_cache_path
+
+    return user_cache_path("urdfcheck", appauthor=False)
+
+
+@cache
+def version_of(*modules: str) -> str:
+    """A digest of the source of these modules (``urdfcheck.facts.mesh``): results of other code are not taken for its own."""
+    from importlib.util import find_spec
+
+    texts = [spec.origin for name in modules if (spec := find_spec(name)) is not None and spec.origin]
+    return _hash(b"\0".join(Path(text).read_bytes() for text in texts))[:16]
+
+
+@cache
+def origin_of(library: str) -> str | None:
+    """Where a library is installed and since when, without importing it; None when it is not."""
+    from importlib.util import find_spec
+
+    spec = find_spec(library)
+    if spec is None or not spec.origin:
+        return None
+    return f"{spec.origin} {os.stat(spec.origin).st_mtime_ns}"
+
+
+class _Files(MutableMapping[str, "Arrays"]):
+    """An entry on disk: one file per group. Groups that were read or set stay in memory."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._known: dict[str, Arrays] = {}
+
+    def __getitem__(self, name: str) -> Arrays:
+        if name not in self._known:
+            self._known[name] = self._read(name)
+        return self._known[name]
+
+    def __setitem__(self, name: str, arrays: Arrays) -> None:
+        import io
+
+        import numpy as np
+
+        self._known[name] = arrays
+        buffer = io.BytesIO()
+        np.savez(buffer, **arrays)  # type: ignore[arg-type]
+        _write(self._file(name), buffer.getbuffer())
+
+    def __delitem__(self, name: str) -> None:
+        self._known.pop(name, None)
+        self._file(name).unlink(missing_ok=True)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(sorted(path.stem for path in self._folder.glob("*.npz")))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def _file(self, name: str) -> Path:
+        return self._folder / f"{name}.npz"
+
+    def _read(self, name: str) -> Arrays:
+        import numpy as np
+
+        path = self._file(name)
+        try:
+            with np.load(path, allow_pickle=False) as archive:
+                arrays = dict(archive)
+            os.utime(path)  # used now: see trim
+        except FileNotFoundError:
+            raise KeyError(name) from None
+        except (OSError, ValueError, EOFError, zipfile.BadZipFile):
+            with contextlib.suppress(OSError):
+                path.unlink()
+            raise KeyError(name) from None
+        for array in arrays.values():
+            array.setflags(write=False)
+        return arrays
+
+
+def _write(path: Path, data: bytes | memoryview) -> None:
+    """Write a file whole or not at all, whoever else writes it."""
+    temporary = ""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".tmp")
+        with os.fdopen(handle, "wb") as out:
+            out.write(data)
+        os.replace(temporary, path)
+    except OSError:
+        if temporary:
+            with contextlib.suppress(OSError):
+                os.unlink(temporary)
+
+
+def _hash(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()

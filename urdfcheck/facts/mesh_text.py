@@ -1,0 +1,194 @@
+"""Numbers of text formats, many at a time.
+
+A token's digits are read eight at a time as one 64-bit word and added up inside it (Lemire, *Quickly parsing eight digits*,
+2022), for all tokens at once. A number of up to 15 digits and a power of ten up to 22 is rounded as ``float`` rounds it
+(Clinger, *How to read floating point numbers accurately*, 1990), others to within two units in the last place; what is
+written in no usual way is left to ``float`` itself.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Indices = NDArray[np.int64]
+    Words = NDArray[np.uint64]
+
+_PAD = 24  # so that as many bytes before any token's end can be read
+_CHUNK = 16384  # tokens worked on at a time: their temporaries stay in the processor's cache
+_TENS = np.array([float(f"1e{power}") for power in range(309)])
+_WHOLE_TENS = np.array([10**power for power in range(20)], dtype=np.uint64)
+# The last k bytes of a word, which are its highest ones, for k = 0 to 8.
+_LAST = np.array([0, *((2**64 - 1) ^ (2 ** (8 * (8 - k)) - 1) for k in range(1, 9))], dtype=np.uint64)
+_ZEROS = np.uint64(0x3030303030303030)
+_HIGH_BITS = np.uint64(0x8080808080808080)
+_PAST_NINE = np.uint64(0x7676767676767676)
+
+
+class BadToken(Exception):
+    """A token that should be a number; its index."""
+
+    def __init__(self, index: int) -> None:
+        super().__init__(index)
+        self.index = index
+
+
+class Text:
+    """The bytes of a text file and its tokens: runs of bytes above the blank. ``starts`` and ``ends`` (n,) are positions in
+    ``bytes``, which holds the file between blanks."""
+
+    def __init__(self, data: bytes) -> None:
+        self._data = b" " * _PAD + data + b" " * 8
+        self.bytes = np.frombuffer(self._data, dtype=np.uint8)
+        self._words = np.ndarray((len(self.bytes) - 7,), dtype=np.uint64, buffer=self._data, strides=(1,))
+        blank = self.bytes <= 32
+        borders = np.flatnonzero(blank[1:] != blank[:-1]) + 1
+        self.starts, self.ends = np.ascontiguousarray(borders[0::2]), np.ascontiguousarray(borders[1::2])
+        self._places: dict[int, Indices] = {}
+
+    def __len__(self) -> int:
+        return len(self.starts)
+
+    def line_starts(self) -> Indices:
+        """The index of the first token of each line that has one."""
+        newlines = np.flatnonzero((self.bytes == 10) | (self.bytes == 13))
+        index = np.concatenate(((0,), np.searchsorted(self.starts, newlines)))
+        index = index[np.diff(index, prepend=-1) > 0]
+        return index[index < len(self)]
+
+    def token(self, index: int) -> bytes:
+        return self._data[self.starts[index] : self.ends[index]]
+
+    def spell(self, word: bytes) -> NDArray[np.bool_]:
+        """Which tokens are this word of up to eight lower case letters, in whatever case."""
+        mask = np.uint64(2 ** (8 * len(word)) - 1)
+        wanted = np.uint64(int.from_bytes(word, "little"))
+        found: NDArray[np.bool_] = (self._heads & mask == wanted) & (self.ends - self.starts == len(word))
+        return found
+
+    @cached_property
+    def _heads(self) -> Words:
+        """The first eight bytes of each token, its letters made small."""
+        heads: Words = self._words[self.starts] | np.uint64(0x2020202020202020)
+        return heads
+
+    def place(self, index: int) -> tuple[int, str]:
+        """The number of a token's line, from 1, and the start of its text, for a message."""
+        start = int(self.starts[index])
+        before = self._data[:start]
+        line = (
+            before[max(before.rfind(b"\n"), before.rfind(b"\r")) + 1 :] + self._data[start : start + 80].splitlines()[0]
+        )
+        number = before.replace(b"\r\n", b"\n").replace(b"\r", b"\n").count(b"\n") + 1
+        return number, line.decode(errors="replace").strip()[:80]
+
+    def numbers(self, tokens: Indices) -> NDArray[np.float64]:
+        """The values of tokens; of the shape of ``tokens``.
+
+        :raises BadToken: when one is no number.
+        """
+        flat = tokens.ravel()
+        values = np.empty(len(flat))
+        with np.errstate(over="ignore"):
+            for at in range(0, len(flat), _CHUNK):
+                values[at : at + _CHUNK] = self._numbers(flat[at : at + _CHUNK])
+        return values.reshape(tokens.shape)
+
+    def _numbers(self, tokens: Indices) -> NDArray[np.float64]:
+        start, end = np.take(self.starts, tokens), np.take(self.ends, tokens)
+        lead = np.take(self.bytes, start)
+        begin = start + ((lead == 43) | (lead == 45))
+        power, stop = self._exponent(begin, end)
+        dot = self._find(46, begin, stop)
+        whole, fraction = dot - begin, np.maximum(stop - dot - 1, 0)
+        high, usual = self._digits(dot, np.minimum(whole, 8))
+        digits, good = self._digits(stop, np.minimum(fraction, 8))
+        usual &= good & (whole <= 8) & (whole + fraction >= 1)
+        if (fraction > 8).any():
+            middle, good = self._digits(stop - 8, np.clip(fraction - 8, 0, 8))
+            upper, fine = self._digits(stop - 16, np.clip(fraction - 16, 0, 8))
+            digits += middle * _WHOLE_TENS[8] + upper * _WHOLE_TENS[16]
+            # Nineteen digits fit into the word.
+            usual &= good & fine & (fraction <= 24) & (upper < 1000) & ((high == 0) | (whole + fraction <= 19))
+        digits += high * np.take(_WHOLE_TENS, fraction, mode="clip")
+        power -= fraction
+        size = np.abs(power)
+        usual &= size < len(_TENS)
+        tens = np.take(_TENS, size, mode="clip")
+        values: NDArray[np.float64] = digits.astype(np.float64)
+        values = np.where(power < 0, values / tens, values * tens)
+        np.negative(values, out=values, where=lead == 45)
+        index: int
+        for index in np.flatnonzero(~usual).tolist():
+            try:
+                values[index] = float(self._data[start[index] : end[index]])
+            except ValueError:
+                raise BadToken(int(tokens[index])) from None
+        return values
+
+    def indices(self, tokens: Indices) -> Indices:
+        """The whole numbers that tokens begin with, up to their first slash; of the shape of ``tokens``.
+
+        :raises BadToken: when one begins with none.
+        """
+        start, end = np.take(self.starts, tokens).ravel(), np.take(self.ends, tokens).ravel()
+        lead = np.take(self.bytes, start)
+        begin = start + ((lead == 43) | (lead == 45))
+        stop = self._find(47, begin, end)
+        length = stop - begin
+        values, good = self._digits(stop, np.minimum(length, 8))
+        good &= (length >= 1) & (length <= 16)
+        if (length > 8).any():
+            high, fine = self._digits(stop - 8, np.clip(length - 8, 0, 8))
+            values += high * _WHOLE_TENS[8]
+            good &= fine
+        if not good.all():
+            raise BadToken(int(tokens.ravel()[np.argmin(good)]))
+        found = values.view(np.int64)
+        np.negative(found, out=found, where=lead == 45)
+        return found.reshape(tokens.shape)
+
+    def _find(self, byte: int, begin: Indices, end: Indices) -> Indices:
+        """The first place of a byte in each span, or its end."""
+        if byte not in self._places:
+            self._places[byte] = np.flatnonzero(self.bytes == byte)
+        places = self._places[byte]
+        if not len(places):
+            return end
+        found = np.take(places, np.searchsorted(places, begin), mode="clip")
+        return np.where((found >= begin) & (found < end), found, end)
+
+    def _exponent(self, begin: Indices, end: Indices) -> tuple[Indices, Indices]:
+        """The power of ten that each token ends with, and where the digits before it stop. Of up to three digits: what is
+        longer stays, and is no digit."""
+        power, stop = np.zeros(len(end), dtype=np.int64), end.copy()
+        for back in (5, 4, 3, 2):
+            here = np.flatnonzero((np.take(self.bytes, end - back) | 32 == 101) & (end - back > begin))
+            if not len(here):
+                continue
+            mark = end[here] - back
+            sign = np.take(self.bytes, mark + 1)
+            length = back - 1 - ((sign == 43) | (sign == 45))
+            digits, good = self._digits(end[here], length)
+            good &= length > 0
+            power[here[good]] = np.where(sign == 45, -1, 1)[good] * digits.view(np.int64)[good]
+            stop[here[good]] = mark[good]
+        return power, stop
+
+    def _digits(self, end: Indices, count: Indices) -> tuple[Words, NDArray[np.bool_]]:
+        """The number that the ``count`` (0 to 8) bytes before ``end`` spell, and whether all of them are digits."""
+        word = self._words[end - 8]
+        word ^= _ZEROS
+        word &= np.take(_LAST, count)
+        good = ((word + _PAST_NINE) | word) & _HIGH_BITS == 0
+        # Pairs of digits, then fours, then all eight, each in the place of the first of them.
+        word = word * np.uint64(10) + (word >> np.uint64(8))
+        pairs = np.uint64(0x000000FF000000FF)
+        upper = (word & pairs) * np.uint64(100 + (1_000_000 << 32))
+        lower = ((word >> np.uint64(16)) & pairs) * np.uint64(1 + (10_000 << 32))
+        return (upper + lower) >> np.uint64(32), good
