@@ -34,20 +34,19 @@ def test_a_check_that_crashes_is_URC900_and_exit_2_and_the_others_run(
     assert exit_code(outcome, "never") == FAILED
 
 
+AUDIT = engine._audit
+
+
+def die_on_a(unit: worker.Unit, settings: worker.Settings) -> worker.Report:
+    if unit.path.endswith("a.urdf"):
+        os.kill(os.getpid(), signal.SIGKILL)
+    return AUDIT(unit, settings)
+
+
 def test_a_worker_that_dies_is_a_failure_of_its_model_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("a.urdf", "b.urdf"):
         (tmp_path / name).write_text('<robot name="r"><link name="base"/></robot>')
-    real = engine._work
-
-    def die_on_a(unit: worker.Unit, settings: worker.Settings, sender: object) -> None:
-        if unit.path.endswith("a.urdf"):
-            os.kill(os.getpid(), signal.SIGKILL)
-        real(unit, settings, sender)  # type: ignore[arg-type]
-
-    import multiprocessing
-
-    monkeypatch.setattr(engine, "_work", die_on_a)
-    monkeypatch.setattr(engine, "_context", lambda _: multiprocessing.get_context("fork"))
+    monkeypatch.setattr(engine, "_audit", die_on_a)
     outcome = run(Request((tmp_path,), tmp_path, frozenset(catalogue.rules()), jobs=2))
     assert [m.status for m in outcome.models] == ["failed", "checked"]
     assert "died (exit code -9)" in outcome.failures[0]

@@ -14,22 +14,25 @@ import urdfcheck
 PACKAGE = Path(urdfcheck.__file__).parent
 HEAVY = {"numpy", "scipy", "pinocchio", "coal", "trimesh", "yourdfpy", "xacro", "lxml", "collada", "rich", "yaml"}
 
-# What each part of the package may import from it; core, __init__ and libraries import nothing of it.
+# What each part of the package may import from it; core, __init__, cache and libraries import nothing of it.
 ALLOWED = {
     "facts": {"facts"},
     "source": {"source", "core"},
     "outline": {"model", "source", "core"},
     "scene": {"model", "source", "facts", "core"},
-    "model": {"model", "source", "facts", "core"},
+    "srdf": {"model", "source", "core", ""},
+    "cache": set(),
+    "model": {"model", "source", "facts", "core", "cache"},
     "checks": {"model", "source", "facts", "core", "outline"},
     "catalogue": {"core"},
     "config": {"catalogue", "core", "source"},
-    "worker": {"catalogue", "core", "model", "outline", "scene", "source"},
-    "engine": {"catalogue", "core", "outline", "source", "worker", "libraries", ""},
+    "worker": {"cache", "catalogue", "core", "model", "outline", "scene", "source", "srdf"},
+    "engine": {"cache", "catalogue", "core", "outline", "source", "worker", "libraries", "workers", ""},
     "output": {"core", "output"},
     "core": {"errors"},
     "errors": set(),
     "libraries": set(),
+    "workers": set(),
 }
 
 

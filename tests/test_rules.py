@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from conftest import check
 
-from urdfcheck import catalogue
+from urdfcheck import catalogue, config
 from urdfcheck.core import Rule
 
 FENCE = re.compile(r"^```(\w+)(?: file=(\S+))?[ ]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -74,7 +74,9 @@ def lines_found(case: Case, folder: Path) -> tuple[set[tuple[str, int]], set[tup
         }
     # A single file is named by the user; a tree of files is found in its folder.
     target = folder if len(case.files) > 1 else folder / case.files[0][0]
-    run = check(target, codes={*catalogue.rules()[case.rule].hidden_by, case.rule})
+    # A tree may hold its own urdfcheck.toml.
+    targets = config.find(folder).target
+    run = check(target, codes={*catalogue.rules()[case.rule].hidden_by, case.rule}, targets=targets)
     assert not run.failures, run.failures
     found = {
         (Path(f.location.span.file).resolve().relative_to(folder.resolve()).as_posix(), f.location.span.line)

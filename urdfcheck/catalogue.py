@@ -119,12 +119,17 @@ def explain(rule: Rule) -> str:
 
 def has_check(rule: Rule) -> bool:
     """Whether the rule has a check module; rules about urdfcheck itself (URC) are found by the engine."""
-    return importlib.util.find_spec(f"urdfcheck.checks.{rule.stem}") is not None
+    return importlib.util.find_spec(module_of(rule)) is not None
+
+
+def module_of(rule: Rule) -> str:
+    """The name of the rule's check module."""
+    return f"urdfcheck.checks.{rule.stem}"
 
 
 def check_of(rule: Rule) -> Check:
     """The ``check`` function of the module with the page's stem."""
-    check: Check = importlib.import_module(f"urdfcheck.checks.{rule.stem}").check
+    check: Check = importlib.import_module(module_of(rule)).check
     return check
 
 

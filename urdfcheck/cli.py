@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 OK, FINDINGS, FAILED, NOTHING = 0, 1, 2, 3
 # Words that later versions use as commands: a file of this name is written ./baseline.
-RESERVED = ("baseline", "init", "diff", "lsp", "config", "cache", "engines", "drop", "srdf", "audit")
+RESERVED = ("baseline", "init", "diff", "lsp", "config", "engines", "drop", "audit")
 
 _EPILOG = """\
 exit codes: 0 nothing at or above --fail-on, 1 findings, 2 urdfcheck or its configuration failed, 3 nothing to check
@@ -31,6 +31,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         if words and words[0] == "rule":
             return rule(words[1:])
+        if words and words[0] == "cache":
+            return cache(words[1:])
+        if words and words[0] == "srdf":
+            return srdf(words[1:])
         if words and words[0] in RESERVED:
             raise UrdfcheckError(
                 f"the command {words[0]!r} does not exist yet; to check a file of this name write ./{words[0]}"
@@ -51,7 +55,8 @@ def parser() -> argparse.ArgumentParser:
     """The options of ``urdfcheck check``."""
     p = argparse.ArgumentParser(
         prog="urdfcheck",
-        usage="urdfcheck [check] PATH... [options]\n       urdfcheck rule [CODE]",
+        usage="urdfcheck [check] PATH... [options]\n       urdfcheck rule [CODE]\n"
+        "       urdfcheck srdf MODEL [options]\n       urdfcheck cache info|clear",
         description="Audit robot models: URDF, xacro, launch files, packages and folders of them.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -76,6 +81,8 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--package", action="append", default=[], metavar="NAME=DIR", help="where a ROS package is")
     p.add_argument("--package-path", action="append", default=[], metavar="DIR", help="folder that holds packages")
     p.add_argument("--target", metavar="NAMES", help="who will read the model: gazebo, mujoco, drake, … (recorded)")
+    p.add_argument("--thorough", action="store_true", help="look at 5,000 configurations of the joints instead of 200")
+    p.add_argument("--no-cache", action="store_true", help="keep no measurements and use none that were kept")
     p.add_argument("--jobs", type=int, metavar="N", help="models checked at the same time (default: the cores)")
     p.add_argument("--allow-empty", action="store_true", help="exit 0 when there is nothing to check")
     p.add_argument(
@@ -92,11 +99,16 @@ def check(words: Sequence[str]) -> int:
         raise UrdfcheckError("name at least one model, launch file, package or folder (urdfcheck . for this folder)")
     if "" in options.paths:
         raise UrdfcheckError("a path is empty (urdfcheck . for this folder)")
+    from urdfcheck import workers
+
+    # It loads what an audit needs while the job is being worked out here.
+    first = workers.Worker.start(_prepare) if workers.FORKS else None
     outputs = [_output(text) for text in options.output]
     formats = {options.format, *(name for name, _ in outputs)}
 
-    from urdfcheck import catalogue, config, libraries
-    from urdfcheck.engine import Request, run
+    from urdfcheck import catalogue, config, libraries, output
+    from urdfcheck.cache import default_folder
+    from urdfcheck.engine import SAMPLES, THOROUGH, Request, run
 
     paths = tuple(Path(p) for p in options.paths)
     settings = config.find(paths[0] if paths[0].is_dir() else paths[0].parent)
@@ -117,13 +129,24 @@ def check(words: Sequence[str]) -> int:
             severities=settings.severity,
             targets=_targets(options.target, settings.target),
             scene="html" in formats,
+            cache=None if options.no_cache else default_folder(),
+            samples=THOROUGH if options.thorough else SAMPLES,
         ),
+        first=first,
         meanwhile=lambda: [importlib.import_module(f"urdfcheck.output.{name}") for name in formats],
     )
     _show(outcome, options.format, options.color)
     for output_format, file in outputs:
-        _write(outcome, output_format, file)
+        _write(output.render(outcome, output_format), file)
     return exit_code(outcome, options.fail_on or settings.fail_on, allow_empty=options.allow_empty)
+
+
+def _prepare() -> None:
+    from urdfcheck import catalogue, libraries, workers
+
+    libraries.prefer_own()
+    rules = catalogue.rules().values()
+    workers.load(("numpy", "urdfcheck.worker", *(catalogue.module_of(rule) for rule in rules)))
 
 
 def exit_code(run: Run, fail_on: str, *, allow_empty: bool = False) -> int:
@@ -155,6 +178,79 @@ def rule(words: Sequence[str]) -> int:
     return OK
 
 
+def srdf(words: Sequence[str]) -> int:
+    """``urdfcheck srdf MODEL``: the pairs of links that MoveIt need not check."""
+    from urdfcheck.srdf import SAMPLES, THOROUGH, render, unlike_ours, why_none
+
+    p = argparse.ArgumentParser(
+        prog="urdfcheck srdf",
+        description="Write the disable_collisions of a robot's SRDF, as MoveIt's Setup Assistant does, with the evidence.",
+    )
+    p.add_argument("model", metavar="MODEL", help="a model, or whatever means exactly one")
+    p.add_argument("-o", "--output", type=Path, metavar="FILE", help="write to a file instead of standard output")
+    p.add_argument("--thorough", action="store_true", help=f"look at {THOROUGH:,} configurations, not at {SAMPLES:,}")
+    p.add_argument("--arg", action="append", default=[], metavar="NAME:=VALUE", help="xacro argument of the model")
+    p.add_argument("--package", action="append", default=[], metavar="NAME=DIR", help="where a ROS package is")
+    p.add_argument("--package-path", action="append", default=[], metavar="DIR", help="folder that holds packages")
+    p.add_argument("--no-cache", action="store_true", help="keep no measurements and use none that were kept")
+    options = p.parse_args(words)
+    path = Path(options.model)
+    if options.output is not None and unlike_ours(options.output):
+        raise UrdfcheckError(f"{options.output} was not written by urdfcheck srdf: what else it says would be lost")
+
+    from urdfcheck import catalogue, config, libraries
+    from urdfcheck.cache import default_folder
+    from urdfcheck.engine import Request, run_one
+
+    settings = config.find(path if path.is_dir() else path.parent)
+    libraries.prefer_own()
+    report = run_one(
+        Request(
+            paths=(path,),
+            root=settings.root,
+            # What is wrong with the file says why there is no model.
+            codes=frozenset(code for code, rule in catalogue.rules().items() if "file" in rule.scopes),
+            arguments=dict(_pair(text, ":=", "--arg") for text in options.arg),
+            packages={**settings.packages, **_packages(options.package)},
+            package_paths=(*_folders(options.package_path, "--package-path"), *settings.package_path),
+            cache=None if options.no_cache else default_folder(),
+            samples=THOROUGH if options.thorough else SAMPLES,
+            pairs=True,
+        )
+    )
+    if report.pairs is None:
+        raise UrdfcheckError(f"{path}: {why_none(report)}")
+    if not report.pairs.pairs:
+        print(f"urdfcheck: {path}: no two links have collision geometry that can be read", file=sys.stderr)
+        return NOTHING
+    if options.output is not None:
+        _write(render(report.pairs), options.output)
+        return OK
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(errors="xmlcharrefreplace")
+    sys.stdout.write(render(report.pairs))
+    return OK
+
+
+def cache(words: Sequence[str]) -> int:
+    """``urdfcheck cache info|clear``: what is kept between runs."""
+    p = argparse.ArgumentParser(prog="urdfcheck cache", description="The measurements that are kept between runs.")
+    p.add_argument("action", choices=("info", "clear"), help="say where they are and how large, or delete them")
+    options = p.parse_args(words)
+
+    from urdfcheck.cache import LARGEST, Cache, default_folder
+
+    kept = Cache(default_folder())
+    files = [status.st_size for _, status in kept.files()]
+    size = f"{len(files):,} file{'s' * (len(files) != 1)}, {sum(files) / 1e6:,.1f} MB"
+    if options.action == "clear":
+        kept.clear()
+        print(f"deleted {size} in {kept.folder}")
+    else:
+        print(f"{kept.folder}\n{size}; above {LARGEST / 1e6:,.0f} MB what was not used for longest is dropped")
+    return OK
+
+
 def _show(run: Run, output_format: str, color: str) -> None:
     from urdfcheck import output
 
@@ -174,13 +270,10 @@ def _show(run: Run, output_format: str, color: str) -> None:
     sys.stdout.write(output.render(run, output_format))
 
 
-def _write(run: Run, output_format: str, file: Path) -> None:
-    """Write a report whole or not at all."""
+def _write(text: str, file: Path) -> None:
+    """Write a file whole or not at all."""
     import tempfile
 
-    from urdfcheck import output
-
-    text = output.render(run, output_format)
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         handle, temporary = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")

@@ -1,38 +1,40 @@
 """One run: plan the units, audit each in a process of its own, put the reports together.
 
-The parent process imports the standard library only, and forks the worker of a single model as it is. Before it forks the
-workers of several it loads the heavy libraries, once for all.
+The parent process imports the standard library only, and forks the worker of a single model as it is. For several it loads
+what every worker needs before it forks, and what one turned out to need before it forks the next.
 """
 
 from __future__ import annotations
 
 import contextlib
-import importlib
-import multiprocessing
 import os
 import sys
+import tempfile
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck import __version__, catalogue, libraries
-from urdfcheck.core import Finding, Location, Run, Skip
+from urdfcheck.core import Finding, Location, Run, Skip, UrdfcheckError
 from urdfcheck.source.discover import ModelTarget, Plan, plan
 from urdfcheck.source.packages import display_name
+from urdfcheck.workers import Died, Worker, in_workers
 
 if TYPE_CHECKING:
     from urdfcheck.worker import Report, Settings, Unit
 
-PRELOADED = ("numpy", "xacro", "yaml", "pinocchio", "coal", "trimesh", "urdfcheck.worker")
+# Configurations of the joints that are looked at, and with --thorough.
+SAMPLES, THOROUGH = 200, 5_000
 DISTRIBUTIONS = ("xacro", "numpy", "pin", "coal", "trimesh")
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What a run is asked to do. ``root`` is the configuration's folder: models are named relative to it."""
+    """What a run is asked to do. ``root`` is the configuration's folder: models are named relative to it. ``cache``: the
+    folder of results that are kept, None to keep nothing; ``samples``: in how many configurations motion is looked at;
+    ``pairs``: whether the reports judge all pairs of links for an SRDF."""
 
     paths: tuple[Path, ...]
     root: Path
@@ -46,36 +48,90 @@ class Request:
     severities: Mapping[str, str] = field(default_factory=dict)
     targets: tuple[str, ...] = ()
     scene: bool = False
+    cache: Path | None = None
+    samples: int = SAMPLES
+    pairs: bool = False
 
 
 def run(
     request: Request,
     audit: Callable[[Unit, Settings], Report] | None = None,
+    first: Worker | None = None,
     meanwhile: Callable[[], object] | None = None,
 ) -> Run:
     """Check everything that the request's paths mean.
 
-    ``audit`` replaces the worker processes by a function in this one (for tests and for embedding); ``meanwhile`` is called
-    once while the first workers are busy.
+    ``audit`` replaces the worker processes by a function in this one (for tests and for embedding). ``first``: a worker
+    that waits already; ``meanwhile`` is called once while the first workers are busy.
     """
-    from urdfcheck.worker import Settings
-
     began = time.perf_counter()
     found = plan(request.paths, request.arguments, request.packages, request.package_paths)
-    settings = Settings(
-        codes=request.codes,
-        tier=request.tier,
-        options=request.options,
-        severities=request.severities,
-        packages={name: str(path) for name, path in request.packages.items()},
-        package_paths=tuple(str(p) for p in request.package_paths),
-        scene=request.scene,
-    )
     units = _units(found, request.root)
-    reports = [audit(u, settings) for u in units] if audit else _in_workers(units, settings, request.jobs, meanwhile)
+    reports = _reports(request, units, audit, first, meanwhile)
     kept = [(u, r) for u, r in zip(units, reports, strict=True) if not _is_nothing(u, r, found)]
     outcome = _assemble(request, found, kept, time.perf_counter() - began)
     return reproducible(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
+
+
+def run_one(request: Request, audit: Callable[[Unit, Settings], Report] | None = None) -> Report:
+    """The report on the one model that the request's paths mean; ``audit`` as for :func:`run`.
+
+    :raises UrdfcheckError: when they mean none, or several.
+    """
+    found = plan(request.paths, request.arguments, request.packages, request.package_paths)
+    for path, reason in (*found.missing, *found.unused):
+        raise UrdfcheckError(f"{path}: {reason}")
+    models = [unit for unit in _units(found, request.root) if unit.kind == "model"]
+    if len(models) != 1:
+        named = f"{len(models)} models, name one of them: {', '.join(m.id for m in models)}" if models else "no model"
+        raise UrdfcheckError(f"{', '.join(map(str, request.paths))}: {named}")
+    (report,) = _reports(request, models, audit)
+    return report
+
+
+def _reports(
+    request: Request,
+    units: Sequence[Unit],
+    audit: Callable[[Unit, Settings], Report] | None,
+    first: Worker | None = None,
+    meanwhile: Callable[[], object] | None = None,
+) -> list[Report]:
+    """The report on each unit, in their order."""
+    from urdfcheck.worker import Settings
+
+    with _cache_for(request, units) as folder:
+        settings = Settings(
+            codes=request.codes,
+            tier=request.tier,
+            options=request.options,
+            severities=request.severities,
+            packages={name: str(path) for name, path in request.packages.items()},
+            package_paths=tuple(str(p) for p in request.package_paths),
+            targets=request.targets,
+            scene=request.scene,
+            cache=folder,
+            samples=request.samples,
+            pairs=request.pairs,
+        )
+        if audit is not None:
+            return [audit(unit, settings) for unit in units]
+        return _in_workers(units, settings, request.jobs, first, meanwhile)
+
+
+@contextlib.contextmanager
+def _cache_for(request: Request, units: Sequence[Unit]) -> Iterator[str | None]:
+    """The folder of kept results; where nothing is kept and there are several units, one that lasts as long as the run, so
+    that a mesh of two models is read once all the same."""
+    from urdfcheck.cache import Cache
+
+    if request.cache is not None:
+        yield str(request.cache)
+        Cache(request.cache).tidy()
+    elif len(units) > 1:
+        with tempfile.TemporaryDirectory(prefix="urdfcheck-") as folder:
+            yield folder
+    else:
+        yield None
 
 
 def reproducible(outcome: Run) -> Run:
@@ -187,54 +243,40 @@ def _versions(*, full: bool) -> dict[str, str]:
 
 
 def _in_workers(
-    units: Sequence[Unit], settings: Settings, jobs: int, meanwhile: Callable[[], object] | None
+    units: Sequence[Unit],
+    settings: Settings,
+    jobs: int,
+    first: Worker | None,
+    meanwhile: Callable[[], object] | None,
 ) -> list[Report]:
     """Audit each unit in a fresh process, at most ``jobs`` at once; the order of the result is that of the units."""
     from urdfcheck.worker import Report
 
-    context = _context(len(units))
-    reports: list[Report | None] = [None] * len(units)
-    waiting = list(range(len(units)))[::-1]
-    running: dict[Connection, tuple[int, Any]] = {}
-    while waiting or running:
-        while waiting and len(running) < max(1, jobs):
-            index = waiting.pop()
-            receiver, sender = context.Pipe(duplex=False)
-            process = context.Process(target=_work, args=(units[index], settings, sender), daemon=True)
-            process.start()
-            sender.close()
-            running[receiver] = (index, process)
-        if meanwhile is not None:
-            meanwhile()
-            meanwhile = None
-        for ready in wait(list(running)):
-            assert isinstance(ready, Connection)
-            index, process = running.pop(ready)
-            try:
-                reports[index] = ready.recv()
-            except EOFError:
-                process.join()
-                unit = units[index]
-                text = f"the worker for {unit.id} died (exit code {process.exitcode})"
-                reports[index] = Report(info=_dead(unit), failures=(text,))
-            ready.close()
-            process.join()
-    return [r for r in reports if r is not None]
+    modules = [catalogue.module_of(catalogue.rules()[code]) for code in sorted(settings.codes)]
+    work = [(unit, settings) for unit in units]
+    reports: dict[int, Report] = {}
+    for index, result in in_workers(
+        work, _audit, max(1, jobs), first, ("numpy", "urdfcheck.worker", *modules), meanwhile
+    ):
+        unit = units[index]
+        if isinstance(result, Died):
+            text = f"the worker for {unit.id} died (exit code {result.exit_code})"
+            result = Report(info=_dead(unit), failures=(text,))
+        reports[index] = result
+    return [reports[index] for index in range(len(units))]
 
 
-def _work(unit: Unit, settings: Settings, sender: Connection) -> None:
+def _audit(unit: Unit, settings: Settings) -> Report:
     libraries.prefer_own()
     try:
         from urdfcheck.worker import audit
 
-        report = audit(unit, settings)
+        return audit(unit, settings)
     except Exception as error:  # ours, not the model's: reading and checking turn what is wrong there into findings
         from urdfcheck.worker import Report
 
         text = f"the audit of {unit.id} crashed: {type(error).__name__}: {error}"
-        report = Report(info=_dead(unit), failures=(text,))
-    sender.send(report)
-    sender.close()
+        return Report(info=_dead(unit), failures=(text,))
 
 
 def _dead(unit: Unit) -> Any:
@@ -243,24 +285,3 @@ def _dead(unit: Unit) -> Any:
     if unit.kind != "model":
         return None
     return ModelInfo(display_name(Path(unit.path)), "", dict(unit.arguments), 0, 0, None, "failed", unit.id)
-
-
-def _context(units: int) -> Any:
-    """How worker processes are made: forked where the platform can, else spawned.
-
-    A server process of multiprocessing's own (forkserver, and spawn without PYTHONSAFEPATH) is started as ``python -c``
-    and looks for modules in the working directory first: it would run a ``struct.py`` of the repository that is checked.
-    """
-    # Many small worker processes share the cores: a pool of BLAS threads in each would only get in the way, and a process
-    # that has threads must not be forked.
-    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(variable, "1")
-    if "fork" not in multiprocessing.get_all_start_methods():
-        os.environ["PYTHONSAFEPATH"] = "1"
-        return multiprocessing.get_context("spawn")
-    if units > 1 and sys.platform == "linux":
-        # Loaded once here instead of once in each worker. Elsewhere system libraries do not survive a fork.
-        for name in PRELOADED:
-            with contextlib.suppress(ImportError):
-                importlib.import_module(name)
-    return multiprocessing.get_context("fork")

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from urdfcheck import catalogue
+from urdfcheck.cache import Cache
 from urdfcheck.core import (
     Finding,
     Location,
@@ -29,6 +30,7 @@ from urdfcheck.outline import Outline, outline_of
 from urdfcheck.source.launch import Launch, load_launch
 from urdfcheck.source.load import Source, load
 from urdfcheck.source.packages import PackageFinder, load_package
+from urdfcheck.srdf import LinkPairs, pairs_of
 
 TIERS = ("source", "mesh", "full")
 _TIER_OF_NEED = {"source": "source", "package": "source", "mesh": "mesh", "dynamics": "full", "collision": "full"}
@@ -49,7 +51,8 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What holds for every unit of a run: plain values, because they cross into the worker."""
+    """What holds for every unit of a run: plain values, because they cross into the worker. ``cache``: the folder of results
+    that are kept, None to keep nothing; ``samples``: in how many configurations motion is looked at."""
 
     codes: frozenset[str]
     tier: str = "full"
@@ -57,17 +60,23 @@ class Settings:
     severities: Mapping[str, str] = field(default_factory=dict)
     packages: Mapping[str, str] = field(default_factory=dict)
     package_paths: tuple[str, ...] = ()
+    targets: tuple[str, ...] = ()
     scene: bool = False
+    cache: str | None = None
+    samples: int = 200
+    pairs: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What a worker sends back. ``failures`` are urdfcheck's own: they make the exit code 2."""
+    """What a worker sends back. ``failures`` are urdfcheck's own: they make the exit code 2. ``scene`` and ``pairs`` are there
+    where the settings ask for them."""
 
     findings: tuple[Finding, ...] = ()
     skipped: tuple[Skip, ...] = ()
     info: ModelInfo | None = None
     scene: Scene | None = None
+    pairs: LinkPairs | None = None
     outline: Outline | None = None
     sources: Mapping[str, str] = field(default_factory=dict)
     failures: tuple[str, ...] = ()
@@ -98,6 +107,7 @@ class _Audit:
         self.texts: dict[str, str] = {}
         self.info: ModelInfo | None = None
         self.scene: Scene | None = None
+        self.pairs: LinkPairs | None = None
         self.outline: Outline | None = None
         self.rules = {c: r for c, r in catalogue.rules().items() if c in settings.codes and catalogue.has_check(r)}
 
@@ -118,7 +128,9 @@ class _Audit:
         self.run("file", source)
         model: Model | None = None
         if source.root is not None and source.root.tag == "robot":
-            model = Model(source, source.root, self.settings.tier)
+            folder = None if self.settings.cache is None else Path(self.settings.cache)
+            tier, targets, samples = self.settings.tier, self.settings.targets, self.settings.samples
+            model = Model(source, source.root, tier, Cache(folder), samples=samples, targets=targets)
             self.run("model", model)
             self.outline = outline_of(model)
         else:
@@ -130,6 +142,8 @@ class _Audit:
             from urdfcheck.scene import scene_of
 
             self.scene = self.guard("scene", lambda: scene_of(model, self.unit.id, self.loaded_launches))
+        if self.settings.pairs and model is not None:
+            self.pairs = self.guard("srdf", lambda: pairs_of(model))
 
     def launches(self, model: Model | None) -> None:
         paths = (self.unit.path,) if self.unit.kind == "launch" else self.unit.launches
@@ -210,6 +224,7 @@ class _Audit:
             tuple(self.skipped),
             info,
             self.scene,
+            self.pairs,
             self.outline,
             {name: text for name, text in self.texts.items() if name in named},
             tuple(self.failures),

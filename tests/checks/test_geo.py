@@ -1,14 +1,17 @@
-"""GEO004: which meshes are dense, and which primitive is proposed."""
+"""Shapes: sizes, what collides, where it stands, and which meshes are too dense for it."""
 
 from __future__ import annotations
 
+from itertools import product
 from math import cos, pi, sin
 from pathlib import Path
 
+import numpy as np
 import pytest
 from conftest import check_text
 
-from urdfcheck.core import Finding
+from urdfcheck.core import Finding, Severity
+from urdfcheck.facts.kinematics import transform
 
 
 def cylinder(sides: int, radius: float = 0.03, length: float = 0.01) -> str:
@@ -32,6 +35,313 @@ def found(folder: Path, content: str, link: str) -> list[Finding]:
     (folder / "part.obj").write_text(content)
     (folder / "copy.obj").write_text(content)
     return list(check_text(folder, f'<robot name="r"><link name="a">{link}</link></robot>', codes={"GEO004"}).findings)
+
+
+def findings(folder: Path, code: str, *parts: str) -> list[Finding]:
+    return list(check_text(folder, f'<robot name="r">{"".join(parts)}</robot>', codes={code}).findings)
+
+
+def geometry(role: str, inside: str, origin: str = "") -> str:
+    return f"<{role}>{origin}<geometry>{inside}</geometry></{role}>"
+
+
+def link(name: str, *inside: str) -> str:
+    return f'<link name="{name}">{"".join(inside)}</link>'
+
+
+def joint(parent: str, child: str, kind: str = "revolute", xyz: str = "0 0 0") -> str:
+    return (
+        f'<joint name="{parent}_{child}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="{xyz}"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+    )
+
+
+def box(role: str, size: str = "0.1 0.1 0.1", xyz: str = "0 0 0", rpy: str = "0 0 0") -> str:
+    return geometry(role, f'<box size="{size}"/>', f'<origin xyz="{xyz}" rpy="{rpy}"/>')
+
+
+# -- GEO001 ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        '<box size="0.1 -0.1 0.1"/>',
+        '<box size="0 0.1 0.1"/>',
+        '<sphere radius="-0.1"/>',
+        '<sphere radius="-0"/>',
+        '<cylinder radius="0" length="0.1"/>',
+        '<cylinder radius="0.1" length="-0.1"/>',
+        '<mesh filename="a.stl" scale="1 1 0"/>',
+    ],
+)
+def test_a_shape_without_volume_is_an_error_where_it_collides(tmp_path: Path, shape: str) -> None:
+    (finding,) = findings(tmp_path, "GEO001", link("a", geometry("collision", shape)))
+    assert finding.severity is Severity.ERROR
+
+
+@pytest.mark.parametrize(
+    ("shape", "severity"),
+    [
+        ('<sphere radius="0"/>', Severity.INFO),
+        ('<sphere radius="-0.1"/>', Severity.ERROR),
+        ('<mesh filename="a.stl" scale="1 1 0"/>', Severity.WARNING),
+    ],
+)
+def test_what_is_only_drawn_may_be_nothing_but_not_negative(tmp_path: Path, shape: str, severity: Severity) -> None:
+    (finding,) = findings(tmp_path, "GEO001", link("a", geometry("visual", shape)))
+    assert finding.severity is severity
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        '<sphere radius="1e-9"/>',
+        '<capsule radius="0.1" length="0"/>',
+        '<mesh filename="a.stl" scale="-1 1 1"/>',
+        '<mesh filename="a.stl"/>',
+        '<box size="0.1 0.1"/>',
+        "<box/>",
+    ],
+)
+def test_what_is_small_round_mirrored_or_malformed_is_no_bad_dimension(tmp_path: Path, shape: str) -> None:
+    assert not findings(tmp_path, "GEO001", link("a", geometry("collision", shape)))
+
+
+def test_the_repair_takes_the_minus_signs_away(tmp_path: Path) -> None:
+    (finding,) = findings(tmp_path, "GEO001", link("a", geometry("collision", '<box size="0.1 -0.20 -3e-1"/>')))
+    assert finding.fix is not None
+    assert [edit.replacement for edit in finding.fix.edits] == ["0.1 0.20 3e-1"]
+
+
+# -- GEO002 ---------------------------------------------------------------------------------------------------------
+
+BOTH = box("visual") + box("collision")
+MASS = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+
+
+def arm(*hands: str) -> str:
+    """A base, an arm that collides, and links that the arm moves, 1 m away."""
+    found = link("base", BOTH) + link("arm", BOTH) + joint("base", "arm", xyz="0 0 1")
+    for i, inside in enumerate(hands):
+        found += link(f"hand{i}", inside) + joint("arm", f"hand{i}", xyz=f"0 {i} 1")
+    return found
+
+
+def test_a_moving_link_that_is_drawn_and_not_touched(tmp_path: Path) -> None:
+    (finding,) = findings(tmp_path, "GEO002", arm(box("visual"), BOTH))
+    assert (finding.severity, finding.subjects) == (Severity.WARNING, ("link[hand0]",))
+
+
+@pytest.mark.parametrize(
+    "inside",
+    ["", BOTH, box("collision"), geometry("visual", '<box size="0.005 0.001 0.001"/>')],
+    ids=["frame", "both", "not drawn", "token"],
+)
+def test_nothing_is_missing(tmp_path: Path, inside: str) -> None:
+    assert not findings(tmp_path, "GEO002", arm(inside, BOTH))
+
+
+def test_collision_on_what_is_fixed_to_it_counts_in_both_directions(tmp_path: Path) -> None:
+    pad = link("pad", box("collision")) + joint("hand0", "pad", "fixed")
+    camera = link("camera", box("visual")) + joint("arm", "camera", "fixed")
+    assert not findings(tmp_path, "GEO002", arm(box("visual"), BOTH) + pad + camera)
+
+
+def test_the_base_may_be_a_drawing(tmp_path: Path) -> None:
+    robot = link("base", box("visual")) + link("arm", BOTH) + joint("base", "arm")
+    assert not findings(tmp_path, "GEO002", robot)
+
+
+def test_a_model_without_any_collision_is_one_info(tmp_path: Path) -> None:
+    robot = "".join(link(name, box("visual")) for name in "abc") + joint("a", "b") + joint("b", "c")
+    (finding,) = findings(tmp_path, "GEO002", robot)
+    assert (finding.message_id, finding.severity, finding.data["bodies"]) == ("none", Severity.INFO, 2)
+
+
+def test_where_most_bodies_lack_it_the_author_chose(tmp_path: Path) -> None:
+    (finding,) = findings(tmp_path, "GEO002", arm(box("visual"), box("visual")))
+    assert (finding.message_id, finding.severity) == ("most", Severity.INFO)
+    (half,) = findings(tmp_path / "half", "GEO002", arm(box("visual")))
+    assert half.message_id == "missing"
+
+
+def test_a_marker_without_mass_needs_no_collision(tmp_path: Path) -> None:
+    assert findings(tmp_path / "a", "GEO002", arm(box("visual") + MASS, BOTH + MASS))
+    assert not findings(tmp_path / "b", "GEO002", arm(box("visual"), BOTH + MASS))
+
+
+@pytest.mark.parametrize(("kind", "found"), [("continuous", False), ("revolute", True)])
+def test_a_fork_that_carries_a_wheel_needs_no_collision(tmp_path: Path, kind: str, found: bool) -> None:
+    wheel = link("wheel", BOTH) + joint("hand0", "wheel", kind, "0 0 1")
+    assert bool(findings(tmp_path, "GEO002", arm(box("visual"), BOTH) + wheel)) == found
+
+
+@pytest.mark.parametrize(("size", "found"), [("0.09 0.09 0.11", False), ("0.09 0.09 0.15", True)])
+@pytest.mark.parametrize("rpy", ["0 0 0", "0.3 -1 2"])
+def test_a_rotor_inside_its_housing_needs_no_collision(tmp_path: Path, size: str, found: bool, rpy: str) -> None:
+    """However the root is turned."""
+    robot = (
+        link("root") + link("base", BOTH) + link("rotor", box("visual", size)) + link("arm", BOTH)
+        + f'<joint name="f" type="fixed"><parent link="root"/><child link="base"/><origin rpy="{rpy}"/></joint>'
+        + joint("base", "rotor", "continuous") + joint("base", "arm", xyz="0 0 1")
+    )  # fmt: skip
+    assert bool(findings(tmp_path, "GEO002", robot)) == found
+
+
+# -- GEO003 ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("collision", "message"),
+    [
+        (box("collision", xyz="0.09 0 0"), None),
+        (box("collision", xyz="0.11 0 0"), "apart"),
+        (box("collision", "0.49 0.49 0.49"), None),
+        (box("collision", "0.51 0.51 0.51"), "size"),
+        (box("collision", "0.021 0.021 0.021"), None),
+        (box("collision", "0.019 0.019 0.019"), "size"),
+        (box("collision", "0.2 0.2 0.2", "0.1 0.1 0.1"), None),
+        (box("collision", "0.1 0.1 0.001", "0 0 0.05"), None),
+        (geometry("collision", '<sphere radius="0.05"/>', '<origin xyz="0.2 0 0"/>'), "apart"),
+        (geometry("collision", '<cylinder radius="0.4" length="0.1"/>'), "size"),
+        (geometry("collision", '<capsule radius="0.05" length="0.1"/>'), None),
+    ],
+)
+def test_how_far_and_how_large(tmp_path: Path, collision: str, message: str | None) -> None:
+    found = findings(tmp_path, "GEO003", link("a", box("visual") + collision))
+    assert [f.message_id for f in found] == ([message] if message else [])
+
+
+@pytest.mark.parametrize(
+    ("scale", "units"),
+    [
+        ("1 1 1", "millimetres and metres"),
+        ("0.0254 0.0254 0.0254", "inches and millimetres"),
+        ("0.00001 0.00001 0.00001", "centimetres and metres"),
+        ("0.007 0.007 0.007", None),
+    ],
+)
+def test_the_factor_of_a_forgotten_scale_is_named(tmp_path: Path, scale: str, units: str | None) -> None:
+    (tmp_path / "part.obj").write_text(cylinder(16, 30, 10))
+    inside = geometry("visual", '<cylinder radius="0.03" length="0.01"/>') + shape("collision", "part.obj", scale)
+    (finding,) = findings(tmp_path, "GEO003", link("a", inside))
+    assert (finding.cause and finding.data["units"]) == units
+
+
+@pytest.mark.parametrize("rpy", ["0 0 0", "0.4 0 0", "1 -0.7 2.5"])
+def test_the_verdict_does_not_change_with_the_frame(tmp_path: Path, rpy: str) -> None:
+    """Two cubes 0.5 m apart stay apart, and one inside the other stays inside, however their link's frame is turned."""
+    turn = transform((0, 0, 0), [float(w) for w in rpy.split()])[:3, :3]
+    for distance, found in ((0.5, True), (0.02, False)):
+        xyz = " ".join(f"{v:.9f}" for v in turn @ np.array([distance, 0, 0]))
+        inside = box("visual", rpy=rpy) + box("collision", xyz=xyz, rpy=rpy)
+        assert bool(findings(tmp_path, "GEO003", link("a", inside))) == found
+
+
+def test_what_one_link_draws_another_that_is_fixed_to_it_may_collide_with(tmp_path: Path) -> None:
+    """The footprint of a mobile base: its own collision is the base's, a metre above it."""
+    foot = link("foot", box("visual", "0.02 0.02 0.02") + box("collision", "1 1 1", "0 0 1"))
+    base = link("base", box("visual", "1 1 1"))
+    assert findings(tmp_path / "a", "GEO003", foot + base + joint("foot", "base", "revolute", "0 0 1"))
+    assert not findings(tmp_path / "b", "GEO003", foot + base + joint("foot", "base", "fixed", "0 0 1"))
+
+
+@pytest.mark.parametrize("role", ["visual", "collision"])
+def test_a_token_stands_for_nothing(tmp_path: Path, role: str) -> None:
+    other = {"visual": "collision", "collision": "visual"}[role]
+    token = geometry(role, '<box size="0.001 0.001 0.001"/>')
+    assert not findings(tmp_path, "GEO003", link("a", box(other) + token))
+
+
+def collada(size: float, unit: float, up: str) -> str:
+    """A slab of 2 x 1 x 4 times ``size``."""
+    corners = " ".join(f"{x * size} {y * size} {z * size}" for x, y, z in product((0, 2), (0, 1), (0, 4)))
+    faces = "0 1 3 0 3 2 4 6 7 4 7 5 0 4 5 0 5 1 2 3 7 2 7 6 0 2 6 0 6 4 1 5 7 1 7 3"
+    return f"""<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit meter="{unit}"/><up_axis>{up}</up_axis></asset>
+<library_geometries><geometry id="g"><mesh><source id="s"><float_array id="a" count="24">{corners}</float_array>
+<technique_common><accessor source="#a" count="8" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+<triangles count="12"><input semantic="VERTEX" source="#v" offset="0"/><p>{faces}</p></triangles></mesh></geometry>
+</library_geometries><library_visual_scenes><visual_scene id="scene"><node><instance_geometry url="#g"/></node></visual_scene>
+</library_visual_scenes><scene><instance_visual_scene url="#scene"/></scene></COLLADA>"""
+
+
+@pytest.mark.parametrize(
+    ("size", "unit", "up", "found"),
+    [
+        (0.1, 1, "Z_UP", False),
+        (100, 0.001, "Z_UP", False),
+        (0.1, 0.001, "Z_UP", False),
+        (100, 1, "Z_UP", True),
+        (0.1, 1, "Y_UP", False),
+    ],
+)
+def test_a_unit_that_programs_treat_differently_is_another_rules_business(
+    tmp_path: Path, size: float, unit: float, up: str, found: bool
+) -> None:
+    (tmp_path / "slab.dae").write_text(collada(size, unit, up))
+    inside = shape("visual", "slab.dae") + box("collision", "0.2 0.1 0.4", "0.1 0.05 0.2")
+    assert bool(findings(tmp_path, "GEO003", link("a", inside))) == found
+
+
+def test_a_mesh_that_lies_down_when_y_is_taken_for_up(tmp_path: Path) -> None:
+    (tmp_path / "slab.dae").write_text(collada(0.1, 1, "Y_UP"))
+    upright = shape("visual", "slab.dae") + box("collision", "0.2 0.4 0.1", "0.1 -0.2 0.05")
+    elsewhere = shape("visual", "slab.dae") + box("collision", "0.2 0.4 0.1", "0.1 -0.9 0.05")
+    assert not findings(tmp_path, "GEO003", link("a", upright))
+    assert findings(tmp_path, "GEO003", link("a", elsewhere))
+
+
+def test_a_mesh_that_cannot_be_read_decides_nothing(tmp_path: Path) -> None:
+    assert not findings(tmp_path, "GEO003", link("a", box("visual") + shape("collision", "missing.stl")))
+
+
+# -- GEO005 ---------------------------------------------------------------------------------------------------------
+
+
+def placed(role: str, origin: str = "", name: str = "part.stl", scale: str = "1 1 1") -> str:
+    return geometry(role, f'<mesh filename="{name}" scale="{scale}"/>', origin)
+
+
+@pytest.mark.parametrize(
+    ("visual", "collision", "found"),
+    [
+        ("", '<origin xyz="0 0 0"/>', False),
+        ("", '<origin xyz="0 0 9e-5"/>', False),
+        ("", '<origin xyz="0 0 1.1e-4"/>', True),
+        ('<origin rpy="1.5708 0 0"/>', '<origin rpy="1.57 0 0"/>', False),
+        ('<origin rpy="1.5708 0 0"/>', '<origin rpy="1.569 0 0"/>', True),
+        ('<origin rpy="3.14159265 0 0"/>', '<origin rpy="-3.14159265 0 0"/>', False),
+        ('<origin rpy="0 0 3.14159265"/>', "", True),
+    ],
+)
+def test_how_far_origins_may_differ(tmp_path: Path, visual: str, collision: str, found: bool) -> None:
+    inside = placed("visual", visual) + placed("collision", collision)
+    assert bool(findings(tmp_path, "GEO005", link("a", inside))) == found
+
+
+def test_another_file_or_scale_has_a_place_of_its_own(tmp_path: Path) -> None:
+    moved = '<origin xyz="1 0 0"/>'
+    assert not findings(tmp_path, "GEO005", link("a", placed("visual") + placed("collision", moved, "other.stl")))
+    assert not findings(
+        tmp_path, "GEO005", link("a", placed("visual") + placed("collision", moved, scale="1.1 1.1 1.1"))
+    )
+
+
+def test_only_the_foot_that_has_no_drawing_is_reported(tmp_path: Path) -> None:
+    feet = ['<origin xyz="0 0 0"/>', '<origin xyz="1 0 0"/>', '<origin xyz="2 0 0"/>']
+    drawn = "".join(placed("visual", foot) for foot in feet)
+    moved = [feet[2], '<origin xyz="1 0 0.01"/>', feet[0]]
+    (finding,) = findings(tmp_path, "GEO005", link("a", drawn + "".join(placed("collision", foot) for foot in moved)))
+    assert finding.data["moved"] == 0.01
+    assert finding.fix is not None
+    assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("1 0 0.01", "1 0 0")]
+
+
+# -- GEO004 ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("sides", "dense"), [(126, False), (127, True)])

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import struct
+from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 from conftest import check_text
 
+from urdfcheck.checks import msh011_format_unsupported
 from urdfcheck.core import Finding, Severity
 
 # A tetrahedron with corners 0, x, y, z, as OBJ faces.
@@ -21,11 +25,65 @@ def shape(role: str, name: str = "part.obj", scale: str = "1 1 1") -> str:
     return f'<{role}><geometry><mesh filename="{name}" scale="{scale}"/></geometry></{role}>'
 
 
-def found(folder: Path, code: str, content: str | bytes, *links: str, name: str = "part.obj") -> list[Finding]:
+def found(
+    folder: Path,
+    code: str,
+    content: str | bytes,
+    *links: str,
+    name: str = "part.obj",
+    step: float = 0.0,
+    **request: object,
+) -> list[Finding]:
+    """The findings of one rule on a chain of links, ``step`` metres apart, that share one mesh file."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
     text = "".join(f'<link name="l{i}">{link}</link>' for i, link in enumerate(links))
-    return list(check_text(folder, f'<robot name="r">{text}</robot>', codes={code}).findings)
+    text += "".join(
+        f'<joint name="j{b}" type="fixed"><origin xyz="{step} 0 0"/><parent link="l{a}"/><child link="l{b}"/></joint>'
+        for a, b in pairwise(range(len(links)))
+    )
+    return list(check_text(folder, f'<robot name="r">{text}</robot>', codes={code}, **request).findings)
+
+
+def scaled(content: str, factor: float) -> str:
+    """The same OBJ mesh, ``factor`` times as large."""
+    return "".join(
+        "v " + " ".join(f"{factor * float(x)!r}" for x in line.split()[1:]) + "\n"
+        if line.startswith("v")
+        else line + "\n"
+        for line in content.splitlines()
+    )
+
+
+def moved(content: str, x: float, first: int) -> str:
+    """The same OBJ mesh, moved along x, as the lines that follow ``first`` vertices."""
+    lines = [line.split() for line in content.splitlines()]
+    return "".join(
+        f"v {float(w[1]) + x!r} {w[2]} {w[3]}\n"
+        if w[0] == "v"
+        else "f " + " ".join(str(int(i) + first) for i in w[1:]) + "\n"
+        for w in lines
+    )
+
+
+def collada(unit: float, size: float) -> str:
+    """A tetrahedron with edges of ``size`` file units of ``unit`` metres."""
+    return (
+        '<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">'
+        f'<asset><unit meter="{unit!r}"/><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>'
+        f'<source id="s"><float_array id="a" count="12">0 0 0 {size!r} 0 0 0 {size!r} 0 0 0 {size!r}</float_array>'
+        '<technique_common><accessor source="#a" count="4" stride="3"><param name="X" type="float"/>'
+        '<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>'
+        '<vertices id="v"><input semantic="POSITION" source="#s"/></vertices><triangles count="3">'
+        '<input semantic="VERTEX" source="#v" offset="0"/><p>0 1 3 0 3 2 1 2 3</p></triangles></mesh></geometry>'
+        '</library_geometries><library_visual_scenes><visual_scene id="scene"><node><instance_geometry url="#g"/></node>'
+        '</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#scene"/></scene></COLLADA>'
+    )
+
+
+def stl(header: bytes) -> bytes:
+    """A binary STL of one triangle."""
+    return header.ljust(80) + struct.pack("<I12fH", 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0)
 
 
 # -- MSH001 ---------------------------------------------------------------------------------------------------------
@@ -35,7 +93,6 @@ def found(folder: Path, code: str, content: str | bytes, *links: str, name: str 
     ("content", "reason"),
     [
         (b"", "empty"),
-        (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n", "lfs-pointer"),
         (b"<!DOCTYPE html><html></html>", "html"),
         (b"\0" * 80 + (1).to_bytes(4, "little") + b"\0" * 100, "wrong-size"),
         (b"\0" * 80 + (7).to_bytes(4, "little") + b"\0" * 50, "truncated"),
@@ -47,10 +104,7 @@ def test_why_a_file_is_no_mesh(tmp_path: Path, content: bytes, reason: str) -> N
     assert (finding.severity, finding.data["reason_id"]) == (Severity.ERROR, reason)
 
 
-@pytest.mark.parametrize(
-    ("content", "repair"),
-    [(b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n", "git lfs pull"), (b"", "again")],
-)
+@pytest.mark.parametrize(("content", "repair"), [(b"<html></html>", "raw file"), (b"", "again")])
 def test_the_repair_fits_the_reason(tmp_path: Path, content: bytes, repair: str) -> None:
     (finding,) = found(tmp_path, "MSH001", content, shape("visual"))
     assert finding.fix is not None
@@ -69,6 +123,40 @@ def test_a_broken_file_that_is_used_twice_is_one_finding(tmp_path: Path) -> None
 
 def test_a_missing_file_is_another_rules_business(tmp_path: Path) -> None:
     assert not found(tmp_path, "MSH001", CLOSED, shape("visual", "elsewhere.obj"))
+
+
+# -- PKG009 ---------------------------------------------------------------------------------------------------------
+
+POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 1234\n"
+
+
+@pytest.mark.parametrize("content", [POINTER, POINTER.replace(b"\n", b"\r\n"), b"\xef\xbb\xbf" + POINTER])
+def test_a_pointer_is_known_without_reading_meshes(tmp_path: Path, content: bytes) -> None:
+    (finding,) = found(tmp_path, "PKG009", content, shape("visual") + shape("collision"), tier="source")
+    assert (finding.severity, finding.data["bytes"]) == (Severity.ERROR, 1234)
+    assert len(finding.related) == 1
+
+
+@pytest.mark.parametrize("content", [CLOSED, "", "the file version https://git-lfs.github.com/spec/v1"])
+def test_what_is_no_pointer(tmp_path: Path, content: str) -> None:
+    assert not found(tmp_path, "PKG009", content, shape("visual"), shape("visual", "missing.obj"))
+
+
+def test_the_pointers_of_one_repository_are_one_finding(tmp_path: Path) -> None:
+    for folder in ("arm/.git", "hand/.git", "hand/meshes"):
+        (tmp_path / folder).mkdir(parents=True)
+    for name in ("arm/a.stl", "arm/b.stl", "hand/meshes/c.stl"):
+        (tmp_path / name).write_bytes(POINTER)
+    uses = [shape("visual", name) for name in ("arm/a.stl", "hand/meshes/c.stl", "arm/b.stl")]
+    arm, hand = found(tmp_path, "PKG009", "", *uses)
+    assert (arm.message_id, arm.data["count"], arm.data["bytes"]) == ("pointers", 2, 2468)
+    assert (hand.message_id, hand.data["count"]) == ("pointer", 1)
+    assert arm.cause is not None
+    assert arm.cause.id == "clone"
+
+
+def test_a_pointer_is_not_called_unreadable_as_well(tmp_path: Path) -> None:
+    assert not found(tmp_path, "MSH001", POINTER, shape("visual"))
 
 
 # -- MSH002 ---------------------------------------------------------------------------------------------------------
@@ -103,12 +191,21 @@ def test_the_points_of_a_hole_are_bounded(tmp_path: Path) -> None:
     assert len(finding.data["loops"][0]["points"]) <= 64
 
 
+def test_the_hole_is_as_large_as_the_mesh_is_drawn(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "MSH002", collada(0.001, 400.0), shape("collision", "part.dae"), name="part.dae")
+    (loop,) = finding.data["loops"]
+    assert np.max(loop["points"]) == 0.4
+    assert loop["length"] == pytest.approx(0.4 * (2 + 2**0.5), rel=1e-5)
+
+
 # -- MSH003, MSH004 -------------------------------------------------------------------------------------------------
 
 
 def test_the_edges_at_which_the_winding_changes_are_counted(tmp_path: Path) -> None:
     (finding,) = found(tmp_path, "MSH003", MIXED, shape("collision"))
-    assert (finding.data["wrong"], finding.data["shared"]) == (3, 6)
+    assert finding.data["wrong"] == 3
+    # Those of the triangle that was turned over.
+    assert {tuple(point) for line in finding.data["lines"] for point in line} == {(1, 0, 0), (0, 1, 0), (0, 0, 1)}
 
 
 @pytest.mark.parametrize("content", [CLOSED, OPEN, INSIDE_OUT])
@@ -124,3 +221,255 @@ def test_only_a_closed_mesh_of_negative_volume_is_inside_out(tmp_path: Path, con
 def test_a_mirroring_scale_turns_it_the_right_way_out(tmp_path: Path) -> None:
     assert found(tmp_path / "a", "MSH004", INSIDE_OUT, shape("visual", scale="1 1 2"))
     assert not found(tmp_path / "b", "MSH004", INSIDE_OUT, shape("visual", scale="1 -1 1"))
+
+
+# -- MSH005 ---------------------------------------------------------------------------------------------------------
+
+# A wall from an edge of the tetrahedron to a fifth corner inside, and back along two others.
+WALLED = CLOSED + "v 0.2 0.2 0.2\nf 1 2 5\nf 2 3 5\nf 3 1 5\n"
+# A second tetrahedron on the other side of the edge from the origin to z.
+TOUCHING = CLOSED + "v -1 0 0\nv 0 -1 0\nf 1 6 5\nf 1 5 4\nf 1 4 6\nf 5 6 4\n"
+
+
+def test_the_edges_of_three_triangles_are_drawn(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "MSH005", WALLED, shape("collision", scale="2 2 2"))
+    assert finding.data["count"] == 3
+    assert {tuple(point) for line in finding.data["lines"] for point in line} == {(0, 0, 0), (2, 0, 0), (0, 2, 0)}
+
+
+@pytest.mark.parametrize("content", [CLOSED, OPEN, TOUCHING, CLOSED + moved(CLOSED, 0.0, 4)])
+def test_closed_bodies_may_touch_in_an_edge_or_a_face(tmp_path: Path, content: str) -> None:
+    assert not found(tmp_path, "MSH005", content, shape("collision"))
+
+
+def test_an_open_mesh_is_reported_as_open_only(tmp_path: Path) -> None:
+    flag = CLOSED + "v 0.5 0.5 1\nf 2 3 5\n"
+    assert found(tmp_path, "MSH002", flag, shape("collision"))
+    assert not found(tmp_path, "MSH005", flag, shape("collision"))
+
+
+@pytest.mark.parametrize("code", ["MSH005", "MSH006", "MSH009", "MSH010", "MSH013", "MSH014"])
+def test_what_only_matters_in_contact_is_not_reported_of_drawn_meshes(tmp_path: Path, code: str) -> None:
+    content = WALLED + "f 1 2 5\n" + moved(CLOSED, 100.0, 5)
+    links = (shape("visual", scale="1 1 -1"),)
+    assert not found(tmp_path, code, content, *links, options={"MSH009": {"triangles": 3}})
+
+
+# -- MSH006, MSH007 -------------------------------------------------------------------------------------------------
+
+
+def test_triangles_that_are_nothing_are_counted_for_all_meshes_together(tmp_path: Path) -> None:
+    (tmp_path / "other.obj").write_text(CLOSED + "v 0.5 0 0\nf 1 2 5\nf 1 1 2\n")
+    links = (shape("collision"), shape("collision", "other.obj"))
+    (finding,) = found(tmp_path, "MSH006", CLOSED + "f 2 1 3\n", *links)
+    assert (finding.data["duplicate"], finding.data["degenerate"]) == (1, 2)
+    assert finding.severity == Severity.INFO
+    assert len(finding.related) == 1
+    assert "other.obj (2 without area)" in finding.message
+
+
+def test_a_triangle_without_area_is_drawn_where_it_is(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "MSH006", CLOSED + "v 0.5 0 0\nf 1 2 5\n", shape("collision", scale="0.1 0.1 0.1"))
+    assert finding.data["places"][0]["triangles"] == [[[0, 0, 0], [0.1, 0, 0], [0.05, 0, 0]]]
+
+
+@pytest.mark.parametrize("number", ["nan", "inf", "-inf", "1e999"])
+def test_a_corner_that_is_nowhere(tmp_path: Path, number: str) -> None:
+    (finding,) = found(tmp_path, "MSH007", CLOSED + f"v 0 {number} 0\nf 1 2 5\n", shape("visual"))
+    assert (finding.severity, finding.data["count"]) == (Severity.ERROR, 1)
+
+
+def test_the_hole_that_it_leaves_is_no_second_finding(tmp_path: Path) -> None:
+    assert not found(tmp_path, "MSH002", OPEN + "v nan 0 0\nf 1 2 5\n", shape("collision"))
+
+
+def test_a_mesh_that_is_nowhere_altogether_is_unreadable(tmp_path: Path) -> None:
+    nowhere = CLOSED.replace("v 0 0 0", "v nan 0 0").replace("f 2 3 4\n", "")
+    assert not found(tmp_path, "MSH007", nowhere, shape("visual"))
+    assert found(tmp_path, "MSH001", nowhere, shape("visual"))
+
+
+# -- MSH008 ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("unit", "size", "scale"), [(1000, 0.4, "1"), (100, 0.4, "1"), (39.37, 0.4, "1"), (1, 0.4, "1000")]
+)
+def test_a_mesh_in_another_unit_is_larger_than_its_robot(tmp_path: Path, unit: float, size: float, scale: str) -> None:
+    links = ("", shape("visual", scale=" ".join([scale] * 3)))
+    (finding,) = found(tmp_path, "MSH008", scaled(CLOSED, unit * size), *links, step=0.3)
+    assert (finding.message_id, finding.severity) == ("large", Severity.WARNING)
+    assert finding.data["size"] == pytest.approx(unit * size * float(scale))
+    assert "0.4 m" in finding.data["readings"] or unit == 39.37
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1.0, 1e3])
+def test_file_and_scale_may_change_together(tmp_path: Path, factor: float) -> None:
+    scale = " ".join([repr(0.4 / factor)] * 3)
+    assert not found(tmp_path, "MSH008", scaled(CLOSED, factor), "", shape("visual", scale=scale), step=0.3)
+
+
+@pytest.mark.parametrize(
+    ("size", "step", "reported"), [(5.0, 0.3, False), (5.1, 0.3, True), (5.1, 0.52, False), (400.0, 0.0, False)]
+)
+def test_how_large_a_part_may_be_depends_on_the_robot(tmp_path: Path, size: float, step: float, reported: bool) -> None:
+    """Five metres, or ten times the distance of the farthest link; without distances nothing is too large."""
+    assert bool(found(tmp_path, "MSH008", scaled(CLOSED, size), "", shape("visual"), step=step)) == reported
+
+
+def test_only_the_uses_without_scale_are_reported(tmp_path: Path) -> None:
+    drawn, collides = shape("visual", scale="0.001 0.001 0.001"), shape("collision")
+    (finding,) = found(tmp_path, "MSH008", scaled(CLOSED, 400.0), "", drawn + collides, step=0.3)
+    assert finding.location.subject == "link[l1]/collision/geometry/mesh@filename"
+    assert not finding.related
+
+
+def test_metres_that_are_scaled_as_millimetres_vanish(tmp_path: Path) -> None:
+    (finding,) = found(
+        tmp_path, "MSH008", scaled(CLOSED, 0.4), "", shape("visual", scale="0.001 0.001 0.001"), step=0.3
+    )
+    assert finding.message_id == "small"
+
+
+def test_a_tiny_mesh_without_scale_is_meant(tmp_path: Path) -> None:
+    assert not found(tmp_path, "MSH008", scaled(CLOSED, 0.0004), "", shape("visual"), step=0.3)
+
+
+@pytest.mark.parametrize(
+    ("unit", "size", "scale", "right"),
+    [
+        (0.0254, 15.7, "1", "right in RViz"),
+        (0.001, 0.4, "1", "wrong in RViz"),
+        (0.0254, 0.4, "39.37", "right in RViz"),
+        (0.9, 0.4, "1", "one of them"),
+    ],
+)
+def test_the_unit_of_collada_divides_the_programs(
+    tmp_path: Path, unit: float, size: float, scale: str, right: str
+) -> None:
+    links = ("", shape("visual", "part.dae", " ".join([scale] * 3)))
+    (finding,) = found(tmp_path, "MSH008", collada(unit, size), *links, name="part.dae", step=0.3)
+    assert finding.message_id == "unit"
+    assert right in finding.message
+    assert finding.data["drawn"] == pytest.approx(finding.data["plain"] * unit)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1.0005, 0.0, float("nan"), float("inf")])
+def test_a_unit_of_one_metre_or_of_none_does_not(tmp_path: Path, unit: float) -> None:
+    assert not found(tmp_path, "MSH008", collada(unit, 0.4), shape("visual", "part.dae"), name="part.dae")
+
+
+def test_meshes_of_one_unit_are_one_finding(tmp_path: Path) -> None:
+    (tmp_path / "other.dae").write_text(collada(0.0254, 7.0))
+    links = (shape("visual", "part.dae"), shape("visual", "other.dae") + shape("collision", "other.dae"))
+    (finding,) = found(tmp_path, "MSH008", collada(0.0254, 15.0), *links, name="part.dae")
+    assert (finding.data["count"], len(finding.related)) == (2, 2)
+
+
+# -- MSH009, MSH010 -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("limit", "reported"), [(3, True), (4, False)])
+def test_how_many_triangles_may_collide(tmp_path: Path, limit: int, reported: bool) -> None:
+    links = (shape("visual") + shape("collision"), shape("collision"))
+    findings = found(tmp_path, "MSH009", CLOSED, *links, options={"MSH009": {"triangles": limit}})
+    assert [(f.data["triangles"], len(f.related)) for f in findings] == ([(4, 1)] if reported else [])
+
+
+@pytest.mark.parametrize(
+    ("scale", "mirrors"), [("1 -1 1", True), ("-1 -1 1", False), ("-1 -1 -1", True), ("0 -1 1", False)]
+)
+def test_an_odd_number_of_negative_factors_is_a_mirror(tmp_path: Path, scale: str, mirrors: bool) -> None:
+    assert bool(found(tmp_path, "MSH010", CLOSED, shape("collision", scale=scale))) == mirrors
+
+
+def test_all_mirrored_shapes_are_one_finding(tmp_path: Path) -> None:
+    left, right = shape("collision", scale="1 -1 1"), shape("collision")
+    (finding,) = found(tmp_path, "MSH010", CLOSED, left, right, left)
+    assert (finding.data["count"], len(finding.related)) == (2, 1)
+
+
+# -- MSH011, MSH012 -------------------------------------------------------------------------------------------------
+
+OFF = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "refused"),
+    [
+        ("part.obj", CLOSED, set()),
+        ("part.stl", stl(b"part"), {"drake"}),
+        ("part.dae", collada(1.0, 1.0), {"mujoco", "drake"}),
+        ("part.off", OFF, {"mujoco", "drake", "bullet", "gazebo"}),
+    ],
+)
+def test_which_program_loads_what(tmp_path: Path, name: str, content: str | bytes, refused: set[str]) -> None:
+    targets = ("gazebo", "mujoco", "drake", "bullet", "rviz", "moveit", "pinocchio")
+    findings = found(tmp_path, "MSH011", content, shape("collision", name), name=name, targets=targets)
+    assert {f.message_id for f in findings} == refused
+
+
+def test_without_a_target_every_format_will_do(tmp_path: Path) -> None:
+    assert not found(tmp_path, "MSH011", OFF, shape("collision", "part.off"), name="part.off")
+
+
+@pytest.mark.parametrize(("setting", "reported"), [("", False), ('<compiler discardvisual="false"/>', True)])
+def test_mujoco_does_not_open_what_is_only_drawn(tmp_path: Path, setting: str, reported: bool) -> None:
+    (tmp_path / "part.off").write_text(OFF)
+    text = f'<robot name="r"><mujoco>{setting}</mujoco><link name="l">{shape("visual", "part.off")}</link></robot>'
+    assert bool(check_text(tmp_path, text, codes={"MSH011"}, targets=("mujoco",)).findings) == reported
+
+
+def test_mujoco_counts_the_triangles_of_stl_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(msh011_format_unsupported, "MUJOCO_STL_FACES", 0)
+    links = (shape("collision", "part.stl"), shape("collision", "part.obj"))
+    (tmp_path / "part.obj").write_text(CLOSED)
+    (finding,) = found(tmp_path, "MSH011", stl(b"part"), *links, name="part.stl", targets=("mujoco",))
+    assert (finding.message_id, finding.data["triangles"], finding.data["count"]) == ("faces", 1, 1)
+
+
+TEXT = (
+    b"solid p\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"
+)
+
+
+@pytest.mark.parametrize(("content", "message"), [(stl(b"solid part"), "solid"), (TEXT, "text"), (stl(b"part"), None)])
+def test_an_stl_file_should_look_like_what_it_is(tmp_path: Path, content: bytes, message: str | None) -> None:
+    findings = found(tmp_path, "MSH012", content, shape("visual", "part.stl"), name="part.stl")
+    assert [f.message_id for f in findings] == ([] if message is None else [message])
+
+
+# -- MSH013, MSH014 -------------------------------------------------------------------------------------------------
+
+
+def test_the_mesh_of_most_pieces_comes_first(tmp_path: Path) -> None:
+    (tmp_path / "two.obj").write_text(CLOSED + moved(CLOSED, 2.0, 4))
+    three = CLOSED + moved(CLOSED, 2.0, 4) + moved(CLOSED, 4.0, 8)
+    (finding,) = found(tmp_path, "MSH013", three, shape("collision", "two.obj"), shape("collision"))
+    assert finding.data["meshes"] == "part.obj (3), two.obj (2)"
+    assert finding.location.subject.startswith("link[l1]")
+
+
+def test_pieces_that_touch_in_an_edge_hang_together(tmp_path: Path) -> None:
+    assert not found(tmp_path, "MSH013", TOUCHING, shape("collision"))
+
+
+@pytest.mark.parametrize("scale", ["1 1 1", "0.001 0.001 0.001", "1 1 -7"])
+@pytest.mark.parametrize(("content", "reported"), [(CLOSED + moved(CLOSED, 3.0, 4), True), (CLOSED, False)])
+def test_a_hull_that_is_much_larger_than_its_mesh(tmp_path: Path, content: str, reported: bool, scale: str) -> None:
+    """Two tetrahedra side by side and three apart: their hull adds a prism, and is five times their volume."""
+    findings = found(tmp_path, "MSH014", content, shape("collision", scale=scale))
+    assert [f.data["most"] for f in findings] == ([pytest.approx(5.0)] if reported else [])
+
+
+@pytest.mark.parametrize(("times", "reported"), [(4.9, True), (5.1, False)])
+def test_how_much_larger_a_hull_may_be(tmp_path: Path, times: float, reported: bool) -> None:
+    content = CLOSED + moved(CLOSED, 3.0, 4)
+    assert (
+        bool(found(tmp_path, "MSH014", content, shape("collision"), options={"MSH014": {"times": times}})) == reported
+    )
+
+
+@pytest.mark.parametrize("content", [OPEN, OPEN + moved(OPEN, 3.0, 4), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n"])
+def test_a_mesh_without_volume_loses_none(tmp_path: Path, content: str) -> None:
+    assert not found(tmp_path, "MSH014", content, shape("collision"))

@@ -9,19 +9,20 @@ from urdfcheck.model import Model
 
 # A format that we cannot read, and geometry kept in a second file, need not be broken.
 OTHER = {"unsupported": Severity.WARNING, "external-buffer": Severity.INFO}
-CAUSES = {"lfs-pointer": "lfs", "html": "web_page", "truncated": "incomplete", "wrong-size": "incomplete"}
+CAUSES = {"html": "web_page", "truncated": "incomplete", "wrong-size": "incomplete"}
 REPAIRS = {
-    "lfs-pointer": "run `git lfs pull` in the repository that holds the mesh",
     "html": "download the raw file: the link to its content, not to the page that shows it",
     "entities": "export the mesh again, or write the text of the entities where they are used and delete their declarations",
     "no-triangles": "export the part as a surface of triangles",
 }
+# What another rule tells, without opening meshes at all.
+ELSEWHERE = "lfs-pointer"
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for path, uses in model.meshes.by_file().items():
         error = model.meshes.errors.get(path)
-        if error is not None:
+        if error is not None and error.reason_id != ELSEWHERE:
             yield rule.finding(
                 "unread" if error.reason_id in OTHER else "unreadable",
                 at=uses[0].filename,

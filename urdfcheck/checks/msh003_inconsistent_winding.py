@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.facts.mesh import MeshFacts
 from urdfcheck.model import Model
+from urdfcheck.model.drawing import drawable
 from urdfcheck.model.meshes import MeshUse
+from urdfcheck.model.names import listed
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -21,14 +20,15 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if uses[0].shape.role != "collision":
             drawn.append(uses[0])
             continue
-        wrong, shared = _edges(facts)
+        wrong = len(facts.flipped_lines)
         yield rule.finding(
             "collision",
             at=uses[0].filename,
             related=[use.filename for use in uses[1:]],
             mesh=uses[0].filename.value,
             wrong=wrong,
-            shared=shared,
+            edges=f"{wrong:,} edge" + "s" * (wrong > 1),
+            lines=drawable(model, uses[0], facts.flipped_lines),
         )
     if drawn:
         yield rule.finding(
@@ -37,14 +37,5 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             related=[use.filename for use in drawn[1:]],
             severity=Severity.INFO,
             count=len(drawn),
-            meshes=", ".join(use.filename.value.rpartition("/")[2] for use in drawn),
+            meshes=listed([use.name for use in drawn]),
         )
-
-
-def _edges(facts: MeshFacts) -> tuple[int, int]:
-    """Edges along which their two triangles run the same way, and all edges of two triangles."""
-    directed = facts.faces[:, ((0, 1), (1, 2), (2, 0))].reshape(-1, 2)
-    _, inverse, count = np.unique(np.sort(directed, axis=1), axis=0, return_inverse=True, return_counts=True)
-    balance = np.bincount(inverse.ravel(), weights=np.where(directed[:, 0] < directed[:, 1], 1.0, -1.0))
-    shared = count == 2
-    return int((balance[shared] != 0).sum()), int(shared.sum())

@@ -12,12 +12,12 @@ _EXPLAINED = ("root link", "has an inertia specified in the URDF")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    dynamics = model.dynamics
-    said = [m for m in dynamics.messages if not any(known in m for known in _EXPLAINED)]
+    verdict = model.verdict
+    said = [m for m in verdict.messages if not any(known in m for known in _EXPLAINED)]
     text = "; ".join(said) or "it gives no reason"
-    if dynamics.refused_by == "urdfdom":
+    if verdict.refused_by == "urdfdom":
         yield rule.finding("refused", at=model, said=text)
-    elif dynamics.refused_by == "pinocchio":
+    elif verdict.refused_by == "pinocchio":
         yield rule.finding("pinocchio", at=model, severity=Severity.WARNING, said=text)
     elif said:
         yield rule.finding("said", at=model, severity=Severity.WARNING, said=text)

@@ -1,4 +1,4 @@
-"""Rotations and rigid transforms in URDF's conventions, and forward kinematics of a tree at its neutral pose."""
+"""Rotations and rigid transforms in URDF's conventions, and forward kinematics of a tree."""
 
 from __future__ import annotations
 
@@ -112,3 +112,21 @@ def forward(parents: Sequence[int], placements: ArrayLike) -> Array:
         if parent >= 0:
             world[child] = world[parent] @ world[child]
     return world
+
+
+def motions(axis: ArrayLike, values: ArrayLike, *, rotates: bool) -> Array:
+    """Placements (N, 4, 4) that a joint with the unit ``axis`` (3,) adds at each of its ``values`` (N,), rad or m.
+
+    Rotations by Rodrigues' formula.
+    """
+    direction, amounts = np.asarray(axis, dtype=float), np.asarray(values, dtype=float)
+    found = np.zeros((len(amounts), 4, 4))
+    found[:] = np.eye(4)
+    if rotates:
+        x, y, z = direction
+        skew = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+        found[:, :3, :3] += np.sin(amounts)[:, None, None] * skew
+        found[:, :3, :3] += (1.0 - np.cos(amounts))[:, None, None] * (skew @ skew)
+    else:
+        found[:, :3, 3] = amounts[:, None] * direction
+    return found

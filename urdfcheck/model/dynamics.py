@@ -6,6 +6,8 @@ first mesh that it cannot read, and geometry is our own business.
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
 import re
 import sys
@@ -14,13 +16,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
-from xml.sax.saxutils import quoteattr
 
+from urdfcheck.cache import origin_of, version_of
 from urdfcheck.core import Unavailable
 from urdfcheck.model.parts import Joint
 from urdfcheck.source.grammar import NUMBERS, elements
 from urdfcheck.source.values import numbers
-from urdfcheck.source.xml import Element
+from urdfcheck.source.xml import Element, quoted
 
 if TYPE_CHECKING:
     from urdfcheck.model.model import Model
@@ -46,6 +48,39 @@ class Dynamics:
     model: Any
     refused_by: str | None
     messages: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What loading said; see `Dynamics`."""
+
+    refused_by: str | None
+    messages: tuple[str, ...]
+
+
+def verdict(model: Model) -> Verdict:
+    """What urdfdom and Pinocchio say about the model; kept, so that a model they have seen does not load them again.
+
+    :raises Unavailable: as :func:`build`.
+    """
+    import numpy as np
+
+    place = origin_of("pinocchio")
+    if place is None:
+        return _verdict(model.dynamics)
+    _ensure_sound(model)
+    parts = (version_of(__name__), place, geometry_free(model.robot))
+    entry = model.cache.entry("verdicts", hashlib.sha256("\0".join(parts).encode()).hexdigest())
+    if "verdict" not in entry:
+        found = _verdict(model.dynamics)
+        text = json.dumps([found.refused_by, found.messages])
+        entry["verdict"] = {"text": np.frombuffer(text.encode(), dtype=np.uint8)}
+    refused_by, messages = json.loads(entry["verdict"]["text"].tobytes())
+    return Verdict(refused_by, tuple(messages))
+
+
+def _verdict(dynamics: Dynamics) -> Verdict:
+    return Verdict(dynamics.refused_by, dynamics.messages)
 
 
 def build(model: Model) -> Dynamics:
@@ -75,9 +110,7 @@ def geometry_free(robot: Element) -> str:
     """The expanded model as URDF text with links, inertials and joints only."""
 
     def write(element: Element) -> Iterator[str]:
-        attributes = "".join(
-            f" {a.name}={quoteattr(a.value)}" for a in element.attributes.values() if ":" not in a.name
-        )
+        attributes = "".join(f" {a.name}={quoted(a.value)}" for a in element.attributes.values() if ":" not in a.name)
         kept = [c for c in element.children if c.tag in _KEPT.get(element.tag, set())]
         if not kept:
             yield f"<{element.tag}{attributes}/>"

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from urdfcheck.cache import Cache
 from urdfcheck.core import Location, Unavailable
 from urdfcheck.model.meshes import Meshes
 from urdfcheck.model.parts import Joint, Link, Shape
@@ -20,16 +21,23 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdfcheck.facts.inertia import Solid
-    from urdfcheck.model.dynamics import Dynamics
+    from urdfcheck.model.collisions import Collisions
+    from urdfcheck.model.dynamics import Dynamics, Verdict
+    from urdfcheck.source.srdf import Srdf
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """A robot. ``robot`` is its expanded root element; ``tier`` says which facts may be computed."""
+    """A robot. ``robot`` is its expanded root element; ``tier`` says which facts may be computed, ``samples`` in how many
+    configurations facts about motion are looked for, ``cache`` keeps what took long, and ``targets`` are the programs that
+    the model is declared to be for."""
 
     source: Source
     robot: Element
     tier: str = "full"
+    cache: Cache = field(default_factory=Cache)
+    samples: int = 200
+    targets: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -116,7 +124,28 @@ class Model:
     @cached_property
     def meshes(self) -> Meshes:
         """Every mesh that the model draws or collides with, resolved, and read once per content."""
-        return Meshes.of(self.links, self.source, read=self.tier != "source")
+        return Meshes.of(self.links, self.source, self.cache, read=self.tier != "source")
+
+    def drawn_scale(self, shape: Shape) -> tuple[float, float, float] | None:
+        """Metres per file unit along the mesh's axes, as RViz and Gazebo draw it: the URDF scale times COLLADA's unit.
+
+        None when the shape is no mesh that could be read, or its scale is malformed.
+        """
+        facts, scale = self.meshes.facts_of(shape), shape.size
+        if facts is None or scale is None or len(scale) != 3:
+            return None
+        unit = 1.0 if facts.unit is None else facts.unit
+        return scale[0] * unit, scale[1] * unit, scale[2] * unit
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """What the reference parser says about the model.
+
+        :raises Unavailable: as :attr:`dynamics`.
+        """
+        from urdfcheck.model.dynamics import verdict
+
+        return verdict(self)
 
     @cached_property
     def dynamics(self) -> Dynamics:
@@ -127,6 +156,23 @@ class Model:
         from urdfcheck.model.dynamics import build
 
         return build(self)
+
+    @cached_property
+    def collisions(self) -> Collisions:
+        """Which links collide with each other.
+
+        :raises Unavailable: when coal is not installed (Windows), or the tree, an origin or an axis is broken.
+        """
+        from urdfcheck.model.collisions import build
+
+        return build(self)
+
+    @cached_property
+    def srdfs(self) -> tuple[Srdf, ...]:
+        """The semantic descriptions (SRDF) in reach that are for a robot of this name."""
+        from urdfcheck.source.srdf import srdfs_of
+
+        return srdfs_of(self.source, self.name)
 
     def solid(self, link: Link, role: str = "visual") -> Solid | None:
         """Volume, COM and second moments of what a link draws (or collides with), in the link frame.

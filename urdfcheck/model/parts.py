@@ -227,7 +227,7 @@ class Joint:
     def axis_element(self) -> Element | None:
         return self.element.child("axis")
 
-    @property
+    @cached_property
     def axis(self) -> tuple[float, ...] | None:
         """As typed in the joint frame; (1, 0, 0) when absent; None when malformed."""
         return _quantities(self.axis_element, "xyz", 3, (1.0, 0.0, 0.0))

@@ -110,6 +110,9 @@ class _Planner:
             self.add_users(path, users, "no model of its package or repository names this mesh")
         elif path.name == "package.xml":
             self.add_folder(path.parent)
+        elif is_srdf(path):
+            users = self.users(path, lambda folder, _: folder.called(path))
+            self.add_users(path, users, "no model of its package or repository has the name of its robot")
         elif path.suffix == ".xacro" and not stands_alone(_read(path).root):
             users = self.users(path, lambda folder, _: folder.including(path))
             if users or only_macros(_read(path).root):
@@ -238,7 +241,7 @@ class _Folder:
         self.finder = finder
         files = sorted(_walk(path))
         self.launches = [f for f in files if is_launch(f)]
-        self.files = {f: _read(f) for f in files if f.suffix in {".xacro", ".urdf"}}
+        self.files = {f: _read(f) for f in files if f.suffix in {".xacro", ".urdf"} and not is_srdf(f)}
         self.by_real = {_real(f): file for f, file in self.files.items()}
         # An include in a comment is one that was tried: what it names is a part, unless it can stand alone.
         self.mentions = {_real(f): self._files_named(f, _INCLUDE.findall(t.text)) for f, t in self.files.items()}
@@ -275,6 +278,18 @@ class _Folder:
         """The models that include a file, directly or through others."""
         return [model for model, _ in self.models() if _real(path) in self._closure(model)]
 
+    def called(self, srdf: Path) -> list[Path]:
+        """The models whose robot has the name of a semantic description's; a name with expressions may be any."""
+        root = _read(srdf).root
+        named = _EXPRESSION.sub("\0", root.get("name").strip()) if root is not None else ""
+        users: list[Path] = []
+        for model, _ in self.models():
+            other = self.files[model].root
+            typed = _EXPRESSION.sub("\0", other.get("name").strip()) if other is not None else ""
+            if named and typed and (named == typed or "\0" in named + typed):
+                users.append(model)
+        return users
+
     def users_of(self, mesh: Path, package: str) -> list[Path]:
         """The models in whose own or included text the mesh's file name stands, and the name of its package as well."""
         users: list[Path] = []
@@ -293,6 +308,11 @@ class _Folder:
                     seen.add(inner)
                     queue.append(inner)
         return seen
+
+
+def is_srdf(path: Path) -> bool:
+    """Whether a file's name says that it is a semantic description."""
+    return path.name.endswith((".srdf", ".srdf.xacro"))
 
 
 def is_launch(path: Path) -> bool:

@@ -169,9 +169,13 @@ class PackageFinder:
             places.append(f"{variable}={value}" if value else f"{variable} (not set)")
         return places
 
+    def in_reach(self) -> dict[str, Path]:
+        """Every package that is found by its name, with its folder."""
+        return {**self._in_ros(), **self._around_start(), **self._below_paths(), **self.explicit}
+
     def near(self, name: str) -> list[str]:
         """Names of packages in reach that are spelled like ``name``."""
-        known = {*self.explicit, *self._below_paths(), *self._around_start(), *self._in_ros()}
+        known = self.in_reach()
         folded = name.replace("-", "_").lower()
         alike = [k for k in sorted(known) if k.replace("-", "_").lower() == folded]
         # `_description` and the like are common to all: what comes before it must be alike.

@@ -368,3 +368,13 @@ def unbound_prefix(root: Element) -> tuple[Element, str] | None:
             if colon and prefix not in scope:
                 return element, prefix
     return None
+
+
+_QUOTED = str.maketrans(
+    {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\n": "&#10;", "\r": "&#13;", "\t": "&#9;"}
+)
+
+
+def quoted(value: str) -> str:
+    """A value as the text of an XML attribute, with its quotes (xml.sax.saxutils has this too, and loads an HTTP client)."""
+    return f'"{value.translate(_QUOTED)}"'

@@ -31,8 +31,10 @@ CONSUMERS = {
     "rviz": "RViz",
     "sdf": "SDFormat",
     "sdformat": "SDFormat",
+    "trimesh": "trimesh",
     "urdfdom": "urdfdom",
     "xacro": "xacro",
+    "yourdfpy": "yourdfpy",
 }
 CONFIDENCE = {
     Confidence.PROOF: "follows from the file, whatever the author meant",

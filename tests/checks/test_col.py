@@ -1,0 +1,393 @@
+"""COL001, COL002, COL005 and the collisions they stand on: what counts as an overlap at rest, by design, on the way."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations, product
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import FIXTURES, check_text
+
+from urdfcheck.cache import Cache
+from urdfcheck.core import Finding, Severity
+from urdfcheck.model import Model, Shape, collisions, poses
+from urdfcheck.model.collisions import Collisions, Pair, reaches
+from urdfcheck.source.load import load
+from urdfcheck.source.packages import PackageFinder
+
+coal = pytest.importorskip("coal")
+
+BOX, BALL, ROD = '<box size="{}"/>', '<sphere radius="{}"/>', '<cylinder radius="{}" length="{}"/>'
+
+
+def link(name: str, *shapes: str) -> str:
+    """A link that collides with shapes: a primitive, or a place and a primitive."""
+    made = []
+    for shape in shapes:
+        place, _, geometry = shape.rpartition("|")
+        made.append(f'<collision><origin xyz="{place or "0 0 0"}"/><geometry>{geometry}</geometry></collision>')
+    return f'<link name="{name}">{"".join(made)}</link>'
+
+
+def joint(parent: str, child: str, xyz: str, kind: str = "revolute", **more: str) -> str:
+    span = more.get("limit", 'lower="-2" upper="2"')
+    limits = "" if kind in {"fixed", "continuous"} else f'<limit {span} effort="1" velocity="1"/>'
+    return (
+        f'<joint name="{parent}_{child}" type="{kind}"><origin xyz="{xyz}" rpy="{more.get("rpy", "0 0 0")}"/>'
+        f'<parent link="{parent}"/><child link="{child}"/><axis xyz="{more.get("axis", "0 0 1")}"/>'
+        f"{limits}{more.get('mimic', '')}</joint>"
+    )
+
+
+def robot(*parts: str) -> str:
+    return f'<robot name="r">{"".join(parts)}</robot>'
+
+
+def model_of(folder: Path, text: str, cache: Cache | None = None, samples: int = 200) -> Model:
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "robot.urdf"
+    path.write_text(text)
+    return model_at(path, cache, samples)
+
+
+def model_at(path: Path, cache: Cache | None = None, samples: int = 200) -> Model:
+    source = load(path, {}, PackageFinder(path), explicit=True, xacro=False)
+    assert source.root is not None
+    return Model(source, source.root, "full", cache or Cache(), samples)
+
+
+def pair(found: Collisions, one: str, other: str) -> Pair:
+    return next(p for p in found.pairs if set(p.links) == {one, other})
+
+
+def findings(folder: Path, text: str, code: str) -> list[Finding]:
+    return list(check_text(folder, text, codes={code}).findings)
+
+
+# Three plates on two hinges, the last one folded back over the first and into it by 2 mm.
+def folded(scale: float = 1.0, rpy: str = "0 0 0", gap: float = -0.002) -> str:
+    def text(*numbers: float) -> str:
+        return " ".join(repr(n * scale) for n in numbers)
+
+    return robot(
+        link("floor"),
+        joint("floor", "a", text(0.3, 0.1, 0.2), "fixed", rpy=rpy),
+        link("a", BOX.format(text(0.2, 0.1, 0.02))),
+        joint("a", "b", text(0.15, 0, 0.05)),
+        link("b", BOX.format(text(0.05, 0.05, 0.05))),
+        joint("b", "c", text(0, 0, 0)),
+        link("c", f"{text(-0.15, 0, -0.03 + gap)}|{BOX.format(text(0.2, 0.1, 0.02))}"),
+    )
+
+
+# -- COL001 --------------------------------------------------------------------------------------------------------------
+
+
+def test_the_overlap_is_told_with_its_depth_and_its_place(tmp_path: Path) -> None:
+    (finding,) = findings(tmp_path, folded(), "COL001")
+    assert finding.severity == Severity.WARNING
+    assert "c overlaps a by 2 mm" in finding.message
+    assert finding.location.subject == "link[c]/collision/geometry/box"
+    assert finding.data["point"] == "(0.3 0.1 0.209)"
+
+
+@pytest.mark.parametrize(("gap", "bad"), [(-0.002, True), (0.0, False), (0.001, False)])
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("rpy", ["0 0 0", "0.3 -1.2 2"])
+def test_size_and_place_of_the_robot_do_not_decide(
+    tmp_path: Path, gap: float, bad: bool, scale: float, rpy: str
+) -> None:
+    assert bool(findings(tmp_path, folded(scale, rpy, gap), "COL001")) == bad
+
+
+def test_the_root_does_not_decide(tmp_path: Path) -> None:
+    """The same plates, hung up at the other end."""
+    upside = robot(
+        link("c", "-0.15 0 -0.032|" + BOX.format("0.2 0.1 0.02")),
+        joint("c", "b", "0 0 0", axis="0 0 -1"),
+        link("b", BOX.format("0.05 0.05 0.05")),
+        joint("b", "a", "0 0 0", axis="0 0 -1"),
+        link("a", "-0.15 0 -0.05|" + BOX.format("0.2 0.1 0.02")),
+    )
+    (finding,) = findings(tmp_path, upside, "COL001")
+    assert "a overlaps c by 2 mm" in finding.message
+
+
+@pytest.mark.parametrize(("press", "bad"), [(0.0, False), (0.0001, False), (0.002, True)])
+def test_closed_fingers_may_press_against_each_other(tmp_path: Path, press: float, bad: bool) -> None:
+    """Fingers of 35 mm, closed at rest: 0.1 mm is 0.3 % of one, 2 mm are 6 %."""
+    finger = BOX.format("0.01 0.01 0.03")
+    text = robot(
+        link("hand", BOX.format("0.05 0.1 0.01")),
+        joint("hand", "left", f"0 {0.005 - press / 2} 0.03", "prismatic", axis="0 1 0", limit="lower='0' upper='0.04'"),
+        joint(
+            "hand", "right", f"0 {press / 2 - 0.005} 0.03", "prismatic", axis="0 -1 0", limit="lower='0' upper='0.04'"
+        ),
+        link("left", finger),
+        link("right", finger),
+    )
+    assert bool(findings(tmp_path, text, "COL001")) == bad
+
+
+def test_rest_is_the_limit_nearest_to_zero(tmp_path: Path) -> None:
+    """At zero the fingers would be one in the other; their range begins where they are apart."""
+    ball = BALL.format("0.01")
+    slide = {"axis": "0 1 0", "limit": "lower='0.02' upper='0.04'"}
+    text = robot(
+        link("hand"), joint("hand", "left", "0 0 0", "prismatic", **slide), link("left", ball),
+        joint("hand", "right", "0 0 0", "prismatic", **{**slide, "axis": "0 -1 0"}), link("right", ball),
+    )  # fmt: skip
+    assert not findings(tmp_path, text, "COL001")
+
+
+def test_links_that_always_overlap_are_one_info(tmp_path: Path) -> None:
+    """A cover of the first link that encloses the third: no angle frees it."""
+    text = robot(
+        link("a", BALL.format("0.2")),
+        joint("a", "b", "0.1 0 0"),
+        link("b", BALL.format("0.01")),
+        joint("b", "c", "0.02 0 0"),
+        link("c", BALL.format("0.03")),
+    )
+    (finding,) = findings(tmp_path, text, "COL001")
+    assert (finding.severity, finding.message_id) == (Severity.INFO, "always")
+
+
+def test_a_shape_that_overlaps_several_links_is_one_finding(tmp_path: Path) -> None:
+    """Two arms of two links each reach, straight at rest, into a box on the base."""
+    parts = [link("base", "0.5 0 0|" + BOX.format("0.1 1 0.1"))]
+    for name, y in (("l", 0.2), ("r", -0.2)):
+        parts += [
+            joint("base", f"{name}1", f"0 {y} 0", limit="lower='-3' upper='3'"),
+            link(f"{name}1", "0.1 0 0|" + BOX.format("0.2 0.02 0.02")),
+            joint(f"{name}1", f"{name}2", "0.25 0 0", limit="lower='-3' upper='3'"),
+            link(f"{name}2", "0.1 0 0|" + BOX.format("0.2 0.02 0.02"), "0.2 0 0|" + BALL.format("0.02")),
+        ]
+    (finding,) = findings(tmp_path, robot(*parts), "COL001")
+    assert finding.message_id == "several"
+    assert finding.location.subject == "link[base]/collision/geometry/box"
+    assert "l2 (" in finding.message
+    assert "r2 (" in finding.message
+
+
+def test_links_of_one_body_never_collide(tmp_path: Path) -> None:
+    text = robot(
+        link("a", BALL.format("0.1")), joint("a", "b", "0.1 0 0", "fixed"), link("b", BALL.format("0.1"))
+    )  # fmt: skip
+    found = pair(model_of(tmp_path, text).collisions, "a", "b")
+    assert found.relation == "fixed"
+    assert found.always
+    assert found.contact is None
+    assert not findings(tmp_path, text, "COL001")
+
+
+def test_a_ball_joint_of_three_hinges_connects_neighbours(tmp_path: Path) -> None:
+    text = robot(
+        link("body", BALL.format("0.1")),
+        joint("body", "h1", "0.1 0 0"), link("h1"),
+        joint("h1", "h2", "0 0 0", axis="0 1 0"), link("h2"),
+        joint("h2", "arm", "0 0 0", axis="1 0 0"), link("arm", BALL.format("0.05")),
+    )  # fmt: skip
+    found = pair(model_of(tmp_path, text).collisions, "body", "arm")
+    assert (found.relation, found.joint) == ("adjacent", "h2_arm")
+    assert not findings(tmp_path, text, "COL001")
+
+
+def test_a_mesh_that_cannot_be_read_is_left_out_and_the_rule_says_so(tmp_path: Path) -> None:
+    text = folded().replace(
+        "</robot>", joint("c", "d", "0 0 1") + link("d", '<mesh filename="gone.stl"/>') + "</robot>"
+    )
+    run = check_text(tmp_path, text, codes={"COL001"})
+    assert [f.code for f in run.findings] == ["COL001"]
+    assert [(s.code, s.reason) for s in run.skipped] == [
+        ("COL001", "collision shapes could not be read and were left out: link[d]")
+    ]
+
+
+def test_links_beyond_a_mesh_that_cannot_be_read_are_no_neighbours(tmp_path: Path) -> None:
+    text = robot(
+        link("a", BALL.format("0.1")),
+        joint("a", "b", "0.1 0 0"), link("b", '<mesh filename="gone.stl"/>'),
+        joint("b", "c", "0.1 0 0"), link("c", BALL.format("0.1")),
+    )  # fmt: skip
+    assert pair(model_of(tmp_path, text).collisions, "a", "c").relation == "far"
+
+
+def test_without_coal_the_rule_is_skipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "coal", None)
+    run = check_text(tmp_path, folded(), codes={"COL001"})
+    assert [s.code for s in run.skipped] == ["COL001"]
+    assert "coal is not installed" in run.skipped[0].reason
+
+
+# -- COL002 --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("gap", "overlap"), [(-0.001, True), (0.0, False), (0.001, False)])
+def test_a_wheel_may_touch_its_hub(tmp_path: Path, gap: float, overlap: bool) -> None:
+    text = robot(
+        link("base", BOX.format("0.2 0.1 0.05")),
+        joint("base", "wheel", f"0 {0.06 + gap} 0", "continuous", axis="0 1 0"),
+        link("wheel", ROD.format("0.03", "0.02")).replace('xyz="0 0 0"/>', f'rpy="{math.pi / 2!r} 0 0"/>'),
+    )
+    assert bool(findings(tmp_path, text, "COL002")) == overlap
+
+
+# -- COL005 --------------------------------------------------------------------------------------------------------------
+
+
+def swinging(limit: str = "lower='-1' upper='2'", kind: str = "revolute", follower: bool = False) -> str:
+    """A ball of 0.1 on an arm of 1 that swings about z and meets a wall at x = -0.2: its face at 1.6708 rad from x."""
+    parts = [
+        link("base", "-0.7 0 0|" + BOX.format("1 4 1")),
+        joint("base", "arm", "0 0 0", kind, limit=limit),
+        link("arm", "1 0 0|" + BALL.format("0.1")),
+    ]
+    if follower:
+        parts += [
+            joint("base", "lever", "0 0 5", limit="lower='0' upper='1'"),
+            link("lever"),
+        ]
+        parts[1] = joint("base", "arm", "0 0 0", limit=limit, mimic='<mimic joint="base_lever" multiplier="2"/>')
+    return robot(*parts)
+
+
+MEETS = math.pi / 2 + math.asin(0.1)
+
+
+def test_the_value_where_the_collision_begins(tmp_path: Path) -> None:
+    (reach,) = reaches(model_of(tmp_path, swinging()))
+    assert reach.links == ("base", "arm")
+    assert reach.limit == 2
+    assert reach.value == pytest.approx(MEETS, abs=3e-3)
+
+
+def test_a_follower_is_moved_with_its_leader(tmp_path: Path) -> None:
+    (reach,) = reaches(model_of(tmp_path, swinging(follower=True)))
+    assert reach.joint.name == "base_lever"
+    assert reach.value == pytest.approx(MEETS / 2, abs=3e-3)
+
+
+def test_a_range_that_ends_before_is_free(tmp_path: Path) -> None:
+    assert not findings(tmp_path, swinging("lower='-1' upper='1.66'"), "COL005")
+
+
+def test_a_joint_without_limits_is_looked_at_over_a_turn(tmp_path: Path) -> None:
+    (finding,) = findings(tmp_path, swinging(kind="continuous"), "COL005")
+    assert "turns freely" in finding.message
+
+
+def test_neighbours_that_part_again_on_the_way_do_not_count(tmp_path: Path) -> None:
+    """The ball passes through a post of the base and is free at the limit: for neighbours, a bearing that grazes."""
+    text = swinging("lower='-1' upper='3'").replace("-0.7 0 0", "0 1 0").replace("1 4 1", "0.1 0.1 0.1")
+    assert not findings(tmp_path, text, "COL005")
+
+
+# -- the collisions themselves -------------------------------------------------------------------------------------------
+
+
+def arm(links: int = 5) -> str:
+    """A chain of plates and balls about crossed axes, folded enough to meet itself now and then."""
+    parts = [link("l0", BOX.format("0.3 0.3 0.1"))]
+    for i in range(1, links):
+        axis = ("0 1 0", "1 0 0", "0 0 1")[i % 3]
+        parts.append(joint(f"l{i - 1}", f"l{i}", "0 0 0.15", axis=axis, limit="lower='-2.5' upper='2.5'"))
+        parts.append(link(f"l{i}", "0 0 0.07|" + BOX.format("0.06 0.05 0.1"), "0.02 0 0.1|" + BALL.format("0.03")))
+    return robot(*parts)
+
+
+@pytest.mark.parametrize("source", ["arm", "car-3"])
+def test_every_pair_and_configuration_is_as_coal_sees_it_alone(tmp_path: Path, source: str) -> None:
+    """No bounding volume, no proof: each pair of shapes in each configuration, asked one by one.
+
+    The car's wheels touch their hubs, the gap being 0 or 2 nm: coal sees them meet, and here they do not."""
+    car = FIXTURES / "car-3/urdf/car-3.urdf"
+    model = model_of(tmp_path, arm(), samples=60) if source == "arm" else model_at(car, samples=20)
+    touching = set() if source == "arm" else {("base_link", f"wheel_{i}") for i in range(1, 5)}
+    found = model.collisions
+    frames = poses.frames(model, found.poses)
+    assert found.pairs
+    assert not found.left_out
+    for p in found.pairs:
+        shapes = [[(s, alone(model, s)) for s in model.link_by_name[name].collisions] for name in p.links]
+        for n in range(len(found.poses.values)):
+            expected = False
+            for (one, a), (other, b) in product(*shapes):
+                places = [frames[name][n] @ s.origin.matrix for name, s in zip(p.links, (one, other), strict=True)]
+                transforms = [coal.Transform3s(m[:3, :3], m[:3, 3]) for m in places]
+                result = coal.CollisionResult()
+                expected |= bool(coal.collide(a, transforms[0], b, transforms[1], coal.CollisionRequest(), result))
+            assert p.hits[n] == (expected and p.links not in touching)
+
+
+def alone(model: Model, shape: Shape) -> object:
+    """A shape for coal, every mesh as its triangles."""
+    if shape.kind != "mesh":
+        assert shape.size is not None
+        return {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder}[shape.kind or ""](*shape.size)
+    facts, tree = model.meshes.facts_of(shape), coal.BVHModelOBBRSS()
+    assert facts is not None
+    tree.beginModel(len(facts.faces), len(facts.vertices))
+    tree.addVertices(facts.vertices * np.array(model.drawn_scale(shape)))
+    tree.addTriangles(np.array(facts.faces))
+    tree.endModel()
+    return tree
+
+
+def test_the_arm_shows_all_kinds_of_pairs(tmp_path: Path) -> None:
+    """What the other tests rest on: pairs that are proven apart, that meet now and then, and always."""
+    far = [p for p in model_of(tmp_path, arm()).collisions.pairs if p.relation == "far"]
+    assert any(0 < p.count < 200 for p in far)
+    assert len(far) == sum(1 for a, b in combinations(range(5), 2) if b - a > 1)
+
+
+def test_what_is_proven_apart_never_meets(tmp_path: Path) -> None:
+    """Two arms at some distance: the proof holds in every configuration, and does not reach pairs that do meet."""
+    parts = [link("base", BOX.format("0.1 2 0.1"))]
+    for name, y in (("l", 0.6), ("r", -0.6)):
+        for i, (parent, reach) in enumerate((("base", 0.0), (f"{name}1", 0.3), (f"{name}2", 0.3)), 1):
+            parts.append(joint(parent, f"{name}{i}", f"{reach} {y if i == 1 else 0} 0.2", axis="0 0 1"))
+            parts.append(link(f"{name}{i}", "0.1 0 0|" + BOX.format("0.2 0.05 0.05")))
+    model = model_of(tmp_path, robot(*parts), samples=2000)
+    apart = {p.links for p in model.collisions.pairs if p.never_proven}
+    assert ("l1", "r1") in apart
+    assert ("l3", "r3") not in apart
+    bench = model.collisions.bench
+    proven = np.array([p.never_proven for p in model.collisions.pairs])
+    assert not bench.colliders.hits(bench.placements(model.collisions.poses), bench.pairs[proven]).any()
+    assert not any(p.never_proven and p.count for p in model.collisions.pairs)
+
+
+def test_a_slide_without_end_proves_nothing(tmp_path: Path) -> None:
+    slide = {"kind": "prismatic", "axis": "1 0 0"}
+    for limit, proven in (("lower='0' upper='0.1'", True), ("lower='-1e6' upper='1e6'", False)):
+        text = robot(
+            link("a", BALL.format("0.1")), joint("a", "b", "1 0 0", **slide, limit=limit), link("b", BALL.format("0.1"))
+        )  # fmt: skip
+        assert model_of(tmp_path, text).collisions.pairs[0].never_proven == proven
+
+
+def test_a_second_run_gives_the_same_and_computes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cache, text = Cache(tmp_path / "cache"), arm()
+    first = model_of(tmp_path, text, cache)
+    expected, reached = first.collisions, reaches(first)
+    monkeypatch.setattr(collisions, "Colliders", None)
+    again = model_of(tmp_path, text, cache)
+    assert [vars_of(p) for p in again.collisions.pairs] == [vars_of(p) for p in expected.pairs]
+    assert [(r.value, r.links) for r in reaches(again)] == [(r.value, r.links) for r in reached]
+
+
+@pytest.mark.parametrize("change", [("0.06 0.05 0.1", "0.07 0.05 0.1"), ("-2.5", "-2.4"), ("0 0 0.15", "0 0 0.16")])
+def test_what_decides_about_collisions_is_in_the_key(tmp_path: Path, change: tuple[str, str]) -> None:
+    one, other = (model_of(tmp_path / name, text) for name, text in (("a", arm()), ("b", arm().replace(*change))))
+    same = model_of(tmp_path / "c", arm().replace("<box", "<!-- x --><box"))
+    assert one.collisions.bench.key() != other.collisions.bench.key()
+    assert one.collisions.bench.key() == same.collisions.bench.key()
+
+
+def vars_of(found: Pair) -> tuple[object, ...]:
+    contact = found.contact
+    place = None if contact is None else (contact.depth, contact.point, contact.normal, contact.size)
+    return found.links, found.relation, found.hits.tobytes(), found.never_proven, found.complete, place

@@ -1,0 +1,250 @@
+"""What an SRDF disables, against what the model does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import check
+
+from urdfcheck.core import Finding, Severity
+from urdfcheck.model import Model
+from urdfcheck.model.moveit import adjacent_links, default_state, judged, moved_links
+from urdfcheck.source.load import load
+from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.srdf import load_srdf
+
+GROUP = '<group name="all"><chain base_link="base" tip_link="fore"/></group>'
+NEIGHBOURS = (
+    '<disable_collisions link1="base" link2="upper" reason="Adjacent"/>\n'
+    '<disable_collisions link1="fore" link2="upper" reason="Adjacent"/>\n'
+)
+
+
+def box(name: str, size: str, at: str = "0 0 0") -> str:
+    shape = f'<collision><origin xyz="{at}"/><geometry><box size="{size}"/></geometry></collision>'
+    return f'<link name="{name}">{shape if size else ""}</link>'
+
+
+def joint(parent: str, child: str, at: str, lower: float = 0.0, upper: float = 0.0) -> str:
+    """A hinge about y, fixed where its range is empty."""
+    ends = f'<parent link="{parent}"/><child link="{child}"/><origin xyz="{at}"/>'
+    limit = f'<axis xyz="0 1 0"/><limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/>'
+    kind = "revolute" if lower != upper else "fixed"
+    return f'<joint name="to_{child}" type="{kind}">{ends}{limit if lower != upper else ""}</joint>'
+
+
+def arm(elbow: float = 2.9, more: str = "", fore: str = "0.3 0.05 0.05") -> str:
+    """Two bars that fold in a plane; with an elbow of 2.9 rad the second can be turned into the base."""
+    links = box("base", "0.2 0.2 0.2") + box("upper", "0.3 0.05 0.05", "0.2 0 0") + box("fore", fore, "0.2 0 0")
+    joints = joint("base", "upper", "0 0 0.2", -1.5, 1.5) + joint("upper", "fore", "0.4 0 0", -elbow, elbow)
+    return f'<robot name="arm">{links}{joints}{more}</robot>'
+
+
+def found(folder: Path, code: str, srdf: str, urdf: str | None = None, **request: object) -> list[Finding]:
+    (folder / "arm.srdf").write_text(f'<robot name="arm">\n{GROUP}\n{srdf}</robot>')
+    (folder / "arm.urdf").write_text(urdf or arm())
+    run = check(folder / "arm.urdf", codes={code}, **request)
+    assert not run.failures
+    assert not run.skipped
+    return list(run.findings)
+
+
+def pair(one: str, other: str, reason: str = "Never") -> str:
+    return f'<disable_collisions link1="{one}" link2="{other}" reason="{reason}"/>\n'
+
+
+# -- COL003: names -----------------------------------------------------------------------------------------------------
+
+
+def test_a_link_that_got_another_name_is_one_finding_with_all_its_lines(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "COL003", NEIGHBOURS, arm().replace('"upper"', '"upper_l"'))
+    assert finding.location.subject == "disable_collisions[1]@link2"
+    assert "did you mean 'upper_l'" in finding.message
+    assert "2 pairs" in finding.message
+    assert len(finding.related) == 1
+
+
+def test_links_of_a_larger_variant_are_not_missed(tmp_path: Path) -> None:
+    """The groups of the description name the gripper as well: this model is the arm without it."""
+    hand = '<group name="hand"><link name="palm"/></group>'
+    assert not found(tmp_path, "COL003", hand + NEIGHBOURS + pair("palm", "upper"))
+    assert [f.message_id for f in found(tmp_path, "COL003", NEIGHBOURS + pair("palm", "upper"))] == ["unknown"]
+
+
+def test_a_pair_in_the_other_order_is_the_same_and_its_line_can_go(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "COL003", NEIGHBOURS + pair("upper", "base", "User"))
+    assert (finding.message_id, finding.severity) == ("duplicate", Severity.INFO)
+    assert finding.fix is not None
+    (edit,) = finding.fix.edits
+    assert edit.expected == pair("upper", "base", "User")
+    assert edit.replacement == ""
+
+
+# -- COL003: reasons ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("reason", "message", "severity"),
+    [
+        ("Never", "never", Severity.WARNING),
+        ("Default", "default", Severity.INFO),
+        ("Always", "always", Severity.INFO),
+        ("Adjacent", "adjacent", Severity.INFO),
+        ("User", None, None),
+        ("checked by hand", None, None),
+        ("", None, None),
+    ],
+)
+def test_a_reason_that_the_model_contradicts(
+    tmp_path: Path, reason: str, message: str | None, severity: Severity | None
+) -> None:
+    findings = found(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore", reason))
+    assert [(f.message_id, f.severity) for f in findings] == ([(message, severity)] if message else [])
+
+
+def test_never_is_believed_where_no_sample_collides(tmp_path: Path) -> None:
+    assert not found(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), arm(elbow=0.5))
+
+
+def test_a_collision_is_shown_with_the_joints_that_lead_to_it(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"))
+    assert finding.location.subject.startswith("disable_collisions")
+    assert "to_upper = " in finding.message
+    assert "to_fore = " in finding.message
+
+
+def test_rarer_collisions_need_more_samples(tmp_path: Path) -> None:
+    rare = arm(elbow=2.15)
+    assert not found(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), rare)
+    assert found(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), rare, samples=5000)
+
+
+def test_what_is_disabled_twice_over_is_no_finding_of_its_own(tmp_path: Path) -> None:
+    """A pair that collides by default would be disabled by Setup Assistant too, for another reason."""
+    long = arm(elbow=0.5, fore="1.2 0.05 0.5")
+    assert not found(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), long)
+
+
+# -- COL004 ------------------------------------------------------------------------------------------------------------
+
+CAMERA = box("camera", "0.06 0.06 0.06") + joint("fore", "camera", "0.3 0 0.04")
+
+
+def test_an_overlap_on_one_body_is_in_every_state(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "COL004", NEIGHBOURS, arm(elbow=0.5, more=CAMERA))
+    assert (finding.message_id, finding.severity) == ("always", Severity.WARNING)
+    assert "fore and camera (15 mm)" in finding.message
+    assert finding.fix is not None
+    assert '<disable_collisions link1="camera" link2="fore" reason="Adjacent"/>' in finding.fix.title
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        pair("fore", "camera", "User"),
+        '<disable_default_collisions link="camera"/>',
+    ],
+)
+def test_disabled_in_whatever_way_is_disabled(tmp_path: Path, line: str) -> None:
+    assert not found(tmp_path, "COL004", NEIGHBOURS + line, arm(elbow=0.5, more=CAMERA))
+
+
+def test_one_that_was_enabled_again_is_missing(tmp_path: Path) -> None:
+    line = '<disable_default_collisions link="camera"/><enable_collisions link1="camera" link2="fore"/>'
+    assert found(tmp_path, "COL004", NEIGHBOURS + line, arm(elbow=0.5, more=CAMERA))
+
+
+@pytest.mark.parametrize(("height", "reported"), [("0.0549", True), ("0.055", False), ("0.056", False)])
+def test_faces_that_only_touch_are_left_alone(tmp_path: Path, height: str, reported: bool) -> None:
+    camera = CAMERA.replace("0.3 0 0.04", f"0.3 0 {height}")
+    assert bool(found(tmp_path, "COL004", NEIGHBOURS, arm(elbow=0.5, more=camera))) == reported
+
+
+def test_what_no_group_moves_is_not_checked_by_moveit(tmp_path: Path) -> None:
+    battery = box("battery", "0.1 0.1 0.3") + joint("base", "battery", "0 0 -0.2")
+    assert not found(tmp_path, "COL004", NEIGHBOURS, arm(elbow=0.5, more=battery))
+
+
+def test_a_collision_in_the_default_state_alone_is_an_info(tmp_path: Path) -> None:
+    """At zero the end of the second bar is in the post; elsewhere mostly not."""
+    post = box("post", "0.05 0.05 0.05", "0.75 0 0.2") + joint("base", "post", "0 0 0")
+    (finding,) = found(tmp_path, "COL004", NEIGHBOURS + pair("base", "fore", "User"), arm(more=post))
+    assert (finding.message_id, finding.severity) == ("default", Severity.INFO)
+    assert "post and fore (25 mm)" in finding.message
+
+
+def test_of_two_descriptions_it_is_enough_that_one_disables_a_pair(tmp_path: Path) -> None:
+    (tmp_path / "other.srdf").write_text(f'<robot name="arm">{pair("camera", "fore", "Adjacent")}</robot>')
+    assert not found(tmp_path, "COL004", NEIGHBOURS, arm(elbow=0.5, more=CAMERA))
+
+
+@pytest.mark.parametrize("code", ["COL003", "COL004"])
+def test_a_robot_without_description_needs_none(tmp_path: Path, code: str) -> None:
+    (tmp_path / "arm.urdf").write_text(arm(more=CAMERA))
+    run = check(tmp_path / "arm.urdf", codes={code})
+    assert not run.findings
+    assert not run.skipped
+
+
+# -- how MoveIt looks at pairs -----------------------------------------------------------------------------------------
+
+
+def model(folder: Path, text: str) -> Model:
+    path = folder / "arm.urdf"
+    path.write_text(text)
+    source = load(path, {}, PackageFinder(path, environment={}))
+    assert source.root is not None
+    return Model(source, source.root)
+
+
+def test_links_are_adjacent_across_links_without_geometry(tmp_path: Path) -> None:
+    """base - flange - (tool, sensor): the flange and the adapter behind it have no collision geometry."""
+    links = (
+        box("base", "1 1 1") + box("flange", "") + box("adapter", "") + box("tool", "1 1 1") + box("sensor", "1 1 1")
+    )
+    joints = joint("base", "flange", "0 0 0", -1, 1) + joint("flange", "adapter", "0 0 0")
+    joints += joint("adapter", "tool", "2 0 0") + joint("flange", "sensor", "0 2 0") + joint("tool", "tip", "2 0 0")
+    tree = f'<robot name="arm">{links}{box("tip", "1 1 1")}{joints}</robot>'
+    assert {tuple(sorted(p)) for p in adjacent_links(model(tmp_path, tree))} == {
+        ("base", "tool"),
+        ("base", "sensor"),
+        ("sensor", "tool"),
+        ("tip", "tool"),
+    }
+
+
+@pytest.mark.parametrize(("lower", "upper", "value"), [(-1, 1, 0.0), (0, 2, 0.0), (-3, -1, -2.0), (1, 2, 1.5)])
+def test_the_default_state_is_zero_or_the_middle_of_the_range(
+    tmp_path: Path, lower: float, upper: float, value: float
+) -> None:
+    two = box("base", "1 1 1") + box("tip", "1 1 1") + joint("base", "tip", "2 0 0", lower, upper)
+    state = default_state(model(tmp_path, f'<robot name="arm">{two}</robot>'))
+    assert state.values.tolist() == [[value]]
+
+
+def test_a_default_state_that_is_not_the_neutral_pose_is_looked_at(tmp_path: Path) -> None:
+    """The bar stands up where its range begins, and lies in the post in the middle of it."""
+    post = box("base", "0.1 0.1 0.1", "0 0 -0.3") + box("tip", "0.4 0.05 0.05", "0.2 0 0")
+    loose = box("root", "") + joint("root", "base", "0 0 0") + joint("root", "tip", "0 0 0", 0.2, 2.94159)
+    (found,) = judged(model(tmp_path, f'<robot name="arm">{loose}{post}</robot>'))
+    assert found.by_default
+    assert not found.pair.by_default
+
+
+@pytest.mark.parametrize(
+    ("group", "moved"),
+    [
+        ('<chain base_link="base" tip_link="fore"/>', {"upper", "fore", "camera"}),
+        ('<chain base_link="upper" tip_link="fore"/>', {"fore", "camera"}),
+        ('<joint name="to_fore"/>', {"fore", "camera"}),
+        ('<link name="upper"/>', {"upper", "fore", "camera"}),
+        ('<link name="camera"/><joint name="to_camera"/>', set()),
+    ],
+)
+def test_a_group_moves_what_hangs_on_its_joints(tmp_path: Path, group: str, moved: set[str]) -> None:
+    robot = model(tmp_path, arm(more=CAMERA))
+    (tmp_path / "arm.srdf").write_text(f'<robot name="arm"><group name="g">{group}</group></robot>')
+    srdf = load_srdf(tmp_path / "arm.srdf", {}, robot.source.finder, "arm")
+    assert srdf is not None
+    assert moved_links(robot, srdf) == moved

@@ -1,0 +1,214 @@
+"""Depths against boxes and spheres, rejections against coal alone, swept spheres against the points in them."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from urdfcheck.facts.collision import (
+    ROUNDING,
+    Colliders,
+    Geometry,
+    Placed,
+    Separation,
+    all_pairs,
+    boxes_overlap,
+    is_convex,
+    sphere_directions,
+    swept,
+)
+from urdfcheck.facts.kinematics import motions, transform
+
+pytest.importorskip("coal")
+
+Array = NDArray[np.float64]
+# Corners and outward triangles of the cube from -1/2 to 1/2.
+CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
+FACES = np.array(
+    [
+        *((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1)),
+        *((2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)),
+    ]
+)
+
+
+def box(*size: float) -> Geometry:
+    return Geometry("box", size)
+
+
+def mesh(*size: float, closed: bool = True) -> Geometry:
+    """A box of triangles: convex, or a surface where it is not said to be closed."""
+    return Geometry("mesh", (), CORNERS * size, FACES, closed)
+
+
+def at(*xyz: float, rpy: tuple[float, float, float] = (0, 0, 0)) -> Array:
+    return transform(xyz, rpy)
+
+
+def separation(one: Geometry, other: Geometry, shift: Array, scale: float = 1.0) -> Separation | None:
+    colliders = Colliders([Placed(one, 0, np.eye(4)), Placed(other, 1, np.eye(4))])
+    return colliders.separation(np.stack((np.eye(4), shift)), 0, 1)
+
+
+CUBES = {"box": box(0.1, 0.1, 0.1), "convex": mesh(0.1, 0.1, 0.1), "surface": mesh(0.1, 0.1, 0.1, closed=False)}
+PAIRS = list(product(CUBES, repeat=2))
+
+
+@pytest.mark.parametrize("kinds", PAIRS, ids="-".join)
+@pytest.mark.parametrize("depth", [0.001, 0.02])
+def test_the_depth_of_two_cubes_is_what_they_overlap_by(kinds: tuple[str, str], depth: float) -> None:
+    found = separation(CUBES[kinds[0]], CUBES[kinds[1]], at(0.01, 0.02, 0.1 - depth))
+    assert found is not None
+    # Without "surface" it is exact; a way out is searched to 2 %, along directions of which the axes are some.
+    assert found.depth == pytest.approx(depth, rel=0.03 if "surface" in kinds else 1e-3)
+    assert found.normal == pytest.approx((0, 0, 1), abs=1e-3)
+    assert found.point[2] == pytest.approx(0.05, abs=0.02)
+
+
+@pytest.mark.parametrize("kinds", PAIRS, ids="-".join)
+def test_faces_in_one_plane_touch_and_do_not_overlap(kinds: tuple[str, str]) -> None:
+    one, other = CUBES[kinds[0]], CUBES[kinds[1]]
+    found = separation(one, other, at(0.01, 0.02, 0.1, rpy=(0, 0, 0.3)))
+    assert found is None or found.depth == 0.0
+    assert separation(one, other, at(0.01, 0.02, 0.1 + ROUNDING, rpy=(0, 0, 0.3))) is None
+
+
+@pytest.mark.parametrize("kinds", PAIRS, ids="-".join)
+def test_moving_by_the_depth_along_the_normal_frees(kinds: tuple[str, str]) -> None:
+    shift = at(0.06, 0.03, 0.05, rpy=(0.4, -0.7, 1.1))
+    found = separation(CUBES[kinds[0]], CUBES[kinds[1]], shift)
+    assert found is not None
+    assert 0.02 < found.depth < 0.08
+    shift[:3, 3] += found.normal * found.depth * 1.001
+    assert separation(CUBES[kinds[0]], CUBES[kinds[1]], shift) is None
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_size_does_not_decide(scale: float) -> None:
+    for gap, expected in ((-0.001, True), (0.0, False)):
+        cubes = [Geometry("mesh", (), CORNERS * 0.1 * scale, FACES, False) for _ in range(2)]
+        found = separation(cubes[0], cubes[1], at(0, 0, (0.1 + gap) * scale))
+        assert (found is not None and found.depth > 0.0) == expected
+
+
+def test_a_surface_in_a_surface_is_not_met_and_a_solid_in_a_solid_is() -> None:
+    assert separation(mesh(1, 1, 1, closed=False), mesh(0.1, 0.1, 0.1, closed=False), at(0, 0, 0)) is None
+    found = separation(mesh(1, 1, 1), mesh(0.1, 0.1, 0.1), at(0, 0, 0.3))
+    assert found is not None
+    assert found.depth == pytest.approx(0.25, rel=1e-3)
+
+
+def test_a_peg_in_a_hole_comes_out_along_the_hole() -> None:
+    """A U of three plates, 0.1 deep along y, holds a peg 1 mm thicker than the gap: no way but along y or z is short."""
+    plates = [(0.02, 0.1, 0.2), (0.02, 0.1, 0.2), (0.14, 0.1, 0.02)]
+    places = [(-0.06, 0, 0), (0.06, 0, 0), (0, 0, -0.11)]
+    corners = np.concatenate([CORNERS * size + place for size, place in zip(plates, places, strict=True)])
+    fork = Geometry("mesh", (), corners, np.concatenate([FACES + 8 * i for i in range(3)]), False)
+    found = separation(fork, mesh(0.101, 0.3, 0.1, closed=False), at(0, 0, 0.1))
+    assert found is not None
+    assert found.depth == pytest.approx(0.05, rel=0.1)
+    assert found.normal[2] == pytest.approx(1, abs=0.1)
+
+
+SHAPES = (
+    box(0.2, 0.1, 0.05),
+    Geometry("sphere", (0.08,)),
+    Geometry("cylinder", (0.05, 0.2)),
+    Geometry("capsule", (0.04, 0.15)),
+    mesh(0.1, 0.2, 0.1),
+    mesh(0.1, 0.2, 0.1, closed=False),
+)
+
+
+def test_what_spheres_and_boxes_reject_coal_rejects() -> None:
+    """All pairs of shapes, two on each body, at random places: the same answers as coal asked for every pair of shapes."""
+    rng = np.random.default_rng(1)
+    placed = [
+        Placed(s, i // 2, at(*rng.normal(size=3) * 0.1, rpy=tuple(rng.normal(size=3)))) for i, s in enumerate(SHAPES)
+    ]
+    frames = np.array(
+        [[at(*rng.normal(size=3) * 0.1, rpy=tuple(rng.normal(size=3))) for _ in range(3)] for _ in range(60)]
+    )
+    colliders = Colliders(placed)
+    pairs = all_pairs(3)
+    found = colliders.hits(frames, pairs)
+    expected = np.array([[brute_force(placed, frame, int(a), int(b)) for frame in frames] for a, b in pairs])
+    assert (found == expected).all()
+    assert 0.2 < expected.mean() < 0.8
+
+
+def brute_force(placed: list[Placed], frame: Array, one: int, other: int) -> bool:
+    import coal
+
+    def made(geometry: Geometry) -> object:
+        if geometry.vertices is None or geometry.faces is None:
+            return {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder, "capsule": coal.Capsule}[
+                geometry.kind
+            ](*geometry.size)
+        if geometry.closed:
+            points = coal.StdVec_Vec3s()
+            points.extend(list(geometry.vertices))
+            return coal.Convex.convexHull(points, False, "")
+        tree = coal.BVHModelOBBRSS()
+        tree.beginModel(len(geometry.faces), len(geometry.vertices))
+        tree.addVertices(geometry.vertices)
+        tree.addTriangles(geometry.faces)
+        tree.endModel()
+        return tree
+
+    for a, b in product(placed, repeat=2):
+        if (a.owner, b.owner) == (one, other):
+            places = [frame[p.owner] @ p.pose for p in (a, b)]
+            transforms = [coal.Transform3s(p[:3, :3], p[:3, 3]) for p in places]
+            result = coal.CollisionResult()
+            request = coal.CollisionRequest()
+            if coal.collide(made(a.geometry), transforms[0], made(b.geometry), transforms[1], request, result):
+                return True
+    return False
+
+
+def test_boxes_that_overlap_are_never_rejected() -> None:
+    rng = np.random.default_rng(2)
+    turns = np.array([[at(0, 0, 0, rpy=tuple(rng.normal(size=3)))[:3, :3] for _ in range(2)] for _ in range(300)])
+    half = rng.uniform(0.1, 1, size=(300, 2, 3))
+    apart = rng.normal(size=(300, 3))
+    inside = rng.uniform(-1, 1, size=(300, 400, 3))
+    points = apart[:, None] + (inside * half[:, None, 1]) @ np.swapaxes(turns[:, 1], 1, 2)
+    shared = (np.abs(points @ turns[:, 0]) <= half[:, None, 0]).all(axis=2).any(axis=1)
+    found = boxes_overlap(turns[:, 0], half[:, 0], turns[:, 1], half[:, 1], apart)
+    assert found[shared].all()
+    assert 0.1 < shared.mean() < found.mean() < 0.9
+
+
+def test_a_cube_is_convex_either_way_round_and_a_dented_one_is_not() -> None:
+    dented = CORNERS.copy()
+    dented[7] *= 0.6
+    assert is_convex(CORNERS, FACES)
+    assert is_convex(CORNERS, FACES[:, ::-1])
+    assert not is_convex(dented, FACES)
+    two = np.concatenate((CORNERS, CORNERS + 3))
+    assert not is_convex(two, np.concatenate((FACES, FACES + 8)))
+
+
+@pytest.mark.parametrize("rotates", [True, False])
+@pytest.mark.parametrize("limits", [(-0.3, 0.9), (-2.0, 2.5), (0.4, 0.4), (-math.pi, math.pi)])
+def test_a_swept_sphere_contains_the_sphere_wherever_the_joint_is(rotates: bool, limits: tuple[float, float]) -> None:
+    rng = np.random.default_rng(3)
+    axis = np.array((1.0, 2.0, -1.0)) / math.sqrt(6)
+    centres, radii = rng.normal(size=(20, 3)), rng.uniform(0.1, 1, size=20)
+    around, reach = swept(centres, radii, axis, *limits, rotates=rotates)
+    for moved in motions(axis, np.linspace(*limits, 30), rotates=rotates):
+        there = centres @ moved[:3, :3].T + moved[:3, 3]
+        assert (np.linalg.norm(there - around, axis=1) + radii <= reach + 1e-12).all()
+
+
+def test_no_direction_is_more_than_23_degrees_from_one_of_those_tried() -> None:
+    rng = np.random.default_rng(4)
+    wanted = rng.normal(size=(2000, 3))
+    wanted /= np.linalg.norm(wanted, axis=1, keepdims=True)
+    nearest = (wanted @ sphere_directions(40).T).max(axis=1)
+    assert nearest.min() > math.cos(math.radians(23))

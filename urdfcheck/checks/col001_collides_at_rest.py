@@ -1,0 +1,83 @@
+"""COL001: links that are not neighbours are apart at the neutral pose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.model import Model
+from urdfcheck.model.collisions import Contact, Pair, ensure_all_read, geometry_of
+from urdfcheck.model.names import listed
+
+
+def check(model: Model, rule: Rule, *, graze: float, always: float) -> Iterator[Finding]:
+    collisions = model.collisions
+    far = [(pair, pair.contact) for pair in collisions.pairs if pair.relation == "far" and pair.contact is not None]
+    deep = [(pair, contact) for pair, contact in far if _overlap(pair, contact, graze, always)]
+    samples = len(collisions.poses.values)
+    by_design = [(pair, contact) for pair, contact in deep if samples > 1 and pair.share >= always]
+    for group in _by_shape([item for item in deep if item not in by_design]):
+        yield _at_rest(model, rule, group, samples)
+    if by_design:
+        yield rule.finding(
+            "always",
+            at=geometry_of(by_design[0][1].shapes[1]),
+            related=[geometry_of(contact.shapes[1]) for _, contact in by_design[1:]],
+            severity=Severity.INFO,
+            pairs=listed([f"{pair.links[0]} and {pair.links[1]} ({c.depth * 1e3:.3g} mm)" for pair, c in by_design]),
+            percent=round(100 * always),
+            samples=samples,
+        )
+    ensure_all_read(collisions)
+
+
+def _overlap(pair: Pair, contact: Contact, graze: float, always: float) -> bool:
+    """Whether it is more than two links that touch, or that lean on each other where their joints end."""
+    rare = pair.share < 1 - always
+    return not contact.touching and not (rare and contact.depth < graze * contact.size)
+
+
+def _by_shape(met: Sequence[tuple[Pair, Contact]]) -> Iterator[list[tuple[Pair, Contact]]]:
+    """The overlaps in groups that have a shape in common, its place in the contacts first: the shape of most overlaps takes
+    all of its own, then that of most of the rest. Of two shapes with one overlap it is the one further from the root."""
+    left = list(met)
+    while left:
+        counts: dict[int, int] = {}
+        for _, contact in left:
+            for shape in reversed(contact.shapes):
+                counts[id(shape)] = counts.get(id(shape), 0) + 1
+        common = max(counts, key=lambda key: counts[key])
+        group = [item for item in left if common in map(id, item[1].shapes)]
+        left = [item for item in left if item not in group]
+        yield sorted(group, key=lambda item: -item[1].depth)
+
+
+def _at_rest(model: Model, rule: Rule, group: Sequence[tuple[Pair, Contact]], samples: int) -> Finding:
+    pair, contact = group[0]
+    place = _common(group)
+    shape, other = contact.shapes[place], contact.shapes[1 - place]
+    others = [(p.links[p.links.index(pair.links[place]) - 1], c) for p, c in group]
+    x, y, z = (round(v, 4) + 0.0 for v in contact.point)
+    return rule.finding(
+        "overlap" if len(group) == 1 else "several",
+        at=geometry_of(shape),
+        related=[geometry_of(other), *(geometry_of(s) for _, c in group[1:] for s in c.shapes if s is not shape)],
+        link=pair.links[place],
+        other=pair.links[1 - place],
+        others=listed([f"{name} ({c.depth * 1e3:.3g} mm)" for name, c in others]),
+        count=len(group),
+        depth=contact.depth,
+        millimetres=contact.depth * 1e3,
+        normal=contact.normal,
+        point=f"({x:g} {y:g} {z:g})",
+        frame=model.tree.root,
+        seen=pair.count,
+        samples=samples,
+    )
+
+
+def _common(group: Sequence[tuple[Pair, Contact]]) -> int:
+    """Which of the first contact's two shapes takes part in all contacts."""
+    return next(
+        place for place in (1, 0) if all(any(s is group[0][1].shapes[place] for s in c.shapes) for _, c in group)
+    )

@@ -1,0 +1,32 @@
+"""COL002: neighbouring links overlap in every configuration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.model.collisions import Contact, Pair, ensure_all_read, geometry_of
+from urdfcheck.model.names import listed
+
+
+def check(model: Model, rule: Rule, *, always: float) -> Iterator[Finding]:
+    collisions = model.collisions
+    neighbours = [pair for pair in collisions.pairs if pair.relation == "adjacent"]
+    found: dict[str | None, tuple[Pair, Contact]] = {}
+    for pair in neighbours:
+        if pair.contact is not None and not pair.contact.touching and pair.share >= always:
+            found.setdefault(pair.joint, (pair, pair.contact))
+    if found:
+        first, *rest = (geometry_of(contact.shapes[1]) for _, contact in found.values())
+        yield rule.finding(
+            "overlap",
+            at=first,
+            related=rest,
+            count=len(found),
+            total=len({pair.joint for pair in neighbours}),
+            joints=listed(f"{joint} ({pair.links[0]} and {pair.links[1]})" for joint, (pair, _) in found.items()),
+            percent=round(100 * always),
+            samples=len(collisions.poses.values),
+        )
+    ensure_all_read(collisions)

@@ -1,0 +1,108 @@
+"""COL003: what an SRDF disables is there, is said once, and does not hide collisions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from urdfcheck.core import Applicability, Finding, Rule, Severity
+from urdfcheck.model import Model
+from urdfcheck.model.collisions import Pair as Contacting
+from urdfcheck.model.collisions import ensure_all_read
+from urdfcheck.model.moveit import judged
+from urdfcheck.model.names import hint, listed
+from urdfcheck.source.srdf import Pair, Srdf
+from urdfcheck.source.words import removal
+from urdfcheck.source.xml import Attribute
+
+# What Setup Assistant writes; of any other word the author knows why.
+REASONS = ("Never", "Default", "Always", "Adjacent")
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    for srdf in model.srdfs:
+        yield from _unknown(model, rule, srdf)
+        yield from _duplicates(rule, srdf)
+    yield from _hiding(model, rule)
+
+
+def _unknown(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Finding]:
+    """One finding for each name that no link has."""
+    if not srdf.groups_name <= model.link_by_name.keys():
+        return  # the planning groups name other links as well: it describes a larger variant of the robot
+    uses: dict[str, list[Attribute]] = {}
+    for pair in srdf.disabled:
+        for index, name in enumerate(pair.links):
+            attribute = pair.link(index)
+            if attribute is not None and name not in model.link_by_name:
+                uses.setdefault(name, []).append(attribute)
+    named = {name for pair in srdf.disabled for name in pair.links}
+    for name, attributes in uses.items():
+        yield rule.finding(
+            "unknown",
+            at=attributes[0],
+            related=attributes[1:],
+            link=name,
+            count="1 pair" if len(attributes) == 1 else f"{len(attributes)} pairs",
+            near=hint(name, model.link_by_name.keys() - named),
+        )
+
+
+def _duplicates(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
+    first: dict[frozenset[str], Pair] = {}
+    for pair in srdf.disabled:
+        before = first.setdefault(pair.key, pair)
+        if before is pair or before.element.span == pair.element.span:  # one line of a macro that is called twice
+            continue
+        yield rule.finding(
+            "duplicate",
+            at=pair.element,
+            related=[before.element],
+            severity=Severity.INFO,
+            edits=() if pair.element.via else removal(pair.element, srdf.files),
+            applicability=Applicability.SAFE,
+            first=pair.links[0],
+            second=pair.links[1],
+        )
+
+
+def _hiding(model: Model, rule: Rule) -> Iterator[Finding]:
+    """Pairs that Setup Assistant would leave to be checked, whatever reason the description gives: one finding for each
+    reason, at the pair that collides most."""
+    if not any(srdf.disabled for srdf in model.srdfs):
+        return
+    missed = {frozenset(j.pair.links): j.pair for j in judged(model) if j.reason is None and not j.pair.never_seen}
+    for srdf in model.srdfs:
+        for reason in REASONS:
+            hidden = [(p, missed[p.key]) for p in srdf.disabled if p.reason == reason and p.key in missed]
+            hidden.sort(key=lambda both: -both[1].count)
+            if not hidden:
+                continue
+            (worst, pair), more = hidden[0], hidden[1:]
+            assert pair.first is not None
+            pose = model.collisions.poses.named(pair.first)
+            yield rule.finding(
+                reason.lower(),
+                at=worst.element,
+                related=[p.element for p, _ in more],
+                severity=None if reason == "Never" else Severity.INFO,
+                first=worst.links[0],
+                second=worst.links[1],
+                hits=pair.count,
+                samples=f"{len(pair.hits):,}",
+                more=_more([p for p, _ in more]),
+                pose=pose,
+                at_pose=listed(f"{name} = {value:.3g}" for name, value in _between(model, pair, pose).items()),
+            )
+    ensure_all_read(model.collisions)
+
+
+def _between(model: Model, pair: Contacting, pose: Mapping[str, float]) -> dict[str, float]:
+    """The positions of the joints that move the two links against each other."""
+    one, other = ({joint.name for joint in model.tree.path(link)} for link in pair.links)
+    return {name: value for name, value in pose.items() if name in one ^ other}
+
+
+def _more(pairs: Sequence[Pair]) -> str:
+    if not pairs:
+        return ""
+    return f"; so do {listed((f'{p.links[0]} and {p.links[1]}' for p in pairs), most=3)}"

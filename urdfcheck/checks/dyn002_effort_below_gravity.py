@@ -1,0 +1,54 @@
+"""DYN002: the effort limit of a joint is enough to hold what the joint carries."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.model import Model
+from urdfcheck.model.loads import Overload, overloads
+from urdfcheck.model.names import listed
+
+
+def check(model: Model, rule: Rule, *, rare: float) -> Iterator[Finding]:
+    groups: dict[tuple[float, bool], list[Overload]] = {}
+    for load in overloads(model):
+        key = (load.joint.limit_value("effort") or 0.0, load.joint.type == "prismatic")
+        groups.setdefault(key, []).append(load)
+    for (effort, slides), loads in groups.items():
+        # Arms that are alike stay in the file's order, whatever the last digits say.
+        worst_first = sorted(loads, key=lambda load: -float(f"{load.torque:.3g}"))
+        yield _together(rule, effort, "N" if slides else "N·m", worst_first, model.samples, rare)
+
+
+def _together(rule: Rule, effort: float, unit: str, loads: list[Overload], samples: int, rare: float) -> Finding:
+    """One finding for all joints with one effort limit: it was written for all of them."""
+    worst = loads[0]
+    attributes = [load.joint.limit.attributes["effort"] for load in loads if load.joint.limit is not None]
+    count = max(load.count for load in loads)
+    others = [f"{load.joint.name} ({load.torque:.3g} {unit})" for load in loads[1:]]
+    finding = rule.finding(
+        "weak",
+        at=attributes[0],
+        related={a.span: a for a in attributes[1:] if a.span != attributes[0].span}.values(),
+        severity=Severity.INFO if count < rare * samples else None,
+        joint=worst.joint.name,
+        torque=worst.torque,
+        effort=effort,
+        unit=unit,
+        count=count,
+        samples=samples,
+        others=f"; the same limit is too small for {listed(others)}" if others else "",
+        passes=_rounded_up(worst.torque),
+        pose=worst.pose,
+        joints={load.joint.name: {"torque": load.torque, "passes": _rounded_up(load.torque)} for load in loads},
+    )
+    return replace(finding, subjects=tuple(a.location.subject for a in attributes))
+
+
+def _rounded_up(torque: float) -> float:
+    """The next number with three digits."""
+    step = 10.0 ** (math.floor(math.log10(torque)) - 2)
+    return float(f"{math.ceil(torque / step) * step:.3g}")

@@ -1,0 +1,62 @@
+"""GEO001: every dimension of a shape is greater than zero."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.model import Model, Shape
+from urdfcheck.source.values import numbers
+from urdfcheck.source.xml import Attribute
+
+# The attributes that hold dimensions, with what each of their numbers is called.
+_DIMENSIONS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
+    "box": {"size": ("x", "y", "z")},
+    "cylinder": {"radius": ("",), "length": ("",)},
+    "capsule": {"radius": ("",), "length": ("",)},
+    "sphere": {"radius": ("",)},
+    "mesh": {"scale": ("x", "y", "z")},
+}
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    for link in model.links:
+        for shape in (*link.visuals, *link.collisions):
+            for name, parts in _DIMENSIONS.get(shape.kind or "", {}).items():
+                attribute = None if shape.shape is None else shape.shape.attributes.get(name)
+                values = None if attribute is None else numbers(attribute.value, len(parts))
+                if attribute is not None and values is not None:
+                    yield from _judge(rule, link.name, shape, attribute, dict(zip(parts, values, strict=True)))
+
+
+def _judge(rule: Rule, link: str, shape: Shape, attribute: Attribute, values: dict[str, float]) -> Iterator[Finding]:
+    mesh = shape.kind == "mesh"  # where a negative scale mirrors, which is no wrong size
+    negative = [part for part, value in values.items() if value < 0 and not mesh]
+    # A capsule without a cylinder between its caps is a sphere.
+    round_ = shape.kind == "capsule" and attribute.name == "length"
+    zero = [part for part, value in values.items() if value == 0 and not round_]
+    data: dict[str, Any] = {
+        "link": link,
+        "role": shape.role,
+        "kind": shape.kind,
+        "dimension": attribute.name,
+        "value": attribute.value,
+    }
+    if negative:
+        yield rule.finding("negative", at=attribute, edits=_edits(attribute), **data)
+    elif zero and mesh:
+        severity = Severity.WARNING if shape.role == "visual" else None
+        yield rule.finding("flattened", at=attribute, severity=severity, axes=", ".join(zero), **data)
+    elif zero and shape.role == "visual":
+        yield rule.finding("drawn", at=attribute, severity=Severity.INFO, **data)
+    elif zero:
+        yield rule.finding("zero", at=attribute, **data)
+
+
+def _edits(attribute: Attribute) -> tuple[Edit, ...]:
+    """The same numbers without their minus signs, where they are typed as such."""
+    if not attribute.literal or attribute.span is None:
+        return ()
+    positive = " ".join(word.removeprefix("-") for word in attribute.typed.split())
+    return (Edit(attribute.span, attribute.typed, positive),)

@@ -1,0 +1,28 @@
+"""MSH005: at most two triangles meet in an edge of a collision mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.model.drawing import drawable
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    for path, uses in model.meshes.by_file().items():
+        facts = model.meshes.facts.get(path)
+        if facts is None or uses[0].shape.role != "collision" or not facts.non_manifold_edges:
+            continue
+        # Closed bodies that touch along an edge enclose what they should; a mesh with open edges is MSH002's.
+        if facts.closed or facts.open_edges:
+            continue
+        yield rule.finding(
+            "collision",
+            at=uses[0].filename,
+            related=[use.filename for use in uses[1:]],
+            mesh=uses[0].filename.value,
+            count=facts.non_manifold_edges,
+            edges=f"{facts.non_manifold_edges:,} edge" + "s" * (facts.non_manifold_edges > 1),
+            lines=drawable(model, uses[0], facts.non_manifold_lines),
+        )

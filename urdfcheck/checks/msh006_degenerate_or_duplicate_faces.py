@@ -1,0 +1,65 @@
+"""MSH006: collision meshes hold no triangle without area and none twice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.facts.mesh import MeshFacts
+from urdfcheck.model import Model
+from urdfcheck.model.drawing import drawable
+from urdfcheck.model.meshes import MeshUse
+from urdfcheck.model.names import listed
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+# Meshes whose triangles a report can draw, and triangles of each.
+MESHES, TRIANGLES = 8, 32
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    found: list[tuple[MeshUse, MeshFacts]] = []
+    for path, uses in model.meshes.by_file().items():
+        facts = model.meshes.facts.get(path)
+        if facts is None or uses[0].shape.role != "collision":
+            continue
+        if facts.degenerate_faces or facts.duplicate_faces:
+            found.append((uses[0], facts))
+    if found:
+        yield rule.finding(
+            "collision",
+            at=found[0][0].filename,
+            related=[use.filename for use, _ in found[1:]],
+            degenerate=sum(facts.degenerate_faces for _, facts in found),
+            duplicate=sum(facts.duplicate_faces for _, facts in found),
+            meshes=listed([f"{use.name} ({_counted(facts)})" for use, facts in found]),
+            places=[
+                {
+                    "mesh": use.filename.value,
+                    "link": use.link.name,
+                    "triangles": drawable(model, use, _left_in(facts), TRIANGLES),
+                }
+                for use, facts in found[:MESHES]
+            ],
+        )
+
+
+def _counted(facts: MeshFacts) -> str:
+    counts = [(facts.degenerate_faces, "without area"), (facts.duplicate_faces, "repeated")]
+    return ", ".join(f"{n:,} {what}" for n, what in counts if n)
+
+
+def _left_in(facts: MeshFacts) -> NDArray[np.float64]:
+    """Corners (n, 3, 3) of those triangles without area, or repeated, that welding the mesh has not dropped."""
+    corners = facts.vertices[facts.faces]
+    sides = corners - np.roll(corners, 1, axis=1)
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    odd = area <= 1e-14 * (sides**2).sum(axis=2).max(axis=1)
+    repeated = np.ones(len(odd), dtype=bool)
+    repeated[np.unique(np.sort(facts.faces, axis=1), axis=0, return_index=True)[1]] = False
+    left: NDArray[np.float64] = corners[odd | repeated]
+    return left

@@ -1,0 +1,22 @@
+"""MSH009: collision meshes have few enough triangles to collide with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+
+
+def check(model: Model, rule: Rule, *, triangles: int) -> Iterator[Finding]:
+    for path, uses in model.meshes.by_file().items():
+        facts = model.meshes.facts.get(path)
+        if facts is not None and uses[0].shape.role == "collision" and facts.n_triangles > triangles:
+            yield rule.finding(
+                "heavy",
+                at=uses[0].filename,
+                related=[use.filename for use in uses[1:] if use.shape.role == "collision"],
+                mesh=uses[0].filename.value,
+                triangles=facts.n_triangles,
+                limit=triangles,
+            )

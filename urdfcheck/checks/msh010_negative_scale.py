@@ -1,0 +1,29 @@
+"""MSH010: collision meshes are not mirrored by their scale."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import prod
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.model.names import listed
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    # Two negative factors are half a turn; one or three are a mirror.
+    mirrored = [
+        use
+        for use in model.meshes.uses
+        if use.shape.role == "collision" and use.shape.size is not None and prod(use.shape.size) < 0
+    ]
+    if mirrored:
+        names = list(dict.fromkeys(use.name for use in mirrored))
+        yield rule.finding(
+            "mirrored",
+            at=mirrored[0].filename,
+            related=[use.filename for use in mirrored[1:]],
+            count=len(mirrored),
+            meshes=listed(names),
+            shapes=f"{len(mirrored)} collision shape" + "s" * (len(mirrored) > 1),
+        )

@@ -1,0 +1,67 @@
+"""MSH011: the programs that the model is meant for can load its meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.facts.mesh import MeshFacts
+from urdfcheck.model import Model
+from urdfcheck.model.meshes import MeshUse
+from urdfcheck.model.names import listed
+
+# What programs load that have loaders of their own. Those that use Assimp (RViz, MoveIt, Pinocchio) read every format that
+# is read here.
+FORMATS = {
+    "mujoco": frozenset({"stl", "obj"}),
+    "drake": frozenset({"obj", "gltf"}),
+    "bullet": frozenset({"stl", "obj", "dae"}),
+    "gazebo": frozenset({"stl", "obj", "dae", "gltf", "glb"}),
+}
+# These refuse the model for a mesh that it collides with; the others leave out whatever they cannot load.
+COLLISION_ONLY = frozenset({"mujoco", "drake"})
+MUJOCO_STL_FACES = 200_000
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    for target in model.targets:
+        if target not in FORMATS:
+            continue
+        loaded = _loaded(model, target)
+        refused = [(use, facts) for use, facts in loaded if _format(facts) not in FORMATS[target]]
+        if refused:
+            yield _finding(rule, target, refused, loads=" or ".join(sorted(FORMATS[target])))
+        heavy = [(u, f) for u, f in loaded if _format(f) == "stl" and f.n_triangles > MUJOCO_STL_FACES]
+        if target == "mujoco" and heavy:
+            most = max(facts.n_triangles for _, facts in heavy)
+            yield _finding(rule, "faces", heavy, triangles=most, limit=MUJOCO_STL_FACES)
+
+
+def _loaded(model: Model, target: str) -> list[tuple[MeshUse, MeshFacts]]:
+    """The first use of each file that a program loads."""
+    collision_only = target in COLLISION_ONLY and not (target == "mujoco" and _keeps_visuals(model))
+    found = [(uses[0], model.meshes.facts.get(path)) for path, uses in model.meshes.by_file().items()]
+    return [(u, f) for u, f in found if f is not None and (u.shape.role == "collision" or not collision_only)]
+
+
+def _keeps_visuals(model: Model) -> bool:
+    """MuJoCo discards what a URDF only draws, unless the model says otherwise."""
+    compilers = [c for extension in model.robot.all("mujoco") for c in extension.all("compiler")]
+    return any(compiler.get("discardvisual") == "false" for compiler in compilers)
+
+
+def _format(facts: MeshFacts) -> str:
+    """Whether an STL file is text or binary is another rule's."""
+    return facts.format.partition("-")[0]
+
+
+def _finding(rule: Rule, message: str, found: list[tuple[MeshUse, MeshFacts]], **data: Any) -> Finding:
+    return rule.finding(
+        message,
+        at=found[0][0].filename,
+        related=[use.filename for use, _ in found[1:]],
+        count=len(found),
+        meshes=listed([use.name for use, _ in found]),
+        **data,
+    )

@@ -1,0 +1,30 @@
+"""MSH012: STL files are binary, and do not look like text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.model.meshes import MeshUse
+from urdfcheck.model.names import listed
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    found: dict[str, list[MeshUse]] = {}
+    for path, uses in model.meshes.by_file().items():
+        facts = model.meshes.facts.get(path)
+        if facts is not None and facts.solid_header:
+            found.setdefault("solid", []).append(uses[0])
+        elif facts is not None and facts.format == "stl-ascii":
+            found.setdefault("text", []).append(uses[0])
+    for message, uses_of in found.items():
+        names = [use.name for use in uses_of]
+        yield rule.finding(
+            message,
+            at=uses_of[0].filename,
+            related=[use.filename for use in uses_of[1:]],
+            count=len(names),
+            meshes=f"STL file {names[0]} is" if len(names) == 1 else f"{len(names)} STL files ({listed(names)}) are",
+            header="its header begins" if len(names) == 1 else "their headers begin",
+        )

@@ -1,0 +1,28 @@
+"""MSH013: a collision mesh is one body."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.model.meshes import MeshUse
+from urdfcheck.model.names import listed
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    found: list[tuple[MeshUse, int]] = []
+    for path, uses in model.meshes.by_file().items():
+        facts = model.meshes.facts.get(path)
+        if facts is not None and uses[0].shape.role == "collision" and len(facts.components) > 1:
+            found.append((uses[0], len(facts.components)))
+    found.sort(key=lambda entry: -entry[1])
+    if found:
+        yield rule.finding(
+            "several",
+            at=found[0][0].filename,
+            related=[use.filename for use, _ in found[1:]],
+            count=len(found),
+            meshes=listed([f"{use.name} ({n})" for use, n in found]),
+            most=found[0][1],
+        )

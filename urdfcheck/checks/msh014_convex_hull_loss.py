@@ -1,0 +1,35 @@
+"""MSH014: the convex hull of a collision mesh is nearly the mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.model.meshes import MeshUse
+from urdfcheck.model.names import listed
+
+# A closed mesh with less of its hull's volume than this is a sheet with two sides, whose volume is rounding.
+SHEET = 1e-6
+
+
+def check(model: Model, rule: Rule, *, times: float) -> Iterator[Finding]:
+    found: list[tuple[MeshUse, float]] = []
+    for path, uses in model.meshes.by_file().items():
+        facts = model.meshes.facts.get(path)
+        # The volume of an open mesh means nothing.
+        if facts is None or uses[0].shape.role != "collision" or not facts.closed:
+            continue
+        volume, hull = abs(facts.volume), facts.hull.volume
+        if volume > SHEET * hull and hull > times * volume:
+            found.append((uses[0], hull / volume))
+    found.sort(key=lambda entry: -entry[1])
+    if found:
+        yield rule.finding(
+            "fills",
+            at=found[0][0].filename,
+            related=[use.filename for use, _ in found[1:]],
+            count=len(found),
+            meshes=listed([f"{use.name} ({ratio:.3g} times)" for use, ratio in found]),
+            most=found[0][1],
+        )

@@ -1,0 +1,65 @@
+"""PKG009: mesh files are the meshes, not the pointers that Git LFS leaves in their place."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model.names import listed
+from urdfcheck.source.load import Source
+from urdfcheck.source.packages import display_name
+from urdfcheck.source.resources import ResourceUse, resource_uses
+
+POINTER = b"version https://git-lfs.github.com/spec/"
+_SIZE = re.compile(rb"^size (\d+)$", re.MULTILINE)
+# A pointer of the format's first version has 130 bytes; by its specification none has more than 1024.
+_LONGEST = 1024
+
+
+def check(source: Source, rule: Rule) -> Iterator[Finding]:
+    """One finding for each repository: one command repairs all of its files."""
+    sizes: dict[Path, int | None] = {}
+    by_repository: dict[Path | None, list[ResourceUse]] = {}
+    for use in resource_uses(source):
+        path = use.resource.path
+        if use.attribute.owner.tag != "mesh" or path is None or not use.resource.exists:
+            continue
+        if path not in sizes:
+            sizes[path] = _declared_size(path)
+        if sizes[path] is not None:
+            by_repository.setdefault(_repository(path), []).append(use)
+    for repository, uses in by_repository.items():
+        paths = list(dict.fromkeys(use.resource.path for use in uses if use.resource.path is not None))
+        yield rule.finding(
+            "pointer" if len(paths) == 1 else "pointers",
+            at=uses[0],
+            related=uses[1:],
+            cause="archive" if repository is None else "clone",
+            path=display_name(paths[0]),
+            count=len(paths),
+            listed=listed([path.name for path in paths], 4),
+            files=[display_name(path) for path in paths],
+            bytes=sum(sizes[path] or 0 for path in paths),
+            repository=None if repository is None else display_name(repository),
+            where="a clone of the repository" if repository is None else display_name(repository),
+        )
+
+
+def _declared_size(path: Path) -> int | None:
+    """The size in bytes of the file that a pointer stands for; None when the file is no pointer."""
+    try:
+        with path.open("rb") as file:
+            start = file.read(_LONGEST)
+    except OSError:
+        return None
+    if not start.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(POINTER):
+        return None
+    size = _SIZE.search(start.replace(b"\r", b""))
+    return int(size[1]) if size else 0
+
+
+def _repository(path: Path) -> Path | None:
+    """The clone that a file lies in; None in a folder that is none, as an unpacked archive."""
+    return next((folder for folder in path.parents if (folder / ".git").exists()), None)

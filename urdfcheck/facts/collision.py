@@ -1,0 +1,419 @@
+"""Collisions of rigid shapes with coal, and a proof of their absence with spheres.
+
+Bounding spheres and boxes of all pairs in all configurations are compared at once in numpy; coal sees what is left.
+Meshes collide as surfaces, as MoveIt and Gazebo collide them: one that lies wholly inside another does not meet it.
+Convex meshes and primitives are solid.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations, product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
+    Bools = NDArray[np.bool_]
+
+# Lengths that differ by less than this fraction of the smaller of two shapes are one: single precision of a mesh file
+# (6e-8), coordinates written with six digits (5e-7 each), their sums along a chain, and the 1e-6 to which coal's GJK works.
+ROUNDING = 1e-5
+# What coal computes distances and depths to, in its own unit of length.
+_TOLERANCE = 1e-6
+# A convex mesh with more triangles is treated as any other: there the test for convexity costs more than it saves.
+LARGEST_CONVEX = 2000
+# Comparisons of spheres that are made at once, to keep memory flat: 24 bytes each.
+AT_ONCE = 500_000
+# Directions in which a way out is looked for, besides the axes, in the frame of either shape. Any direction is within 23° of
+# one of them, which lengthens a way by 9 % at most where faces are flat.
+DIRECTIONS = 40
+# Contacts of triangles that are looked at to tell where two meshes meet.
+MOST_CONTACTS = 2000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Geometry:
+    """A shape in its own frame. ``kind``: box | cylinder | sphere | capsule | mesh; ``size`` in metres as URDF gives it (box
+    x y z; cylinder, capsule radius length; sphere radius; empty for a mesh); ``vertices`` (V, 3) in metres and ``faces``
+    (F, 3) of a mesh, which is ``closed`` or not."""
+
+    kind: str
+    size: tuple[float, ...] = ()
+    vertices: Array | None = None
+    faces: NDArray[np.int64] | None = None
+    closed: bool = False
+
+    @property
+    def corners(self) -> Array:
+        """Points (n, 3) on the shape, or of a box about it, between which it lies."""
+        if self.vertices is not None:
+            return self.vertices
+        if self.kind == "box":
+            half = [edge / 2 for edge in self.size]
+        else:
+            radius = self.size[0]
+            along = {"sphere": radius, "cylinder": self.size[-1] / 2, "capsule": self.size[-1] / 2 + radius}[self.kind]
+            half = [radius, radius, along]
+        corners: Array = np.array(list(product((-1.0, 1.0), repeat=3))) * half
+        return corners
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """A ``geometry`` at ``pose`` (4, 4) in the frame of body ``owner``."""
+
+    geometry: Geometry
+    owner: int
+    pose: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Separation:
+    """A way out of an overlap: the second shape, moved by ``depth`` (m) along ``normal`` (3,), no longer meets the first.
+
+    Both shapes convex: the penetration depth (EPA, to 1e-6 of the robot's size). Else the shortest of the ways that were
+    tried, which is the penetration depth or longer: directions are spread evenly, and each way is followed until the shapes lie
+    on two sides of a plane. 0 where a way of `ROUNDING` of the smaller shape is enough.
+    ``point`` (3,): the middle of the region where the surfaces meet. ``shapes``: places of the two among the colliders';
+    ``size`` (m): diameter of the sphere about the smaller one.
+    """
+
+    shapes: tuple[int, int]
+    depth: float
+    normal: Array
+    point: Array
+    size: float
+
+
+class Colliders:
+    """Shapes on bodies, ready to be moved and compared.
+
+    :raises ImportError: when coal is not installed.
+    """
+
+    def __init__(self, placed: Sequence[Placed]) -> None:
+        import coal
+
+        self._coal = coal
+        self.placed = tuple(placed)
+        boxes = [_box(p) for p in self.placed]
+        self._turn = np.array([turn for turn, _, _, _ in boxes]).reshape(-1, 3, 3)
+        self._centre = np.array([centre for _, centre, _, _ in boxes]).reshape(-1, 3)
+        self._half = np.array([half for _, _, half, _ in boxes]).reshape(-1, 3)
+        self._radius = np.array([radius for _, _, _, radius in boxes])
+        self._owner = np.array([p.owner for p in self.placed], dtype=np.int64)
+        # coal's tolerances are absolute: it gets lengths of about 1, divided by a power of two and hence exactly.
+        self._unit = 2.0 ** round(math.log2(float(np.max(self._radius, initial=0.0)) or 1.0))
+        self._geometries: dict[int, Any] = {}
+        self._functions: dict[tuple[int, int], Any] = {}
+        self._request = coal.CollisionRequest()
+        self._request.enable_contact = False
+        self._result = coal.CollisionResult()
+
+    @cached_property
+    def spheres(self) -> dict[int, tuple[Array, float]]:
+        """Centre (3,) and radius (m) of a sphere about all shapes of each body that has some, in the body's frame."""
+        found: dict[int, tuple[Array, float]] = {}
+        for owner in dict.fromkeys(self._owner.tolist()):
+            own = self._owner == owner
+            low = (self._centre[own] - self._radius[own, None]).min(axis=0)
+            high = (self._centre[own] + self._radius[own, None]).max(axis=0)
+            middle = (low + high) / 2
+            reach = np.linalg.norm(self._centre[own] - middle, axis=1) + self._radius[own]
+            found[owner] = (middle, float(reach.max()))
+        return found
+
+    def hits(self, frames: Array, pairs: NDArray[np.int64]) -> Bools:
+        """Whether bodies meet (K, N).
+
+        Faces in one plane count as met where neither shape's box lies on one side of it, to within `ROUNDING`.
+        ``frames`` (N, B, 4, 4): placements of the bodies in one common frame; ``pairs`` (K, 2) of bodies that have shapes.
+        """
+        found = np.zeros((len(pairs), len(frames)), dtype=bool)
+        if not len(pairs):
+            return found
+        step = max(1, AT_ONCE // len(pairs))
+        for start in range(0, len(frames), step):
+            part = slice(start, start + step)
+            self._hits(frames[part], pairs, found[:, part])
+        return found
+
+    def _hits(self, frames: Array, pairs: NDArray[np.int64], found: Bools) -> None:
+        """Fill ``found`` (K, N)."""
+        bodies = sorted(self.spheres)
+        column = np.zeros(frames.shape[1], dtype=np.int64)
+        column[bodies] = np.arange(len(bodies))
+        middles = np.array([self.spheres[b][0] for b in bodies])
+        radii = np.array([self.spheres[b][1] for b in bodies])
+        own = frames[:, bodies]
+        at = np.einsum("nbij,bj->nbi", own[..., :3, :3], middles) + own[..., :3, 3]
+        first, second = column[pairs[:, 0]], column[pairs[:, 1]]
+        apart = at[:, first] - at[:, second]
+        near = ((radii[first] + radii[second]) ** 2)[:, None] >= np.einsum("nki,nki->nk", apart, apart).T
+        pair, pose = np.nonzero(near)
+        if not len(pair):
+            return
+        own = frames[:, self._owner]
+        turns = own[..., :3, :3] @ self._turn
+        centres = np.einsum("nsij,sj->nsi", own[..., :3, :3], self._centre) + own[..., :3, 3]
+        pair, pose, one, other = self._shapes(pairs, pair, pose)
+        apart = centres[pose, other] - centres[pose, one]
+        close = np.einsum("mi,mi->m", apart, apart) <= (self._radius[one] + self._radius[other]) ** 2
+        pair, pose, one, other, apart = pair[close], pose[close], one[close], other[close], apart[close]
+        slack = self._rounding(one, other)
+        close = boxes_overlap(turns[pose, one], self._half[one], turns[pose, other], self._half[other], apart, slack)
+        places = _Places(self._coal, frames, self._owner, [p.pose for p in self.placed], self._unit)
+        for k, n, a, b in zip(*(x[close].tolist() for x in (pair, pose, one, other)), strict=True):
+            if not found[k, n] and self._meet(a, places.of(n, a), b, places.of(n, b)):
+                found[k, n] = True
+
+    def _shapes(self, pairs: NDArray[np.int64], pair: NDArray[np.int64], pose: NDArray[np.int64]) -> tuple[Any, ...]:
+        """Pairs of bodies as pairs of shapes: the pair's place, the configuration, the two shapes."""
+        order = np.argsort(self._owner, kind="stable")
+        count = np.bincount(self._owner)
+        first = np.cumsum(count) - count
+        one, other = pairs[pair].T
+        many = count[one] * count[other]
+        item = np.repeat(np.arange(len(pair)), many)
+        within = np.arange(len(item)) - np.repeat(np.cumsum(many) - many, many)
+        shape, mate = np.divmod(within, count[other][item])
+        return pair[item], pose[item], order[first[one][item] + shape], order[first[other][item] + mate]
+
+    def _meet(self, one: int, at_one: Any, other: int, at_other: Any) -> bool:
+        key = (one, other)
+        if key not in self._functions:
+            self._functions[key] = self._coal.ComputeCollision(self._geometry(one), self._geometry(other))
+        self._result.clear()
+        return bool(self._functions[key](at_one, at_other, self._request, self._result))
+
+    def separation(self, frames: Array, one: int, other: int) -> Separation | None:
+        """The deepest overlap of the shapes of two bodies, ``frames`` (B, 4, 4) as for `hits`; None where none meet."""
+        found: Separation | None = None
+        for a, b in product(np.flatnonzero(self._owner == one).tolist(), np.flatnonzero(self._owner == other).tolist()):
+            at_a, at_b = (frames[self.placed[s].owner] @ self.placed[s].pose for s in (a, b))
+            if self._meet(a, self._transform(at_a), b, self._transform(at_b)):
+                way = self._way_out(a, at_a, b, at_b)
+                if found is None or way.depth > found.depth:
+                    found = way
+        return found
+
+    def _way_out(self, one: int, at_one: Array, other: int, at_other: Array) -> Separation:
+        """How to free the second of two shapes that meet."""
+        coal = self._coal
+        request, result = coal.CollisionRequest(), coal.CollisionResult()
+        solid = not (self._is_surface(one) or self._is_surface(other))
+        request.num_max_contacts = 1 if solid else MOST_CONTACTS
+        coal.collide(
+            self._geometry(one),
+            self._transform(at_one),
+            self._geometry(other),
+            self._transform(at_other),
+            request,
+            result,
+        )
+        contacts = [result.getContact(i) for i in range(result.numContacts())]
+        point = np.mean([c.pos for c in contacts], axis=0) * self._unit
+        size, rounding = 2 * float(min(self._radius[one], self._radius[other])), float(self._rounding(one, other))
+        if solid:
+            depth = -contacts[0].penetration_depth * self._unit
+            normal = np.array(contacts[0].normal)
+            return Separation((one, other), depth if depth > rounding else 0.0, normal, point, size)
+
+        def free(shift: Array) -> bool:
+            moved = at_other.copy()
+            moved[:3, 3] += shift
+            return not self._meet(one, self._transform(at_one), other, self._transform(moved))
+
+        depth, normal = way_out(
+            self.placed[one].geometry.corners @ at_one[:3, :3].T + at_one[:3, 3],
+            self.placed[other].geometry.corners @ at_other[:3, :3].T + at_other[:3, 3],
+            np.concatenate([sphere_directions(DIRECTIONS) @ at[:3, :3].T for at in (at_one, at_other)]),
+            free,
+            rounding,
+        )
+        return Separation((one, other), depth, normal, point, size)
+
+    def _rounding(self, one: Any, other: Any) -> Array:
+        """The overlap (m) that is none, for one or several pairs of shapes."""
+        smaller = np.minimum(self._radius[one], self._radius[other])
+        least: Array = np.maximum(ROUNDING * 2 * smaller, 2 * _TOLERANCE * self._unit)
+        return least
+
+    def _transform(self, matrix: Array) -> Any:
+        return self._coal.Transform3s(np.ascontiguousarray(matrix[:3, :3]), matrix[:3, 3] / self._unit)
+
+    def _is_surface(self, shape: int) -> bool:
+        return isinstance(self._geometry(shape), self._coal.BVHModelBase)
+
+    def _geometry(self, shape: int) -> Any:
+        """coal's geometry of a shape, one for all that share a `Geometry`."""
+        geometry = self.placed[shape].geometry
+        if id(geometry) not in self._geometries:
+            self._geometries[id(geometry)] = self._built(geometry)
+        return self._geometries[id(geometry)]
+
+    def _built(self, geometry: Geometry) -> Any:
+        coal, size = self._coal, [s / self._unit for s in geometry.size]
+        if geometry.vertices is None or geometry.faces is None:
+            made = {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder, "capsule": coal.Capsule}
+            return made[geometry.kind](*size)
+        vertices = np.ascontiguousarray(geometry.vertices / self._unit)
+        if geometry.closed and is_convex(geometry.vertices, geometry.faces):
+            points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
+            points.extend(list(vertices))
+            triangles.extend([coal.Triangle(*face) for face in geometry.faces.tolist()])
+            return coal.Convex(points, triangles)
+        tree = coal.BVHModelOBBRSS()
+        tree.beginModel(len(geometry.faces), len(vertices))
+        tree.addVertices(vertices)
+        tree.addTriangles(np.ascontiguousarray(geometry.faces, dtype=np.int64))
+        tree.endModel()
+        return tree
+
+
+class _Places:
+    """coal's placements of shapes in some configurations, each made when it is first asked for."""
+
+    def __init__(
+        self, coal: Any, frames: Array, owners: NDArray[np.int64], poses: Sequence[Array], unit: float
+    ) -> None:
+        self._coal, self._unit = coal, unit
+        self._frames, self._owners, self._poses = frames, owners.tolist(), poses
+        self._made: dict[tuple[int, int], Any] = {}
+
+    def of(self, configuration: int, shape: int) -> Any:
+        key = (configuration, shape)
+        if key not in self._made:
+            matrix = self._frames[configuration, self._owners[shape]] @ self._poses[shape]
+            self._made[key] = self._coal.Transform3s(matrix[:3, :3], matrix[:3, 3] / self._unit)
+        return self._made[key]
+
+
+def boxes_overlap(
+    turn_a: Array, half_a: Array, turn_b: Array, half_b: Array, apart: Array, slack: ArrayLike = 0.0
+) -> Bools:
+    """Whether oriented boxes (M of each) overlap by more than ``slack`` (M,), as far as their six face normals tell; ``turn``
+    (M, 3, 3) from box to world, ``half`` (M, 3) edges, ``apart`` (M, 3) from the centres of a to those of b.
+
+    A separating axis test (Gottschalk, Lin, Manocha, *OBBTree*, 1996) without the nine products of edges: these reject
+    less than 1 % of what is left, and coal tests them.
+    """
+    across = np.einsum("mji,mjk->mik", turn_a, turn_b)
+    reach = np.abs(across)
+    between = np.einsum("mji,mj->mi", turn_a, apart)
+    least = np.asarray(slack)[..., None]
+    on_a = np.abs(between) + least <= half_a + np.einsum("mij,mj->mi", reach, half_b)
+    on_b = np.abs(np.einsum("mij,mi->mj", across, between)) + least <= half_b + np.einsum("mij,mi->mj", reach, half_a)
+    overlap: Bools = on_a.all(axis=1) & on_b.all(axis=1)
+    return overlap
+
+
+def is_convex(vertices: Array, faces: NDArray[np.int64]) -> bool:
+    """Whether no vertex lies outside the plane of a face, to within `ROUNDING` of the mesh's diagonal; the mesh is closed.
+
+    False for more than `LARGEST_CONVEX` faces. The largest faces come first, which settles most meshes that are not convex.
+    """
+    if len(faces) > LARGEST_CONVEX:
+        return False
+    a, b, c = (vertices[faces[:, i]] for i in range(3))
+    normals = np.cross(b - a, c - a)
+    areas = np.linalg.norm(normals, axis=1)
+    order = np.argsort(-areas, kind="stable")
+    order = order[areas[order] > 0]
+    slack = ROUNDING * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    for part in np.array_split(order, max(1, len(order) // 64)):
+        unit = normals[part] / areas[part, None]
+        heights = vertices @ unit.T - np.einsum("ij,ij->i", unit, a[part])
+        # Either way round: the mesh may be inside out.
+        if (np.minimum(heights.max(axis=0), -heights.min(axis=0)) > slack).any():
+            return False
+    return True
+
+
+def way_out(
+    one: Array, other: Array, directions: Array, free: Callable[[Array], bool], rounding: float
+) -> tuple[float, Array]:
+    """How far (m) and where to the second of two shapes that meet must be moved to be free, along one of ``directions`` (D, 3).
+
+    ``one``, ``other`` (n, 3): points between which the shapes lie; ``free``: whether the second is after a shift (3,).
+    A way counts when it leads on to where a plane separates the two, not into a hollow. Depth 0 when ``rounding`` is enough.
+    """
+    clear = (one @ directions.T).max(axis=0) - (other @ directions.T).min(axis=0)
+    order = np.argsort(clear, kind="stable")
+    clear, directions = clear[order], directions[order]
+
+    def leads_out(depth: float, i: int) -> bool:
+        return all(free((depth + part * (clear[i] - depth)) * directions[i]) for part in (0.0, 0.25, 0.5, 0.75))
+
+    best, normal = float(clear[0]), directions[0]
+    # Faces in one plane come apart along any way with a share of their normal.
+    for i in range(DIRECTIONS):
+        if clear[i] <= rounding or leads_out(rounding, i):
+            return 0.0, directions[i]
+    for i in range(len(directions)):
+        high = min(best * 0.98, float(clear[i]))
+        if not leads_out(high, i):
+            continue
+        low = rounding
+        while high - low > max(0.02 * high, rounding):
+            middle = (low + high) / 2
+            low, high = (low, middle) if leads_out(middle, i) else (middle, high)
+        best, normal = high, directions[i]
+    return best, normal
+
+
+def sphere_directions(count: int) -> Array:
+    """The six directions of the axes and ``count`` more unit vectors (n, 3), spread evenly (a Fibonacci lattice)."""
+    place = np.arange(count) + 0.5
+    height = 1.0 - 2.0 * place / count
+    angle = math.pi * (3.0 - math.sqrt(5.0)) * place
+    across = np.sqrt(1.0 - height**2)
+    spread = np.column_stack((across * np.cos(angle), across * np.sin(angle), height))
+    return np.concatenate((np.eye(3), -np.eye(3), spread))
+
+
+def swept(
+    centres: Array, radii: Array, axis: Array, lower: float, upper: float, *, rotates: bool
+) -> tuple[Array, Array]:
+    """Spheres that contain spheres (n) in all places to which a joint brings them, its values from ``lower`` to ``upper``.
+
+    ``axis`` (3,): unit vector through the origin of the frame in which ``centres`` (n, 3) are given; ``radii`` (n,).
+    """
+    middle, half = (lower + upper) / 2, (upper - lower) / 2
+    if not rotates:
+        return centres + middle * axis, radii + half
+    foot = (centres @ axis)[:, None] * axis
+    arm = centres - foot
+    distance = np.linalg.norm(arm, axis=1)
+    if half >= math.pi / 2:
+        return foot, radii + distance
+    turned = arm * math.cos(middle) + np.cross(axis, arm) * math.sin(middle)
+    return foot + math.cos(half) * turned, radii + distance * math.sin(half)
+
+
+def all_pairs(count: int) -> NDArray[np.int64]:
+    """All pairs (K, 2) of ``count`` things, the lower first."""
+    return np.array(list(combinations(range(count), 2)), dtype=np.int64).reshape(-1, 2)
+
+
+def _box(placed: Placed) -> tuple[Array, Array, Array, float]:
+    """A box about a shape in its owner's frame: axes (3, 3), centre (3,), half edges (3,); and the radius about the centre."""
+    corners = placed.geometry.corners
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    middle = (low + high) / 2
+    radius = float(np.linalg.norm(corners - middle, axis=1).max())
+    if placed.geometry.kind == "sphere":
+        radius = placed.geometry.size[0]
+    elif placed.geometry.kind == "capsule":
+        radius = placed.geometry.size[1] / 2 + placed.geometry.size[0]
+    elif placed.geometry.kind == "cylinder":
+        radius = math.hypot(placed.geometry.size[0], placed.geometry.size[1] / 2)
+    turn = placed.pose[:3, :3]
+    return turn, turn @ middle + placed.pose[:3, 3], (high - low) / 2, radius
