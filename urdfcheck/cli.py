@@ -142,11 +142,13 @@ def check(words: Sequence[str]) -> int:
 
 
 def _prepare() -> None:
-    from urdfcheck import catalogue, libraries, workers
+    """What a worker loads while the parent works its job out."""
+    from urdfcheck import catalogue, libraries
 
     libraries.prefer_own()
-    rules = catalogue.rules().values()
-    workers.load(("numpy", "urdfcheck.worker", *(catalogue.module_of(rule) for rule in rules)))
+    checks = [catalogue.module_of(rule) for rule in catalogue.rules().values() if catalogue.has_check(rule)]
+    for module in ("numpy", "urdfcheck.worker", *checks):
+        importlib.import_module(module)
 
 
 def exit_code(run: Run, fail_on: str, *, allow_empty: bool = False) -> int:

@@ -1,7 +1,6 @@
-"""One run: plan the units, audit each in a process of its own, put the reports together.
+"""One run: plan the units, audit them in worker processes, put the reports together.
 
-The parent process imports the standard library only, and forks the worker of a single model as it is. For several it loads
-what every worker needs before it forks, and what one turned out to need before it forks the next.
+The parent process imports the standard library only.
 """
 
 from __future__ import annotations
@@ -249,15 +248,13 @@ def _in_workers(
     first: Worker | None,
     meanwhile: Callable[[], object] | None,
 ) -> list[Report]:
-    """Audit each unit in a fresh process, at most ``jobs`` at once; the order of the result is that of the units."""
+    """Audit each unit in a worker process, at most ``jobs`` at once; the order of the result is that of the units."""
     from urdfcheck.worker import Report
 
-    modules = [catalogue.module_of(catalogue.rules()[code]) for code in sorted(settings.codes)]
-    work = [(unit, settings) for unit in units]
+    # A package or a launch file takes less time than a process for it.
+    at_once = max(1, min(jobs, sum(unit.kind == "model" for unit in units)))
     reports: dict[int, Report] = {}
-    for index, result in in_workers(
-        work, _audit, max(1, jobs), first, ("numpy", "urdfcheck.worker", *modules), meanwhile
-    ):
+    for index, result in in_workers(_audit, [(unit, settings) for unit in units], at_once, first, meanwhile):
         unit = units[index]
         if isinstance(result, Died):
             text = f"the worker for {unit.id} died (exit code {result.exit_code})"

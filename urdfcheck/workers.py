@@ -1,4 +1,4 @@
-"""Worker processes: each gets one job, answers it and ends.
+"""Worker processes: each takes one job after the other.
 
 They are forked where the platform can, else spawned. A server process of multiprocessing's own (forkserver, and spawn
 without PYTHONSAFEPATH) is started as ``python -c`` and looks for modules in the working directory first: it would run a
@@ -9,17 +9,13 @@ from __future__ import annotations
 
 import contextlib
 import gc
-import importlib
 import multiprocessing
 import os
-import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
-# What takes long to load. Once a worker needed one of them it is loaded in the parent, for the workers to come.
-HEAVY = ("numpy", "xacro", "yaml", "pinocchio", "coal", "scipy.spatial", "scipy.sparse.csgraph", "collada", "trimesh")
 FORKS = "fork" in multiprocessing.get_all_start_methods()
 
 
@@ -33,116 +29,91 @@ class Died(Exception):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Worker:
-    """A process that waits for its job."""
+    """A process that waits for jobs. It ends when nobody holds the other end of its pipe any more."""
 
     process: Any
-    jobs: Connection
-    answers: Connection
+    pipe: Connection
 
     @classmethod
     def start(cls, prepare: Callable[[], object] | None = None) -> Worker:
-        """A new process; ``prepare`` is what it does before its job comes."""
+        """A new process; ``prepare`` is what it does before its first job comes."""
         context = _context()
-        job_receiver, jobs = context.Pipe(duplex=False)
-        answers, sender = context.Pipe(duplex=False)
-        # A forked process holds copies of our ends: it would never see that we closed them.
-        ours = (jobs, answers) if FORKS else ()
-        process = context.Process(target=_serve, args=(job_receiver, sender, prepare, ours), daemon=True)
+        ours, its = context.Pipe()
+        # A forked process holds a copy of our end: it would never see that we closed it.
+        process = context.Process(target=_serve, args=(its, prepare, ours if FORKS else None), daemon=True)
         process.start()
-        job_receiver.close()
-        sender.close()
-        return cls(process, jobs, answers)
+        its.close()
+        return cls(process, ours)
 
-    def give(self, function: Callable[..., object], *arguments: object) -> None:
-        """Tell the job."""
+    def give(self, function: Callable[..., object], arguments: Sequence[object]) -> None:
+        """Tell it a job."""
         with contextlib.suppress(BrokenPipeError):  # it died already: its answer will say so
-            self.jobs.send((function, arguments))
-        self.jobs.close()
+            self.pipe.send((function, arguments))
 
-    def answer(self) -> tuple[Any, Sequence[str]]:
-        """What the job returned, and what was loaded for it. Ends the process.
+    def answer(self) -> Any:
+        """What the job returned.
 
-        :raises Died: when it ended without an answer.
+        :raises Died: when the process ended without an answer.
         """
         try:
-            result, loaded = self.answers.recv()
-            return result, loaded
-        except EOFError:
+            return self.pipe.recv()
+        except (EOFError, ConnectionResetError):
+            self.pipe.close()
             self.process.join()
             raise Died(self.process.exitcode) from None
-        finally:
-            self.answers.close()
-            self.process.join()
 
 
 def in_workers(
-    jobs: Sequence[tuple[Any, ...]],
     function: Callable[..., Any],
+    jobs: Sequence[Sequence[object]],
     at_once: int,
     first: Worker | None = None,
-    modules: Iterable[str] = (),
     meanwhile: Callable[[], object] | None = None,
 ) -> Iterator[tuple[int, Any]]:
     """Call the function with each job's arguments, ``at_once`` at a time; as they come, the index of the job and what it
-    returned, or `Died`. ``first``: a worker that waits already; ``modules``: what every job needs; ``meanwhile`` is called
-    once while the first workers are busy."""
-    shared = FORKS and len(jobs) > 1
-    if shared:
-        load(modules)
+    returned, or `Died`. ``first``: a worker that waits already; ``meanwhile`` is called once while the first are busy."""
     waiting = list(range(len(jobs)))[::-1]
-    running: dict[Connection, tuple[int, Worker]] = {}
-    while waiting or running:
-        while waiting and len(running) < at_once:
+    idle = [] if first is None else [first]
+    busy: dict[Connection, tuple[int, Worker]] = {}
+    while waiting or busy:
+        while waiting and len(busy) < at_once:
+            worker = idle.pop() if idle else Worker.start()
             index = waiting.pop()
-            worker, first = first or Worker.start(), None
-            worker.give(function, *jobs[index])
-            running[worker.answers] = (index, worker)
+            worker.give(function, jobs[index])
+            busy[worker.pipe] = index, worker
         if meanwhile is not None:
             meanwhile()
             meanwhile = None
-        for ready in wait(list(running)):
+        for ready in wait(list(busy)):
             assert isinstance(ready, Connection)
-            index, worker = running.pop(ready)
+            index, worker = busy.pop(ready)
             try:
-                result, loaded = worker.answer()
+                result = worker.answer()
             except Died as died:
                 yield index, died
-                continue
-            if shared and len(waiting) > at_once and sys.platform == "linux":
-                load(loaded)  # elsewhere system libraries do not survive a fork
-            yield index, result
+            else:
+                idle.append(worker)
+                yield index, result
+    for worker in idle:
+        worker.pipe.close()
 
 
-def load(modules: Iterable[str]) -> None:
-    """Import modules for this process and those that are forked from it."""
-    new = [name for name in modules if name not in sys.modules]
-    for name in new:
-        with contextlib.suppress(ImportError):
-            importlib.import_module(name)
-    if new:
-        gc.freeze()  # what is loaded stays: no worker's garbage collection should touch, and so copy, its memory
-
-
-def _serve(
-    jobs: Connection, sender: Connection, prepare: Callable[[], object] | None, inherited: Sequence[Connection]
-) -> None:
-    for connection in inherited:
-        connection.close()
-    gc.disable()  # it lives for one model, and what that needs is needed until the end
+def _serve(pipe: Connection, prepare: Callable[[], object] | None, inherited: Connection | None) -> None:
+    if inherited is not None:
+        inherited.close()
+    gc.disable()  # what a job needs it needs until its end
     if prepare is not None:
         prepare()
-    try:
-        function, arguments = jobs.recv()
-    except EOFError:  # there is none
-        return
-    result = function(*arguments)
-    sender.send((result, [name for name in HEAVY if name in sys.modules]))
-    sender.close()
+    with contextlib.suppress(EOFError, KeyboardInterrupt):
+        while True:
+            function, arguments = pipe.recv()
+            gc.collect()  # the remains of the job before
+            pipe.send(function(*arguments))
 
 
 def _context() -> Any:
-    # Many small worker processes share the cores: a pool of BLAS threads in each would only get in the way, and a process
-    # that has threads must not be forked.
+    # The processes share the cores: a pool of BLAS threads in each would only get in the way, and a process that has
+    # threads must not be forked.
     for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(variable, "1")
     if FORKS:

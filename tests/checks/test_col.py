@@ -90,7 +90,8 @@ def test_the_overlap_is_told_with_its_depth_and_its_place(tmp_path: Path) -> Non
     assert finding.severity == Severity.WARNING
     assert "c overlaps a by 2 mm" in finding.message
     assert finding.location.subject == "link[c]/collision/geometry/box"
-    assert finding.data["point"] == "(0.3 0.1 0.209)"
+    assert finding.data["depth"] == pytest.approx(0.002, rel=1e-4)
+    assert finding.data["point"] == pytest.approx([0.3, 0.1, 0.21], abs=0.05)
 
 
 @pytest.mark.parametrize(("gap", "bad"), [(-0.002, True), (0.0, False), (0.001, False)])
@@ -373,6 +374,7 @@ def test_a_second_run_gives_the_same_and_computes_nothing(tmp_path: Path, monkey
     cache, text = Cache(tmp_path / "cache"), arm()
     first = model_of(tmp_path, text, cache)
     expected, reached = first.collisions, reaches(first)
+    assert [vars_of(p) for p in model_of(tmp_path, text).collisions.pairs] == [vars_of(p) for p in expected.pairs]
     monkeypatch.setattr(collisions, "Colliders", None)
     again = model_of(tmp_path, text, cache)
     assert [vars_of(p) for p in again.collisions.pairs] == [vars_of(p) for p in expected.pairs]

@@ -171,6 +171,24 @@ def brute_force(placed: list[Placed], frame: Array, one: int, other: int) -> boo
     return False
 
 
+@pytest.mark.parametrize("large", [box(1, 1, 1), mesh(1, 1, 1)])
+def test_a_small_shape_deep_in_a_large_one_meets_it(large: Geometry) -> None:
+    """Axes in line: coal 3.0.3 misses some of these cubes unless it is asked for contacts."""
+    colliders = Colliders([Placed(large, 0, np.eye(4)), Placed(box(0.02, 0.02, 0.02), 1, np.eye(4))])
+    places = list(product(np.linspace(-0.4, 0.4, 17), repeat=3))
+    frames = np.tile(np.eye(4), (len(places), 2, 1, 1))
+    frames[:, 1, :3, 3] = places
+    assert colliders.hits(frames, all_pairs(2)).all()
+
+
+@pytest.mark.parametrize("flat", [(1, 1, 0), (1, 0, 0), (0, 0, 0)])
+def test_a_sheet_has_no_inside(flat: tuple[int, int, int]) -> None:
+    found = separation(mesh(*flat), Geometry("sphere", (0.1,)), at(0, 0, 0.05))
+    assert found is not None
+    assert found.depth <= 0.1
+    assert np.isfinite([*found.normal, *found.point]).all()
+
+
 def test_boxes_that_overlap_are_never_rejected() -> None:
     rng = np.random.default_rng(2)
     turns = np.array([[at(0, 0, 0, rpy=tuple(rng.normal(size=3)))[:3, :3] for _ in range(2)] for _ in range(300)])

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.model.collisions import Contact, Pair, ensure_all_read, geometry_of
+from urdfcheck.model.drawing import rounded_off
 from urdfcheck.model.names import listed
 
 
@@ -57,7 +58,7 @@ def _at_rest(model: Model, rule: Rule, group: Sequence[tuple[Pair, Contact]], sa
     place = _common(group)
     shape, other = contact.shapes[place], contact.shapes[1 - place]
     others = [(p.links[p.links.index(pair.links[place]) - 1], c) for p, c in group]
-    x, y, z = (round(v, 4) + 0.0 for v in contact.point)
+    point = [round(v, 4) + 0.0 for v in contact.point]
     return rule.finding(
         "overlap" if len(group) == 1 else "several",
         at=geometry_of(shape),
@@ -66,10 +67,11 @@ def _at_rest(model: Model, rule: Rule, group: Sequence[tuple[Pair, Contact]], sa
         other=pair.links[1 - place],
         others=listed([f"{name} ({c.depth * 1e3:.3g} mm)" for name, c in others]),
         count=len(group),
-        depth=contact.depth,
+        depth=rounded_off(contact.depth),
         millimetres=contact.depth * 1e3,
-        normal=contact.normal,
-        point=f"({x:g} {y:g} {z:g})",
+        normal=[round(v, 3) + 0.0 for v in contact.normal],
+        point=point,
+        place=" ".join(f"{v:g}" for v in point),
         frame=model.tree.root,
         seen=pair.count,
         samples=samples,

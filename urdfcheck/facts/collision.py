@@ -114,7 +114,8 @@ class Colliders:
         self._geometries: dict[int, Any] = {}
         self._functions: dict[tuple[int, int], Any] = {}
         self._request = coal.CollisionRequest()
-        self._request.enable_contact = False
+        # Without contacts coal 3.0.3 overlooks some shapes that lie deep in others, with their axes in line.
+        self._request.enable_contact = True
         self._result = coal.CollisionResult()
 
     @cached_property
@@ -198,14 +199,13 @@ class Colliders:
         found: Separation | None = None
         for a, b in product(np.flatnonzero(self._owner == one).tolist(), np.flatnonzero(self._owner == other).tolist()):
             at_a, at_b = (frames[self.placed[s].owner] @ self.placed[s].pose for s in (a, b))
-            if self._meet(a, self._transform(at_a), b, self._transform(at_b)):
-                way = self._way_out(a, at_a, b, at_b)
-                if found is None or way.depth > found.depth:
-                    found = way
+            way = self._way_out(a, at_a, b, at_b)
+            if way is not None and (found is None or way.depth > found.depth):
+                found = way
         return found
 
-    def _way_out(self, one: int, at_one: Array, other: int, at_other: Array) -> Separation:
-        """How to free the second of two shapes that meet."""
+    def _way_out(self, one: int, at_one: Array, other: int, at_other: Array) -> Separation | None:
+        """How to free the second of two shapes; None where they do not meet."""
         coal = self._coal
         request, result = coal.CollisionRequest(), coal.CollisionResult()
         solid = not (self._is_surface(one) or self._is_surface(other))
@@ -219,12 +219,17 @@ class Colliders:
             result,
         )
         contacts = [result.getContact(i) for i in range(result.numContacts())]
-        point = np.mean([c.pos for c in contacts], axis=0) * self._unit
+        if not contacts:
+            return None
         size, rounding = 2 * float(min(self._radius[one], self._radius[other])), float(self._rounding(one, other))
+        point = np.mean([c.pos for c in contacts], axis=0) * self._unit
+        if not np.isfinite(point).all():
+            point = (at_one[:3, 3] + at_other[:3, 3]) / 2
         if solid:
-            depth = -contacts[0].penetration_depth * self._unit
-            normal = np.array(contacts[0].normal)
-            return Separation((one, other), depth if depth > rounding else 0.0, normal, point, size)
+            depth, normal = -contacts[0].penetration_depth * self._unit, np.array(contacts[0].normal)
+            # Where EPA fails, it says so with a depth of 1e308 along no direction.
+            if np.isfinite(normal).all() and depth <= 2 * (self._radius[one] + self._radius[other]):
+                return Separation((one, other), depth if depth > rounding else 0.0, normal, point, size)
 
         def free(shift: Array) -> bool:
             moved = at_other.copy()
@@ -318,7 +323,8 @@ def boxes_overlap(
 def is_convex(vertices: Array, faces: NDArray[np.int64]) -> bool:
     """Whether no vertex lies outside the plane of a face, to within `ROUNDING` of the mesh's diagonal; the mesh is closed.
 
-    False for more than `LARGEST_CONVEX` faces. The largest faces come first, which settles most meshes that are not convex.
+    False for a flat mesh, which has no inside, and for more than `LARGEST_CONVEX` faces. The largest faces come first, which
+    settles most meshes that are not convex.
     """
     if len(faces) > LARGEST_CONVEX:
         return False
@@ -331,10 +337,11 @@ def is_convex(vertices: Array, faces: NDArray[np.int64]) -> bool:
     for part in np.array_split(order, max(1, len(order) // 64)):
         unit = normals[part] / areas[part, None]
         heights = vertices @ unit.T - np.einsum("ij,ij->i", unit, a[part])
+        above, below = heights.max(axis=0), -heights.min(axis=0)
         # Either way round: the mesh may be inside out.
-        if (np.minimum(heights.max(axis=0), -heights.min(axis=0)) > slack).any():
+        if (np.minimum(above, below) > slack).any() or (np.maximum(above, below) <= slack).any():
             return False
-    return True
+    return len(order) > 0
 
 
 def way_out(

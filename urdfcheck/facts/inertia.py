@@ -146,8 +146,6 @@ def _valid_within(typed: Array, half: Array, rel_tol: float) -> bool:
     moments join them, and so on (Kelley, *The cutting-plane method for solving convex programs*, 1960) until the
     tensor is valid or even the directions seen rule all out.
     """
-    from scipy.optimize import linprog
-
     unit = float(half.max())
     rows: list[Array] = []
     nearby = typed
@@ -158,6 +156,11 @@ def _valid_within(typed: Array, half: Array, rel_tol: float) -> bool:
             return True
         for x, y, z in axes.T[1:]:
             rows.append(np.array((1 - 2 * x * x, -4 * x * y, -4 * x * z, 1 - 2 * y * y, -4 * y * z, 1 - 2 * z * z)))
+        # One direction may rule all out by itself, and the solver takes longer to load than everything else here.
+        if any(float(row @ typed + np.abs(row) @ half) < -tolerance for row in rows[-2:]):
+            return False
+        from scipy.optimize import linprog
+
         # In units of the coarsest rounding, whatever the size of the body: the solver's tolerances are absolute.
         lhs = np.column_stack((-np.array(rows) * half / unit, np.ones(len(rows))))
         best = linprog(

@@ -25,6 +25,7 @@ from urdfcheck.facts.mesh_topology import (
     boundaries_of,
     component_sizes,
     meets,
+    near_rim,
     repeated_faces,
     weld_exact,
     weld_near,
@@ -269,10 +270,11 @@ def _mended(surface: Surface, edges: Edges) -> tuple[Surface, Edges, float]:
     surface, edges = _single(surface, edges)
     best = surface, edges, 0.0
     diagonal = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
+    if not len(edges.open) or not diagonal > 0.0:
+        return best
+    nearby = near_rim(surface, edges.open, _NOISE[-1] * diagonal)
     for distance in (noise * diagonal for noise in _NOISE):
-        if not len(best[1].open):
-            break
-        welded = weld_near(surface, edges.open, distance)
+        welded = weld_near(surface, nearby, distance) if len(best[1].open) else None
         if welded is not None and len(welded.faces):
             welded, met = _single(welded, meets(welded.faces, len(welded.vertices)))
             closed = len(best[1].open) - len(met.open)

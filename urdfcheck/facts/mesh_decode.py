@@ -9,7 +9,8 @@ from __future__ import annotations
 import io
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -218,19 +219,22 @@ def _fans(text: Text, first: Indices, counts: Indices, name: str) -> tuple[Indic
 
 
 def _numbers(text: Text, tokens: Indices, name: str) -> NDArray[np.float64]:
-    if tokens.size and tokens.max() >= len(text):
-        raise _bad_line(text, len(text) - 1, name)
-    try:
+    with _complaining(text, tokens, name):
         return text.numbers(tokens)
-    except BadToken as bad:
-        raise _bad_line(text, bad.index, name) from None
 
 
 def _indices(text: Text, tokens: Indices, name: str) -> Indices:
+    with _complaining(text, tokens, name):
+        return text.indices(tokens)
+
+
+@contextmanager
+def _complaining(text: Text, tokens: Indices, name: str) -> Iterator[None]:
+    """Name the line of a token that is no number, or the last one when the text ends too early."""
     if tokens.size and tokens.max() >= len(text):
         raise _bad_line(text, len(text) - 1, name)
     try:
-        return text.indices(tokens)
+        yield
     except BadToken as bad:
         raise _bad_line(text, bad.index, name) from None
 

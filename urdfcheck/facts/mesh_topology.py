@@ -101,6 +101,8 @@ def _hashes(rows: NDArray[Any]) -> NDArray[np.uint64]:
     keys = np.empty(len(rows), dtype=np.uint64)
     for start in range(0, len(rows), _CHUNK):
         chunk, key = words[start : start + _CHUNK], keys[start : start + _CHUNK]
+        if chunk.itemsize == 8:  # a product keeps the low bits of its factors, and round numbers have theirs high up
+            chunk = chunk ^ (chunk >> np.uint64(32))
         np.multiply(chunk[:, 0], _MIX[0], out=key)
         key += chunk[:, 1] * _MIX[1]
         key += chunk[:, 2] * _MIX[2]
@@ -178,21 +180,23 @@ def repeated_faces(faces: Indices) -> NDArray[np.bool_]:
     return again
 
 
-def weld_near(surface: Surface, rim: Indices, distance: float) -> Surface | None:
-    """Merge the vertices of the open edges ``rim`` (n, 2) with each other and with the vertices that lie within ``distance``,
-    or in one cell of twice that size. None where there is nothing to merge.
+def near_rim(surface: Surface, rim: Indices, distance: float) -> Indices:
+    """Indices of all vertices that lie within ``distance`` of one of the open edges ``rim`` (n, 2), and of few others.
 
     Two points within half a cell of each other along every axis share a cell in one of eight grids, each shifted by half a
     cell along some of the axes: no pair is missed because a cell's border runs between its points.
     """
-    if not distance > 0.0:
-        return None
-    points = (surface.vertices - surface.vertices.min(axis=0)) / (2.0 * distance)
-    near = np.zeros(len(points), dtype=bool)
+    points = _in_cells(surface.vertices, distance)
+    some, near = np.unique(rim), np.zeros(len(points), dtype=bool)
     for shift in _SHIFTS:
-        near |= _shares_cell(np.floor(points + shift) + 0.0, np.unique(rim))
-    nearby = np.flatnonzero(near)
-    points = points[nearby]
+        near |= _shares_cell(np.floor(points + shift) + 0.0, some)
+    return np.flatnonzero(near)
+
+
+def weld_near(surface: Surface, some: Indices, distance: float) -> Surface | None:
+    """Merge those of ``some`` vertices that lie within ``distance`` of each other, or in one cell of twice that size (see
+    `near_rim`). None where there is nothing to merge."""
+    points = _in_cells(surface.vertices[some], distance)
     label, changed = np.arange(len(points)), True
     while changed:
         before = label
@@ -205,15 +209,21 @@ def weld_near(surface: Surface, rim: Indices, distance: float) -> Surface | None
     if (label == np.arange(len(points))).all():
         return None
     whole = np.arange(len(surface.vertices))
-    whole[nearby] = nearby[label]
+    whole[some] = some[label]
     vertices, faces = _used(surface.vertices, whole[surface.faces])
     return without_collapsed(Surface(vertices, faces, surface.collapsed, surface.repeated))
+
+
+def _in_cells(points: Array, distance: float) -> Array:
+    """Coordinates from the lowest corner on, in cells of twice the distance."""
+    cells: Array = (points - points.min(axis=0)) / (2.0 * distance)
+    return cells
 
 
 def _shares_cell(cells: NDArray[Any], some: Indices) -> NDArray[np.bool_]:
     """Which rows of ``cells`` (n, 3) may equal one of ``some`` of them: all that do, and few others."""
     keys = _hashes(cells)
-    bits = max(8, (16 * len(some)).bit_length())
+    bits = max(16, (16 * len(some)).bit_length())
     slot = (keys >> np.uint64(64 - bits)).view(np.int64)
     taken = np.zeros(1 << bits, dtype=bool)
     taken[slot[some]] = True

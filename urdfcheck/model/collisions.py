@@ -16,6 +16,7 @@ from urdfcheck.core import Location, Unavailable
 from urdfcheck.facts.collision import ROUNDING, Colliders, Geometry, Placed, all_pairs, swept
 from urdfcheck.model import poses
 from urdfcheck.model.body import bodies
+from urdfcheck.model.meshes import MEASURING
 from urdfcheck.model.model import Model
 from urdfcheck.model.names import listed
 from urdfcheck.model.parts import Joint, Link, Shape
@@ -152,8 +153,9 @@ def build(model: Model) -> Collisions:
     hits = np.zeros((len(bench.pairs), len(looked_at.values)), dtype=bool)
     hits[arrays["met"]] = np.unpackbits(arrays["hits"], axis=1, count=hits.shape[1])
     contacts = {int(k): i for i, k in enumerate(arrays["contacts"])}
-    left_out = tuple(shape for link in model.links for shape in link.collisions if shape not in bench.shapes)
-    partial = {link.name for link in model.links if any(shape in left_out for shape in link.collisions)}
+    usable = set(map(id, bench.shapes))
+    missing = [(link.name, s) for link in model.links for s in link.collisions if id(s) not in usable]
+    partial = {name for name, _ in missing}
     pairs = []
     for k, (a, b) in enumerate(bench.pairs.tolist()):
         links = bench.links[a].name, bench.links[b].name
@@ -161,6 +163,7 @@ def build(model: Model) -> Collisions:
         contact = _contact(bench, arrays, contacts[k]) if k in contacts else None
         complete = not partial & set(links)
         pairs.append(Pair(links, relation, joint, hits[k], contact, bool(arrays["never"][k]) and complete, complete))
+    left_out = tuple(shape for _, shape in missing)
     return Collisions(tuple(b.links for b in bodies(model)), looked_at, tuple(pairs), left_out, bench)
 
 
@@ -227,7 +230,7 @@ class Bench:
     def key(self, *more: str) -> str:
         """A digest of all that decides about collisions: shapes, placements, joints, and the code that compares them."""
         words = [version_of(*_COMPARING), *more]
-        words += [f"{link.name}" for link in self.links]
+        words += [link.name for link in self.links]
         for shape, owner in zip(self.shapes, self.owners, strict=True):
             pose = shape.origin.matrix
             words.append(f"{owner} {self._content(shape)} {None if pose is None else pose.tolist()}")
@@ -247,9 +250,8 @@ class Bench:
         :raises Unavailable: when an origin or an axis is broken.
         """
         found = poses.frames(self.model, looked_at)
-        return np.stack([found[name] for name in [self.model.tree.root, *(link.name for link in self.links)]], axis=1)[
-            :, 1:
-        ]
+        placed = [found[link.name] for link in self.links]
+        return np.stack(placed, axis=1) if placed else np.zeros((len(looked_at.values), 0, 4, 4))
 
     def _content(self, shape: Shape) -> str:
         """What a shape is made of, wherever it is."""
@@ -262,11 +264,12 @@ class Bench:
 _AT_ONCE = 500
 # The modules that decide about a result.
 _COMPARING = (
+    *MEASURING,
     "urdfcheck.facts.collision",
     "urdfcheck.facts.kinematics",
-    "urdfcheck.facts.mesh",
     "urdfcheck.model.collisions",
     "urdfcheck.model.poses",
+    "urdfcheck.model.tree",
 )
 
 

@@ -82,7 +82,7 @@ class Inertial:
     def tensor_element(self) -> Element | None:
         return self.element.child("inertia")
 
-    @property
+    @cached_property
     def six(self) -> tuple[float, ...] | None:
         """ixx ixy ixz iyy iyz izz as typed, None unless all six are numbers."""
         values = [_quantity(self.tensor_element, name) for name in TENSOR]

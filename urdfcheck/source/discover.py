@@ -11,6 +11,7 @@ import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 
 from urdfcheck.source.launch import Launch, load_launch
@@ -210,16 +211,26 @@ class _Planner:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False)
 class _File:
-    """A model's or macros' text and, where it can be parsed, its XML."""
+    """A model's or macros' text; ``source`` is None where it could not be decoded."""
 
     text: str
-    root: Element | None
+    source: SourceFile | None
+
+    @cached_property
+    def root(self) -> Element | None:
+        """Its XML, None where it cannot be parsed."""
+        try:
+            return None if self.source is None else parse(self.source)
+        except XmlError:
+            return None
 
     @property
     def includes(self) -> list[str]:
         """The file names of its includes, as typed."""
+        if not _INCLUDE.search(self.text):  # most URDF files need not be parsed here
+            return []
         if self.root is None:
             return _INCLUDE.findall(self.text)
         return [e.get("filename") for e in self.root.walk() if e.tag == "xacro:include"]
@@ -353,10 +364,7 @@ def _read(path: Path) -> _File:
             return _File(path.read_text(encoding="utf-8", errors="replace"), None)
         except OSError:
             return _File("", None)
-    try:
-        return _File(source.text, parse(source))
-    except XmlError:
-        return _File(source.text, None)
+    return _File(source.text, source)
 
 
 def _real(path: Path) -> Path:

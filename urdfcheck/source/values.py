@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import lru_cache
 
 from urdfcheck.source.xml import Attribute, Element
 
@@ -15,8 +16,9 @@ DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 LARGEST = 1e50
 
 
+@lru_cache(maxsize=1 << 16)
 def number(text: str) -> float | None:
-    """A finite number as URDF spells it, else None."""
+    """A finite number as URDF spells it, else None. Every rule asks for the same few thousand."""
     stripped = text.strip()
     if not DECIMAL.fullmatch(stripped):
         return None

@@ -107,7 +107,10 @@ class Element:
 
     def child(self, tag: str) -> Element | None:
         """The first child with this tag: the one that the reference parser takes."""
-        return next((c for c in self.children if c.tag == tag), None)
+        for child in self.children:
+            if child.tag == tag:
+                return child
+        return None
 
     def all(self, tag: str) -> list[Element]:
         """The children with this tag."""
@@ -212,7 +215,9 @@ class SourceFile:
 
     def span(self, start: int, end: int) -> Span:
         """The span between two offsets (code points)."""
-        line, end_line = bisect_right(self._starts, start), bisect_right(self._starts, end)
+        line = bisect_right(self._starts, start)
+        within = line == len(self._starts) or end < self._starts[line]
+        end_line = line if within else bisect_right(self._starts, end)
         return Span(
             self.name,
             line,
