@@ -23,6 +23,7 @@ from urdfcheck.facts.mesh_topology import (
     Edges,
     Surface,
     boundaries_of,
+    bounds_of,
     component_sizes,
     meets,
     near_rim,
@@ -64,9 +65,10 @@ class MeshFacts:
     """A mesh, measured. Arrays are read-only; lengths are in file units.
 
     ``vertices`` (V, 3) and ``faces`` (F, 3): equal corners merged whatever their normals and texture coordinates,
-    triangles with a non-finite or a repeated corner dropped. Triangles with the corners of an earlier one are dropped too,
-    unless the surface is closed with them and not open without; and if corners within ``weld_distance``, at most 1e-6 of
-    the diagonal, can be merged so that nothing is open any more, they are; else ``weld_distance`` is 0.
+    triangles with a non-finite or a repeated corner dropped. Where edges have more than two triangles or two that run the
+    same way, triangles with the corners of an earlier one are dropped too, unless the surface is closed with them and not
+    open without. If merging the corners of open edges with those within ``weld_distance``, at most 5e-6 of the diagonal,
+    leaves fewer edges open, they are merged; else ``weld_distance`` is 0.
 
     ``n_triangles``: as stored in the file; the counts ``degenerate_faces`` (a repeated corner or no area),
     ``duplicate_faces`` (the same corners as an earlier face, either way round) and ``non_finite_vertices`` (as stored)
@@ -222,7 +224,7 @@ def _measure(raw: RawMesh, parts: Parts) -> MeshFacts:
         "up_axis": raw.up_axis,
         "n_triangles": raw.n_triangles,
         "n_vertices": len(vertices),
-        "bounds": np.array((vertices.min(axis=0), vertices.max(axis=0))),
+        "bounds": bounds_of(vertices),
         "volume": integrals.volume,
         "com": integrals.com,
         "covariance": integrals.covariance,
@@ -269,7 +271,7 @@ def _mended(surface: Surface, edges: Edges) -> tuple[Surface, Edges, float]:
     """Without repeated faces; and with float noise merged, and by how much, if that leaves fewer edges open."""
     surface, edges = _single(surface, edges)
     best = surface, edges, 0.0
-    diagonal = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
+    diagonal = float(np.linalg.norm(np.ptp(bounds_of(surface.vertices), axis=0)))
     if not len(edges.open) or not diagonal > 0.0:
         return best
     nearby = near_rim(surface, edges.open, _NOISE[-1] * diagonal)
@@ -293,6 +295,8 @@ def _length(surface: Surface, edges: Edges) -> float:
 def _single(surface: Surface, edges: Edges) -> tuple[Surface, Edges]:
     """Without repeated faces. Bodies that share a face keep both copies, which each needs to be closed; of a sheet with two
     sides one is enough, and it is open."""
+    if not len(edges.non_manifold) and not len(edges.flipped):
+        return surface, edges  # two faces with the same corners would share all three edges with nothing else
     single = without_repeated(surface)
     if single is surface:
         return surface, edges

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.facts.mesh_topology import bounds_of
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -40,7 +42,7 @@ class Moments:
 
 def moments(vertices: Array, faces: Indices) -> Moments:
     """Integrals over the triangles ``faces`` (F, 3), at least one, of ``vertices`` (V, 3)."""
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    low, high = bounds_of(vertices)
     reference, size = (low + high) / 2.0, float((high - low).max())
     # Per column x, y, z: contiguous, and every step below is one pass over numbers in the cache.
     x, y, z = (np.ascontiguousarray(column) for column in (vertices - reference).T)
