@@ -7,17 +7,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.facts.mesh_topology import bounds_of
 from urdfcheck.model.model import Model
 from urdfcheck.model.parts import Shape
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from urdfcheck.facts.mesh import MeshFacts
+
     Array = NDArray[np.float64]
 
 # A primitive that measures at most 5 mm stands for nothing: published models write one where some parser wants a shape
 # (boxes of 1 mm in PR2 and the Shadow hand, of 5 mm in RotorS).
 TOKEN = 0.005
+# What is left of a quarter turn's zeros, and less than anybody measures.
+_STRAIGHT = 1e-9
 # COLLADA's frames turned to z up, which some programs do and others do not.
 _UPRIGHT = {
     "Y_UP": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]),
@@ -58,10 +63,19 @@ def _bounds(model: Model, shape: Shape, frame: Array, unit: bool, upright: bool)
         if facts is None or scale is None:
             return None
         turned = _UPRIGHT.get(facts.up_axis or "", np.eye(3)) if upright else np.eye(3)
-        points = facts.vertices @ (turn @ np.diag(scale) @ turned).T + place
-        return points.min(axis=0), points.max(axis=0)
+        return _box_of(facts, turn @ np.diag(scale) @ turned, place)
     reach = _reach(shape.kind, np.abs(size), turn)
     return place - reach, place + reach
+
+
+def _box_of(facts: MeshFacts, linear: Array, place: Array) -> tuple[Array, Array]:
+    sizes = np.abs(linear)
+    if (np.count_nonzero(sizes > _STRAIGHT * sizes.max(), axis=1) <= 1).all():  # axes go to axes, and the box to the box
+        low, high = facts.bounds
+        middle, half = linear @ (low + high) / 2 + place, sizes @ (high - low) / 2
+        return middle - half, middle + half
+    low, high = bounds_of(facts.vertices @ linear.T)
+    return low + place, high + place
 
 
 def _reach(kind: str, size: Array, turn: Array) -> Array:

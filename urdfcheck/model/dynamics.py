@@ -15,6 +15,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.cache import origin_of, version_of
@@ -106,6 +107,7 @@ def build(model: Model) -> Dynamics:
     return Dynamics(built, refused_by, tuple(_lines(said)))
 
 
+@lru_cache(maxsize=1)
 def geometry_free(robot: Element) -> str:
     """The expanded model as URDF text with links, inertials and joints only."""
 

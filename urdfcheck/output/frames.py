@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import unicodedata
 from dataclasses import dataclass
+from functools import lru_cache
 
 from urdfcheck.core import NEWLINE, Span
 
@@ -22,7 +23,7 @@ class FrameLine:
 
 def frame(source: str, span: Span, context: int = 1) -> list[FrameLine]:
     """The lines of ``span`` and ``context`` lines around it. Empty when the span lies outside of the text."""
-    lines = NEWLINE.split(source)
+    lines = _lines(source)
     if not 1 <= span.line <= len(lines):
         return []
     last = min(span.end_line, span.line + MAX_LINES - 1, len(lines))
@@ -39,9 +40,15 @@ def frame(source: str, span: Span, context: int = 1) -> list[FrameLine]:
     return found
 
 
+@lru_cache(maxsize=16)
+def _lines(source: str) -> tuple[str, ...]:
+    """Split once for all findings in a file."""
+    return tuple(NEWLINE.split(source))
+
+
 def visible(text: str) -> str:
     """``text`` with control and direction-changing characters spelled out: a name from a file must not act."""
-    return "".join(_spelled(c) for c in text)
+    return text if text.isprintable() else "".join(_spelled(c) for c in text)
 
 
 def _spelled(character: str) -> str:

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
+from typing import TYPE_CHECKING, cast
 
-from rich.console import Console
-from rich.padding import Padding
-from rich.table import Table
 from rich.text import Text
 
 from urdfcheck.core import Finding, Fix, ModelInfo, Run, Severity, Span
 from urdfcheck.output.frames import frame, visible
 
+if TYPE_CHECKING:
+    from rich.console import Console
+
 STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "bold yellow", Severity.INFO: "bold cyan"}
 GLYPHS = {Severity.ERROR: "✖", Severity.WARNING: "▲", Severity.INFO: "i"}
 WIDTH = 100
+NOTHING = Text()
 MAX_RELATED = 4
 # From here on the errors and warnings are listed once more at the end.
 FEW = 8
@@ -24,37 +25,60 @@ FEW = 8
 
 def render(run: Run, *, width: int = WIDTH, color: bool = False) -> str:
     """The report as text of this width in columns, with ANSI colours if wanted."""
-    sink = io.StringIO()
-    out = Console(
-        file=sink,
-        width=width,
-        force_terminal=color,
-        no_color=not color,
-        color_system="standard" if color else None,
-        highlight=False,
-        legacy_windows=False,
-    )
+    page = Text("\n").join(_report(run, width))
+    page.expand_tabs(8)
+    text = _colored(page) if color else page.plain
+    # Lines are wrapped behind blanks; a CI log and a diff are better without.
+    return "".join(f"{line.rstrip()}\n" for line in text.splitlines())
+
+
+def _colored(page: Text) -> str:
+    """The text with its styles as ANSI codes."""
+    from rich.console import Console
+    from rich.segment import Segments
+
+    out = Console(force_terminal=True, no_color=False, color_system="standard", legacy_windows=False)
+    with out.capture() as printed:
+        out.print(Segments(page.render(out)), soft_wrap=True)  # the Text itself would be searched for long lines
+    return printed.get()
+
+
+def _report(run: Run, width: int) -> Iterator[Text]:
     infos = {info.id: info for info in run.models}
     for model, group in groupby(run.findings, key=lambda f: f.model):
-        findings = list(group)
-        _heading(out, infos.get(model), model)
-        for finding in findings:
-            _finding(out, run, finding)
-    _skipped(out, run)
-    _recap(out, run)
+        yield _rule(_heading(infos.get(model), model), width)
+        for finding in group:
+            yield from _finding(run, finding, width)
+    yield from _skipped(run, width)
+    yield from _recap(run, width)
     for failure in run.failures:
-        _line(out, Text.assemble(("urdfcheck failed: ", "bold red"), visible(failure)))
-    _summary(out, run)
-    # Grids are filled up with blanks; a CI log and a diff are better without.
-    return "".join(f"{line.rstrip()}\n" for line in sink.getvalue().splitlines())
+        yield from _wrapped(Text.assemble(("urdfcheck failed: ", "bold red"), visible(failure)), width)
+    yield from _wrapped(_summary(run), width)
 
 
-def _line(out: Console, text: Text | Table, indent: int = 0) -> None:
-    shown = Padding(text, (0, 0, 0, indent), expand=False) if indent else text
-    out.print(shown, soft_wrap=False, highlight=False, markup=False)
+def _wrapped(text: Text, width: int, lead: Text = NOTHING) -> Iterator[Text]:
+    """The text in lines of this width; the first begins with ``lead``, the others with as many blanks."""
+    # The console is only asked when text is justified on both sides, and to load one takes longer than most reports.
+    for line in text.wrap(cast("Console", None), max(width - len(lead), 1)):
+        yield lead + line
+        lead = Text(" " * len(lead))
 
 
-def _heading(out: Console, info: ModelInfo | None, model: str) -> None:
+def _labelled(label: str, text: str | Text, width: int) -> Iterator[Text]:
+    """``label: text`` with the text's further lines below its first."""
+    shown = Text(text) if isinstance(text, str) else text
+    return _wrapped(shown, width, Text.assemble("  ", (label.ljust(6), "dim")))
+
+
+def _rule(title: Text, width: int) -> Text:
+    """A line across the page that begins with this title."""
+    title.plain = title.plain.replace("\n", " ")
+    title.expand_tabs(8)
+    title.truncate(max(width - 2, 0), overflow="ellipsis")
+    return Text.assemble(title, " ", ("─" * (width - title.cell_len - 1), "dim"))
+
+
+def _heading(info: ModelInfo | None, model: str) -> Text:
     title = Text(visible(model) or "this run", style="bold")
     if info is not None and info.status == "checked":
         facts = [f"robot {visible(info.robot)}", _plural(info.links, "link"), _plural(info.joints, "joint")]
@@ -63,55 +87,57 @@ def _heading(out: Console, info: ModelInfo | None, model: str) -> None:
         title.append("  " + " · ".join(facts), style="dim")
     elif info is not None:
         title.append(f"  {info.status}", style="dim")
-    out.rule(title, align="left", style="dim", characters="─")
+    return title
 
 
-def _finding(out: Console, run: Run, finding: Finding) -> None:
+def _finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
     span = finding.location.span
     place = Text("" if span is None else f"{visible(span.file)}:{span.line}:{span.col} ", style="bold")
     head = _title(finding)
     if finding.suppressed is not None:
         head.append(f" (suppressed: {visible(finding.suppressed)})", "dim")
-    if place.cell_len + head.cell_len > out.width:  # a long path keeps its line, so that a click on it still works
-        out.print(place, soft_wrap=True, highlight=False)
+    if place.cell_len + head.cell_len > width:  # a long path keeps its line, so that a click on it still works
+        yield place
         place = Text("  ")
-    out.print(place + head, soft_wrap=True, highlight=False)
-    _line(out, Text(visible(finding.message)), 2)
+    yield place + head
+    yield from _wrapped(Text(visible(finding.message)), width, Text("  "))
     if len(finding.subjects) > 1:
-        _labelled(out, "for", ", ".join(visible(s) for s in finding.subjects))
+        yield from _labelled("for", ", ".join(visible(s) for s in finding.subjects), width)
     if span is not None:
-        _frame(out, run, span, STYLES[finding.severity])
+        yield from _frame(run, span, STYLES[finding.severity], width)
     for call in reversed(finding.location.via):
-        _labelled(out, "from", f"{visible(call.file)}:{call.line}:{call.col}  {_first_line(run, call)}")
+        called = f"{visible(call.file)}:{call.line}:{call.col}  {_first_line(run, call)}"
+        yield from _labelled("from", called, width)
     shown = [r for r in finding.related if r.span is not None]
     for related in shown[:MAX_RELATED]:
         assert related.span is not None
-        _labelled(out, "see", f"{visible(related.span.file)}:{related.span.line}  {visible(related.subject)}")
+        seen = f"{visible(related.span.file)}:{related.span.line}  {visible(related.subject)}"
+        yield from _labelled("see", seen, width)
     if len(shown) > MAX_RELATED:
-        _labelled(out, "see", f"… and {len(shown) - MAX_RELATED} more places")
+        yield from _labelled("see", f"… and {len(shown) - MAX_RELATED} more places", width)
     if finding.cause is not None:
-        _labelled(out, "why", visible(finding.cause.text))
+        yield from _labelled("why", visible(finding.cause.text), width)
     for consumers, effect in _by_effect(finding):
-        _labelled(out, "then", f"{', '.join(consumers)}: {visible(effect)}")
+        yield from _labelled("then", f"{', '.join(consumers)}: {visible(effect)}", width)
     if finding.fix is not None:
-        _repair(out, finding, finding.fix)
-    out.print()
+        yield from _repair(finding, finding.fix, width)
+    yield Text()
 
 
-def _frame(out: Console, run: Run, span: Span, style: str) -> None:
+def _frame(run: Run, span: Span, style: str, width: int) -> Iterator[Text]:
     lines = frame(run.sources.get(span.file, ""), span)
     if not lines:
         return
     digits = len(str(lines[-1].number))
-    room = max(out.width - digits - 5, 20)
+    room = max(width - digits - 5, 20)
     for line in lines:
         text = visible(line.text.replace("\t", " "))
         start, end = (len(visible(line.text[:k].replace("\t", " "))) for k in line.marked or (0, 0))
         shown, cut = _window(text, start, end, room)
-        out.print(Text(f"  {line.number:>{digits}} │ ", "dim") + Text(shown), soft_wrap=True, highlight=False)
+        yield Text(f"  {line.number:>{digits}} │ {shown}", "dim")
         if line.marked is not None:
             marks = " " * (start - cut) + "^" * max(min(end - cut, room) - (start - cut), 1)
-            out.print(Text(f"  {' ' * digits} │ ", "dim") + Text(marks, style), soft_wrap=True, highlight=False)
+            yield Text(f"  {' ' * digits} │ ", "dim").append(marks, style)
 
 
 def _window(text: str, start: int, end: int, room: int) -> tuple[str, int]:
@@ -125,26 +151,18 @@ def _window(text: str, start: int, end: int, room: int) -> tuple[str, int]:
     return shown, cut
 
 
-def _repair(out: Console, finding: Finding, fix: Fix) -> None:
-    _labelled(out, "fix", visible(fix.title))
+def _repair(finding: Finding, fix: Fix, width: int) -> Iterator[Text]:
+    yield from _labelled("fix", visible(fix.title), width)
     here = None if finding.location.span is None else finding.location.span.file
     for edit in fix.edits[:MAX_RELATED]:
         place = "" if edit.span.file == here else f"{visible(edit.span.file)}:"
-        for sign, text, style in (("-", edit.expected, "red"), ("+", edit.replacement, "green")):
-            for line in text.strip("\r\n").splitlines():
+        for sign, typed, style in (("-", edit.expected, "red"), ("+", edit.replacement, "green")):
+            for line in typed.strip("\r\n").splitlines():
                 shown = visible(" ".join(line.split()) if sign == "-" else line)
-                _labelled(out, "", Text.assemble((f"{place}{edit.span.line} {sign} ", "dim"), (shown, style)))
+                text = Text.assemble((f"{place}{edit.span.line} {sign} ", "dim"), (shown, style))
+                yield from _labelled("", text, width)
     if len(fix.edits) > MAX_RELATED:
-        _labelled(out, "", Text(f"… and {len(fix.edits) - MAX_RELATED} more edits", "dim"))
-
-
-def _labelled(out: Console, label: str, text: str | Text) -> None:
-    """``label: text`` with the text's further lines below its first."""
-    grid = Table.grid(padding=0)
-    grid.add_column(width=6, no_wrap=True)
-    grid.add_column(overflow="fold")
-    grid.add_row(Text(label, "dim"), text)
-    _line(out, grid, 2)
+        yield from _labelled("", Text(f"… and {len(fix.edits) - MAX_RELATED} more edits", "dim"), width)
 
 
 def _by_effect(finding: Finding) -> list[tuple[list[str], str]]:
@@ -160,12 +178,12 @@ def _first_line(run: Run, span: Span) -> str:
     return visible(lines[0].text.strip()) if lines else ""
 
 
-def _skipped(out: Console, run: Run) -> None:
+def _skipped(run: Run, width: int) -> Iterator[Text]:
     reasons: dict[str, set[str]] = {}
     for skip in run.skipped:
         reasons.setdefault(skip.reason, set()).add(skip.code)
     for reason, codes in sorted(reasons.items()):
-        _line(out, Text(f"skipped {_some(sorted(codes))}: {visible(reason)}", "dim"))
+        yield from _wrapped(Text(f"skipped {_some(sorted(codes))}: {visible(reason)}", "dim"), width)
 
 
 def _some(words: Sequence[str], most: int = 8) -> str:
@@ -178,26 +196,24 @@ def _title(finding: Finding) -> Text:
     return head
 
 
-def _recap(out: Console, run: Run) -> None:
+def _recap(run: Run, width: int) -> Iterator[Text]:
     """After a long report: its errors and warnings once more, a line each, where the reader's eye is."""
     serious = [f for f in run.findings if f.severity > Severity.INFO and f.suppressed is None]
     if not serious or len(run.findings) <= FEW:
         return
-    out.rule("errors and warnings", align="left", style="dim", characters="─")
+    yield _rule(Text("errors and warnings"), width)
     for finding in sorted(serious, key=lambda f: -f.severity):
         span = finding.location.span
         place = "" if span is None else f" {visible(span.file)}:{span.line}:{span.col}"
-        out.print(_title(finding) + Text(place, "dim"), soft_wrap=True, highlight=False)
-    out.print()
+        yield _title(finding) + Text(place, "dim")
+    yield Text()
 
 
-def _summary(out: Console, run: Run) -> None:
+def _summary(run: Run) -> Text:
     if not run.units and not run.failures:
-        _line(out, Text("nothing to check: no model, launch file or package was found there", "bold"))
-        return
+        return Text("nothing to check: no model, launch file or package was found there", "bold")
     if not run.findings and not run.failures:
-        _line(out, Text(f"✔ no findings in {_plural(len(run.models), 'model')}{_states(run.models)}", "bold green"))
-        return
+        return Text(f"✔ no findings in {_plural(len(run.models), 'model')}{_states(run.models)}", "bold green")
     counts = [(s, run.count(s)) for s in (Severity.ERROR, Severity.WARNING, Severity.INFO)]
     text = Text()
     for severity, count in counts:
@@ -205,7 +221,7 @@ def _summary(out: Console, run: Run) -> None:
         text.append("  ")
     states = _states(run.models)
     text.append(f"in {_plural(len(run.models), 'model')}{states}, {run.seconds:.1f} s", "dim")
-    _line(out, text)
+    return text
 
 
 def _states(models: Iterable[ModelInfo]) -> str:

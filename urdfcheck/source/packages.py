@@ -89,6 +89,7 @@ class PackageFinder:
         self._below: dict[str, Path] | None = None
         self._ros: dict[str, Path] | None = None
         self._packages: dict[Path, Package | None] = {}
+        self._resources: dict[tuple[str, Path], Resource] = {}
 
     def find(self, name: str) -> Path | None:
         """The folder of a package, or None."""
@@ -197,6 +198,11 @@ class PackageFinder:
 
     def resolve(self, text: str, base: Path) -> Resource:
         """Take a path of a model apart; relative ones start at ``base`` (the folder of the file that names it)."""
+        if (text, base) not in self._resources:
+            self._resources[text, base] = self._resolve(text, base)
+        return self._resources[text, base]
+
+    def _resolve(self, text: str, base: Path) -> Resource:
         scheme = _SCHEME.match(text)
         if scheme and scheme.group(1) in {"package", "model"}:
             package, _, rest = scheme.group(2).partition("/")

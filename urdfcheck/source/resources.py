@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 from urdfcheck.core import Location
 from urdfcheck.source.load import Source
@@ -26,12 +27,13 @@ class ResourceUse:
         return self.attribute.location
 
 
-def resource_uses(source: Source) -> list[ResourceUse]:
+@lru_cache(maxsize=1)
+def resource_uses(source: Source) -> tuple[ResourceUse, ...]:
     """Every mesh and texture of the expanded model in document order; none where it could not be expanded."""
     if source.root is None:
-        return []
-    base = source.path.parent
-    return [ResourceUse(a, source.finder.resolve(a.value, base)) for a in _filenames(source.root) if a.value.strip()]
+        return ()
+    base, named = source.path.parent, [a for a in _filenames(source.root) if a.value.strip()]
+    return tuple(ResourceUse(a, source.finder.resolve(a.value, base)) for a in named)
 
 
 def machine_part(use: ResourceUse, source: Source) -> Attribute | Definition | None:
