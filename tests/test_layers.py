@@ -89,3 +89,26 @@ def test_the_source_tier_never_loads_meshes_or_dynamics(tmp_path: Path) -> None:
         f"audit(Unit('model', {str(model)!r}, 'r'), Settings(frozenset(catalogue.rules()), tier='source'))"
     )
     assert not loaded_by(code) & {"trimesh", "pinocchio", "coal", "yourdfpy", "scipy", "collada"}
+
+
+def test_a_warm_audit_loads_neither_meshes_nor_dynamics(tmp_path: Path) -> None:
+    """What was measured once is recalled: nothing reads a mesh, moves a joint or compares shapes again."""
+    trimesh = pytest.importorskip("trimesh")
+    (tmp_path / "arm.ply").write_bytes(trimesh.creation.box((0.1, 0.1, 0.4)).export(file_type="ply"))
+    shape = '<geometry><mesh filename="arm.ply"/></geometry>'
+    inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+    body = f"{inertial}<visual>{shape}</visual><collision>{shape}</collision>"
+    model = tmp_path / "r.urdf"
+    model.write_text(
+        f'<robot name="r"><link name="base">{body}</link><link name="arm">{body}</link>'
+        '<joint name="j" type="revolute"><origin xyz="0 0 0.5"/><parent link="base"/><child link="arm"/>'
+        '<axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="9" velocity="1"/></joint></robot>'
+    )
+    code = (
+        "from urdfcheck.worker import Unit, Settings, audit; from urdfcheck import catalogue\n"
+        f"settings = Settings(frozenset(catalogue.rules()), cache={str(tmp_path / 'cache')!r})\n"
+        f"assert not audit(Unit('model', {str(model)!r}, 'r'), settings).failures"
+    )
+    heavy = {"trimesh", "pinocchio", "coal", "scipy"}
+    assert loaded_by(code) & heavy == heavy
+    assert not loaded_by(code) & {*heavy, "yourdfpy", "collada"}
