@@ -258,18 +258,20 @@ def _show(run: Run, output_format: str, color: str) -> None:
 
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="backslashreplace")
-    if output_format == "text":
+    if output_format != "text":
+        sys.stdout.write(output.render(run, output_format))
+        return
+    from urdfcheck.output import text
+
+    width, colored = text.WIDTH, color == "always"  # a CI log has no width of its own
+    if sys.stdout.isatty() or os.environ.keys() & {"COLUMNS", "FORCE_COLOR", "TTY_COMPATIBLE"}:
         from rich.console import Console
 
-        from urdfcheck.output import text
-
-        # rich knows terminals, NO_COLOR and the window's width; a CI log has no width of its own.
+        # rich knows terminals, NO_COLOR and the window's width.
         terminal = Console()
-        colored = color == "always" or (color == "auto" and terminal.is_terminal and not terminal.no_color)
-        width = terminal.width if terminal.is_terminal or "COLUMNS" in os.environ else text.WIDTH
-        sys.stdout.write(text.render(run, width=width, color=colored))
-        return
-    sys.stdout.write(output.render(run, output_format))
+        colored = colored or (color == "auto" and terminal.is_terminal and not terminal.no_color)
+        width = terminal.width if terminal.is_terminal or "COLUMNS" in os.environ else width
+    sys.stdout.write(text.render(run, width=width, color=colored))
 
 
 def _write(text: str, file: Path) -> None:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
+import pytest
 from output.runs import FILE, SOURCE, a_run, finding, span_of
+from rich.cells import cell_len
 
-from urdfcheck.core import Applicability, Edit, Fix, Location
+from urdfcheck.core import Applicability, Cause, Edit, Fix, Location
 from urdfcheck.output.text import render
 
 
@@ -19,6 +22,29 @@ def test_prose_wraps_at_the_width_and_only_source_lines_may_be_longer() -> None:
     long = finding(message="a word " * 60, fix=Fix("do it " * 40))
     for line in render(a_run(long), width=80).splitlines():
         assert len(line) <= 80 or "│" in line or line.startswith(FILE)
+
+
+@pytest.mark.parametrize("width", [40, 60, 200])
+def test_wide_characters_take_two_columns_and_a_word_longer_than_a_line_is_folded(width: int) -> None:
+    word = "車輪ホイール" * 30
+    text = render(a_run(finding(message=word, cause=Cause("x", word))), width=width)
+    folded = [line for line in text.splitlines() if line.endswith(tuple(word))]
+    assert max(cell_len(line) for line in folded) == width
+    assert "".join(line.split()[-1] for line in folded) == word * 2, "nothing is lost at a fold"
+
+
+def test_further_lines_stand_below_the_first() -> None:
+    lines = render(a_run(finding(fix=Fix("straighten it " * 20))), width=60).splitlines()
+    first = next(i for i, line in enumerate(lines) if line.startswith("  fix   straighten"))
+    assert re.match(r" {8}(it|straighten) ", lines[first + 1])
+
+
+def test_a_path_longer_than_a_line_is_not_broken() -> None:
+    file = "a/rather/long/path/to/" * 10 + "robot.urdf"
+    at = replace(span_of("0.09"), file=file)
+    lines = render(a_run(finding(location=Location("link[wheel]", at))), width=40).splitlines()
+    place = lines.index(f"{file}:{at.line}:{at.col}")
+    assert lines[place + 1] == "  ✖ error INR003 triangle-inequality"
 
 
 def test_the_span_is_underlined() -> None:
@@ -38,6 +64,14 @@ def test_an_edit_that_deletes_a_line_shows_only_what_goes() -> None:
 def test_no_colour_unless_asked_for() -> None:
     assert "\x1b[" not in render(a_run())
     assert "\x1b[" in render(a_run(), color=True)
+
+
+@pytest.mark.parametrize("width", [40, 100])
+def test_colour_changes_nothing_but_the_colour(width: int) -> None:
+    colored = render(a_run(), width=width, color=True)
+    assert "\x1b[1;31m✖ error" in colored
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", colored)
+    assert [line.rstrip() for line in plain.splitlines()] == render(a_run(), width=width).splitlines()
 
 
 def test_control_characters_are_spelled_out() -> None:

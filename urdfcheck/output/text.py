@@ -134,10 +134,10 @@ def _frame(run: Run, span: Span, style: str, width: int) -> Iterator[Text]:
         text = visible(line.text.replace("\t", " "))
         start, end = (len(visible(line.text[:k].replace("\t", " "))) for k in line.marked or (0, 0))
         shown, cut = _window(text, start, end, room)
-        yield Text(f"  {line.number:>{digits}} │ {shown}", "dim")
+        yield Text.assemble((f"  {line.number:>{digits}} │ ", "dim"), shown)
         if line.marked is not None:
             marks = " " * (start - cut) + "^" * max(min(end - cut, room) - (start - cut), 1)
-            yield Text(f"  {' ' * digits} │ ", "dim").append(marks, style)
+            yield Text.assemble((f"  {' ' * digits} │ ", "dim"), (marks, style))
 
 
 def _window(text: str, start: int, end: int, room: int) -> tuple[str, int]:
@@ -205,7 +205,7 @@ def _recap(run: Run, width: int) -> Iterator[Text]:
     for finding in sorted(serious, key=lambda f: -f.severity):
         span = finding.location.span
         place = "" if span is None else f" {visible(span.file)}:{span.line}:{span.col}"
-        yield _title(finding) + Text(place, "dim")
+        yield Text.assemble(_title(finding), (place, "dim"))
     yield Text()
 
 

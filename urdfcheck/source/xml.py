@@ -288,7 +288,8 @@ def parse(source: SourceFile) -> Element:
         for name, value in values.items():
             span, raw = typed.get(name, (None, value))
             at = None if span is None else source.span(*span)
-            literal = _BREAK.sub(" ", raw) == value and not _SUBSTITUTION.search(raw)
+            plain = raw == value or _BREAK.sub(" ", raw) == value
+            literal = plain and not ("$" in raw and _SUBSTITUTION.search(raw))
             element.attributes[name] = Attribute(name, value, element, at, raw, literal)
         if stack:
             stack[-1].children.append(element)
