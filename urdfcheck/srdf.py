@@ -56,7 +56,7 @@ def pairs_of(model: Model) -> LinkPairs:
         LinkPair((min(j.pair.links), max(j.pair.links)), j.reason, j.pair.never_proven, not j.pair.never_seen)
         for j in judged(model)
     ]
-    samples = len(model.collisions.poses.values)
+    samples = model.collisions.samples
     return LinkPairs(model.name, samples, tuple(sorted(pairs, key=lambda pair: pair.links)))
 
 

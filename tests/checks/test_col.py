@@ -223,6 +223,61 @@ def test_without_coal_the_rule_is_skipped(tmp_path: Path, monkeypatch: pytest.Mo
     assert "coal is not installed" in run.skipped[0].reason
 
 
+def legs(folder: Path, up: str) -> str:
+    """A leg on the left and one on the right, bars that lie along y as drawn and run into each other; with their y axes up
+    they hang down, side by side."""
+    (folder / "leg.dae").write_text(bar(-0.4, up))
+    parts = [link("base", "0 0 0.4|" + BOX.format("0.1 0.6 0.1"))]
+    for side, y in (("left", 0.15), ("right", -0.15)):
+        parts += [
+            joint("base", f"{side}_hip", f"0 {y} 0.2"),
+            link(f"{side}_hip", BALL.format("0.01")),
+            joint(f"{side}_hip", f"{side}_leg", "0 0 -0.1"),
+            link(f"{side}_leg", '<mesh filename="leg.dae"/>'),
+        ]
+    return robot(*parts)
+
+
+def bar(low: float, up: str) -> str:
+    """A bar of 0.1 x 0.4 x 0.1, from ``low`` along y, in a file that declares which axis is up."""
+    corners = " ".join(f"{x} {y} {z}" for x, y, z in product((-0.05, 0.05), (low, low + 0.4), (-0.05, 0.05)))
+    faces = "0 1 3 0 3 2 4 6 7 4 7 5 0 4 5 0 5 1 2 3 7 2 7 6 0 2 6 0 6 4 1 5 7 1 7 3"
+    return f"""<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset>{f"<up_axis>{up}</up_axis>" if up else ""}</asset>
+<library_geometries><geometry id="g"><mesh><source id="s"><float_array id="a" count="24">{corners}</float_array>
+<technique_common><accessor source="#a" count="8" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+<triangles count="12"><input semantic="VERTEX" source="#v" offset="0"/><p>{faces}</p></triangles></mesh></geometry>
+</library_geometries><library_visual_scenes><visual_scene id="scene"><node><instance_geometry url="#g"/></node></visual_scene>
+</library_visual_scenes><scene><instance_visual_scene url="#scene"/></scene></COLLADA>"""
+
+
+@pytest.mark.parametrize(("up", "cause"), [("Y_UP", "up_axis"), ("", "up_axis"), ("Z_UP", None)])
+def test_meshes_that_lie_on_their_sides_are_one_finding_with_the_cause(
+    tmp_path: Path, up: str, cause: str | None
+) -> None:
+    """COLLADA's default is y."""
+    (finding,) = findings(tmp_path, legs(tmp_path, up), "COL001")
+    assert (finding.cause and finding.cause.id) == cause
+    assert finding.message_id == ("lying" if cause else "overlap")
+    assert finding.location.subject.endswith("mesh@filename")
+
+
+def test_a_declared_axis_is_no_cause_where_the_robot_is_alike_on_both_sides_as_drawn(tmp_path: Path) -> None:
+    """One bar along y in the middle that runs into a post beside it: upright it would miss the post."""
+    (tmp_path / "bar.dae").write_text(bar(-0.2, "Y_UP"))
+    text = robot(
+        link("base", "0 0.2 0|" + BOX.format("0.05 0.05 0.05"), "0 -0.2 0|" + BOX.format("0.05 0.05 0.05")),
+        joint("base", "hip", "0 0 0"),
+        link("hip", BALL.format("0.001")),
+        joint("hip", "arm", "0 0 0"),
+        link("arm", '<mesh filename="bar.dae"/>'),
+    )
+    (finding,) = findings(tmp_path, text, "COL001")
+    assert (finding.message_id, finding.cause) == ("overlap", None)
+
+
 # -- COL002 --------------------------------------------------------------------------------------------------------------
 
 
@@ -234,6 +289,27 @@ def test_a_wheel_may_touch_its_hub(tmp_path: Path, gap: float, overlap: bool) ->
         link("wheel", ROD.format("0.03", "0.02")).replace('xyz="0 0 0"/>', f'rpy="{math.pi / 2!r} 0 0"/>'),
     )
     assert bool(findings(tmp_path, text, "COL002")) == overlap
+
+
+@pytest.mark.parametrize(("reach", "overlap"), [("1.5", True), ("2", False)])
+def test_neighbours_count_that_overlap_over_nearly_all_of_the_range(tmp_path: Path, reach: str, overlap: bool) -> None:
+    """A ball on an arm in a trough that ends at 1.6 rad to either side: all of 3 rad, or 80 % of 4 rad."""
+    trough = [f"{math.cos(a)} {math.sin(a)} 0|" + BALL.format("0.1") for a in np.linspace(-1.5, 1.5, 20).tolist()]
+    text = robot(
+        link("base", *trough),
+        joint("base", "arm", "0 0 0", limit=f"lower='-{reach}' upper='{reach}'"),
+        link("arm", "1 0 0|" + BALL.format("0.05")),
+    )
+    assert bool(findings(tmp_path, text, "COL002")) == overlap
+    found = pair(model_of(tmp_path, text).collisions, "base", "arm")
+    assert found.share_of_range == pytest.approx(min(1.0, 1.65 / float(reach)), abs=1 / 20)
+
+
+def test_positions_are_spread_evenly_over_every_range(tmp_path: Path) -> None:
+    positions = model_of(tmp_path, arm()).collisions.positions
+    assert len(positions.values) == 40
+    for values in positions.values.T:
+        assert sorted(values) == pytest.approx([-2.5 + (i + 0.5) / 40 * 5 for i in range(40)])
 
 
 # -- COL005 --------------------------------------------------------------------------------------------------------------
@@ -368,6 +444,39 @@ def test_a_slide_without_end_proves_nothing(tmp_path: Path) -> None:
             link("a", BALL.format("0.1")), joint("a", "b", "1 0 0", **slide, limit=limit), link("b", BALL.format("0.1"))
         )  # fmt: skip
         assert model_of(tmp_path, text).collisions.pairs[0].never_proven == proven
+
+
+def test_what_is_not_asked_for_is_not_computed(tmp_path: Path) -> None:
+    """An audit without a semantic description looks at what overlaps at rest, and not at other pairs in many poses."""
+    cache = Cache(tmp_path / "cache")
+    found = model_of(tmp_path, arm(), cache).collisions
+    assert set(found.entry) == {"rest"}
+    assert [p.count for p in found.pairs if p.relation == "far"]
+    assert set(found.entry) == {"rest", "never", "others-200"}
+
+
+def test_each_joint_runs_into_what_a_search_without_bounds_finds(tmp_path: Path) -> None:
+    """Every pair at every step, in the order of the steps: the first that meets, and where."""
+    model = model_of(tmp_path, arm(7))
+    bench, rest = model.collisions.bench, poses.neutral(model)
+    expected = []
+    for i, hinge in enumerate(rest.joints):
+        for limit in (-2.5, 2.5):
+            values = np.repeat(rest.values, 33, axis=0)
+            values[:, i] = np.linspace(0.0, limit, 33)
+            hits = bench.colliders.hits(bench.placements(poses.Poses(rest.joints, values)), bench.pairs)
+            for k, (relation, _) in enumerate(bench.relations):
+                if relation == "adjacent":
+                    hits[k] = np.logical_and.accumulate(hits[k, ::-1])[::-1]
+            hits[hits[:, 0]] = False
+            if hits.any():
+                n = int(hits.any(axis=0).argmax())
+                first = model.collisions.pairs[int(hits[:, n].argmax())]
+                expected.append((hinge.name, first.links, values[n, i]))
+    found = reaches(model)
+    assert expected
+    assert [(r.joint.name, r.links) for r in found] == [(name, links) for name, links, _ in expected]
+    assert all(abs(r.value - value) <= 5 / 64 for r, (_, _, value) in zip(found, expected, strict=True))
 
 
 def test_a_second_run_gives_the_same_and_computes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

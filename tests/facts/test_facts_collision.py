@@ -18,6 +18,8 @@ from urdfcheck.facts.collision import (
     all_pairs,
     boxes_overlap,
     is_convex,
+    least_distance,
+    pierce,
     sphere_directions,
     swept,
 )
@@ -230,3 +232,48 @@ def test_no_direction_is_more_than_23_degrees_from_one_of_those_tried() -> None:
     wanted /= np.linalg.norm(wanted, axis=1, keepdims=True)
     nearest = (wanted @ sphere_directions(40).T).max(axis=1)
     assert nearest.min() > math.cos(math.radians(23))
+
+
+@pytest.mark.parametrize("rotates", [True, False])
+@pytest.mark.parametrize("limits", [(-0.3, 0.9), (-2.0, 4.5), (0.4, 0.4), (-math.pi, math.pi), (3.0, 3.5)])
+def test_no_place_of_a_joint_brings_points_nearer_than_the_least_distance(
+    rotates: bool, limits: tuple[float, float]
+) -> None:
+    rng = np.random.default_rng(5)
+    axis = np.array((1.0, 2.0, -1.0)) / math.sqrt(6)
+    moving, staying = rng.normal(size=(2, 50, 3))
+    found = least_distance(moving, staying, axis, *limits, rotates=rotates)
+    moved = motions(axis, np.linspace(*limits, 2000), rotates=rotates)
+    there = np.einsum("qij,nj->qni", moved[:, :3, :3], moving) + moved[:, None, :3, 3]
+    assert found == pytest.approx(np.linalg.norm(there - staying, axis=2).min(axis=0), abs=2e-3)
+
+
+def test_triangles_that_pierce_each_other_still_do_after_any_shift_within_the_margin() -> None:
+    rng = np.random.default_rng(6)
+    one, other = rng.normal(size=(2, 400, 3, 3))
+    shifts = rng.normal(size=(30, 400, 1, 3))
+    shifts /= np.linalg.norm(shifts, axis=3, keepdims=True)
+    held = pierce(one, other, 0.1)
+    crossing = pierce(one, other, 0.0)
+    assert 0 < held.sum() < crossing.sum() < 400
+    assert all(pierce(one + 0.1 * shift, other, 0.0)[held].all() for shift in shifts)
+
+
+@pytest.mark.parametrize("kinds", PAIRS, ids="-".join)
+@pytest.mark.parametrize("height", [0.0, 1e-3])
+def test_whether_shapes_overlap_is_told_without_the_depth(kinds: tuple[str, str], height: float) -> None:
+    colliders = Colliders([Placed(CUBES[kinds[0]], 0, np.eye(4)), Placed(CUBES[kinds[1]], 1, np.eye(4))])
+    frames = np.stack((np.eye(4), at(0.01, 0.02, 0.1 - height, rpy=(0, 0, 0.3))))
+    measured, told = (colliders.separation(frames, 0, 1, measured=m) for m in (True, False))
+    assert (told is not None and told.depth > 0) == (measured is not None and measured.depth > 0) == (height > 0)
+
+
+def test_pairs_each_in_its_own_configuration_are_those_of_all_configurations() -> None:
+    rng = np.random.default_rng(7)
+    colliders = Colliders([Placed(shape, i, np.eye(4)) for i, shape in enumerate(SHAPES)])
+    pairs = all_pairs(len(SHAPES))
+    turned = [[at(*rng.normal(size=3) * 0.05, rpy=tuple(rng.normal(size=3))) for _ in SHAPES] for _ in pairs]
+    frames = np.array(turned)
+    found = colliders.hits_each(frames, pairs)
+    assert (found == np.diagonal(colliders.hits(frames, pairs))).all()
+    assert 0 < found.sum() < len(pairs)

@@ -9,13 +9,21 @@ from urdfcheck.model import Model
 from urdfcheck.model.collisions import Contact, Pair, ensure_all_read, geometry_of
 from urdfcheck.model.drawing import rounded_off
 from urdfcheck.model.names import listed
+from urdfcheck.model.upright import Lying, lying
 
 
 def check(model: Model, rule: Rule, *, graze: float, always: float) -> Iterator[Finding]:
     collisions = model.collisions
     far = [(pair, pair.contact) for pair in collisions.pairs if pair.relation == "far" and pair.contact is not None]
     deep = [(pair, contact) for pair, contact in far if _overlap(pair, contact, graze, always)]
-    samples = len(collisions.poses.values)
+    samples = collisions.samples
+    fallen = lying(model) if deep else None
+    if fallen is not None:
+        sides = {id(shape) for shape in fallen.shapes}
+        on_side = [item for item in deep if not sides.isdisjoint(map(id, item[1].shapes))]
+        if any(pair.links in fallen.freed for pair, _ in on_side):
+            yield _on_their_sides(rule, on_side, fallen)
+            deep = [item for item in deep if item not in on_side]
     by_design = [(pair, contact) for pair, contact in deep if samples > 1 and pair.share >= always]
     for group in _by_shape([item for item in deep if item not in by_design]):
         yield _at_rest(model, rule, group, samples)
@@ -34,8 +42,27 @@ def check(model: Model, rule: Rule, *, graze: float, always: float) -> Iterator[
 
 def _overlap(pair: Pair, contact: Contact, graze: float, always: float) -> bool:
     """Whether it is more than two links that touch, or that lean on each other where their joints end."""
-    rare = pair.share < 1 - always
-    return not contact.touching and not (rare and contact.depth < graze * contact.size)
+    return not contact.touching and (contact.depth >= graze * contact.size or pair.share >= 1 - always)
+
+
+def _on_their_sides(rule: Rule, met: Sequence[tuple[Pair, Contact]], fallen: Lying) -> Finding:
+    """All overlaps of meshes that lie on their sides: how deep they are says nothing before the meshes stand upright."""
+    met = sorted(met, key=lambda item: -item[1].depth)
+    sides = {id(shape) for shape in fallen.shapes}
+    shapes = [shape for _, contact in met for shape in reversed(contact.shapes) if id(shape) in sides]
+    first, *others = dict.fromkeys(geometry_of(shape) for shape in (*shapes, *fallen.shapes))
+    return rule.finding(
+        "lying",
+        at=first,
+        related=others,
+        cause="up_axis",
+        pairs=listed([f"{pair.links[0]} and {pair.links[1]} ({c.depth * 1e3:.3g} mm)" for pair, c in met]),
+        count="1 pair of links" if len(met) == 1 else f"{len(met)} pairs of links",
+        freed=sum(pair.links in fallen.freed for pair, _ in met),
+        meshes=len(fallen.shapes),
+        drawn=fallen.drawn,
+        upright=fallen.upright,
+    )
 
 
 def _by_shape(met: Sequence[tuple[Pair, Contact]]) -> Iterator[list[tuple[Pair, Contact]]]:

@@ -15,7 +15,7 @@ def check(model: Model, rule: Rule, *, always: float) -> Iterator[Finding]:
     neighbours = [pair for pair in collisions.pairs if pair.relation == "adjacent"]
     found: dict[str | None, tuple[Pair, Contact]] = {}
     for pair in neighbours:
-        if pair.contact is not None and not pair.contact.touching and pair.share >= always:
+        if pair.contact is not None and not pair.contact.touching and pair.share_of_range >= always:
             found.setdefault(pair.joint, (pair, pair.contact))
     if found:
         first, *rest = (geometry_of(contact.shapes[1]) for _, contact in found.values())
@@ -27,6 +27,6 @@ def check(model: Model, rule: Rule, *, always: float) -> Iterator[Finding]:
             total=len({pair.joint for pair in neighbours}),
             joints=listed(f"{joint} ({pair.links[0]} and {pair.links[1]})" for joint, (pair, _) in found.items()),
             percent=round(100 * always),
-            samples=len(collisions.poses.values),
+            samples=len(collisions.positions.values),
         )
     ensure_all_read(collisions)

@@ -34,6 +34,8 @@ AT_ONCE = 500_000
 # Directions in which a way out is looked for, besides the axes, in the frame of either shape. Any direction is within 23° of
 # one of them, which lengthens a way by 9 % at most where faces are flat.
 DIRECTIONS = 40
+# Contacts of triangles among which one is looked for that is no mere touch.
+_WITNESSES = 20
 # Contacts of triangles that are looked at to tell where two meshes meet.
 MOST_CONTACTS = 2000
 
@@ -103,11 +105,11 @@ class Colliders:
 
         self._coal = coal
         self.placed = tuple(placed)
-        boxes = [_box(p) for p in self.placed]
-        self._turn = np.array([turn for turn, _, _, _ in boxes]).reshape(-1, 3, 3)
-        self._centre = np.array([centre for _, centre, _, _ in boxes]).reshape(-1, 3)
-        self._half = np.array([half for _, _, half, _ in boxes]).reshape(-1, 3)
-        self._radius = np.array([radius for _, _, _, radius in boxes])
+        boxes = [_box(p.geometry) for p in self.placed]
+        self._middle = np.array([middle for middle, _, _ in boxes]).reshape(-1, 3)
+        self._half = np.array([half for _, half, _ in boxes]).reshape(-1, 3)
+        self._radius = np.array([radius for _, _, radius in boxes])
+        self._pose = np.array([p.pose for p in self.placed]).reshape(-1, 4, 4)
         self._owner = np.array([p.owner for p in self.placed], dtype=np.int64)
         # coal's tolerances are absolute: it gets lengths of about 1, divided by a power of two and hence exactly.
         self._unit = 2.0 ** round(math.log2(float(np.max(self._radius, initial=0.0)) or 1.0))
@@ -124,10 +126,11 @@ class Colliders:
         found: dict[int, tuple[Array, float]] = {}
         for owner in dict.fromkeys(self._owner.tolist()):
             own = self._owner == owner
-            low = (self._centre[own] - self._radius[own, None]).min(axis=0)
-            high = (self._centre[own] + self._radius[own, None]).max(axis=0)
+            pose, radii = self._pose[own], self._radius[own]
+            centres = np.einsum("sij,sj->si", pose[:, :3, :3], self._middle[own]) + pose[:, :3, 3]
+            low, high = (centres - radii[:, None]).min(axis=0), (centres + radii[:, None]).max(axis=0)
             middle = (low + high) / 2
-            reach = np.linalg.norm(self._centre[own] - middle, axis=1) + self._radius[own]
+            reach = np.linalg.norm(centres - middle, axis=1) + radii
             found[owner] = (middle, float(reach.max()))
         return found
 
@@ -143,37 +146,58 @@ class Colliders:
         step = max(1, AT_ONCE // len(pairs))
         for start in range(0, len(frames), step):
             part = slice(start, start + step)
-            self._hits(frames[part], pairs, found[:, part])
+            near = self.near(frames[part], pairs)
+            for row, (k, n) in enumerate(zip(near.pair.tolist(), near.pose.tolist(), strict=True)):
+                if not found[k, start + n] and near.meets(row):
+                    found[k, start + n] = True
         return found
 
-    def _hits(self, frames: Array, pairs: NDArray[np.int64], found: Bools) -> None:
-        """Fill ``found`` (K, N)."""
-        bodies = sorted(self.spheres)
-        column = np.zeros(frames.shape[1], dtype=np.int64)
-        column[bodies] = np.arange(len(bodies))
-        middles = np.array([self.spheres[b][0] for b in bodies])
-        radii = np.array([self.spheres[b][1] for b in bodies])
+    def hits_each(self, frames: Array, pairs: NDArray[np.int64]) -> Bools:
+        """Whether each pair of bodies meets in its own configuration (K,): ``frames`` (K, B, 4, 4), ``pairs`` (K, 2)."""
+        own = np.arange(len(pairs))
+        near = self._near_shapes(frames, pairs, own, own)
+        found = np.zeros(len(pairs), dtype=bool)
+        for row, k in enumerate(near.pair.tolist()):
+            if not found[k]:
+                found[k] = near.meets(row)
+        return found
+
+    def near(self, frames: Array, pairs: NDArray[np.int64]) -> Near:
+        """What spheres and boxes cannot tell apart, arguments as for `hits`."""
+        bodies, place = np.unique(pairs, return_inverse=True)
+        first, second = place.reshape(-1, 2).T
+        middles = np.array([self.spheres[b][0] for b in bodies.tolist()]).reshape(-1, 3)
+        radii = np.array([self.spheres[b][1] for b in bodies.tolist()])
         own = frames[:, bodies]
-        at = np.einsum("nbij,bj->nbi", own[..., :3, :3], middles) + own[..., :3, 3]
-        first, second = column[pairs[:, 0]], column[pairs[:, 1]]
-        apart = at[:, first] - at[:, second]
-        near = ((radii[first] + radii[second]) ** 2)[:, None] >= np.einsum("nki,nki->nk", apart, apart).T
-        pair, pose = np.nonzero(near)
-        if not len(pair):
-            return
-        own = frames[:, self._owner]
-        turns = own[..., :3, :3] @ self._turn
-        centres = np.einsum("nsij,sj->nsi", own[..., :3, :3], self._centre) + own[..., :3, 3]
+        at = np.einsum("nbij,bj->bni", own[..., :3, :3], middles) + np.swapaxes(own[..., :3, 3], 0, 1)
+        apart = at[first] - at[second]
+        near = ((radii[first] + radii[second]) ** 2)[:, None] >= np.einsum("kni,kni->kn", apart, apart)
+        return self._near_shapes(frames, pairs, *np.nonzero(near))
+
+    def _near_shapes(
+        self, frames: Array, pairs: NDArray[np.int64], pair: NDArray[np.int64], pose: NDArray[np.int64]
+    ) -> Near:
+        """The shapes of some pairs, each in one configuration, that spheres and boxes about them cannot tell apart."""
         pair, pose, one, other = self._shapes(pairs, pair, pose)
-        apart = centres[pose, other] - centres[pose, one]
-        close = np.einsum("mi,mi->m", apart, apart) <= (self._radius[one] + self._radius[other]) ** 2
-        pair, pose, one, other, apart = pair[close], pose[close], one[close], other[close], apart[close]
-        slack = self._rounding(one, other)
-        close = boxes_overlap(turns[pose, one], self._half[one], turns[pose, other], self._half[other], apart, slack)
-        places = _Places(self._coal, frames, self._owner, [p.pose for p in self.placed], self._unit)
-        for k, n, a, b in zip(*(x[close].tolist() for x in (pair, pose, one, other)), strict=True):
-            if not found[k, n] and self._meet(a, places.of(n, a), b, places.of(n, b)):
-                found[k, n] = True
+        shapes, place = np.unique(np.concatenate((one, other)), return_inverse=True)
+        placed = frames[:, self._owner[shapes]] @ self._pose[shapes]
+        turns, at = placed[..., :3, :3], placed[..., :3, 3]
+        centres = np.einsum("nsij,sj->nsi", turns, self._middle[shapes]) + at
+        first, second = place[: len(one)], place[len(one) :]
+        apart = centres[pose, second] - centres[pose, first]
+        kept = np.einsum("mi,mi->m", apart, apart) <= (self._radius[one] + self._radius[other]) ** 2
+        rows = np.flatnonzero(kept)
+        a, b, n = one[rows], other[rows], pose[rows]
+        kept = boxes_overlap(
+            turns[n, first[rows]],
+            self._half[a],
+            turns[n, second[rows]],
+            self._half[b],
+            apart[rows],
+            self._rounding(a, b),
+        )
+        rows = rows[kept]
+        return Near(self, pair[rows], pose[rows], one[rows], other[rows], first[rows], second[rows], turns, at)
 
     def _shapes(self, pairs: NDArray[np.int64], pair: NDArray[np.int64], pose: NDArray[np.int64]) -> tuple[Any, ...]:
         """Pairs of bodies as pairs of shapes: the pair's place, the configuration, the two shapes."""
@@ -194,22 +218,41 @@ class Colliders:
         self._result.clear()
         return bool(self._functions[key](at_one, at_other, self._request, self._result))
 
-    def separation(self, frames: Array, one: int, other: int) -> Separation | None:
-        """The deepest overlap of the shapes of two bodies, ``frames`` (B, 4, 4) as for `hits`; None where none meet."""
+    def separation(self, frames: Array, one: int, other: int, *, measured: bool = True) -> Separation | None:
+        """The deepest overlap of the shapes of two bodies, ``frames`` (B, 4, 4) as for `hits`; None where none meet.
+
+        Not ``measured``: only whether they overlap is of interest, and in which shapes. A depth that need not be known to
+        tell which shapes overlap most is infinite then.
+        """
         found: Separation | None = None
-        for a, b in product(np.flatnonzero(self._owner == one).tolist(), np.flatnonzero(self._owner == other).tolist()):
-            at_a, at_b = (frames[self.placed[s].owner] @ self.placed[s].pose for s in (a, b))
-            way = self._way_out(a, at_a, b, at_b)
+        mates = product(np.flatnonzero(self._owner == one).tolist(), np.flatnonzero(self._owner == other).tolist())
+        placed = [(a, self._at(frames, a), b, self._at(frames, b)) for a, b in mates]
+        meeting = [
+            (a, at_a, b, at_b)
+            for a, at_a, b, at_b in placed
+            if np.linalg.norm(self._centre(a, at_a) - self._centre(b, at_b)) <= self._radius[a] + self._radius[b]
+            and self._meet(a, self._transform(at_a), b, self._transform(at_b))
+        ]
+        for a, at_a, b, at_b in meeting:
+            way = self._way_out(a, at_a, b, at_b, measured=measured or len(meeting) > 1)
             if way is not None and (found is None or way.depth > found.depth):
                 found = way
         return found
 
-    def _way_out(self, one: int, at_one: Array, other: int, at_other: Array) -> Separation | None:
+    def _at(self, frames: Array, shape: int) -> Array:
+        at: Array = frames[self._owner[shape]] @ self._pose[shape]
+        return at
+
+    def _centre(self, shape: int, at: Array) -> Array:
+        centre: Array = at[:3, :3] @ self._middle[shape] + at[:3, 3]
+        return centre
+
+    def _way_out(self, one: int, at_one: Array, other: int, at_other: Array, *, measured: bool) -> Separation | None:
         """How to free the second of two shapes; None where they do not meet."""
         coal = self._coal
         request, result = coal.CollisionRequest(), coal.CollisionResult()
         solid = not (self._is_surface(one) or self._is_surface(other))
-        request.num_max_contacts = 1 if solid else MOST_CONTACTS
+        request.num_max_contacts = 1 if solid else MOST_CONTACTS if measured else _WITNESSES
         coal.collide(
             self._geometry(one),
             self._transform(at_one),
@@ -230,6 +273,8 @@ class Colliders:
             # Where EPA fails, it says so with a depth of 1e308 along no direction.
             if np.isfinite(normal).all() and depth <= 2 * (self._radius[one] + self._radius[other]):
                 return Separation((one, other), depth if depth > rounding else 0.0, normal, point, size)
+        if not measured and self._pierced(one, at_one, other, at_other, contacts, rounding):
+            return Separation((one, other), math.inf, np.zeros(3), point, size)
 
         def free(shift: Array) -> bool:
             moved = at_other.copy()
@@ -242,8 +287,24 @@ class Colliders:
             np.concatenate([sphere_directions(DIRECTIONS) @ at[:3, :3].T for at in (at_one, at_other)]),
             free,
             rounding,
+            measured=measured,
         )
         return Separation((one, other), depth, normal, point, size)
+
+    def _pierced(
+        self, one: int, at_one: Array, other: int, at_other: Array, contacts: Sequence[Any], rounding: float
+    ) -> bool:
+        """Whether triangles that meet cross each other so far that no shift by ``rounding`` parts them."""
+        if not (self._is_surface(one) and self._is_surface(other)):
+            return False
+        met = []
+        for shape, at, faces in ((one, at_one, [c.b1 for c in contacts]), (other, at_other, [c.b2 for c in contacts])):
+            geometry = self.placed[shape].geometry
+            assert geometry.vertices is not None
+            assert geometry.faces is not None
+            met.append(geometry.vertices[geometry.faces[faces]] @ at[:3, :3].T + at[:3, 3])
+        mine, its = met
+        return bool((pierce(mine, its, rounding) | pierce(its, mine, rounding)).any())
 
     def _rounding(self, one: Any, other: Any) -> Array:
         """The overlap (m) that is none, for one or several pairs of shapes."""
@@ -275,7 +336,7 @@ class Colliders:
             points.extend(list(vertices))
             triangles.extend([coal.Triangle(*face) for face in geometry.faces.tolist()])
             return coal.Convex(points, triangles)
-        tree = coal.BVHModelOBBRSS()
+        tree = coal.BVHModelOBB()
         tree.beginModel(len(geometry.faces), len(vertices))
         tree.addVertices(vertices)
         tree.addTriangles(np.ascontiguousarray(geometry.faces, dtype=np.int64))
@@ -283,21 +344,38 @@ class Colliders:
         return tree
 
 
-class _Places:
-    """coal's placements of shapes in some configurations, each made when it is first asked for."""
+class Near:
+    """Shapes ``one`` (M,) and ``other`` (M,) that may meet, of pair ``pair`` (M,) in configuration ``pose`` (M,)."""
 
     def __init__(
-        self, coal: Any, frames: Array, owners: NDArray[np.int64], poses: Sequence[Array], unit: float
+        self,
+        colliders: Colliders,
+        pair: NDArray[np.int64],
+        pose: NDArray[np.int64],
+        one: NDArray[np.int64],
+        other: NDArray[np.int64],
+        first: NDArray[np.int64],
+        second: NDArray[np.int64],
+        turns: Array,
+        at: Array,
     ) -> None:
-        self._coal, self._unit = coal, unit
-        self._frames, self._owners, self._poses = frames, owners.tolist(), poses
+        """``first``, ``second`` (M,): the columns of the shapes in ``turns`` (N, S, 3, 3) and ``at`` (N, S, 3), m."""
+        self.pair, self.pose, self.one, self.other = pair, pose, one, other
+        self._colliders = colliders
+        self._first, self._second = first, second
+        self._turns, self._at = turns, at / colliders._unit
         self._made: dict[tuple[int, int], Any] = {}
 
-    def of(self, configuration: int, shape: int) -> Any:
-        key = (configuration, shape)
+    def meets(self, row: int) -> bool:
+        """Whether the two do, as coal sees it."""
+        n = int(self.pose[row])
+        at_one, at_other = self._transform(n, int(self._first[row])), self._transform(n, int(self._second[row]))
+        return self._colliders._meet(int(self.one[row]), at_one, int(self.other[row]), at_other)
+
+    def _transform(self, configuration: int, column: int) -> Any:
+        key = (configuration, column)
         if key not in self._made:
-            matrix = self._frames[configuration, self._owners[shape]] @ self._poses[shape]
-            self._made[key] = self._coal.Transform3s(matrix[:3, :3], matrix[:3, 3] / self._unit)
+            self._made[key] = self._colliders._coal.Transform3s(self._turns[key], self._at[key])
         return self._made[key]
 
 
@@ -344,13 +422,44 @@ def is_convex(vertices: Array, faces: NDArray[np.int64]) -> bool:
     return len(order) > 0
 
 
+def pierce(edged: Array, pierced: Array, margin: float) -> Bools:
+    """For triangles (n, 3, 3) whether an edge of the first passes through the second (n,), and would after any shift by less
+    than ``margin``."""
+    a, b, c = (pierced[:, i] for i in range(3))
+    normal = np.cross(b - a, c - a)
+    area = np.linalg.norm(normal, axis=1, keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        normal = normal / area
+        found = np.zeros(len(edged), dtype=bool)
+        for i in range(3):
+            start, end = edged[:, i], edged[:, (i + 1) % 3]
+            above, below = (np.einsum("ni,ni->n", p - a, normal) for p in (start, end))
+            crosses = (above * below < 0) & (np.minimum(np.abs(above), np.abs(below)) > margin)
+            hit = start + ((above / (above - below))[:, None]) * (end - start)
+            # A shift moves the point where a slanting edge passes by more than the shift.
+            slack = margin * np.linalg.norm(end - start, axis=1) / np.abs(above - below)
+            for p, q in ((a, b), (b, c), (c, a)):
+                along = q - p
+                inwards = np.cross(normal, along) / np.linalg.norm(along, axis=1, keepdims=True)
+                crosses &= np.einsum("ni,ni->n", hit - p, inwards) > slack
+            found |= crosses
+    return found
+
+
 def way_out(
-    one: Array, other: Array, directions: Array, free: Callable[[Array], bool], rounding: float
+    one: Array,
+    other: Array,
+    directions: Array,
+    free: Callable[[Array], bool],
+    rounding: float,
+    *,
+    measured: bool = True,
 ) -> tuple[float, Array]:
     """How far (m) and where to the second of two shapes that meet must be moved to be free, along one of ``directions`` (D, 3).
 
     ``one``, ``other`` (n, 3): points between which the shapes lie; ``free``: whether the second is after a shift (3,).
-    A way counts when it leads on to where a plane separates the two, not into a hollow. Depth 0 when ``rounding`` is enough.
+    A way counts when it leads on to where a plane separates the two, not into a hollow. Depth 0 when ``rounding`` is enough;
+    infinite where it is not and need not be ``measured``.
     """
     clear = (one @ directions.T).max(axis=0) - (other @ directions.T).min(axis=0)
     order = np.argsort(clear, kind="stable")
@@ -364,6 +473,8 @@ def way_out(
     for i in range(DIRECTIONS):
         if clear[i] <= rounding or leads_out(rounding, i):
             return 0.0, directions[i]
+    if not measured:
+        return math.inf, normal
     for i in range(len(directions)):
         high = min(best * 0.98, float(clear[i]))
         if not leads_out(high, i):
@@ -405,22 +516,43 @@ def swept(
     return foot + math.cos(half) * turned, radii + distance * math.sin(half)
 
 
+def least_distance(
+    centres: Array, others: Array, axis: Array, lower: ArrayLike, upper: ArrayLike, *, rotates: bool
+) -> Array:
+    """How near (n,) points that a joint moves come to points that stay, its motion from ``lower`` to ``upper``.
+
+    ``axis`` (3,): unit vector through the origin of the frame in which ``centres`` and ``others`` (n, 3) are given.
+    """
+    apart = others - centres
+    if not rotates:
+        along = np.clip(apart @ axis, lower, upper)
+        gap: Array = np.linalg.norm(apart - along[:, None] * axis, axis=1)
+        return gap
+    arm, goal = (points - (points @ axis)[:, None] * axis for points in (centres, others))
+    radius, distance = np.linalg.norm(arm, axis=1), np.linalg.norm(goal, axis=1)
+    turn = np.arctan2(np.cross(arm, goal) @ axis, np.einsum("ni,ni->n", arm, goal))
+    passed = np.floor((upper - turn) / (2 * math.pi)) >= np.ceil((lower - turn) / (2 * math.pi))
+    cosine = np.where(passed, 1.0, np.maximum(np.cos(turn - lower), np.cos(turn - upper)))
+    squared = (apart @ axis) ** 2 + radius**2 + distance**2 - 2 * radius * distance * cosine
+    near: Array = np.sqrt(np.maximum(squared, 0.0))
+    return near
+
+
 def all_pairs(count: int) -> NDArray[np.int64]:
     """All pairs (K, 2) of ``count`` things, the lower first."""
     return np.array(list(combinations(range(count), 2)), dtype=np.int64).reshape(-1, 2)
 
 
-def _box(placed: Placed) -> tuple[Array, Array, Array, float]:
-    """A box about a shape in its owner's frame: axes (3, 3), centre (3,), half edges (3,); and the radius about the centre."""
-    corners = placed.geometry.corners
+def _box(geometry: Geometry) -> tuple[Array, Array, float]:
+    """A box about a shape in its own frame: centre (3,), half edges (3,); and the shape's radius about the centre."""
+    corners = geometry.corners
     low, high = corners.min(axis=0), corners.max(axis=0)
     middle = (low + high) / 2
     radius = float(np.linalg.norm(corners - middle, axis=1).max())
-    if placed.geometry.kind == "sphere":
-        radius = placed.geometry.size[0]
-    elif placed.geometry.kind == "capsule":
-        radius = placed.geometry.size[1] / 2 + placed.geometry.size[0]
-    elif placed.geometry.kind == "cylinder":
-        radius = math.hypot(placed.geometry.size[0], placed.geometry.size[1] / 2)
-    turn = placed.pose[:3, :3]
-    return turn, turn @ middle + placed.pose[:3, 3], (high - low) / 2, radius
+    if geometry.kind == "sphere":
+        radius = geometry.size[0]
+    elif geometry.kind == "capsule":
+        radius = geometry.size[1] / 2 + geometry.size[0]
+    elif geometry.kind == "cylinder":
+        radius = math.hypot(geometry.size[0], geometry.size[1] / 2)
+    return middle, (high - low) / 2, radius

@@ -24,7 +24,7 @@ TOKEN = 0.005
 # What is left of a quarter turn's zeros, and less than anybody measures.
 _STRAIGHT = 1e-9
 # COLLADA's frames turned to z up, which some programs do and others do not.
-_UPRIGHT = {
+UPRIGHT = {
     "Y_UP": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]),
     "X_UP": np.array([[0, -1.0, 0], [0, 0, -1], [1, 0, 0]]),
 }
@@ -62,7 +62,7 @@ def _bounds(model: Model, shape: Shape, frame: Array, unit: bool, upright: bool)
         scale = model.drawn_scale(shape) if unit else size
         if facts is None or scale is None:
             return None
-        turned = _UPRIGHT.get(facts.up_axis or "", np.eye(3)) if upright else np.eye(3)
+        turned = UPRIGHT.get(facts.up_axis or "", np.eye(3)) if upright else np.eye(3)
         return _box_of(facts, turn @ np.diag(scale) @ turned, place)
     reach = _reach(shape.kind, np.abs(size), turn)
     return place - reach, place + reach
@@ -70,7 +70,9 @@ def _bounds(model: Model, shape: Shape, frame: Array, unit: bool, upright: bool)
 
 def _box_of(facts: MeshFacts, linear: Array, place: Array) -> tuple[Array, Array]:
     sizes = np.abs(linear)
-    if (np.count_nonzero(sizes > _STRAIGHT * sizes.max(), axis=1) <= 1).all():  # axes go to axes, and the box to the box
+    if (
+        np.count_nonzero(sizes > _STRAIGHT * sizes.max(), axis=1) <= 1
+    ).all():  # axes go to axes, and the box to the box
         low, high = facts.bounds
         middle, half = linear @ (low + high) / 2 + place, sizes @ (high - low) / 2
         return middle - half, middle + half

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from urdfcheck.cache import version_of
 from urdfcheck.core import Location, Unavailable
-from urdfcheck.facts.collision import ROUNDING, Colliders, Geometry, Placed, all_pairs, swept
+from urdfcheck.facts.collision import ROUNDING, Colliders, Geometry, Placed, all_pairs, least_distance, swept
+from urdfcheck.facts.kinematics import motions
 from urdfcheck.model import poses
-from urdfcheck.model.body import bodies
+from urdfcheck.model.bounds import UPRIGHT
 from urdfcheck.model.meshes import MEASURING
 from urdfcheck.model.model import Model
 from urdfcheck.model.names import listed
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
-    Arrays = Mapping[str, NDArray[np.generic]]
+    Arrays = Mapping[str, NDArray[Any]]
 
 Relation = Literal["fixed", "adjacent", "far"]
 
@@ -38,7 +39,8 @@ class Contact:
     ``shapes``: the two ``<collision>`` elements that overlap most, in the order of the pair's links. ``depth`` (m): moving
     the second shape by so much along ``normal`` (3,) frees it from the first; the shortest such way of those that were
     tried (see `urdfcheck.facts.collision`), hence the penetration depth or a little more. ``point`` (3,): the middle of
-    the region where their surfaces meet. Point and normal in root coordinates.
+    the region where their surfaces meet. Point and normal in root coordinates. Of neighbours, which are expected to overlap,
+    the depth is infinite where nothing but whether they overlap was looked at, and the point is one of that region.
 
     ``size`` (m): the diameter of a sphere about the smaller shape. ``touching``: the depth, then 0, is within what typed
     digits and single precision explain: faces in one plane.
@@ -60,20 +62,40 @@ class Pair:
     body; ``adjacent``, one body hangs on the other by ``joint``, or by several joints with no collision geometry between
     them, of which it is the last (a ball joint written as three hinges); ``far``, all others.
 
-    ``hits`` (N,): whether they meet in each of the sampled configurations of `Collisions.poses`, of which the first is the
-    neutral one; faces in one plane may count. ``contact``: how they meet at the neutral pose, None where they do not or the
-    relation is ``fixed``. ``never_proven``: spheres about their shapes, swept along the chain of joints over the joints'
-    ranges, do not reach each other: they cannot meet in any configuration. ``complete``: no shape of either link had to be
-    left out (see `Collisions.left_out`); otherwise they may meet where nothing was found.
+    ``by_default``: whether they meet at the neutral pose. ``contact``: how they meet there, None where they do not or the
+    relation is ``fixed``. ``complete``: no shape of either link had to be left out (see `Collisions.left_out`); otherwise
+    they may meet where nothing was found.
     """
 
     links: tuple[str, str]
     relation: Relation
     joint: str | None
-    hits: NDArray[np.bool_]
+    by_default: bool
     contact: Contact | None
-    never_proven: bool
     complete: bool
+    _place: int
+    _collisions: Collisions
+
+    @property
+    def hits(self) -> NDArray[np.bool_]:
+        """Whether they meet in each of the sampled configurations of `Collisions.poses` (N,), of which the first is the
+        neutral one; faces in one plane may count.
+
+        Those of the far pairs that overlap at the neutral pose are looked for together, when one of them is asked for; when
+        any other is, those of all pairs are.
+        """
+        return self._collisions.hits_of(self._place)
+
+    @property
+    def share_of_range(self) -> float:
+        """Of neighbours that overlap at the neutral pose: in which part of `Collisions.positions` they meet."""
+        return self._collisions.share_of_range(self._place)
+
+    @property
+    def never_proven(self) -> bool:
+        """Whether spheres about their shapes, swept along the chain of joints over the joints' ranges, do not reach each
+        other: they cannot meet in any configuration. Or they are one body, and do not meet."""
+        return self.complete and bool(self._collisions.never[self._place])
 
     @property
     def count(self) -> int:
@@ -84,11 +106,6 @@ class Pair:
     def share(self) -> float:
         """The part of the sampled configurations in which they meet."""
         return self.count / len(self.hits)
-
-    @property
-    def by_default(self) -> bool:
-        """Whether they meet at the neutral pose."""
-        return bool(self.hits[0])
 
     @property
     def always(self) -> bool:
@@ -121,50 +138,157 @@ class Reach:
     relation: Relation
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Collisions:
     """The self-collisions of a robot.
 
-    ``bodies``: the links that fixed joints make one, the nearest to the root first. ``poses``: the N configurations that
-    were looked at, the first of them neutral. ``pairs``: all pairs of links with collision geometry that could be read, in
-    tree order. ``left_out``: collision shapes that could not be placed (a mesh that cannot be read, a malformed number, a
-    kind of geometry that is not known). ``bench``: what they were computed with.
+    ``bench``: what they are computed with; ``entry``: where results are kept; ``at_rest``: what `_at_rest` found.
     """
 
-    bodies: tuple[tuple[str, ...], ...]
-    poses: Poses
-    pairs: tuple[Pair, ...]
-    left_out: tuple[Shape, ...]
     bench: Bench
+    entry: MutableMapping[str, Arrays]
+    at_rest: Arrays
+
+    @property
+    def samples(self) -> int:
+        """N, the number of configurations that are looked at."""
+        return max(1, self.bench.model.samples)
+
+    @cached_property
+    def poses(self) -> Poses:
+        """The N configurations, the first of them neutral."""
+        return poses.sampled(self.bench.model, self.samples)
+
+    @cached_property
+    def positions(self) -> Poses:
+        """Fewer configurations (N/5, J), which are spread evenly over the range of each joint (a Latin hypercube, McKay,
+        Beckman and Conover, 1979): enough for neighbours, which a single joint usually moves."""
+        return _spread(self.bench.model, max(1, self.samples // 5))
+
+    @cached_property
+    def left_out(self) -> tuple[Shape, ...]:
+        """Collision shapes that could not be placed (a mesh that cannot be read, a malformed number, a kind of geometry that
+        is not known)."""
+        return tuple(shape for _, shape in self.bench.missing)
+
+    @cached_property
+    def pairs(self) -> tuple[Pair, ...]:
+        """All pairs of links with collision geometry that could be read, in tree order."""
+        bench, arrays = self.bench, self.at_rest
+        contacts = {k: _contact(bench, arrays, i) for i, k in enumerate(arrays["contacts"].tolist())}
+        met, partial = set(arrays["met"].tolist()), {name for name, _ in bench.missing}
+        names = [link.name for link in bench.links]
+        return tuple(
+            Pair(
+                (names[a], names[b]),
+                *relation,
+                k in met,
+                contacts.get(k),
+                names[a] not in partial and names[b] not in partial,
+                k,
+                self,
+            )
+            for k, ((a, b), relation) in enumerate(zip(bench.pairs.tolist(), bench.relations, strict=True))
+        )
+
+    def hits_of(self, place: int) -> NDArray[np.bool_]:
+        """Whether the pair at this place meets in each configuration (N,), see `Pair.hits`."""
+        row = np.flatnonzero(self._far == place)
+        hits: NDArray[np.bool_] = self._hits_far[row[0]] if len(row) else self._hits[place]
+        return hits
+
+    @cached_property
+    def never(self) -> NDArray[np.bool_]:
+        """For each pair, whether it is proven that they meet in no configuration (K,), see `Pair.never_proven`."""
+        try:
+            known: NDArray[np.bool_] = self.entry["never"]["proven"]
+            return known
+        except KeyError:
+            proven = _proven_apart(self.bench)
+            proven[self._fixed] = True
+            proven[self.at_rest["met"]] = False
+            self.entry["never"] = {"proven": proven}
+            return proven
+
+    @cached_property
+    def _fixed(self) -> NDArray[np.bool_]:
+        return np.array([relation == "fixed" for relation, _ in self.bench.relations], dtype=bool)
+
+    def share_of_range(self, place: int) -> float:
+        """The part of the positions in which the neighbours at this place meet, see `Pair.share_of_range`."""
+        (row,) = np.flatnonzero(self._overlapping("adjacent") == place)
+        return float(self._hits_neighbours[row].mean())
+
+    def _overlapping(self, relation: Relation) -> NDArray[np.int64]:
+        """The places of the pairs of this relation that overlap at the neutral pose."""
+        places: NDArray[np.int64] = self.at_rest["contacts"][self.at_rest["depth"] > 0]
+        wanted: NDArray[np.int64] = places[[self.bench.relations[k][0] == relation for k in places.tolist()]]
+        return wanted
+
+    @cached_property
+    def _hits_neighbours(self) -> NDArray[np.bool_]:
+        return self._kept("neighbours", self._overlapping("adjacent"), lambda: self.positions)
+
+    @cached_property
+    def _far(self) -> NDArray[np.int64]:
+        return self._overlapping("far")
+
+    @cached_property
+    def _hits_far(self) -> NDArray[np.bool_]:
+        return self._kept("far", self._far, lambda: self.poses)
+
+    @cached_property
+    def _hits(self) -> NDArray[np.bool_]:
+        """(K, N)."""
+        found = np.zeros((len(self._fixed), self.samples), dtype=bool)
+        found[self.at_rest["met"][self._fixed[self.at_rest["met"]]]] = True
+        others = ~self._fixed & ~self.never
+        others[self._far] = False
+        found[others] = self._kept("others", np.flatnonzero(others), lambda: self.poses)
+        found[self._far] = self._hits_far
+        return found
+
+    def _kept(self, name: str, places: NDArray[np.int64], looked_at: Callable[[], Poses]) -> NDArray[np.bool_]:
+        """Whether the pairs at these places meet in each of some configurations, looked up or computed."""
+        if not len(places):
+            return np.zeros((0, self.samples), dtype=bool)
+        name = f"{name}-{self.samples}"
+        try:
+            arrays = self.entry[name]
+        except KeyError:
+            in_all = looked_at()
+            parts = [
+                self.bench.colliders.hits(
+                    self.bench.placements(Poses(in_all.joints, in_all.values[start : start + _AT_ONCE])),
+                    self.bench.pairs[places],
+                )
+                for start in range(0, len(in_all.values), _AT_ONCE)
+            ]
+            hits = np.concatenate(parts, axis=1)
+            met = np.flatnonzero(hits.any(axis=1))
+            arrays = self.entry[name] = {
+                "met": met,
+                "hits": np.packbits(hits[met], axis=1),
+                "count": np.array(hits.shape[1]),
+            }
+        count = int(arrays["count"])
+        found = np.zeros((len(places), count), dtype=bool)
+        found[arrays["met"]] = np.unpackbits(arrays["hits"], axis=1, count=count)
+        return found
 
 
 def build(model: Model) -> Collisions:
-    """Compare all pairs of links in ``model.samples`` configurations, or recall the result of an earlier run.
+    """Compare all pairs of links at the neutral pose, or recall the result of an earlier run.
 
     :raises Unavailable: when coal is not installed, or when the tree, an origin or an axis is broken.
     """
     bench = Bench.of(model)
-    looked_at = poses.sampled(model, model.samples)
-    entry = model.cache.entry("collision", bench.key(f"{model.samples}"))
+    entry = model.cache.entry("collision", bench.key())
     try:
-        arrays = entry["sampled"]
+        arrays = entry["rest"]
     except KeyError:
-        arrays = entry["sampled"] = _sampled(bench, looked_at)
-    hits = np.zeros((len(bench.pairs), len(looked_at.values)), dtype=bool)
-    hits[arrays["met"]] = np.unpackbits(arrays["hits"], axis=1, count=hits.shape[1])
-    contacts = {int(k): i for i, k in enumerate(arrays["contacts"])}
-    usable = set(map(id, bench.shapes))
-    missing = [(link.name, s) for link in model.links for s in link.collisions if id(s) not in usable]
-    partial = {name for name, _ in missing}
-    pairs = []
-    for k, (a, b) in enumerate(bench.pairs.tolist()):
-        links = bench.links[a].name, bench.links[b].name
-        relation, joint = bench.relations[k]
-        contact = _contact(bench, arrays, contacts[k]) if k in contacts else None
-        complete = not partial & set(links)
-        pairs.append(Pair(links, relation, joint, hits[k], contact, bool(arrays["never"][k]) and complete, complete))
-    left_out = tuple(shape for _, shape in missing)
-    return Collisions(tuple(b.links for b in bodies(model)), looked_at, tuple(pairs), left_out, bench)
+        arrays = entry["rest"] = _at_rest(bench)
+    return Collisions(bench, entry, arrays)
 
 
 def ensure_all_read(collisions: Collisions) -> None:
@@ -183,14 +307,16 @@ def geometry_of(shape: Shape) -> Location:
 class Bench:
     """A robot's collision shapes, ready to be compared.
 
-    ``links`` with shapes in tree order, ``shapes`` that can be placed, ``pairs`` (K, 2) of links by their place, and the
-    ``relations`` of each pair with the joint between adjacent ones.
+    ``links`` with shapes in tree order, ``shapes`` that can be placed and the places of the ``owners`` of each, shapes that
+    are ``missing`` with the names of their links, ``pairs`` (K, 2) of links by their place, and the ``relations`` of each
+    pair with the joint between adjacent ones.
     """
 
     model: Model
     links: tuple[Link, ...]
     shapes: tuple[Shape, ...]
     owners: tuple[int, ...]
+    missing: tuple[tuple[str, Shape], ...]
     pairs: NDArray[np.int64]
     relations: tuple[tuple[Relation, str | None], ...]
 
@@ -200,16 +326,18 @@ class Bench:
         links: list[Link] = []
         shapes: list[Shape] = []
         owners: list[int] = []
+        missing = [(link.name, s) for link in model.links for s in link.collisions if not _is_usable(model, s)]
+        left_out = {id(shape) for _, shape in missing}
         for name in model.tree.order:
             link = model.link_by_name[name]
-            usable = [shape for shape in link.collisions if _is_usable(model, shape)]
+            usable = [shape for shape in link.collisions if id(shape) not in left_out]
             if usable:
                 shapes += usable
                 owners += [len(links)] * len(usable)
                 links.append(link)
         pairs = all_pairs(len(links))
         relations = tuple(_relations(model, links, pairs))
-        return cls(model, tuple(links), tuple(shapes), tuple(owners), pairs, relations)
+        return cls(model, tuple(links), tuple(shapes), tuple(owners), tuple(missing), pairs, relations)
 
     @cached_property
     def colliders(self) -> Colliders:
@@ -222,14 +350,62 @@ class Bench:
             if content not in known:
                 known[content] = _geometry(self.model, shape)
             placed.append(Placed(known[content], owner, pose))
-        try:
-            return Colliders(placed)
-        except ImportError:
-            raise Unavailable("coal is not installed (there are no wheels of it for this platform)") from None
+        return _colliders(placed)
 
-    def key(self, *more: str) -> str:
+    @cached_property
+    def lying(self) -> tuple[str | None, ...]:
+        """COLLADA's ``<up_axis>`` of each shape's mesh where it is not z, as the file declares it or leaves it at the default."""
+        facts = [self.model.meshes.facts_of(shape) for shape in self.shapes]
+        return tuple(None if f is None or f.up_axis not in UPRIGHT else f.up_axis for f in facts)
+
+    @cached_property
+    def upright(self) -> Colliders:
+        """The shapes with every mesh turned so that its up axis is z.
+
+        :raises Unavailable: when coal is not installed.
+        """
+        placed = []
+        for one, shape, up in zip(self.colliders.placed, self.shapes, self.lying, strict=True):
+            if up is not None:
+                facts, scale = self.model.meshes.facts_of(shape), self.model.drawn_scale(shape)
+                assert facts is not None
+                vertices = facts.vertices @ UPRIGHT[up].T * np.array(scale)
+                one = replace(one, geometry=replace(one.geometry, vertices=vertices))
+            placed.append(one)
+        return _colliders(placed)
+
+    @cached_property
+    def rest_frames(self) -> Mapping[str, Array]:
+        """Placement (1, 4, 4) of every link at the neutral pose.
+
+        :raises Unavailable: when an origin or an axis is broken.
+        """
+        return poses.frames(self.model, poses.neutral(self.model))
+
+    @cached_property
+    def at_rest(self) -> Array:
+        """Placement (L, 4, 4) of the links with shapes at the neutral pose.
+
+        :raises Unavailable: when an origin or an axis is broken.
+        """
+        return np.array([self.rest_frames[link.name][0] for link in self.links]).reshape(-1, 4, 4)
+
+    @cached_property
+    def spheres(self) -> tuple[Array, Array]:
+        """Centres (L, 3) and radii (L,) of spheres about the links at the neutral pose, in root coordinates."""
+        own = [self.colliders.spheres[i] for i in range(len(self.links))]
+        centres = np.array([centre for centre, _ in own]).reshape(-1, 3)
+        placed = np.einsum("lij,lj->li", self.at_rest[:, :3, :3], centres) + self.at_rest[:, :3, 3]
+        return placed, np.array([radius for _, radius in own])
+
+    @cached_property
+    def above(self) -> tuple[frozenset[str], ...]:
+        """The names of the joints between the root and each link."""
+        return tuple(frozenset(joint.name for joint in self.model.tree.path(link.name)) for link in self.links)
+
+    def key(self) -> str:
         """A digest of all that decides about collisions: shapes, placements, joints, and the code that compares them."""
-        words = [version_of(*_COMPARING), *more]
+        words = [version_of(*_COMPARING)]
         words += [link.name for link in self.links]
         for shape, owner in zip(self.shapes, self.owners, strict=True):
             pose = shape.origin.matrix
@@ -260,6 +436,13 @@ class Bench:
         return f"{shape.kind} {self.model.drawn_scale(shape) if shape.kind == 'mesh' else shape.size} {file}"
 
 
+def _colliders(placed: Sequence[Placed]) -> Colliders:
+    try:
+        return Colliders(placed)
+    except ImportError:
+        raise Unavailable("coal is not installed (there are no wheels of it for this platform)") from None
+
+
 # Configurations whose placements are held at once.
 _AT_ONCE = 500
 # The modules that decide about a result.
@@ -267,9 +450,11 @@ _COMPARING = (
     *MEASURING,
     "urdfcheck.facts.collision",
     "urdfcheck.facts.kinematics",
+    "urdfcheck.model.bounds",
     "urdfcheck.model.collisions",
     "urdfcheck.model.poses",
     "urdfcheck.model.tree",
+    "urdfcheck.model.upright",
 )
 
 
@@ -318,30 +503,21 @@ def _solid_parent(model: Model, head: str, solid: frozenset[str]) -> str | None:
     return None
 
 
-def _sampled(bench: Bench, looked_at: Poses) -> Arrays:
-    """What `build` keeps: ``never`` (K,); ``met``, the pairs that meet, and their packed ``hits``; and of those that meet
-    at the neutral pose and are not ``fixed`` the place, shapes, depth, normal, point and size."""
-    rest = bench.placements(Poses(looked_at.joints, looked_at.values[:1]))
-    fixed = np.array([relation == "fixed" for relation, _ in bench.relations], dtype=bool)
-    never = _proven_apart(bench) & ~fixed
-    hits = np.zeros((len(bench.pairs), len(looked_at.values)), dtype=bool)
-    hits[fixed] = bench.colliders.hits(rest, bench.pairs[fixed])
-    moving = np.flatnonzero(~fixed & ~never)
-    for start in range(0, hits.shape[1], _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
-        frames = bench.placements(Poses(looked_at.joints, looked_at.values[part]))
-        hits[moving, part] = bench.colliders.hits(frames, bench.pairs[moving])
-    met = np.flatnonzero(hits.any(axis=1))
+def _at_rest(bench: Bench) -> Arrays:
+    """What is looked at for every model: the pairs that have ``met`` at the neutral pose; and of those of them that are not
+    ``fixed`` (``contacts``) the shapes, depth, normal, point and size."""
+    met = np.flatnonzero(bench.colliders.hits(bench.at_rest[None], bench.pairs)[:, 0])
     contacts, ways = [], []
-    for k in np.flatnonzero(hits[:, 0] & ~fixed).tolist():
-        way = bench.colliders.separation(rest[0], *bench.pairs[k].tolist())
+    for k in met.tolist():
+        relation, _ = bench.relations[k]
+        if relation == "fixed":
+            continue
+        way = bench.colliders.separation(bench.at_rest, *bench.pairs[k].tolist(), measured=relation == "far")
         if way is not None:
             contacts.append(k)
             ways.append(way)
     return {
-        "never": never | (fixed & ~hits[:, 0]),
         "met": met,
-        "hits": np.packbits(hits[met], axis=1),
         "contacts": np.array(contacts, dtype=np.int64),
         "shapes": np.array([way.shapes for way in ways], dtype=np.int64).reshape(-1, 2),
         "depth": np.array([way.depth for way in ways]),
@@ -349,6 +525,15 @@ def _sampled(bench: Bench, looked_at: Poses) -> Arrays:
         "point": np.array([way.point for way in ways]).reshape(-1, 3),
         "size": np.array([way.size for way in ways]),
     }
+
+
+def _spread(model: Model, count: int) -> Poses:
+    """``count`` configurations in which each joint that follows none takes values spread evenly over its range, in an order
+    of its own."""
+    drawn = poses.sampled(model, count + 1)
+    ranks = np.argsort(np.argsort(drawn.values[1:], axis=0, kind="stable"), axis=0, kind="stable")
+    low, high = np.array([poses.limits(joint) for joint in drawn.joints]).reshape(-1, 2).T
+    return poses.following(Poses(drawn.joints, low + (ranks + 0.5) / count * (high - low)))
 
 
 def _contact(bench: Bench, arrays: Arrays, i: int) -> Contact:
@@ -375,14 +560,12 @@ def reaches(model: Model) -> tuple[Reach, ...]:
     :raises Unavailable: when coal is not installed, or when the tree, an origin or an axis is broken.
     """
     found = model.collisions
-    bench, rest = found.bench, poses.neutral(model)
-    moved = [i for i, joint in enumerate(rest.joints) if joint.mimic is None and _width(joint) > 0]
-    entry = model.cache.entry("collision", bench.key("reach"))
+    rest = poses.neutral(model)
     try:
-        table = entry["reach"]["table"]
+        table = found.entry["reach"]["table"]
     except KeyError:
-        table = _reaches(found, rest, moved)
-        entry["reach"] = {"table": table}
+        table = _reaches(found, rest)
+        found.entry["reach"] = {"table": table}
     made = []
     for i, k, value, limit in table.tolist():
         pair = found.pairs[int(k)]
@@ -395,21 +578,29 @@ def _width(joint: Joint) -> float:
     return upper - lower
 
 
-def _reaches(found: Collisions, rest: Poses, moved: Sequence[int]) -> Array:
+def _reaches(found: Collisions, rest: Poses) -> Array:
     """Rows (R, 4): the joint's place, the pair's, the value where they begin to meet, the limit in that direction."""
     bench = found.bench
-    affected = _affected(bench, rest.joints)
-    apart = np.array(
-        [not p.by_default and not p.never_proven and p.relation != "fixed" for p in found.pairs], dtype=bool
-    )
+    affected, followed = _affected(bench, rest.joints)
+    apart = np.array([not p.by_default and p.relation != "fixed" for p in found.pairs], dtype=bool)
     close = np.array([p.relation == "adjacent" for p in found.pairs], dtype=bool)
     joints, pairs, limits, free, value = [], [], [], [], []
-    for i in moved:
+    for i, joint in enumerate(rest.joints):
+        if joint.mimic is not None or not _width(joint) > 0:
+            continue
+        start = float(rest.values[0, i])
         candidates = np.flatnonzero(apart & affected[i])
-        ways = [_way(rest, i, limit) for limit in poses.limits(rest.joints[i])]
-        frames = bench.placements(_alone(rest, np.full(sum(map(len, ways)), i), np.concatenate(ways)))
-        for way, part in zip(ways, (frames[: len(ways[0])], frames[len(ways[0]) :]), strict=True):
-            met = _first_met(bench, part[1:], candidates, close[candidates])
+        if not followed[i] and len(candidates):
+            candidates = candidates[_in_reach(bench, joint, start, candidates)]
+        if not len(candidates):
+            continue
+        for limit in poses.limits(joint):
+            way = _way(rest, i, limit)
+            if followed[i]:
+                frames = bench.placements(_alone(rest, np.full(len(way), i), way))
+            else:
+                frames = _carried_along(bench, joint, way - start)
+            met = _first_met(bench, frames[1:], candidates, close[candidates])
             if met is not None:
                 joints.append(i)
                 pairs.append(met[0])
@@ -420,9 +611,46 @@ def _reaches(found: Collisions, rest: Poses, moved: Sequence[int]) -> Array:
     for _ in range(_HALVINGS if joints else 0):
         middle = (low + high) / 2
         frames = bench.placements(_alone(rest, np.array(joints), middle))
-        met_there = [bench.colliders.hits(frames[[r]], bench.pairs[[k]])[0, 0] for r, k in enumerate(pairs)]
+        met_there = bench.colliders.hits_each(frames, bench.pairs[pairs])
         low, high = np.where(met_there, low, middle), np.where(met_there, middle, high)
     return np.column_stack((joints, pairs, high, limits)).reshape(-1, 4)
+
+
+def _carried_along(bench: Bench, joint: Joint, by: Array) -> Array:
+    """Placements (N, L, 4, 4) of the links where one joint, which nothing follows, is moved ``by`` (N,) from rest."""
+    frame = bench.rest_frames[joint.child][0]
+    motion = motions(_axis(joint), by, rotates=joint.type != "prismatic")
+    below = _below(bench, joint)
+    placed = np.repeat(bench.at_rest[None], len(by), axis=0)
+    placed[:, below] = (frame @ motion @ np.linalg.inv(frame))[:, None] @ bench.at_rest[below]
+    return placed
+
+
+def _in_reach(bench: Bench, joint: Joint, start: float, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Whether spheres about the links of some pairs come to meet (n,) where one joint, which nothing follows, is moved
+    alone from its value ``start`` at rest."""
+    frame = bench.rest_frames[joint.child][0]
+    centres, radii = bench.spheres
+    first, second = bench.pairs[pairs].T
+    below = _below(bench, joint)
+    moving, staying = np.where(below[first], first, second), np.where(below[first], second, first)
+    lower, upper = (limit - start for limit in poses.limits(joint))
+    gap = least_distance(
+        centres[moving] - frame[:3, 3],
+        centres[staying] - frame[:3, 3],
+        frame[:3, :3] @ _axis(joint),
+        lower,
+        upper,
+        rotates=joint.type != "prismatic",
+    )
+    reached: NDArray[np.bool_] = gap <= (radii[moving] + radii[staying]) * (1 + ROUNDING)
+    return reached
+
+
+def _axis(joint: Joint) -> Array:
+    axis = np.array(joint.axis)
+    unit: Array = axis / np.linalg.norm(axis)
+    return unit
 
 
 def _way(rest: Poses, joint: int, limit: float) -> Array:
@@ -436,18 +664,30 @@ def _first_met(
 ) -> tuple[int, int] | None:
     """The first of some pairs that meet on a way, and in which of its configurations; None when none does.
 
-    Pairs that are ``close`` have to meet from there on up to the end of the way."""
-    if not len(frames) or not len(pairs):
+    Pairs that are ``close`` have to meet from there on up to the end of the way: they are followed from its end inwards,
+    the others from its beginning up to where one of them meets.
+    """
+    if not len(frames):
         return None
-    kept = ~close
-    kept[close] = bench.colliders.hits(frames[-1:], bench.pairs[pairs[close]])[:, 0]
-    pairs, close = pairs[kept], close[kept]
-    met = bench.colliders.hits(frames, bench.pairs[pairs])
-    met[close] = np.logical_and.accumulate(met[close, ::-1], axis=1)[:, ::-1]
-    if not met.any():
+    near = bench.colliders.near(frames, bench.pairs[pairs])
+    rows: dict[tuple[int, int], list[int]] = {}
+    for row, key in enumerate(zip(near.pose.tolist(), near.pair.tolist(), strict=True)):
+        rows.setdefault(key, []).append(row)
+    found: list[tuple[int, int]] = []
+    for k in np.flatnonzero(close).tolist():
+        first = len(frames)
+        while first and any(near.meets(row) for row in rows.get((first - 1, k), ())):
+            first -= 1
+        if first < len(frames):
+            found.append((first, k))
+    for n, k in sorted(rows):
+        if not close[k] and any(near.meets(row) for row in rows[n, k]):
+            found.append((n, k))
+            break
+    if not found:
         return None
-    at = int(met.any(axis=0).argmax())
-    return int(pairs[met[:, at].argmax()]), at
+    at, k = min(found)
+    return int(pairs[k]), at
 
 
 def _alone(rest: Poses, joints: NDArray[np.int64], values: Array) -> Poses:
@@ -457,18 +697,24 @@ def _alone(rest: Poses, joints: NDArray[np.int64], values: Array) -> Poses:
     return poses.following(Poses(rest.joints, everything))
 
 
-def _affected(bench: Bench, joints: Sequence[Joint]) -> NDArray[np.bool_]:
-    """For each joint, the pairs (J, K) whose links it moves against each other, by itself or by its followers."""
-    tree = bench.model.tree
-    above = [{joint.name for joint in tree.path(link.name)} for link in bench.links]
-    below = np.array([[joint.name in names for names in above] for joint in joints]).reshape(len(joints), len(above))
+def _affected(bench: Bench, joints: Sequence[Joint]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """For each joint, the pairs (J, K) whose links it moves against each other, by itself or by its followers; and whether
+    it has followers (J,)."""
+    below = np.array([_below(bench, joint) for joint in joints]).reshape(len(joints), len(bench.links))
     between = below[:, bench.pairs[:, 0]] != below[:, bench.pairs[:, 1]]
     affected: NDArray[np.bool_] = between.copy()
+    followed = np.zeros(len(joints), dtype=bool)
     for follower, joint in enumerate(joints):
         leader = _leader(joint, joints)
         if leader is not None:
             affected[leader] |= between[follower]
-    return affected
+            followed[leader] = True
+    return affected, followed
+
+
+def _below(bench: Bench, joint: Joint) -> NDArray[np.bool_]:
+    """Whether each of the links hangs on a joint (L,)."""
+    return np.array([joint.name in names for names in bench.above], dtype=bool)
 
 
 def _leader(joint: Joint, joints: Sequence[Joint]) -> int | None:
@@ -542,12 +788,11 @@ def _carried(
         return centres, radii
     if joint.name not in ranges:  # floating, planar
         return centres, np.full(len(radii), np.inf)
-    axis = np.array(joint.axis)
     lower, upper = ranges[joint.name]
     return swept(
         centres,
         radii,
-        axis / np.linalg.norm(axis),
+        _axis(joint),
         -upper if inwards else lower,
         -lower if inwards else upper,
         rotates=joint.type != "prismatic",

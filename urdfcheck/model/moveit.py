@@ -76,15 +76,15 @@ def depth_by_default(model: Model, pair: Pair) -> float:
 def _met_by_default(model: Model) -> NDArray[np.bool_]:
     """Whether each pair meets in MoveIt's default state (K,)."""
     state, collisions = default_state(model), model.collisions
-    if np.array_equal(state.values, collisions.poses.values[:1]):
+    if np.array_equal(state.values, poses.neutral(model).values):
         return np.array([pair.by_default for pair in collisions.pairs], dtype=bool)
     bench = collisions.bench
-    entry = model.cache.entry("collision", bench.key(f"{state.values.tolist()}"))
     try:
-        return entry["state"]["hits"]
+        known: NDArray[np.bool_] = collisions.entry["default"]["hits"]
+        return known
     except KeyError:
         hits = bench.colliders.hits(bench.placements(state), bench.pairs)[:, 0]
-        entry["state"] = {"hits": hits}
+        collisions.entry["default"] = {"hits": hits}
         return hits
 
 
