@@ -32,6 +32,20 @@ def test_an_entry_is_there_in_the_next_run(tmp_path: Path) -> None:
     assert "part" not in Cache(tmp_path).entry("other", KEY)
 
 
+@pytest.mark.parametrize("shape", [(), (0,), (0, 3), (5,), (2, 3), (4, 3, 2), (10_000, 3)])
+@pytest.mark.parametrize("dtype", ["f4", "f8", "i4", "i8", "u1", "?"])
+def test_entries_are_npz_files_that_numpy_reads_too(tmp_path: Path, dtype: str, shape: tuple[int, ...]) -> None:
+    array = np.arange(np.prod(shape, dtype=int)).reshape(shape).astype(dtype)
+    Cache(tmp_path).entry("kind", KEY)["part"] = {"a": array, "turned": array.T}
+    (file,) = files_of(tmp_path)
+    ours = Cache(tmp_path).entry("kind", KEY)["part"]
+    with np.load(file, allow_pickle=False) as theirs:
+        for name, wanted in (("a", array), ("turned", array.T)):
+            for found in (ours[name], theirs[name]):
+                np.testing.assert_array_equal(found, wanted)
+                assert (found.dtype, found.shape) == (wanted.dtype, wanted.shape)
+
+
 def test_without_a_folder_nothing_is_kept() -> None:
     Cache().entry("kind", KEY)["part"] = {"a": np.arange(3)}
     assert not Cache().entry("kind", KEY)

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import io
 import os
 import re
-import tempfile
 import time
 import zipfile
 from collections.abc import Iterator, Mapping, MutableMapping
@@ -145,21 +145,15 @@ class _Files(MutableMapping[str, "Arrays"]):
         return self._known[name]
 
     def __setitem__(self, name: str, arrays: Arrays) -> None:
-        import io
-
-        import numpy as np
-
         self._known[name] = arrays
-        buffer = io.BytesIO()
-        np.savez(buffer, **arrays)  # type: ignore[arg-type]
-        _write(self._file(name), buffer.getbuffer())
+        _write(self._file(name), _archive(arrays))
 
     def __delitem__(self, name: str) -> None:
         self._known.pop(name, None)
         self._file(name).unlink(missing_ok=True)
 
     def __iter__(self) -> Iterator[str]:
-        return iter(sorted(path.stem for path in self._folder.glob("*.npz")))
+        return iter(sorted(path.stem for path in self._folder.glob("[!.]*.npz")))
 
     def __len__(self) -> int:
         return sum(1 for _ in self)
@@ -182,6 +176,18 @@ class _Files(MutableMapping[str, "Arrays"]):
         return arrays
 
 
+def _archive(arrays: Arrays) -> bytes:
+    """An npz file, as numpy.savez writes it in four times the time."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, array in arrays.items():
+            header = f"{{'descr': '{array.dtype.str}', 'fortran_order': False, 'shape': {array.shape}, }}"
+            padded = header.ljust(-(len(header) + 11) % 64 + len(header)) + "\n"
+            size = len(padded).to_bytes(2, "little")
+            archive.writestr(f"{name}.npy", b"\x93NUMPY\x01\x00" + size + padded.encode() + array.tobytes())
+    return buffer.getvalue()
+
+
 def _array(data: bytes) -> NDArray[Any]:
     """An array of an npz file, read-only. np.load takes any header, and evaluates each as Python, which takes most of the time
     of a small one; ours are all of one form.
@@ -198,19 +204,19 @@ def _array(data: bytes) -> NDArray[Any]:
     return array.reshape(shape, order="F" if header.group(2) == b"True" else "C")
 
 
-def _write(path: Path, data: bytes | memoryview) -> None:
+def _write(path: Path, data: bytes) -> None:
     """Write a file whole or not at all, whoever else writes it."""
-    temporary = ""
+    temporary = path.with_name(f".{os.getpid()}-{path.name}")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".tmp")
-        with os.fdopen(handle, "wb") as out:
-            out.write(data)
+        try:
+            temporary.write_bytes(data)
+        except FileNotFoundError:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            temporary.write_bytes(data)
         os.replace(temporary, path)
     except OSError:
-        if temporary:
-            with contextlib.suppress(OSError):
-                os.unlink(temporary)
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
 
 
 def _hash(data: bytes) -> str:
