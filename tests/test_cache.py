@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from conftest import FIXTURES
 
-from urdfcheck.cache import Cache
+from urdfcheck.cache import Cache, default_folder
 from urdfcheck.cli import main
 from urdfcheck.facts.mesh import MeshError, known_facts, mesh_facts
 
@@ -116,6 +116,39 @@ def test_what_was_used_last_is_kept(tmp_path: Path) -> None:
     assert not files_of(tmp_path, "*.*")
 
 
+def test_an_entry_goes_as_a_whole(tmp_path: Path) -> None:
+    """Only one of its files may have been read of late."""
+    cache = Cache(tmp_path)
+    for number in range(2):
+        entry = cache.entry("kind", f"{KEY}{number}")
+        entry["small"], entry["large"] = {"a": np.zeros(10)}, {"a": np.zeros(5000)}
+    for file in files_of(tmp_path):
+        os.utime(file, (time.time() - 1000 - 100 * (file.parent.name[-1] == "0"),) * 2)
+    assert "small" in Cache(tmp_path).entry("kind", f"{KEY}0")
+    cache.trim(60_000)
+    assert [f.parent.name[-1] for f in files_of(tmp_path)] == ["0", "0"]
+
+
+def test_what_others_keep_in_the_folder_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("URDFCHECK_CACHE_DIR", str(tmp_path))
+    (tmp_path / "thesis.txt").write_text("mine")
+    assert main(["cache", "clear"]) == 0
+    assert (tmp_path / "thesis.txt").exists()
+
+
+def test_a_user_without_a_home_has_no_cache(monkeypatch: pytest.MonkeyPatch) -> None:
+    import platformdirs
+
+    def homeless(*_: object, **__: object) -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.delenv("URDFCHECK_CACHE_DIR")
+    monkeypatch.setattr(platformdirs, "user_cache_path", homeless)
+    assert default_folder() is None
+
+
 def _fill(folder: Path) -> None:
     for turn in range(50):
         entry = Cache(folder).entry("kind", KEY)
@@ -148,6 +181,19 @@ def test_a_mesh_comes_back_as_it_was_measured(tmp_path: Path) -> None:
     np.testing.assert_array_equal(warm.hull.vertices, cold.hull.vertices)
 
 
+@pytest.mark.parametrize("damage", ["lost", "corrupt"])
+def test_a_mesh_of_which_a_part_is_lost_is_measured_again(tmp_path: Path, damage: str) -> None:
+    data = WHEEL.read_bytes()
+    cold = mesh_facts(data, "stl", Cache(tmp_path).entry("meshes", KEY))
+    (surface,) = files_of(tmp_path, "surface.npz")
+    surface.unlink() if damage == "lost" else surface.write_bytes(b"PK")
+    parts = Cache(tmp_path).entry("meshes", KEY)
+    warm = known_facts(parts, lambda: mesh_facts(data, "stl", parts))
+    assert warm is not None
+    np.testing.assert_array_equal(warm.vertices, cold.vertices)
+    np.testing.assert_array_equal(Cache(tmp_path).entry("meshes", KEY)["surface"]["faces"], cold.faces)
+
+
 def test_a_mesh_that_could_not_be_read_is_remembered_as_such(tmp_path: Path) -> None:
     with pytest.raises(MeshError) as first:
         mesh_facts(b"", "stl", Cache(tmp_path).entry("meshes", KEY))
@@ -160,7 +206,7 @@ def test_the_command_says_where_and_how_much_and_clears(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("URDFCHECK_CACHE_DIR", str(tmp_path))
-    Cache(tmp_path).entry("kind", KEY)["part"] = {"a": np.zeros(10)}
+    Cache(default_folder()).entry("kind", KEY)["part"] = {"a": np.zeros(10)}
     assert main(["cache", "info"]) == 0
     said = capsys.readouterr().out
     assert str(tmp_path) in said

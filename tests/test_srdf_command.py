@@ -117,6 +117,10 @@ def test_a_file_of_another_hand_is_not_written_over(arm: Path, capsys: pytest.Ca
     target.unlink()
     first, second = (main(["srdf", str(arm), "-o", str(target)]) for _ in range(2))
     assert (first, second) == (OK, OK)
+    added = target.read_text().replace("</robot>", '<group name="all"/></robot>')
+    target.write_text(added)
+    assert main(["srdf", str(arm), "-o", str(target)]) == FAILED
+    assert target.read_text() == added
 
 
 def test_arguments_reach_the_model(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     Entry = MutableMapping[str, Arrays]
 
 FOLDER_VARIABLE = "URDFCHECK_CACHE_DIR"
+# All is kept below a folder of this name: whatever else lies in the one that was named is not ours.
+NAME = "urdfcheck-results"
 # What the least recently used entries are dropped for.
 LARGEST = 2 * 1024**3
 # A file that was changed a moment ago may be changed again without its time of change telling (as git's index fears).
@@ -51,12 +53,12 @@ class Cache:
     def digest(self, path: Path) -> tuple[str, bytes | None]:
         """SHA-256 of a file's content, in hex, and the content if it was read for it.
 
-        A file whose time, size and inode are known is not read again.
+        A file whose times, size and inode are known is not read again.
 
         :raises OSError: when it cannot be read.
         """
         status = path.stat()
-        stamp = f"{status.st_size} {status.st_mtime_ns} {status.st_ino}"
+        stamp = f"{status.st_size} {status.st_mtime_ns} {status.st_ctime_ns} {status.st_ino}"
         place = None if self.folder is None else self.folder / "files" / _hash(os.fsencode(os.path.realpath(path)))
         if place is not None:
             with contextlib.suppress(OSError, ValueError):
@@ -89,12 +91,14 @@ class Cache:
         _write(marker, b"")
 
     def trim(self, largest: int = LARGEST) -> None:
-        """Drop what was not used for longest until at most ``largest`` bytes are left."""
-        found = sorted(((status.st_mtime_ns, status.st_size, path) for path, status in self.files()), reverse=True)
+        """Drop the entries that were not used for longest until at most ``largest`` bytes are left."""
+        entries: dict[Path, list[tuple[Path, os.stat_result]]] = {}
+        for path, status in self.files():
+            entries.setdefault(path.parent if path.suffix == ".npz" else path, []).append((path, status))
         kept = 0
-        for _, size, path in found:
-            kept += size
-            if kept > largest:
+        for files in sorted(entries.values(), key=lambda found: -max(status.st_mtime_ns for _, status in found)):
+            kept += sum(status.st_size for _, status in files)
+            for path, _ in files if kept > largest else ():
                 with contextlib.suppress(OSError):
                     path.unlink()
 
@@ -103,22 +107,26 @@ class Cache:
         self.trim(-1)
 
 
-def default_folder() -> Path:
-    """Where this platform keeps caches, or where ``URDFCHECK_CACHE_DIR`` says."""
+def default_folder() -> Path | None:
+    """Where this platform keeps caches, or where ``URDFCHECK_CACHE_DIR`` says; None where there is no such place."""
     if named := os.environ.get(FOLDER_VARIABLE):
-        return Path(named).absolute()
+        return Path(os.path.expanduser(named)).absolute() / NAME
     from platformdirs import user_cache_path
 
-    return user_cache_path("urdfcheck", appauthor=False)
+    try:
+        return user_cache_path("urdfcheck", appauthor=False) / NAME
+    except RuntimeError:  # a user without a home, as in some containers
+        return None
 
 
 @cache
-def version_of(*modules: str) -> str:
-    """A digest of the source of these modules (``urdfcheck.facts.mesh``): results of other code are not taken for its own."""
+def version_of(*modules: str, library: str | None = None) -> str:
+    """A digest of the source of these modules (``urdfcheck.facts.mesh``) and of the `origin_of` a library that they call:
+    results of other code are not taken for its own."""
     from importlib.util import find_spec
 
     texts = [spec.origin for name in modules if (spec := find_spec(name)) is not None and spec.origin]
-    return _hash(b"\0".join(Path(text).read_bytes() for text in texts))[:16]
+    return _hash(b"\0".join((*(Path(text).read_bytes() for text in texts), (library or "").encode())))[:16]
 
 
 @cache
@@ -169,7 +177,7 @@ class _Files(MutableMapping[str, "Arrays"]):
             os.utime(path)  # used now: see trim
         except FileNotFoundError:
             raise KeyError(name) from None
-        except (OSError, ValueError, EOFError, zipfile.BadZipFile):
+        except Exception:  # zipfile has many ways to say that a file is damaged
             with contextlib.suppress(OSError):
                 path.unlink()
             raise KeyError(name) from None
@@ -206,7 +214,7 @@ def _array(data: bytes) -> NDArray[Any]:
 
 def _write(path: Path, data: bytes) -> None:
     """Write a file whole or not at all, whoever else writes it."""
-    temporary = path.with_name(f".{os.getpid()}-{path.name}")
+    temporary = path.with_name(f".{os.urandom(8).hex()}-{path.name}")
     try:
         try:
             temporary.write_bytes(data)

@@ -29,26 +29,36 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
     words = list(sys.argv[1:] if argv is None else argv)
     try:
-        if words and words[0] == "rule":
-            return rule(words[1:])
-        if words and words[0] == "cache":
-            return cache(words[1:])
-        if words and words[0] == "srdf":
-            return srdf(words[1:])
-        if words and words[0] in RESERVED:
-            raise UrdfcheckError(
-                f"the command {words[0]!r} does not exist yet; to check a file of this name write ./{words[0]}"
-            )
-        return check(words[1:] if words and words[0] == "check" else words)
+        code = _command(words)
+        sys.stdout.flush()
+        return code
     except UrdfcheckError as error:
         print(f"urdfcheck: {error}", file=sys.stderr)
-        return FAILED
     except BrokenPipeError:  # the reader of our output has gone: head, less
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _silence_stdout()
         return OK
+    except OSError as error:
+        print(f"urdfcheck: cannot write the output: {error.strerror or error}", file=sys.stderr)
+        _silence_stdout()
     except KeyboardInterrupt:
         print("urdfcheck: interrupted", file=sys.stderr)
-        return FAILED
+    return FAILED
+
+
+def _command(words: list[str]) -> int:
+    commands = {"check": check, "rule": rule, "cache": cache, "srdf": srdf}
+    if words and words[0] in commands:
+        return commands[words[0]](words[1:])
+    if words and words[0] in RESERVED:
+        raise UrdfcheckError(
+            f"the command {words[0]!r} does not exist yet; to check a file of this name write ./{words[0]}"
+        )
+    return check(words)
+
+
+def _silence_stdout() -> None:
+    """What is left in the buffer goes nowhere, so that the interpreter does not try to write it once more."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def parser() -> argparse.ArgumentParser:
@@ -198,7 +208,9 @@ def srdf(words: Sequence[str]) -> int:
     options = p.parse_args(words)
     path = Path(options.model)
     if options.output is not None and unlike_ours(options.output):
-        raise UrdfcheckError(f"{options.output} was not written by urdfcheck srdf: what else it says would be lost")
+        raise UrdfcheckError(
+            f"{options.output} was not written by urdfcheck srdf alone: what else it says would be lost"
+        )
 
     from urdfcheck import catalogue, config, libraries
     from urdfcheck.cache import default_folder
@@ -243,6 +255,8 @@ def cache(words: Sequence[str]) -> int:
     from urdfcheck.cache import LARGEST, Cache, default_folder
 
     kept = Cache(default_folder())
+    if kept.folder is None:
+        raise UrdfcheckError("this user has no cache folder; URDFCHECK_CACHE_DIR names one")
     files = [status.st_size for _, status in kept.files()]
     size = f"{len(files):,} file{'s' * (len(files) != 1)}, {sum(files) / 1e6:,.1f} MB"
     if options.action == "clear":

@@ -127,7 +127,7 @@ def _cache_for(request: Request, units: Sequence[Unit]) -> Iterator[str | None]:
         yield str(request.cache)
         Cache(request.cache).tidy()
     elif len(units) > 1:
-        with tempfile.TemporaryDirectory(prefix="urdfcheck-") as folder:
+        with tempfile.TemporaryDirectory(prefix="urdfcheck-", ignore_cleanup_errors=True) as folder:
             yield folder
     else:
         yield None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 SAMPLES, THOROUGH = 5_000, 20_000
 # How a file that may be written over begins.
 MARK = "Written by urdfcheck srdf"
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_TAG = re.compile(r"<([A-Za-z_][\w:.-]*)")
 # Of how many trials without a hit the probability of one is below 3/N, at 95 % confidence (the rule of three).
 _RULE_OF_THREE = 3.0
 
@@ -72,13 +75,13 @@ def why_none(report: Report) -> str:
 
 
 def unlike_ours(file: Path) -> bool:
-    """Whether a file is there that :func:`render` did not make."""
+    """Whether a file is there that :func:`render` did not make, or to which something was added."""
     try:
-        with file.open(encoding="utf-8", errors="replace") as text:
-            begin = text.read(500)
-            return bool(begin.strip()) and MARK not in begin
+        text = file.read_text(encoding="utf-8", errors="replace")
     except OSError:
         return False
+    elements = set(_TAG.findall(_COMMENT.sub("", text)))
+    return bool(text.strip()) and (MARK not in text[:500] or not elements <= {"robot", "disable_collisions"})
 
 
 def render(found: LinkPairs) -> str:

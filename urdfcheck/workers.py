@@ -11,6 +11,7 @@ import contextlib
 import gc
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
@@ -75,36 +76,44 @@ def in_workers(
     waiting = list(range(len(jobs)))[::-1]
     idle = [] if first is None else [first]
     busy: dict[Connection, tuple[int, Worker]] = {}
-    while waiting or busy:
-        while waiting and len(busy) < at_once:
-            worker = idle.pop() if idle else Worker.start()
-            index = waiting.pop()
-            worker.give(function, jobs[index])
-            busy[worker.pipe] = index, worker
-        if meanwhile is not None:
-            meanwhile()
-            meanwhile = None
-        for ready in wait(list(busy)):
-            assert isinstance(ready, Connection)
-            index, worker = busy.pop(ready)
-            try:
-                result = worker.answer()
-            except Died as died:
-                yield index, died
-            else:
-                idle.append(worker)
-                yield index, result
-    for worker in idle:
-        worker.pipe.close()
+    try:
+        while waiting or busy:
+            while waiting and len(busy) < at_once:
+                worker = idle.pop() if idle else Worker.start()
+                index = waiting.pop()
+                worker.give(function, jobs[index])
+                busy[worker.pipe] = index, worker
+            if meanwhile is not None:
+                meanwhile()
+                meanwhile = None
+            for ready in wait(list(busy)):
+                assert isinstance(ready, Connection)
+                index, worker = busy.pop(ready)
+                try:
+                    result = worker.answer()
+                except Died as died:
+                    yield index, died
+                else:
+                    idle.append(worker)
+                    yield index, result
+    finally:  # also when we are interrupted: nobody works on
+        for _, worker in busy.values():
+            worker.process.terminate()
+            worker.process.join()
+        for worker in idle:
+            worker.pipe.close()
 
 
 def _serve(pipe: Connection, prepare: Callable[[], object] | None, inherited: Connection | None) -> None:
+    # An interrupt from the keyboard reaches every process of the terminal: it is the parent's to end us.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if inherited is not None:
         inherited.close()
     gc.disable()  # what a job needs it needs until its end
     if prepare is not None:
         prepare()
-    with contextlib.suppress(EOFError, KeyboardInterrupt):
+    with contextlib.suppress(EOFError, OSError):  # the parent has gone, or has no more jobs
         while True:
             function, arguments = pipe.recv()
             gc.collect()  # the remains of the job before

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from urdfcheck.cache import version_of
+from urdfcheck.cache import origin_of, version_of
 from urdfcheck.core import Location, Unavailable
 from urdfcheck.facts.collision import ROUNDING, Colliders, Geometry, Placed, all_pairs, least_distance, swept
 from urdfcheck.facts.kinematics import motions
@@ -405,7 +405,7 @@ class Bench:
 
     def key(self) -> str:
         """A digest of all that decides about collisions: shapes, placements, joints, and the code that compares them."""
-        words = [version_of(*_COMPARING)]
+        words = [version_of(*_COMPARING, library=origin_of("coal"))]
         words += [link.name for link in self.links]
         for shape, owner in zip(self.shapes, self.owners, strict=True):
             pose = shape.origin.matrix

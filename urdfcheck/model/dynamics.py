@@ -70,7 +70,7 @@ def verdict(model: Model) -> Verdict:
     if place is None:
         return _verdict(model.dynamics)
     _ensure_sound(model)
-    parts = (version_of(__name__), place, geometry_free(model.robot))
+    parts = (version_of(__name__, library=place), geometry_free(model.robot))
     entry = model.cache.entry("verdicts", hashlib.sha256("\0".join(parts).encode()).hexdigest())
     if "verdict" not in entry:
         found = _verdict(model.dynamics)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdfcheck.cache import version_of
+from urdfcheck.cache import origin_of, version_of
 from urdfcheck.core import Unavailable
 from urdfcheck.facts import dynamics
 from urdfcheck.model.body import bodies, body_mass, body_tensor
@@ -166,7 +166,7 @@ def _asked(model: Model, tags: set[str], answers: set[str]) -> set[str]:
 def _kept(model: Model, group: str, compute: Callable[[], Arrays]) -> Arrays:
     """The arrays of a group, from the cache where the same model was looked at in the same way."""
     asked = (" ".join(sorted(names)) for names in (helped(model), implicit(model)))
-    parts = (version_of(*_CODE), geometry_free(model.robot), str(model.samples), *asked)
+    parts = (version_of(*_CODE, library=origin_of("pinocchio")), geometry_free(model.robot), str(model.samples), *asked)
     entry = model.cache.entry("dynamics", hashlib.sha256("\0".join(parts).encode()).hexdigest())
     if group not in entry:
         entry[group] = compute()

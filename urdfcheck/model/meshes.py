@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from urdfcheck.cache import Cache, version_of
+from urdfcheck.cache import Cache, origin_of, version_of
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import Resource
 from urdfcheck.source.xml import Attribute
 
 if TYPE_CHECKING:
+    from urdfcheck.cache import Entry
     from urdfcheck.facts.mesh import MeshError, MeshFacts
 
 # What the measurements of a mesh depend on beside its content.
 MEASURING = tuple(
     f"urdfcheck.facts.{name}" for name in ("mesh", "mesh_decode", "mesh_moments", "mesh_text", "mesh_topology")
 )
+# The libraries that read what is not read by our own.
+READERS = {"dae": "collada", "ply": "trimesh", "glb": "trimesh", "gltf": "trimesh"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,9 +84,8 @@ class Meshes:
         return None if digest is None else f"{digest}-{_kind(path)}"
 
     def _read(self, cache: Cache) -> Meshes:
-        from urdfcheck.facts.mesh import MeshError, known_facts, mesh_facts
+        from urdfcheck.facts.mesh import MeshError, known_facts
 
-        version = version_of(*MEASURING)
         facts: dict[Path, MeshFacts] = {}
         errors: dict[Path, MeshError] = {}
         digests: dict[Path, str] = {}
@@ -91,15 +94,15 @@ class Meshes:
             kind = _kind(path)
             try:
                 digests[path], data = cache.digest(path)
-                key = f"{digests[path]}-{kind}-{version}"
+                key = f"{digests[path]}-{kind}-{_version(kind)}"
                 if key not in by_content:
                     parts = cache.entry("meshes", key)
-                    found = known_facts(parts) or mesh_facts(data or path.read_bytes(), kind, parts)
-                    by_content[key] = found
+                    measure = partial(_measure, path, data, parts)
+                    by_content[key] = known_facts(parts, measure) or measure()
             except MeshError as error:
                 by_content[key] = error
-            except OSError as error:
-                errors[path] = MeshError("unreadable", error.strerror or str(error))
+            except (OSError, ImportError, MemoryError) as error:
+                errors[path] = _unread(error)
                 continue
             known = by_content[key]
             if isinstance(known, MeshError):
@@ -107,6 +110,29 @@ class Meshes:
             else:
                 facts[path] = known
         return replace(self, facts=facts, errors=errors, digests=digests)
+
+
+def _measure(path: Path, data: bytes | None, parts: Entry) -> MeshFacts:
+    from urdfcheck.facts.mesh import mesh_facts
+
+    return mesh_facts(data or path.read_bytes(), _kind(path), parts)
+
+
+def _unread(error: OSError | ImportError | MemoryError) -> MeshError:
+    """Why a file could not even be looked at; nothing that another run must find as well."""
+    from urdfcheck.facts.mesh import MeshError
+
+    if isinstance(error, OSError):
+        return MeshError("unreadable", error.strerror or str(error))
+    if isinstance(error, ImportError):
+        return MeshError("unsupported", f"cannot be read here: {error.name} is not installed")
+    return MeshError("unsupported", "does not fit into the memory of this machine")
+
+
+def _version(kind: str) -> str:
+    """A digest of what decides about the measurements of a file of this kind beside its content."""
+    reader = READERS.get(kind)
+    return version_of(*MEASURING, library=reader and origin_of(reader))
 
 
 def _kind(path: Path) -> str:
