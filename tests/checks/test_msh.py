@@ -354,8 +354,8 @@ def test_the_unit_of_collada_divides_the_programs(
     assert finding.data["drawn"] == pytest.approx(finding.data["plain"] * unit)
 
 
-@pytest.mark.parametrize("unit", [1.0, 1.0005, 0.0, float("nan"), float("inf")])
-def test_a_unit_of_one_metre_or_of_none_does_not(tmp_path: Path, unit: float) -> None:
+@pytest.mark.parametrize("unit", [1.0, 1.0005])
+def test_a_unit_of_one_metre_does_not(tmp_path: Path, unit: float) -> None:
     assert not found(tmp_path, "MSH008", collada(unit, 0.4), shape("visual", "part.dae"), name="part.dae")
 
 
@@ -364,6 +364,15 @@ def test_meshes_of_one_unit_are_one_finding(tmp_path: Path) -> None:
     links = (shape("visual", "part.dae"), shape("visual", "other.dae") + shape("collision", "other.dae"))
     (finding,) = found(tmp_path, "MSH008", collada(0.0254, 15.0), *links, name="part.dae")
     assert (finding.data["count"], len(finding.related)) == (2, 2)
+
+
+@pytest.mark.parametrize("unit", [0.0, -1.0, float("inf"), float("nan")])
+def test_a_unit_that_is_no_positive_number_is_reported_once_for_all_that_declare_it(
+    tmp_path: Path, unit: float
+) -> None:
+    both = shape("visual", "part.dae") + shape("collision", "part.dae")
+    (finding,) = found(tmp_path, "MSH008", collada(unit, 0.4), both, both, name="part.dae", step=0.3)
+    assert (finding.message_id, finding.data["declared"], len(finding.related)) == ("unit_invalid", repr(unit), 3)
 
 
 # -- MSH009, MSH010 -------------------------------------------------------------------------------------------------

@@ -5,10 +5,13 @@ from __future__ import annotations
 import base64
 import builtins
 import json
+import logging
 import os
 import pickle
 import struct
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +19,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from numpy.typing import NDArray
 
 from urdfcheck.facts.inertia import box_solid, capsule_solid, combine, cylinder_solid, inertia_of, placed, sphere_solid
 from urdfcheck.facts.kinematics import rpy_to_matrix
@@ -63,6 +67,20 @@ def gltf(mesh: trimesh.Trimesh, uri: str | None = None) -> bytes:
             "accessors": accessors,
         }
     ).encode()
+
+
+def glb(document: bytes) -> bytes:
+    """A glTF document in a binary file without a buffer of its own."""
+    text = document + b" " * (-len(document) % 4)
+    return b"glTF" + struct.pack("<4I", 2, 20 + len(text), len(text), 0x4E4F534A) + text
+
+
+def ply(faces: object) -> bytes:
+    """A tetrahedron's corners, and any faces."""
+    lines = ["ply", "format ascii 1.0", "element vertex 4", *(f"property float {axis}" for axis in "xyz")]
+    lines += [f"element face {len(np.asarray(faces))}", "property list uchar int vertex_indices", "end_header"]
+    lines += [f"{x} {y} {z}" for x, y, z in TETRAHEDRON[0]]
+    return "\n".join([*lines, *(f"3 {a} {b} {c}" for a, b, c in np.asarray(faces).tolist()), ""]).encode()
 
 
 def dae(vertices: object, faces: object, asset: str = "", node: str = "", scene: bool = True) -> bytes:
@@ -331,9 +349,32 @@ def test_non_finite_corners_are_counted_and_their_triangles_dropped() -> None:
     assert np.isfinite(facts.bounds).all()
 
 
+@pytest.mark.parametrize("number", [1e39, 1e200, 1e308])
+def test_what_single_precision_cannot_hold_is_not_finite(number: float) -> None:
+    vertices = [*BOX.vertices.tolist(), (number, 0, 0), (0, -number, 0)]
+    facts = mesh_facts(obj(vertices, [*BOX.faces.tolist(), (0, 1, 8), (2, 3, 9)]), "obj")
+    assert (facts.non_finite_vertices, facts.watertight) == (2, True)
+    assert reason(obj(np.multiply(TETRAHEDRON[0], number), [(1, 2, 3)]), "obj") == "no-triangles"
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("size", [3e38, 1e-42, 1e-200, 5e-324])
+@pytest.mark.parametrize("faces", [TETRAHEDRON[1], TETRAHEDRON[1][1:]], ids=["closed", "open"])
+def test_huge_and_tiny_meshes_are_measured_without_a_warning(size: float, faces: list[tuple[int, int, int]]) -> None:
+    facts = mesh_facts(obj(np.multiply(TETRAHEDRON[0], size), faces), "obj")
+    assert facts.watertight is (len(faces) == 4)
+    assert [b.closed for b in facts.boundaries] == [True] * (4 - len(faces))
+    assert all(np.isfinite(b.centre).all() for b in facts.boundaries)
+    assert np.isfinite(facts.hull.volume)
+
+
 def test_facts_cannot_be_changed() -> None:
     facts = facts_of(BOX)
-    for array in (facts.vertices, facts.faces, facts.bounds, facts.com, facts.covariance):
+    turned = mesh_facts(obj(BOX.vertices, [BOX.faces[0, ::-1], *BOX.faces[1:]]), "obj").flipped_lines
+    fan = mesh_facts(obj([(0, 0, 0), (0, 0, 1), *BOX.vertices[5:]], [(0, 1, 2), (0, 1, 3), (0, 1, 4)]), "obj")
+    arrays = (facts.vertices, facts.faces, facts.bounds, facts.com, facts.covariance, facts.hull.vertices)
+    kept = (facts.components, facts.parts["components"]["sizes"], facts.parts["surface"]["vertices"])
+    for array in (*arrays, *kept, turned, fan.non_manifold_lines):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0
 
@@ -381,12 +422,53 @@ def test_an_ascii_stl_without_its_last_line_is_complete() -> None:
     assert mesh_facts(text, "stl").n_triangles == 12
 
 
+@pytest.mark.parametrize("change", [lambda text: text + b"\0\0", lambda text: text.replace(b"\n", b"\r")])
+def test_an_ascii_stl_with_zeros_after_it_or_old_line_ends(change: Callable[[bytes], bytes]) -> None:
+    assert mesh_facts(change(exported(BOX, "stl_ascii")), "stl").watertight
+
+
+@pytest.mark.parametrize("kind", ["obj", "off"])
+def test_text_with_a_byte_order_mark_or_old_line_ends(kind: str) -> None:
+    text = b"# a box\n" + exported(BOX, "obj") if kind == "obj" else exported(BOX, kind)
+    assert mesh_facts(b"\xef\xbb\xbf" + text, kind).watertight
+    assert mesh_facts(text.replace(b"\n", b"\r"), kind).watertight
+
+
 def test_collada_units_are_recorded_and_not_applied() -> None:
     facts = mesh_facts(dae(*TETRAHEDRON, '<unit name="inch" meter="0.0254"/><up_axis>Z_UP</up_axis>'), "dae")
     assert (facts.unit, facts.up_axis) == (0.0254, "Z_UP")
     assert facts.bounds.tolist() == [[0, 0, 0], [1, 1, 1]]
     assert mesh_facts(dae(*TETRAHEDRON), "dae").unit is None
     assert (facts_of(BOX).unit, facts_of(BOX).up_axis) == (None, None)
+
+
+@pytest.mark.parametrize("text", ["0", "-1", "1e400", "nan", "abc", "0,001", ""])
+def test_a_collada_unit_that_is_no_positive_number_is_none(text: str) -> None:
+    facts = mesh_facts(dae(*TETRAHEDRON, f'<unit name="inch" meter="{text}"/>'), "dae")
+    assert (facts.unit, facts.bad_unit) == (None, text)
+    assert mesh_facts(dae(*TETRAHEDRON, '<unit name="inch"/>'), "dae").bad_unit is None
+
+
+def test_collada_numbers_that_are_nan_are_not_zero() -> None:
+    text = dae([*TETRAHEDRON[0], (np.nan, 0, 0)], [*TETRAHEDRON[1], (0, 1, 4)])
+    facts = mesh_facts(text, "dae")
+    assert (facts.non_finite_vertices, facts.watertight) == (1, True)
+
+
+def test_a_collada_scene_may_place_its_geometry_often_but_not_without_end() -> None:
+    def nested(levels: int) -> bytes:
+        nodes = '<node id="k0"><instance_geometry url="#g"/></node>' + "".join(
+            f'<node id="k{i + 1}">' + f'<instance_node url="#k{i}"/>' * 10 + "</node>" for i in range(levels)
+        )
+        text = dae(*TETRAHEDRON).replace(
+            b'<instance_geometry url="#g"/>', f'<instance_node url="#k{levels}"/>'.encode()
+        )
+        place = b"<library_visual_scenes>"
+        return text.replace(place, f"<library_nodes>{nodes}</library_nodes>".encode() + place)
+
+    assert mesh_facts(nested(2), "dae").n_triangles == 400
+    with pytest.raises(MeshError, match="more than 100,000 times"):
+        mesh_facts(nested(12), "dae")
 
 
 def test_collada_nodes_place_their_geometry_and_a_mirroring_one_keeps_the_outside_outside() -> None:
@@ -408,11 +490,14 @@ def test_no_other_file_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
     assert mesh_facts(textured, "dae").watertight
     assert mesh_facts(b"mtllib material.mtl\nusemtl red\n" + obj(*TETRAHEDRON), "obj").watertight
     assert reason(gltf(BOX, "box.bin"), "gltf") == "external-buffer"
+    assert reason(glb(gltf(BOX, "box.bin")), "glb") == "external-buffer"
 
 
 # --- broken files ----------------------------------------------------------------------------------------------------
 
 GOOD_STL = binary_stl(BOX.vertices, BOX.faces)
+OUTSIDE = trimesh.Trimesh(TETRAHEDRON[0], [(0, 1, 9)], process=False, validate=False)
+DRACO = json.dumps({**json.loads(gltf(BOX)), "extensionsRequired": ["KHR_draco_mesh_compression"]}).encode()
 LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c943f9e0ff69d22eadbb8f32\nsize 12345\n"
 
 
@@ -432,17 +517,30 @@ LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c
         pytest.param(b"\0" * 84, "stl", "no-triangles", id="STL of none"),
         pytest.param(b"solid nothing\nendsolid\n", "stl", "no-triangles", id="ASCII STL of none"),
         pytest.param(exported(BOX, "stl_ascii")[:-100], "stl", "truncated", id="ASCII STL cut"),
+        pytest.param(
+            exported(BOX, "stl_ascii").rpartition(b"facet")[0] + b"fac", "stl", "truncated", id="cut in a word"
+        ),
         pytest.param(exported(BOX, "stl_ascii").replace(b"0.5", b"0,5"), "stl", "malformed", id="decimal comma"),
         pytest.param(binary_stl([(np.nan, 0, 0)] * 3, [(0, 1, 2)]), "stl", "no-triangles", id="all NaN"),
         pytest.param(binary_stl([(1, 0, 0)] * 3, [(0, 1, 2)]), "stl", "no-triangles", id="one point"),
         pytest.param(dae(*TETRAHEDRON), "stl", "malformed", id="COLLADA named stl"),
         pytest.param(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "obj", "malformed", id="OBJ index outside"),
         pytest.param(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "obj", "malformed", id="OBJ index zero"),
+        pytest.param(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2", "obj", "malformed", id="OBJ face short"),
         pytest.param(b"v 0 0\nf 1 1 1\n", "obj", "malformed", id="OBJ vertex short"),
         pytest.param(GOOD_STL, "obj", "malformed", id="STL named obj"),
         pytest.param(b"v 0 0 0\n", "obj", "no-triangles", id="OBJ without faces"),
         pytest.param(exported(BOX, "off")[:-20], "off", "truncated", id="OFF cut"),
         pytest.param(b"OFF\n", "off", "malformed", id="OFF header only"),
+        pytest.param(exported(BOX, "off").rstrip() + b"\n3 0 1 2\n", "off", "malformed", id="OFF face too many"),
+        pytest.param(b"OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n0\n", "off", "malformed", id="OFF face of none"),
+        pytest.param(b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n", "off", "malformed", id="OFF face of minus 3"),
+        pytest.param(ply([(0, 1, 9)]), "ply", "malformed", id="PLY index outside"),
+        pytest.param(ply([(0, 1, -1)]), "ply", "malformed", id="PLY index negative"),
+        pytest.param(gltf(OUTSIDE), "gltf", "malformed", id="glTF index outside"),
+        pytest.param(glb(gltf(OUTSIDE)), "glb", "malformed", id="GLB index outside"),
+        pytest.param(glb(DRACO), "glb", "unsupported", id="GLB compressed"),
+        pytest.param(DRACO, "gltf", "unsupported", id="glTF compressed"),
         pytest.param(exported(BOX, "ply")[:-20], "ply", "malformed", id="binary PLY cut"),
         pytest.param(BOX.export(file_type="ply", encoding="ascii")[:-40], "ply", "truncated", id="ASCII PLY cut"),
         pytest.param(exported(BOX, "glb")[:-20], "glb", "malformed", id="GLB cut"),
@@ -450,6 +548,13 @@ LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c
         pytest.param(b"<COLLADA/>", "dae", "no-triangles", id="DAE of nothing"),
         pytest.param(dae(*TETRAHEDRON, scene=False), "dae", "no-triangles", id="DAE without scene"),
         pytest.param(dae(TETRAHEDRON[0], [(0, 1, 9)]), "dae", "malformed", id="DAE index outside"),
+        pytest.param(dae(TETRAHEDRON[0], [(0, 1, -1)]), "dae", "malformed", id="DAE index negative"),
+        pytest.param(
+            dae(*TETRAHEDRON).replace(b'<triangles count="4"', b'<triangles count="40"'),
+            "dae",
+            "truncated",
+            id="DAE declares 40",
+        ),
         pytest.param(
             dae(*TETRAHEDRON).replace(b"<COLLADA", b'<!DOCTYPE x [<!ENTITY a "b">]><COLLADA'),
             "dae",
@@ -478,6 +583,29 @@ def test_no_part_of_a_binary_stl_passes_for_a_mesh(cut: int) -> None:
 def test_garbage_is_refused_and_never_crashes(data: bytes, file_type: str) -> None:
     with pytest.raises(MeshError):
         mesh_facts(data, file_type)
+
+
+@pytest.mark.parametrize("kind", [ImportError, MemoryError])
+def test_what_is_missing_here_is_not_held_against_the_file(
+    kind: type[Exception], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise kind
+
+    monkeypatch.setattr(trimesh, "load_scene", fail)
+    parts: dict[str, Mapping[str, NDArray[Any]]] = {}
+    with pytest.raises(kind):
+        mesh_facts(exported(BOX, "ply"), "ply", parts)
+    assert not parts
+
+
+def test_what_libraries_log_about_a_file_is_not_shown(caplog: pytest.LogCaptureFixture) -> None:
+    root = logging.getLogger("trimesh")
+    before = root.propagate, list(root.handlers)
+    texture = b"format ascii 1.0\ncomment TextureFile nowhere.png\n"
+    mesh_facts(ply(TETRAHEDRON[1]).replace(b"format ascii 1.0\n", texture), "ply")
+    assert not caplog.records
+    assert (root.propagate, root.handlers) == before
 
 
 def test_a_mesh_error_crosses_processes() -> None:

@@ -35,6 +35,7 @@ def check(model: Model, rule: Rule, *, largest: float, ratio: float, smallest: f
             by_file.setdefault(("large", use.filename.value), []).append((use, drawn))
         elif drawn < smallest and max(map(abs, scale)) < CONVERTING and sizes.plausible(_in_file(model, use)):
             by_file.setdefault(("small", use.filename.value), []).append((use, drawn))
+    yield from _invalid(model, rule)
     for unit, uses in by_unit.items():
         yield _declared(model, rule, sizes, unit, uses)
     for (message, mesh), found in by_file.items():
@@ -70,10 +71,32 @@ class _Sizes:
         return self.smallest <= size <= self.largest
 
 
+def _invalid(model: Model, rule: Rule) -> Iterator[Finding]:
+    """Each unit that is none, once for all files that declare it: their exporter is the same."""
+    found: dict[str, list[MeshUse]] = {}
+    for path, uses in model.meshes.by_file().items():
+        facts = model.meshes.facts.get(path)
+        if facts is not None and facts.bad_unit is not None:
+            found.setdefault(facts.bad_unit, []).extend(uses)
+    for declared, users in found.items():
+        yield rule.finding(
+            "unit_invalid",
+            at=users[0].filename,
+            related=[use.filename for use in users[1:]],
+            meshes=_declaring(users),
+            declared=declared[:80],
+        )
+
+
+def _declaring(uses: list[MeshUse]) -> str:
+    names = list(dict.fromkeys(use.name for use in uses))
+    return f"mesh {names[0]} declares" if len(names) == 1 else f"meshes {listed(names)} declare"
+
+
 def _declared(model: Model, rule: Rule, sizes: _Sizes, unit: float, uses: list[MeshUse]) -> Finding:
     """What programs that read COLLADA's unit, and those that pass over it, make of the same files."""
     drawn = _drawn(model, uses[0]) or 0.0
-    plain = drawn / abs(unit)
+    plain = drawn / unit
     right = {
         (True, False): "it looks right in RViz and is wrong where the unit is passed over",
         (False, True): "it is wrong in RViz and right where the unit is passed over",
@@ -83,11 +106,11 @@ def _declared(model: Model, rule: Rule, sizes: _Sizes, unit: float, uses: list[M
         "unit",
         at=uses[0].filename,
         related=[use.filename for use in uses[1:]],
-        meshes=f"mesh {names[0]} declares" if len(names) == 1 else f"meshes {listed(names)} declare",
+        meshes=_declaring(uses),
         name=names[0],
         count=len(names),
         unit=unit,
-        factor=max(abs(unit), 1.0 / abs(unit)),
+        factor=max(unit, 1.0 / unit),
         drawn=drawn,
         plain=plain,
         right=right,

@@ -46,6 +46,8 @@ __all__ = ["Boundary", "Hull", "MeshError", "MeshFacts", "hull_of", "known_facts
 # a metre where transforms came between (a part of 0.1 m that was placed 1 m from the origin when single precision rounded
 # its corners: 1.2e-6), which is still far below any feature of a part.
 _NOISE = (1e-9, 6e-8, 1e-6, 5e-6)
+# Single precision ends at 3.4028e38: what lies beyond is infinite to every program that loads meshes in it.
+_INFINITE = 3.4e38
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,10 +67,11 @@ class MeshFacts:
     """A mesh, measured. Arrays are read-only; lengths are in file units.
 
     ``vertices`` (V, 3) and ``faces`` (F, 3): equal corners merged whatever their normals and texture coordinates,
-    triangles with a non-finite or a repeated corner dropped. Where edges have more than two triangles or two that run the
-    same way, triangles with the corners of an earlier one are dropped too, unless the surface is closed with them and not
-    open without. If merging the corners of open edges with those within ``weld_distance``, at most 5e-6 of the diagonal,
-    leaves fewer edges open, they are merged; else ``weld_distance`` is 0.
+    triangles with a corner that is not finite (or beyond 3.4e38) or repeated dropped. Where edges have more than two
+    triangles or two that run the same way, triangles with the corners of an earlier one are dropped too, unless the
+    surface is closed with them and not open without. If merging the corners of open edges with those within
+    ``weld_distance``, at most 5e-6 of the diagonal, leaves fewer edges open, they are merged; else ``weld_distance`` is
+    0.
 
     ``n_triangles``: as stored in the file; the counts ``degenerate_faces`` (a repeated corner or no area),
     ``duplicate_faces`` (the same corners as an earlier face, either way round) and ``non_finite_vertices`` (as stored)
@@ -85,16 +88,19 @@ class MeshFacts:
     and ``surface_covariance`` (3, 3): the same of the surface as a thin shell; they always mean something.
 
     ``unit``: metres per unit as COLLADA declares it, None where it or another format does not. ``up_axis``: COLLADA's
-    ``X_UP``, ``Y_UP`` (where it declares none) or ``Z_UP``; None in other formats. ``format`` and ``solid_header``:
+    ``X_UP``, ``Y_UP`` (where it declares none) or ``Z_UP``; None in other formats. ``bad_unit``: COLLADA's unit as written
+    where that is no positive number. ``format`` and ``solid_header``:
     see `urdfcheck.facts.mesh_decode.RawMesh`.
 
-    ``parts`` holds the arrays, and what is computed when it is first asked for: hull, components, duplicate faces.
+    ``parts`` holds the arrays, and what is computed when it is first asked for: hull, components, duplicate faces. Where
+    they are kept elsewhere some may be lost: ``again`` measures the file once more.
     """
 
     format: str
     solid_header: bool
     unit: float | None
     up_axis: str | None
+    bad_unit: str | None
     n_triangles: int
     n_vertices: int
     bounds: Array
@@ -114,6 +120,7 @@ class MeshFacts:
     non_finite_vertices: int
     weld_distance: float
     parts: Parts
+    again: Callable[[], object] | None = None
 
     @property
     def inside_out(self) -> bool:
@@ -121,11 +128,17 @@ class MeshFacts:
 
     @cached_property
     def vertices(self) -> Array:
-        return _frozen(self.parts["surface"]["vertices"].astype(np.float64))
+        return _frozen(self._surface["vertices"].astype(np.float64))
 
     @cached_property
     def faces(self) -> NDArray[np.int64]:
-        return _frozen(self.parts["surface"]["faces"].astype(np.int64))
+        return _frozen(self._surface["faces"].astype(np.int64))
+
+    @property
+    def _surface(self) -> Mapping[str, NDArray[Any]]:
+        if self.parts.get("surface") is None and self.again is not None:
+            self.again()
+        return self.parts["surface"]
 
     @cached_property
     def boundaries(self) -> tuple[Boundary, ...]:
@@ -134,12 +147,12 @@ class MeshFacts:
     @cached_property
     def non_manifold_lines(self) -> Array:
         """Ends (n, 2, 3) of the edges of three or more faces."""
-        return self.vertices[self._edges.non_manifold]
+        return _frozen(self.vertices[self._edges.non_manifold])
 
     @cached_property
     def flipped_lines(self) -> Array:
         """Ends (n, 2, 3) of the edges along which their two faces run the same way."""
-        return self.vertices[self._edges.flipped]
+        return _frozen(self.vertices[self._edges.flipped])
 
     @cached_property
     def _edges(self) -> Edges:
@@ -165,12 +178,12 @@ class MeshFacts:
 
         part = self._part("hull", compute)
         volume, area = map(float, part["sizes"])
-        return Hull(_frozen(part["vertices"]), _frozen(part["faces"]), volume, area)
+        return Hull(part["vertices"], part["faces"], volume, area)
 
     def _part(self, name: str, compute: Callable[[], Mapping[str, NDArray[Any]]]) -> Mapping[str, NDArray[Any]]:
         if name not in self.parts:
             self.parts[name] = compute()
-        return self.parts[name]
+        return {key: _frozen(np.asarray(array)) for key, array in self.parts[name].items()}
 
 
 def mesh_facts(data: bytes, file_type: str, parts: Parts | None = None) -> MeshFacts:
@@ -179,19 +192,20 @@ def mesh_facts(data: bytes, file_type: str, parts: Parts | None = None) -> MeshF
     What is found is put into ``parts``, from which `known_facts` gives it back.
 
     :raises MeshError: when it is no complete mesh file, or holds no triangle with finite corners.
+    :raises ImportError, MemoryError: see `urdfcheck.facts.mesh_decode.decode`; nothing is put into ``parts``.
     """
     parts = {} if parts is None else parts
     try:
-        raw = decode(data, file_type)
-        with np.errstate(over="ignore", invalid="ignore"):  # corners of 1e200 are a finding, not a warning on stderr
-            return _measure(raw, parts)
+        with np.errstate(all="ignore"):  # numbers without sense are a finding, not a warning on stderr
+            return _measure(decode(data, file_type), parts)
     except MeshError as error:
         parts["error"] = {"text": _packed([error.reason_id, error.message])}
         raise
 
 
-def known_facts(parts: Parts) -> MeshFacts | None:
-    """The facts that an earlier `mesh_facts` put into ``parts``; None when there are none.
+def known_facts(parts: Parts, again: Callable[[], object] | None = None) -> MeshFacts | None:
+    """The facts that an earlier `mesh_facts` put into ``parts``; None when there are none. ``again`` puts them there once
+    more, should some have been lost.
 
     :raises MeshError: the one that it raised.
     """
@@ -201,7 +215,7 @@ def known_facts(parts: Parts) -> MeshFacts | None:
         return None
     fields = _unpacked(parts["summary"]["text"])
     arrays = {name: _frozen(np.array(v)) for name, v in fields.items() if isinstance(v, list)}
-    return MeshFacts(**{**fields, **arrays}, parts=parts)
+    return MeshFacts(**{**fields, **arrays}, parts=parts, again=again)
 
 
 def _measure(raw: RawMesh, parts: Parts) -> MeshFacts:
@@ -214,14 +228,15 @@ def _measure(raw: RawMesh, parts: Parts) -> MeshFacts:
     integrals = moments(vertices, faces)
     narrow = vertices.astype(np.float32)
     parts["surface"] = {
-        "vertices": narrow if np.array_equal(narrow, vertices) else vertices,
-        "faces": faces.astype(np.int32),
+        "vertices": _frozen(narrow if np.array_equal(narrow, vertices) else vertices),
+        "faces": _frozen(faces.astype(np.int32)),
     }
     fields: dict[str, Any] = {
         "format": raw.format,
         "solid_header": raw.solid_header,
         "unit": raw.unit,
         "up_axis": raw.up_axis,
+        "bad_unit": raw.bad_unit,
         "n_triangles": raw.n_triangles,
         "n_vertices": len(vertices),
         "bounds": bounds_of(vertices),
@@ -251,7 +266,7 @@ def _measure(raw: RawMesh, parts: Parts) -> MeshFacts:
 
 def _welded(raw: RawMesh) -> tuple[Surface, int]:
     """The surface of the triangles with finite corners, equal corners merged, and how many corners are not finite."""
-    finite = np.isfinite(raw.vertices)
+    finite = np.abs(raw.vertices) < _INFINITE
     if finite.all():
         points, faces, non_finite = raw.vertices, raw.faces, 0
     else:
@@ -260,7 +275,9 @@ def _welded(raw: RawMesh) -> tuple[Surface, int]:
         corners = np.arange(len(raw.vertices)).reshape(-1, 3) if raw.faces is None else raw.faces
         points, faces = raw.vertices, corners[usable[corners].all(axis=1)]
         if not len(faces):
-            raise MeshError("no-triangles", "has a NaN or infinite corner in every triangle")
+            raise MeshError(
+                "no-triangles", "has a corner that is NaN or infinite, or beyond single precision, in every triangle"
+            )
     surface = weld_exact(points, faces)
     if not len(surface.faces):
         raise MeshError("no-triangles", "has nothing but triangles that repeat a corner")

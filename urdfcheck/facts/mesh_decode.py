@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import io
 import json
+import logging
+import math
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,11 +28,19 @@ if TYPE_CHECKING:
 _STL_HEADER = 84
 _STL_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _COMMENT = re.compile(rb"#[^\r\n]*")
+_LINE_END = re.compile(rb"[\r\n]")
+_BOM = b"\xef\xbb\xbf"
 # First bytes that tell a format whatever the file is called. STL, OBJ and OFF readers would find garbage or nothing.
 _SIGNATURES = {"dae": (b"<?xml", b"<COLLADA"), "ply": (b"ply\n", b"ply\r"), "glb": (b"glTF",)}
 # In UTF-16 too.
 _ENTITY = re.compile(rb"<\0?!\0?E\0?N\0?T\0?I\0?T\0?Y")
 _ZIP_END = b"PK\5\6"
+# pycollada makes 0 of a NaN; a number too large for it stays infinite.
+_NAN = re.compile(rb"(?<=[\s>])[-+]?nan(?=[\s<])", re.IGNORECASE)
+# A scene of a few kilobytes can place its geometry a billion times.
+_MOST_PLACED = 100_000
+_MOST_TRIANGLES = 50_000_000
+_COMPRESSED = {"KHR_draco_mesh_compression": "Draco", "EXT_meshopt_compression": "meshopt"}
 
 
 class MeshError(Exception):
@@ -55,7 +65,8 @@ class RawMesh:
     transforms applied. Without faces each three vertices in turn are a triangle.
 
     ``format``: the file type, but ``stl-binary`` or ``stl-ascii``. ``solid_header``: a binary STL that begins with
-    ``solid`` as an ASCII one must. ``unit`` (metres per file unit) and ``up_axis``: COLLADA's.
+    ``solid`` as an ASCII one must. ``unit`` (metres per file unit) and ``up_axis``: COLLADA's. ``bad_unit``: what it
+    declares as its unit, if that is no positive number; ``unit`` is None then.
     """
 
     format: str
@@ -64,6 +75,7 @@ class RawMesh:
     solid_header: bool = False
     unit: float | None = None
     up_axis: str | None = None
+    bad_unit: str | None = None
 
     @property
     def n_triangles(self) -> int:
@@ -74,11 +86,13 @@ def decode(data: bytes, file_type: str) -> RawMesh:
     """The triangles of a mesh file; ``file_type`` is its extension in lower case, without the dot.
 
     :raises MeshError: when the file gives none, or not all that it declares.
+    :raises ImportError: when the library that reads the format is not there.
+    :raises MemoryError: when there is no room for what the file holds or declares.
     """
     _refuse_impostors(data, file_type)
     try:
         mesh = _DECODERS[file_type](data)
-    except MeshError:
+    except (MeshError, ImportError, MemoryError):
         raise
     except Exception as error:  # loaders raise whatever their internals do: AttributeError, IndexError, DaeError …
         text = " ".join(str(error).split())[:200]
@@ -89,7 +103,7 @@ def decode(data: bytes, file_type: str) -> RawMesh:
 
 
 def _refuse_impostors(data: bytes, file_type: str) -> None:
-    start = data[:512].removeprefix(b"\xef\xbb\xbf").lstrip()
+    start = data[:512].removeprefix(_BOM).lstrip()
     if not data:
         raise MeshError("empty", "is empty (0 bytes)")
     if start.startswith(b"version https://git-lfs.github.com/spec/"):
@@ -113,8 +127,9 @@ def _from_stl(data: bytes) -> RawMesh:
     if len(data) >= _STL_HEADER and len(data) == expected:
         corners = np.frombuffer(data, _STL_FACET, count=declared, offset=_STL_HEADER)["corners"]
         return RawMesh("stl-binary", np.ascontiguousarray(corners, dtype=np.float32).reshape(-1, 3), None, solid)
-    if solid and b"\0" not in data:
-        return _from_ascii_stl(data)
+    text = data.rstrip(b"\0")
+    if solid and b"\0" not in text:
+        return _from_ascii_stl(text)
     if len(data) < _STL_HEADER:
         raise MeshError("truncated", f"is truncated: {len(data)} bytes, and a binary STL's header alone has 84")
     present = (len(data) - _STL_HEADER) // _STL_FACET.itemsize
@@ -138,6 +153,12 @@ def _from_ascii_stl(data: bytes) -> RawMesh:
     facets = int(np.count_nonzero(text.spell(b"facet")))
     if len(ends) < facets:
         raise MeshError("truncated", f"is truncated: {facets:,} facets begin and {len(ends):,} are complete")
+    # Some writers leave "endsolid" out, of which `_nameless` keeps "end". Nothing else follows the last facet.
+    closing = text.spell(b"end")
+    if facets and not closing[ends[-1] :].any() and not text.spell(b"endfacet")[-1]:
+        raise MeshError(
+            "truncated", f"is truncated: it ends with {text.token(len(text) - 1)[:80].decode(errors='replace')!r}"
+        )
     if len(begins) != len(ends):
         raise MeshError("malformed", f"has {len(begins):,} times 'outer loop' and {len(ends):,} times 'endloop'")
     counts = np.searchsorted(corners, ends) - np.searchsorted(corners, begins)
@@ -153,9 +174,10 @@ def _nameless(data: bytes) -> bytes:
     parts, at = [], 0
     while (begin := data.find(word, at)) >= 0:
         parts.append(data[at:begin])
-        at = data.find(b"\n", begin)
-        if at < 0:
+        end = _LINE_END.search(data, begin)
+        if end is None:
             return b"".join(parts)
+        at = end.start()
     return b"".join((*parts, data[at:]))
 
 
@@ -163,12 +185,12 @@ def _from_obj(data: bytes) -> RawMesh:
     if b"\0" in data:
         raise MeshError("malformed", "holds binary data, and OBJ is text")
     if b"\\" in data:
-        data = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
-    text = Text(_COMMENT.sub(b"", data))
+        data = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").replace(b"\\\r", b" ")
+    text = Text(_COMMENT.sub(b"", data.removeprefix(_BOM)))
     starts = text.line_starts()
     counts = np.diff(starts, append=len(text)) - 1
     is_vertex, is_face = (text.spell(word)[starts] for word in (b"v", b"f"))
-    for line in np.flatnonzero(is_vertex & (counts < 3))[:1]:
+    for line in np.flatnonzero((is_vertex | is_face) & (counts < 3))[:1]:
         raise _bad_line(text, starts[line], "obj")
     vertices = _numbers(text, starts[is_vertex][:, None] + (1, 2, 3), "obj")
     faces, line = _fans(text, starts[is_face] + 1, counts[is_face], "obj")
@@ -178,7 +200,7 @@ def _from_obj(data: bytes) -> RawMesh:
 
 
 def _from_off(data: bytes) -> RawMesh:
-    text = Text(_COMMENT.sub(b"", data))
+    text = Text(_COMMENT.sub(b"", data.removeprefix(_BOM)))
     starts = text.line_starts()
     header = text.token(0) if len(text) else b""
     if not re.fullmatch(rb"(ST)?C?N?OFF", header):
@@ -193,10 +215,15 @@ def _from_off(data: bytes) -> RawMesh:
             f"is truncated: it declares {n_vertices:,} vertices and {n_faces:,} faces, "
             f"{n_vertices + n_faces:,} lines, and has {len(body):,}",
         )
+    if len(body) > n_vertices + n_faces:
+        raise _bad_line(text, body[n_vertices + n_faces], "off")
     points, polygons = body[:n_vertices], body[n_vertices : n_vertices + n_faces]
     if len(points) and points[-1] + 3 >= len(text):
         raise _bad_line(text, points[-1], "off")
-    corners, _ = _fans(text, polygons + 1, _indices(text, polygons, "off"), "off")
+    counts = _indices(text, polygons, "off")
+    for polygon in np.flatnonzero(counts < 1)[:1]:
+        raise _bad_line(text, polygons[polygon], "off")
+    corners, _ = _fans(text, polygons + 1, counts, "off")
     return _checked("off", _numbers(text, points[:, None] + (0, 1, 2), "off"), corners)
 
 
@@ -245,10 +272,14 @@ def _bad_line(text: Text, token: int, name: str) -> MeshError:
 
 
 def _checked(name: str, vertices: NDArray[np.float64], faces: Indices) -> RawMesh:
-    outside = (faces < 0) | (faces >= len(vertices))
-    if outside.any():
-        raise MeshError("malformed", f"has {int(outside.any(axis=1).sum()):,} faces that name a vertex it lacks")
+    _refuse_outside(faces, len(vertices))
     return RawMesh(name, vertices, faces)
+
+
+def _refuse_outside(faces: Indices, n_vertices: int) -> None:
+    if faces.size and (faces.min() < 0 or faces.max() >= n_vertices):
+        outside = ((faces < 0) | (faces >= n_vertices)).any(axis=1)
+        raise MeshError("malformed", f"has {int(outside.sum()):,} faces that name a vertex it lacks")
 
 
 def _from_dae(data: bytes) -> RawMesh:
@@ -260,27 +291,105 @@ def _from_dae(data: bytes) -> RawMesh:
     if _ZIP_END in data:  # pycollada would unpack it, whatever its size
         raise MeshError("malformed", "is a zip archive, not a COLLADA document")
     # A broken material or light is no concern here, and other loaders pass over it.
-    document = Collada(io.BytesIO(data), ignore=[DaeError])
+    with _silent("collada"):
+        document = Collada(io.BytesIO(_NAN.sub(b"1e999", data) if b"nan" in data.lower() else data), ignore=[DaeError])
     parts = []
-    for geometry in document.scene.objects("geometry") if document.scene is not None else ():
-        for primitive in geometry.primitives():
-            triangles = primitive.triangleset() if hasattr(primitive, "triangleset") else primitive
-            if hasattr(triangles, "ntriangles") and triangles.vertex is not None and triangles.ntriangles:
-                faces = np.asarray(triangles.vertex_index, dtype=np.int64).reshape(-1, 3)
-                parts.append((np.asarray(triangles.vertex, dtype=np.float64), faces, geometry.matrix))
+    if document.scene is not None:
+        _refuse_bomb(document.scene.nodes)
+        for geometry in document.scene.objects("geometry"):
+            for primitive in geometry.primitives():
+                triangles = primitive.triangleset() if hasattr(primitive, "triangleset") else primitive
+                if hasattr(triangles, "ntriangles") and triangles.vertex is not None and triangles.ntriangles:
+                    faces = np.asarray(triangles.vertex_index, dtype=np.int64).reshape(-1, 3)
+                    parts.append((np.asarray(triangles.vertex, dtype=np.float64), faces, geometry.matrix))
     if not parts and document.scene is None:
         raise MeshError("no-triangles", "has no <scene> that places its geometry")
     if not parts and document.errors:
         raise MeshError("malformed", f"cannot be read as dae: {' '.join(str(document.errors[0]).split())[:200]}")
-    asset = document.assetInfo
-    return _joined("dae", parts, asset.unitmeter, asset.upaxis)
+    declared = document.xmlnode.find("{*}asset/{*}unit")
+    text = None if declared is None else declared.get("meter")
+    unit = None if text is None else _positive(text)
+    bad_unit = text if unit is None else None
+    return replace(_joined("dae", parts), unit=unit, up_axis=document.assetInfo.upaxis, bad_unit=bad_unit)
+
+
+def _refuse_bomb(nodes: list[Any]) -> None:
+    """Refuse nodes of pycollada that place too much, or geometry that is not all there, before anything is expanded."""
+    known: dict[int, NDArray[np.float64]] = {}  # geometries and triangles that a node places
+
+    def placed(node: Any) -> NDArray[np.float64]:
+        if id(node) not in known:
+            total = np.zeros(2)
+            if hasattr(node, "geometry"):
+                total += 1, sum(_triangles(primitive) for primitive in node.geometry.primitives)
+            for child in (node.node,) if hasattr(node, "node") else getattr(node, "children", ()):
+                total += placed(child)
+            known[id(node)] = total
+        return known[id(node)]
+
+    geometries, triangles = sum((placed(node) for node in nodes), np.zeros(2))
+    if geometries > _MOST_PLACED:
+        raise MeshError("malformed", f"places its geometry more than {_MOST_PLACED:,} times")
+    if triangles > _MOST_TRIANGLES:
+        raise MeshError("malformed", f"places more than {_MOST_TRIANGLES:,} triangles")
+
+
+def _triangles(primitive: Any) -> int:
+    """About how many triangles a primitive has.
+
+    :raises MeshError: when it declares more polygons than there are.
+    """
+    present = getattr(primitive, "ntriangles", getattr(primitive, "npolygons", None))
+    if present is None:
+        return 0
+    kind, declared = primitive.xmlnode.tag.rpartition("}")[2], primitive.xmlnode.get("count", "")
+    if kind in {"triangles", "polylist", "polygons"} and declared.isdecimal() and present < int(declared):
+        raise MeshError("truncated", f"is truncated: it declares {int(declared):,} {kind} and has {present:,}")
+    return len(primitive.index)
+
+
+def _positive(text: str) -> float | None:
+    """The number that a text is, if that is positive and finite."""
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if 0.0 < value < math.inf else None
+
+
+@contextmanager
+def _silent(library: str) -> Iterator[None]:
+    """Keep from stderr what a library logs about a stranger's file: tracebacks, among others."""
+    logger, handler = logging.getLogger(library), logging.NullHandler()
+    before = logger.propagate
+    logger.addHandler(handler)
+    logger.propagate = False
+    try:
+        yield
+    finally:
+        logger.propagate = before
+        logger.removeHandler(handler)
 
 
 def _from_gltf(data: bytes) -> RawMesh:
-    outside = [b["uri"] for b in json.loads(data).get("buffers", ()) if not b.get("uri", "data:").startswith("data:")]
+    _refuse_unread(json.loads(data))
+    return _from_trimesh(data, "gltf")
+
+
+def _from_glb(data: bytes) -> RawMesh:
+    # The first chunk is the JSON text: 12 bytes of header, its length, its type.
+    _refuse_unread(json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")]))
+    return _from_trimesh(data, "glb")
+
+
+def _refuse_unread(scene: Any) -> None:
+    """Refuse a glTF scene whose geometry is somewhere else, or compressed."""
+    outside = [b["uri"] for b in scene.get("buffers", ()) if not b.get("uri", "data:").startswith("data:")]
     if outside:
         raise MeshError("external-buffer", f"keeps its geometry in another file ({outside[0]!r}), which is not read")
-    return _from_trimesh(data, "gltf")
+    for extension, name in _COMPRESSED.items():
+        if extension in scene.get("extensionsRequired", ()):
+            raise MeshError("unsupported", f"is compressed with {name} ({extension}), which is not read")
 
 
 def _from_ply(data: bytes) -> RawMesh:
@@ -297,7 +406,8 @@ def _from_ply(data: bytes) -> RawMesh:
 def _from_trimesh(data: bytes, file_type: str) -> RawMesh:
     import trimesh  # half a second: only where a format needs it
 
-    scene = trimesh.load_scene(io.BytesIO(data), file_type=file_type, process=False)
+    with _silent("trimesh"):
+        scene = trimesh.load_scene(io.BytesIO(data), file_type=file_type, process=False)
     parts = []
     for node in scene.graph.nodes_geometry:
         matrix, name = scene.graph[node]
@@ -312,18 +422,17 @@ def _from_trimesh(data: bytes, file_type: str) -> RawMesh:
 def _joined(
     name: str,
     parts: list[tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]],
-    unit: float | None = None,
-    up_axis: str | None = None,
 ) -> RawMesh:
     """One mesh of a scene's parts: placed vertices, faces, and the (4, 4) matrix that placed them."""
     vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
     for points, corners, matrix in parts:
+        _refuse_outside(corners, len(points))
         # A mirroring node turns triangles inside out; their order is reversed to keep the outside outside.
         outward = corners[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0.0 else corners
         vertices.append(points)
         faces.append(outward + count)
         count += len(points)
-    return RawMesh(name, np.concatenate(vertices), np.concatenate(faces), unit=unit, up_axis=up_axis)
+    return RawMesh(name, np.concatenate(vertices), np.concatenate(faces))
 
 
 _DECODERS: dict[str, Callable[[bytes], RawMesh]] = {
@@ -332,6 +441,6 @@ _DECODERS: dict[str, Callable[[bytes], RawMesh]] = {
     "dae": _from_dae,
     "ply": _from_ply,
     "off": _from_off,
-    "glb": lambda data: _from_trimesh(data, "glb"),
+    "glb": _from_glb,
     "gltf": _from_gltf,
 }

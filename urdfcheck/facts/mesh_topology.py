@@ -348,7 +348,7 @@ def _boundary(vertices: Array, path: list[int], closed: bool) -> Boundary:
     starts = points if closed else points[:-1]
     lengths = np.linalg.norm(following - starts, axis=1)
     length = float(lengths.sum())
-    centre = lengths @ (starts + following) / 2.0 / length
+    centre = lengths @ (starts + following) / 2.0 / length if length > 0.0 else points.mean(axis=0)
     points.setflags(write=False)
     centre.setflags(write=False)
     return Boundary(points, closed, length, centre)
