@@ -90,7 +90,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--arg", action="append", default=[], metavar="NAME:=VALUE", help="xacro argument for all models")
     p.add_argument("--package", action="append", default=[], metavar="NAME=DIR", help="where a ROS package is")
     p.add_argument("--package-path", action="append", default=[], metavar="DIR", help="folder that holds packages")
-    p.add_argument("--target", metavar="NAMES", help="who will read the model: gazebo, mujoco, drake, … (recorded)")
+    p.add_argument("--target", metavar="NAMES", help="who will read the model: gazebo, mujoco, drake, … (see MSH011)")
     p.add_argument("--thorough", action="store_true", help="look at 5,000 configurations of the joints instead of 200")
     p.add_argument("--no-cache", action="store_true", help="keep no measurements and use none that were kept")
     p.add_argument("--jobs", type=int, metavar="N", help="models checked at the same time (default: the cores)")
@@ -258,7 +258,7 @@ def cache(words: Sequence[str]) -> int:
     if kept.folder is None:
         raise UrdfcheckError("this user has no cache folder; URDFCHECK_CACHE_DIR names one")
     files = [status.st_size for _, status in kept.files()]
-    size = f"{len(files):,} file{'s' * (len(files) != 1)}, {sum(files) / 1e6:,.1f} MB"
+    size = f"{len(files):,} file{'s' * (len(files) != 1)}, {sum(files) / 1e6:,.2f} MB"
     if options.action == "clear":
         kept.clear()
         print(f"deleted {size} in {kept.folder}")

@@ -253,14 +253,24 @@ def _in_workers(
 
     # A package or a launch file takes less time than a process for it.
     at_once = max(1, min(jobs, sum(unit.kind == "model" for unit in units)))
+    # The large ones first, so that none of them is left alone at the end.
+    order = sorted(range(len(units)), key=lambda index: -_size(units[index].path))
+    work = [(units[index], settings) for index in order]
     reports: dict[int, Report] = {}
-    for index, result in in_workers(_audit, [(unit, settings) for unit in units], at_once, first, meanwhile):
-        unit = units[index]
+    for place, result in in_workers(_audit, work, at_once, first, meanwhile):
+        unit = units[order[place]]
         if isinstance(result, Died):
             text = f"the worker for {unit.id} died (exit code {result.exit_code})"
             result = Report(info=_dead(unit), failures=(text,))
-        reports[index] = result
+        reports[order[place]] = result
     return [reports[index] for index in range(len(units))]
+
+
+def _size(path: str) -> int:
+    try:
+        return os.stat(path).st_size
+    except OSError:
+        return 0
 
 
 def _audit(unit: Unit, settings: Settings) -> Report:

@@ -12,12 +12,15 @@ import gc
 import multiprocessing
 import os
 import signal
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
 FORKS = "fork" in multiprocessing.get_all_start_methods()
+# So few jobs may be done by the first worker before another has loaded what it needs, which takes about so many seconds.
+_FEW, _PATIENCE = 4, 0.3
 
 
 class Died(Exception):
@@ -34,6 +37,7 @@ class Worker:
 
     process: Any
     pipe: Connection
+    prepare: Callable[[], object] | None = None
 
     @classmethod
     def start(cls, prepare: Callable[[], object] | None = None) -> Worker:
@@ -44,7 +48,7 @@ class Worker:
         process = context.Process(target=_serve, args=(its, prepare, ours if FORKS else None), daemon=True)
         process.start()
         its.close()
-        return cls(process, ours)
+        return cls(process, ours, prepare)
 
     def give(self, function: Callable[..., object], arguments: Sequence[object]) -> None:
         """Tell it a job."""
@@ -72,21 +76,24 @@ def in_workers(
     meanwhile: Callable[[], object] | None = None,
 ) -> Iterator[tuple[int, Any]]:
     """Call the function with each job's arguments, ``at_once`` at a time; as they come, the index of the job and what it
-    returned, or `Died`. ``first``: a worker that waits already; ``meanwhile`` is called once while the first are busy."""
+    returned, or `Died`. ``first``: a worker that waits already, and that others are like; ``meanwhile`` is called once while
+    the first are busy."""
     waiting = list(range(len(jobs)))[::-1]
     idle = [] if first is None else [first]
     busy: dict[Connection, tuple[int, Worker]] = {}
+    until = time.monotonic() + (_PATIENCE if idle and len(jobs) <= _FEW else 0.0)
     try:
         while waiting or busy:
-            while waiting and len(busy) < at_once:
-                worker = idle.pop() if idle else Worker.start()
+            patience = max(0.0, until - time.monotonic())
+            while waiting and (idle or not busy or (len(busy) < at_once and not patience)):
+                worker = idle.pop() if idle else Worker.start(None if first is None else first.prepare)
                 index = waiting.pop()
                 worker.give(function, jobs[index])
                 busy[worker.pipe] = index, worker
             if meanwhile is not None:
                 meanwhile()
                 meanwhile = None
-            for ready in wait(list(busy)):
+            for ready in wait(list(busy), patience if waiting and patience else None):
                 assert isinstance(ready, Connection)
                 index, worker = busy.pop(ready)
                 try:
@@ -113,6 +120,7 @@ def _serve(pipe: Connection, prepare: Callable[[], object] | None, inherited: Co
     gc.disable()  # what a job needs it needs until its end
     if prepare is not None:
         prepare()
+        gc.freeze()  # what was loaded stays: no later collection need look through it
     with contextlib.suppress(EOFError, OSError):  # the parent has gone, or has no more jobs
         while True:
             function, arguments = pipe.recv()
