@@ -220,7 +220,8 @@ def _summary(run: Run) -> Text:
         text.append(f"{GLYPHS[severity]} {_plural(count, str(severity))}", STYLES[severity] if count else "dim")
         text.append("  ")
     states = _states(run.models)
-    text.append(f"in {_plural(len(run.models), 'model')}{states}, {run.seconds:.1f} s", "dim")
+    took = f", {run.seconds:.1f} s" if run.seconds else ""  # a reproducible report tells no time
+    text.append(f"in {_plural(len(run.models), 'model')}{states}{took}", "dim")
     return text
 
 
