@@ -52,9 +52,11 @@ def _skipped(run: Run) -> str:
 
 def _about(run: Run) -> str:
     versions = "".join(f"<div><dt>{esc(k)}</dt><dd>{esc(v)}</dd></div>" for k, v in run.versions.items())
+    # A reproducible report tells no time.
+    took = f' in <span class="seconds">{run.seconds:.1f} s</span>' if run.seconds else ""
     return (
         '<section id="about"><h2>How this report was made</h2>'
-        f'<p>urdfcheck read {plural(len(run.models), "model")} in <span class="seconds">{run.seconds:.1f} s</span>. '
+        f'<p>urdfcheck read {plural(len(run.models), "model")}{took}. '
         "It ran nothing of the robot's own code, and this file loads nothing from anywhere.</p>"
         f'<dl class="facts">{versions}</dl></section>'
     )
