@@ -56,7 +56,7 @@ def _about(run: Run) -> str:
     took = f' in <span class="seconds">{run.seconds:.1f} s</span>' if run.seconds else ""
     return (
         '<section id="about"><h2>How this report was made</h2>'
-        f'<p>urdfcheck read {plural(len(run.models), "model")}{took}. '
+        f"<p>urdfcheck read {plural(len(run.models), 'model')}{took}. "
         "It ran nothing of the robot's own code, and this file loads nothing from anywhere.</p>"
         f'<dl class="facts">{versions}</dl></section>'
     )
