@@ -127,6 +127,7 @@ def test_an_entry_goes_as_a_whole(tmp_path: Path) -> None:
     assert "small" in Cache(tmp_path).entry("kind", f"{KEY}0")
     cache.trim(60_000)
     assert [f.parent.name[-1] for f in files_of(tmp_path)] == ["0", "0"]
+    assert len([folder for folder in files_of(tmp_path, f"{KEY[2:]}*") if folder.is_dir()]) == 1
 
 
 def test_what_others_keep_in_the_folder_stays(

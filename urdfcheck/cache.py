@@ -101,6 +101,7 @@ class Cache:
             for path, _ in files if kept > largest else ():
                 with contextlib.suppress(OSError):
                     path.unlink()
+                    path.parent.rmdir()  # the last of an entry's files takes its folder along
 
     def clear(self) -> None:
         """Drop everything."""

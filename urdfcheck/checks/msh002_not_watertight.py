@@ -20,10 +20,9 @@ LOOPS, POINTS = 16, 64
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     drawn: list[MeshUse] = []
-    for path, uses in model.meshes.by_file().items():
-        facts = model.meshes.facts.get(path)
+    for uses, facts in model.meshes.measured():
         # Where a corner is nowhere, its triangles are missing: MSH007 says so.
-        if facts is None or not facts.open_edges or facts.non_finite_vertices:
+        if not facts.open_edges or facts.non_finite_vertices:
             continue
         if uses[0].shape.role != "collision":
             drawn.append(uses[0])

@@ -13,9 +13,8 @@ from urdfcheck.model.names import listed
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     drawn: list[MeshUse] = []
-    for path, uses in model.meshes.by_file().items():
-        facts = model.meshes.facts.get(path)
-        if facts is None or facts.winding_consistent:
+    for uses, facts in model.meshes.measured():
+        if facts.winding_consistent:
             continue
         if uses[0].shape.role != "collision":
             drawn.append(uses[0])

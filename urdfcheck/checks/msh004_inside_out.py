@@ -10,9 +10,8 @@ from urdfcheck.model import Model
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for path, uses in model.meshes.by_file().items():
-        facts = model.meshes.facts.get(path)
-        if facts is None or not facts.inside_out:
+    for uses, facts in model.meshes.measured():
+        if not facts.inside_out:
             continue
         # A scale that mirrors turns the mesh the right way out again in consumers that leave the corners as they are.
         upright = [use for use in uses if use.shape.size is not None and prod(use.shape.size) > 0]

@@ -10,9 +10,8 @@ from urdfcheck.model.drawing import drawable
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for path, uses in model.meshes.by_file().items():
-        facts = model.meshes.facts.get(path)
-        if facts is None or uses[0].shape.role != "collision" or not facts.non_manifold_edges:
+    for uses, facts in model.meshes.measured():
+        if uses[0].shape.role != "collision" or not facts.non_manifold_edges:
             continue
         # Closed bodies that touch along an edge enclose what they should; a mesh with open edges is MSH002's.
         if facts.closed or facts.open_edges:

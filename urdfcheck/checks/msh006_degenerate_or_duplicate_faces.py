@@ -23,9 +23,8 @@ MESHES, TRIANGLES = 8, 32
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     found: list[tuple[MeshUse, MeshFacts]] = []
-    for path, uses in model.meshes.by_file().items():
-        facts = model.meshes.facts.get(path)
-        if facts is None or uses[0].shape.role != "collision":
+    for uses, facts in model.meshes.measured():
+        if uses[0].shape.role != "collision":
             continue
         if facts.degenerate_faces or facts.duplicate_faces:
             found.append((uses[0], facts))

@@ -9,9 +9,8 @@ from urdfcheck.model import Model
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for path, uses in model.meshes.by_file().items():
-        facts = model.meshes.facts.get(path)
-        if facts is not None and facts.non_finite_vertices:
+    for uses, facts in model.meshes.measured():
+        if facts.non_finite_vertices:
             yield rule.finding(
                 "non_finite",
                 at=uses[0].filename,

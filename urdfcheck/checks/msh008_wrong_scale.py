@@ -74,9 +74,8 @@ class _Sizes:
 def _invalid(model: Model, rule: Rule) -> Iterator[Finding]:
     """Each unit that is none, once for all files that declare it: their exporter is the same."""
     found: dict[str, list[MeshUse]] = {}
-    for path, uses in model.meshes.by_file().items():
-        facts = model.meshes.facts.get(path)
-        if facts is not None and facts.bad_unit is not None:
+    for uses, facts in model.meshes.measured():
+        if facts.bad_unit is not None:
             found.setdefault(facts.bad_unit, []).extend(uses)
     for declared, users in found.items():
         yield rule.finding(

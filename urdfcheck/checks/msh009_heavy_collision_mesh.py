@@ -9,9 +9,8 @@ from urdfcheck.model import Model
 
 
 def check(model: Model, rule: Rule, *, triangles: int) -> Iterator[Finding]:
-    for path, uses in model.meshes.by_file().items():
-        facts = model.meshes.facts.get(path)
-        if facts is not None and uses[0].shape.role == "collision" and facts.n_triangles > triangles:
+    for uses, facts in model.meshes.measured():
+        if uses[0].shape.role == "collision" and facts.n_triangles > triangles:
             yield rule.finding(
                 "heavy",
                 at=uses[0].filename,

@@ -41,8 +41,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 def _loaded(model: Model, target: str) -> list[tuple[MeshUse, MeshFacts]]:
     """The first use of each file that a program loads."""
     collision_only = target in COLLISION_ONLY and not (target == "mujoco" and _keeps_visuals(model))
-    found = [(uses[0], model.meshes.facts.get(path)) for path, uses in model.meshes.by_file().items()]
-    return [(u, f) for u, f in found if f is not None and (u.shape.role == "collision" or not collision_only)]
+    found = [(uses[0], facts) for uses, facts in model.meshes.measured()]
+    return [(u, f) for u, f in found if u.shape.role == "collision" or not collision_only]
 
 
 def _keeps_visuals(model: Model) -> bool:

@@ -12,11 +12,10 @@ from urdfcheck.model.names import listed
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     found: dict[str, list[MeshUse]] = {}
-    for path, uses in model.meshes.by_file().items():
-        facts = model.meshes.facts.get(path)
-        if facts is not None and facts.solid_header:
+    for uses, facts in model.meshes.measured():
+        if facts.solid_header:
             found.setdefault("solid", []).append(uses[0])
-        elif facts is not None and facts.format == "stl-ascii":
+        elif facts.format == "stl-ascii":
             found.setdefault("text", []).append(uses[0])
     for message, uses_of in found.items():
         names = [use.name for use in uses_of]

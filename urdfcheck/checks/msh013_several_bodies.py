@@ -12,9 +12,8 @@ from urdfcheck.model.names import listed
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     found: list[tuple[MeshUse, int]] = []
-    for path, uses in model.meshes.by_file().items():
-        facts = model.meshes.facts.get(path)
-        if facts is not None and uses[0].shape.role == "collision" and len(facts.components) > 1:
+    for uses, facts in model.meshes.measured():
+        if uses[0].shape.role == "collision" and len(facts.components) > 1:
             found.append((uses[0], len(facts.components)))
     found.sort(key=lambda entry: -entry[1])
     if found:

@@ -15,10 +15,9 @@ SHEET = 1e-6
 
 def check(model: Model, rule: Rule, *, times: float) -> Iterator[Finding]:
     found: list[tuple[MeshUse, float]] = []
-    for path, uses in model.meshes.by_file().items():
-        facts = model.meshes.facts.get(path)
+    for uses, facts in model.meshes.measured():
         # The volume of an open mesh means nothing.
-        if facts is None or uses[0].shape.role != "collision" or not facts.closed:
+        if uses[0].shape.role != "collision" or not facts.closed:
             continue
         volume, hull = abs(facts.volume), facts.hull.volume
         if volume > SHEET * hull and hull > times * volume:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -78,6 +78,13 @@ class Meshes:
                 found.setdefault(use.resource.path, []).append(use)
         return {path: tuple(sorted(uses, key=lambda u: u.shape.role != "collision")) for path, uses in found.items()}
 
+    def measured(self) -> Iterator[tuple[tuple[MeshUse, ...], MeshFacts]]:
+        """The uses, as in :meth:`by_file`, and the facts of each file that could be read."""
+        for path, uses in self.by_file().items():
+            facts = self.facts.get(path)
+            if facts is not None:
+                yield uses, facts
+
     def key(self, path: Path) -> str | None:
         """What identifies a file's content and how it is read; None for a file that could not be opened."""
         digest = self.digests.get(path)
@@ -97,25 +104,25 @@ class Meshes:
                 key = f"{digests[path]}-{kind}-{_version(kind)}"
                 if key not in by_content:
                     parts = cache.entry("meshes", key)
-                    measure = partial(_measure, path, data, parts)
-                    by_content[key] = known_facts(parts, measure) or measure()
+                    known = known_facts(parts, again=partial(_measure, path, parts))
+                    by_content[key] = known or _measure(path, parts, data)
             except MeshError as error:
                 by_content[key] = error
             except (OSError, ImportError, MemoryError) as error:
                 errors[path] = _unread(error)
                 continue
-            known = by_content[key]
-            if isinstance(known, MeshError):
-                errors[path] = known
+            found = by_content[key]
+            if isinstance(found, MeshError):
+                errors[path] = found
             else:
-                facts[path] = known
+                facts[path] = found
         return replace(self, facts=facts, errors=errors, digests=digests)
 
 
-def _measure(path: Path, data: bytes | None, parts: Entry) -> MeshFacts:
+def _measure(path: Path, parts: Entry, data: bytes | None = None) -> MeshFacts:
     from urdfcheck.facts.mesh import mesh_facts
 
-    return mesh_facts(data or path.read_bytes(), _kind(path), parts)
+    return mesh_facts(path.read_bytes() if data is None else data, _kind(path), parts)
 
 
 def _unread(error: OSError | ImportError | MemoryError) -> MeshError:
