@@ -8,6 +8,9 @@ import pytest
 from conftest import check_text
 
 from urdfcheck.core import Finding, Severity
+from urdfcheck.model import Model
+from urdfcheck.source.load import load
+from urdfcheck.source.packages import PackageFinder
 
 SOUND = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
 ZERO = '<inertial><mass value="{}"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
@@ -71,6 +74,21 @@ def test_a_description_that_cannot_move_needs_no_inertial(tmp_path: Path) -> Non
     assert not found(tmp_path, "INR001", arm("", joint="fixed", base=""))
 
 
+def test_what_a_target_drops_is_an_error(tmp_path: Path) -> None:
+    (drawn,) = check_text(tmp_path / "a", arm(BOX), codes={"INR001"}, targets=("mujoco",)).findings
+    (dropped,) = check_text(tmp_path / "b", arm(BOX), codes={"INR001"}, targets=("gazebo",)).findings
+    (refused,) = check_text(tmp_path / "c", arm(""), codes={"INR001"}, targets=("mujoco",)).findings
+    assert [f.severity for f in (drawn, dropped, refused)] == [Severity.WARNING, Severity.ERROR, Severity.ERROR]
+
+
+def test_bullet_assumes_a_mass_for_frames_too(tmp_path: Path) -> None:
+    text = arm(SOUND, more=fixed("tool", "") + fixed("tip", "", parent="tool") + fixed("marked", ZERO.format(0)))
+    assert not found(tmp_path, "INR001", text)
+    (finding,) = check_text(tmp_path, text, codes={"INR001", "INR002"}, targets=("bullet",)).findings
+    assert finding.message_id == "assumed"
+    assert finding.data["links"] == "tool, tip"
+
+
 # -- INR002 ---------------------------------------------------------------------------------------------------------
 
 
@@ -80,7 +98,7 @@ def test_a_description_that_cannot_move_needs_no_inertial(tmp_path: Path) -> Non
         (arm(inertial("-1")), "negative", Severity.ERROR),
         (arm(inertial("0")), "inertia_without_mass", Severity.ERROR),
         (arm(ZERO.format(0) + BOX), "zero", Severity.ERROR),
-        (arm(ZERO.format(0)), "helper", Severity.INFO),
+        (arm(ZERO.format(0)), "loose", Severity.WARNING),
         (arm(ZERO.format(0), joint="fixed"), "helper", Severity.INFO),
         (arm(SOUND, base=ZERO.format(0) + BOX), "root", Severity.INFO),
     ],
@@ -120,6 +138,45 @@ def test_the_residue_of_a_zero_tensor_breaks_no_inequality(tmp_path: Path) -> No
     assert not found(tmp_path, "INR003", arm(inertial("0.1", ixx="1e-21", iyy="3e-20", izz="9e-20")))
 
 
+def test_digits_that_are_too_few_are_the_cause_of_a_large_violation_too(tmp_path: Path) -> None:
+    # 1.4 + 1.4 >= 2.5 rounds to 1, 1 and 3.
+    (finding,) = found(tmp_path, "INR003", arm(inertial(ixx="1e-5", iyy="1e-5", izz="3e-5")))
+    assert (finding.message_id, finding.severity) == ("violated", Severity.ERROR)
+    assert finding.cause is not None
+    assert finding.cause.id == "digits"
+
+
+def impossible(mass: str, small: str, large: str) -> str:
+    return inertial(mass, ixx=small, iyy=small, izz=large)
+
+
+@pytest.mark.parametrize(
+    ("child", "message", "severity"),
+    [
+        (impossible("0.1", "0.01", "0.1"), "fused", Severity.ERROR),
+        (impossible("0.1", "1", "9"), "violated", Severity.ERROR),
+        (impossible("0.0005", "1e-5", "1e-4"), "helper", Severity.INFO),
+        (impossible("0.0005", "0.01", "0.1"), "fused", Severity.ERROR),
+        (impossible("0.1", "1e-5", "1e-4"), "fused", Severity.ERROR),
+    ],
+)
+def test_an_impossible_link_is_judged_with_what_it_is_fixed_to(
+    tmp_path: Path, child: str, message: str, severity: Severity
+) -> None:
+    (finding,) = found(tmp_path, "INR003", arm(SOUND, more=fixed("cover", child)))
+    assert (finding.message_id, finding.severity) == (message, severity)
+
+
+def test_a_light_impossible_link_that_a_joint_moves_is_no_helper(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "INR003", arm(impossible("0.0005", "1e-5", "1e-4")))
+    assert (finding.message_id, finding.severity) == ("violated", Severity.ERROR)
+
+
+def test_an_impossible_link_is_found_although_the_tree_is_broken(tmp_path: Path) -> None:
+    text = f'<robot name="r"><link name="a">{impossible("1", "0.01", "0.1")}</link><link name="b"/></robot>'
+    assert [f.message_id for f in found(tmp_path, "INR003", text)] == ["violated"]
+
+
 # -- INR004 ---------------------------------------------------------------------------------------------------------
 
 
@@ -147,7 +204,7 @@ def test_numbers_in_the_order_of_another_tool_are_recognised(tmp_path: Path) -> 
 def test_a_product_at_its_bound_is_a_line_and_beyond_it_impossible(tmp_path: Path) -> None:
     # A rod along x = y: Ixy = -sqrt(Ixx Iyy) exactly.
     (line,) = found(tmp_path / "a", "INR004", arm(inertial(ixy="-1", izz="2")))
-    (beyond,) = found(tmp_path / "b", "INR004", arm(inertial(ixy="-1.001", izz="2")))
+    (beyond,) = found(tmp_path / "b", "INR004", arm(inertial(ixx="1.0000", iyy="1.0000", ixy="-1.0010", izz="2.0000")))
     assert (line.message_id, line.severity) == ("line", Severity.WARNING)
     assert (beyond.message_id, beyond.severity) == ("product", Severity.ERROR)
 
@@ -159,6 +216,127 @@ def test_a_point_mass_fixed_to_a_body_is_an_info(tmp_path: Path) -> None:
 
 def test_a_frame_without_mass_is_no_point(tmp_path: Path) -> None:
     assert not found(tmp_path, "INR004", arm(SOUND, more=fixed("frame", ZERO.format(0))))
+
+
+def test_an_askew_rod_that_was_rounded_needs_more_digits(tmp_path: Path) -> None:
+    # A rod along (1, 1, 1): every product is half of every moment, and the smallest moment 0.
+    rod = dict.fromkeys(("ixx", "iyy", "izz"), "0.0667") | dict.fromkeys(("ixy", "ixz", "iyz"), "-0.0334")
+    (finding,) = found(tmp_path / "a", "INR004", arm(inertial(**rod)))
+    assert (finding.message_id, finding.severity) == ("rounded", Severity.WARNING)
+    assert finding.data["digits"] > finding.data["typed"] == 3
+    exact = {name: text + "000" for name, text in rod.items()}
+    (finding,) = found(tmp_path / "b", "INR004", arm(inertial(**exact)))
+    assert (finding.message_id, finding.severity) == ("products", Severity.ERROR)
+
+
+@pytest.mark.parametrize(
+    ("mass", "size", "message"),
+    [("0.0005", "1e-5", "helper"), ("0.1", "1e-5", "negative_sign"), ("0.1", "9", "negative_sign")],
+)
+def test_a_negative_moment_on_a_helper_link_is_an_info(tmp_path: Path, mass: str, size: str, message: str) -> None:
+    cover = inertial(mass, ixx=size, iyy="-" + size, izz=size)
+    (finding,) = found(tmp_path, "INR004", arm(SOUND, more=fixed("cover", cover)))
+    assert finding.message_id == message
+    assert (finding.severity == Severity.INFO) == (message == "helper")
+    assert ("together with arm" in finding.message) == (mass == "0.1" and size == "1e-5")
+
+
+# -- INR011 ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("mass", "light"), [("0.00099", True), ("0.001", False), ("1", False), ("1e5", False)])
+def test_a_child_is_light_below_a_thousandth_and_the_root_may_be_bolted_down(
+    tmp_path: Path, mass: str, light: bool
+) -> None:
+    assert [f.message_id for f in found(tmp_path, "INR011", arm(inertial(mass)))] == ["light"] * light
+
+
+@pytest.mark.parametrize(("cover", "messages"), [("", ["heavy"]), (inertial("0.9"), [])])
+def test_a_body_that_carries_a_hundred_times_its_mass_counts_with_what_is_fixed_to_it(
+    tmp_path: Path, cover: str, messages: list[str]
+) -> None:
+    tip = f'<link name="tip">{inertial("10.1")}</link>'
+    joint = '<joint name="k" type="revolute"><parent link="arm"/><child link="tip"/><axis xyz="1 0 0"/></joint>'
+    text = arm(inertial("0.1"), more=tip + joint + fixed("cover", cover))
+    assert [f.message_id for f in found(tmp_path, "INR011", text)] == messages
+
+
+# -- INR012 ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        (inertial("1e-6"), "mass"),
+        (inertial("1.1e-6"), None),
+        (inertial("1", ixx="0.9e-8", iyy="0.9e-8", izz="0.9e-8"), "point"),
+        (inertial("1", ixx="1.1e-8", iyy="1.1e-8", izz="1.1e-8"), None),
+        (inertial("1", ixx="0.9e-6"), "condition"),
+        (inertial("1", ixx="1.1e-6"), None),
+        (inertial("1", ixx="0", iyy="0", izz="0"), None),
+        (inertial("1", ixx="1e-12"), None),
+        (inertial("1", ixx="-1"), None),
+    ],
+)
+def test_where_a_moving_body_is_lost(tmp_path: Path, body: str, message: str | None) -> None:
+    assert [f.message_id for f in found(tmp_path, "INR012", arm(body))] == ([] if message is None else [message])
+    assert not found(tmp_path, "INR012", arm(body, joint="fixed"))
+
+
+def test_a_body_is_judged_with_what_is_fixed_to_it(tmp_path: Path) -> None:
+    assert not found(tmp_path, "INR012", arm(inertial("1e-9"), more=fixed("cover", SOUND)))
+
+
+# -- INR013 ---------------------------------------------------------------------------------------------------------
+
+
+def turned(rpy: str, **six: str) -> str:
+    return inertial(**six).replace("<inertial>", f'<inertial><origin rpy="{rpy}"/>')
+
+
+@pytest.mark.parametrize(
+    ("body", "count"),
+    [
+        (turned("0 0 0", ixx="0.5"), 0),
+        (turned("0.4 0.3 1.2"), 0),  # a ball looks the same from everywhere
+        (turned("1.2 0 0", ixx="0.5"), 0),  # and a disk about its axis
+        (turned("0 0 0.001", ixx="0.5"), 0),
+        (turned("0 0 0.1", ixx="0.5"), 1),
+        (turned("0 0 3.141592653589793", ixx="0.5", ixz="0.1"), 1),
+    ],
+)
+def test_a_rotation_counts_when_it_changes_the_tensor(tmp_path: Path, body: str, count: int) -> None:
+    assert len(found(tmp_path, "INR013", arm(body))) == count
+
+
+def test_the_fix_writes_the_same_body_in_the_axes_of_the_link(tmp_path: Path) -> None:
+    text = arm(turned("0.3 -0.2 1.1", ixx="0.5", iyy="0.7", ixy="0.1", iyz="-0.05"))
+    (finding,) = found(tmp_path, "INR013", text)
+    assert finding.fix is not None
+    for edit in sorted(finding.fix.edits, key=lambda e: -e.span.start):
+        assert text[edit.span.start : edit.span.end] == edit.expected
+        text = text[: edit.span.start] + edit.replacement + text[edit.span.end :]
+
+    def tensor(source: str) -> list[float]:
+        path = tmp_path / "either.urdf"
+        path.write_text(source)
+        loaded = load(path, {}, PackageFinder(tmp_path))
+        assert loaded.root is not None
+        link = Model(loaded, loaded.root).link_by_name["arm"]
+        assert link.inertial is not None
+        assert link.inertial.tensor_in_link is not None
+        return [float(v) for v in link.inertial.tensor_in_link.ravel()]
+
+    before = arm(turned("0.3 -0.2 1.1", ixx="0.5", iyy="0.7", ixy="0.1", iyz="-0.05"))
+    assert tensor(text) == pytest.approx(tensor(before), abs=1e-13)
+    assert not found(tmp_path, "INR013", text)
+
+
+def test_all_turned_frames_are_one_finding_at_the_worst(tmp_path: Path) -> None:
+    text = arm(turned("0 0 1.5", ixx="0.5"), base=turned("0 0 0.1", ixx="0.5"))
+    (finding,) = found(tmp_path, "INR013", text)
+    assert finding.subjects == ("link[arm]/inertial/origin@rpy",)
+    assert [place.subject for place in finding.related] == ["link[base]/inertial/origin@rpy"]
 
 
 # -- INR014 ---------------------------------------------------------------------------------------------------------
@@ -173,6 +351,27 @@ def test_all_residues_of_a_robot_are_one_finding_with_one_edit_each(tmp_path: Pa
     (finding,) = found(tmp_path, "INR014", arm(inertial(ixy="1e-17", iyz="-2e-18"), base=inertial(ixz="3e-20")))
     assert finding.fix is not None
     assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("3e-20", "0"), ("1e-17", "0"), ("-2e-18", "0")]
+
+
+# -- INR015 ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("masses", "cause"),
+    [
+        (("0.0009", "0.0002"), None),
+        (("0.0009", "0.00005"), "tonnes"),
+        (("99999", "1"), None),
+        (("99999", "2"), "grams"),
+    ],
+)
+def test_a_robot_weighs_a_gram_to_a_hundred_tonnes(tmp_path: Path, masses: tuple[str, str], cause: str | None) -> None:
+    findings = found(tmp_path, "INR015", arm(inertial(masses[0]), base=inertial(masses[1])))
+    assert [f.cause.id if f.cause else None for f in findings] == ([] if cause is None else [cause])
+
+
+def test_a_drawing_has_no_mass_to_be_wrong(tmp_path: Path) -> None:
+    assert not found(tmp_path, "INR015", arm(BOX, base=BOX))
 
 
 # -- INR016 ---------------------------------------------------------------------------------------------------------

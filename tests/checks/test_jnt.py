@@ -196,16 +196,74 @@ def test_a_sibling_with_all_digits_is_named(tmp_path: Path) -> None:
     assert len(finding.related) == 1
 
 
+def test_all_spellings_of_a_constant_are_one_finding_at_the_coarsest(tmp_path: Path) -> None:
+    text = robot(joint(origin("1.5708 0 -1.5708")), joint(origin("-1.57 0 1.570796"), name="k", child="c"))
+    (finding,) = found(tmp_path, text, "JNT013")
+    assert (finding.message_id, finding.location.subject) == ("mixed", "joint[k]/origin@rpy")
+    assert "`1.57` (joint k, off by 0.8 mm/m), `1.5708` (2 times, off by 3.7 µm/m)" in finding.message
+    assert finding.fix is not None
+    assert [(e.expected, float(e.replacement)) for e in finding.fix.edits] == [
+        ("-1.57", -math.pi / 2),
+        ("1.5708", math.pi / 2),
+        ("-1.5708", -math.pi / 2),
+    ]
+
+
+def test_an_expression_is_a_spelling_with_all_digits(tmp_path: Path) -> None:
+    text = robot(joint(origin("1.5708 0 0")), joint(origin("${-pi/2} 0 0"), name="k", child="c"))
+    (finding,) = found(tmp_path, text, "JNT013", "robot.xacro")
+    assert finding.message_id == "mixed"
+    assert "`${-pi/2}` (joint k, exact)" in finding.message
+
+
+def test_zeros_at_the_end_are_no_other_spelling(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, robot(joint(origin("1.570 0 -1.57"))), "JNT013")
+    assert finding.message_id == "rounded"
+    assert "typed 2 times" in finding.message
+
+
+def test_a_constant_with_all_digits_alone_is_no_finding(tmp_path: Path) -> None:
+    text = robot(joint(origin("1.5707963268 0 0")), joint(origin("1.5707963267948966 0 0"), name="k", child="c"))
+    assert not found(tmp_path, text, "JNT013")
+
+
+def drawn(rpy: str) -> str:
+    return f'<link name="d"><visual><origin rpy="{rpy}"/><geometry><box size="1 1 1"/></geometry></visual></link>'
+
+
+@pytest.mark.parametrize(
+    ("text", "severity"),
+    [
+        (robot(joint(origin("1.57 0 0"))), Severity.WARNING),
+        (robot(joint(origin("1.5707 0 0"))), Severity.INFO),
+        (robot(links=drawn("1.57 0 0")), Severity.INFO),
+        (robot(joint(origin("1.5708 0 0")), links=drawn("1.57 0 0")), Severity.INFO),
+    ],
+)
+def test_a_tenth_of_a_millimetre_per_metre_matters_where_a_link_is_placed(
+    tmp_path: Path, text: str, severity: Severity
+) -> None:
+    (finding,) = found(tmp_path, text, "JNT013")
+    assert finding.severity == severity
+
+
 @pytest.mark.parametrize(("x", "noise"), [("1e-17", True), ("-9e-10", True), ("1e-6", False), ("0", False)])
 def test_noise_is_below_a_nanometre(tmp_path: Path, x: str, noise: bool) -> None:
     assert bool(found(tmp_path, robot(joint(origin("0 0 0", f"{x} 0 0"))), "JNT014")) == noise
 
 
-def test_all_noise_of_a_link_is_one_finding_and_is_replaced_by_zeros(tmp_path: Path) -> None:
+def test_all_noise_of_a_file_is_one_finding_and_is_replaced_by_zeros(tmp_path: Path) -> None:
     shape = '<visual><origin xyz="1e-18 0.1 -2E-20" rpy="1e-16 0 0"/><geometry><sphere radius="1"/></geometry></visual>'
-    (finding,) = found(tmp_path, robot(links=f'<link name="d">{shape}</link>'), "JNT014")
+    (finding,) = found(tmp_path, robot(joint(origin("0 0 3e-14")), links=f'<link name="d">{shape}</link>'), "JNT014")
     assert finding.fix is not None
-    assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("1e-18", "0"), ("-2E-20", "0"), ("1e-16", "0")]
+    assert [e.expected for e in finding.fix.edits] == ["1e-18", "-2E-20", "1e-16", "3e-14"]
+    assert {e.replacement for e in finding.fix.edits} == {"0"}
+    assert "at most `3e-14` (rad), in the origins and axes of d, j" in finding.message
+
+
+@pytest.mark.parametrize(("axis", "noise"), [("6e-17 1 0", 1), ("1e-8 1 0", 0), ("0 1e-17 0", 0), ("0 1 0", 0)])
+def test_an_axis_that_is_noise_beside_its_length(tmp_path: Path, axis: str, noise: int) -> None:
+    assert len(found(tmp_path, robot(joint(f'<axis xyz="{axis}"/>{LIMIT}')), "JNT014")) == noise
 
 
 def test_what_an_expression_leaves_of_zero_was_not_typed(tmp_path: Path) -> None:
@@ -234,6 +292,54 @@ def test_a_shifted_zero_is_a_turn_about_the_axis_that_nobody_would_choose(
 def test_the_shift_is_signed_about_the_axis(tmp_path: Path) -> None:
     (finding,) = found(tmp_path, robot(joint(origin("0 -0.75239 0") + '<axis xyz="0 -1 0"/>')), "JNT016")
     assert finding.data["degrees"] == pytest.approx(43.1088, abs=1e-4)
+
+
+def test_a_joint_that_cannot_turn_has_no_zero(tmp_path: Path) -> None:
+    locked = '<limit lower="0" upper="0" effort="1" velocity="1"/>'
+    text = robot(joint(f'<origin rpy="0 -0.75239 0"/><axis xyz="0 1 0"/>{locked}'))
+    assert not found(tmp_path, text, "JNT016")
+
+
+def turning(child: str, more: str = "") -> str:
+    """A joint without limits whose zero is shifted, and what it turns about y."""
+    axle = joint('<origin rpy="0 -0.75239 0"/><axis xyz="0 1 0"/>', "continuous")
+    return f'<robot name="r"><link name="a"/><link name="b">{child}</link>{axle}{more}</robot>'
+
+
+def weight(com: str, six: str) -> str:
+    xx, yy, zz = six.split()
+    return (
+        f'<inertial><origin xyz="{com}"/><mass value="1"/>'
+        f'<inertia ixx="{xx}" ixy="0" ixz="0" iyy="{yy}" iyz="0" izz="{zz}"/></inertial>'
+    )
+
+
+ROUND = '<visual><origin rpy="1.57079632679 0 0"/><geometry><cylinder radius="0.1" length="0.02"/></geometry></visual>'
+LONG = '<visual><geometry><box size="0.2 0.02 0.1"/></geometry></visual>'
+
+
+@pytest.mark.parametrize(
+    ("child", "shows"),
+    [
+        ("", False),
+        (ROUND, False),
+        (LONG, True),
+        (weight("0 0.3 0", "3 5 3"), False),
+        (weight("0 0.3 0", "3 5 4"), True),
+        (weight("0.1 0 0", "3 5 3"), False),  # 0.1 m is little beside a radius of gyration of 2.2 m
+        (weight("1 0 0", "3 5 3"), True),
+        (ROUND + weight("0.05 0 0", "0.003 0.005 0.003"), True),
+    ],
+)
+def test_the_zero_of_an_endless_joint_matters_where_its_child_is_not_round(
+    tmp_path: Path, child: str, shows: bool
+) -> None:
+    assert bool(found(tmp_path, turning(child), "JNT016")) == shows
+
+
+def test_the_zero_of_an_endless_joint_matters_where_it_carries_another(tmp_path: Path) -> None:
+    next_one = '<link name="c"/><joint name="k" type="continuous"><parent link="b"/><child link="c"/></joint>'
+    assert found(tmp_path, turning(ROUND, next_one), "JNT016")
 
 
 def test_a_turn_about_a_slider_is_no_shift(tmp_path: Path) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import cos, pi, sin
 from pathlib import Path
 
 import pytest
 from conftest import check_text
 
-from urdfcheck.core import Finding
+from urdfcheck.core import Finding, Severity
 
 WHEEL = (
     '<inertial><origin xyz="0 0.002 0.001"/><mass value="0.03"/>'
@@ -168,6 +168,103 @@ def test_where_bracket_and_wheel_are_off_both_are_named_and_nothing_is_edited(
     assert not edits(finding)
     assert "front_left_mount, front_left" in finding.message
     assert finding.related[0].subject == "joint[front_left_mount]/origin@rpy"
+
+
+def axle(left: str = "0 0 0", right: str = "0 0 0", mount: str = "0 0 0", kind: str = "revolute") -> str:
+    """Two arms that mirror each other, on shoulders of which one may be turned."""
+    parts = ['<link name="base"/>']
+    for name, xyz, rpy, shoulder in (("left", "0 0.2 0.3", left, mount), ("right", "0 -0.2 0.3", right, "0 0 0")):
+        parts.append(f'<link name="{name}_shoulder"/><link name="{name}_arm">{WHEEL}</link>')
+        parts.append(joint(f"{name}_mount", f"{name}_shoulder", xyz, shoulder, "0 1 0", "prismatic"))
+        parts.append(joint(name, f"{name}_arm", "0 0 -0.1", rpy, "0 1 0", kind, parent=f"{name}_shoulder"))
+    return f'<robot name="pair">{"".join(parts)}</robot>'
+
+
+def test_a_pair_that_mirrors_or_repeats_itself_is_fine(tmp_path: Path) -> None:
+    for i, (left, right) in enumerate(
+        (("0 0 0", "0 0 0"), ("0 0.4 0", "0 0.4 0"), ("0.3 0 0", "-0.3 0 0"), ("0 1.5708 0", "0 0 0"))
+    ):
+        assert not found(tmp_path / str(i), "SYM001", axle(left, right))
+
+
+def test_of_a_pair_the_one_with_an_angle_that_nobody_chooses_is_named(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "SYM001", axle(right="0 -0.75239 0"))
+    assert (finding.message_id, finding.severity) == ("limits", Severity.WARNING)
+    assert finding.location.subject == "joint[right]/origin@rpy"
+    assert finding.data["angle"] == pytest.approx(-43.109, abs=1e-3)
+    assert "its like sibling left (mirror y) has round angles, and this one's `0 -0.75239 0`" in finding.message
+    assert edits(finding) == [("0 -0.75239 0", "0 0 0")]
+
+
+@pytest.mark.parametrize(
+    ("left", "right"), [("0 0.3 0", "0 0 0"), ("0 0.75239 0", "0 0.31234 0"), ("0 0.75239 0", "0 0.2 0")]
+)
+def test_a_pair_of_which_nobody_can_say_more_is_named_as_a_pair(tmp_path: Path, left: str, right: str) -> None:
+    (finding,) = found(tmp_path, "SYM001", axle(left, right))
+    assert (finding.message_id, finding.severity) == ("pair", Severity.INFO)
+    assert "joints left and right carry like children" in finding.message
+    assert not edits(finding)
+
+
+def test_the_pair_is_reported_at_the_angle_that_nobody_chooses(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "SYM001", axle("0 0.2 0", "0 0.75239 0"))
+    assert finding.location.subject == "joint[right]/origin@rpy"
+    assert [r.subject for r in finding.related] == ["joint[left]/origin@rpy"]
+
+
+def test_a_pair_with_a_tilt_is_named_as_one(tmp_path: Path) -> None:
+    sides = axle("0.05 0 0")
+    assert not found(tmp_path / "a", "SYM001", sides)  # left and right are SYM004's
+    (finding,) = found(tmp_path / "b", "SYM001", sides.replace("left", "upper").replace("right", "lower"))
+    assert (finding.message_id, finding.data["size"]) == ("pair_tilt", pytest.approx(2.865, abs=1e-3))
+
+
+def test_joints_on_what_stands_askew_are_not_the_ones_that_differ(tmp_path: Path) -> None:
+    assert [f.location.subject for f in found(tmp_path / "a", "SYM001", axle(mount="0 0.12345 0"))] == []
+    more = axle(mount="0 0.12345 0").replace(
+        '<link name="left_shoulder"/>', f'<link name="left_shoulder">{WHEEL}</link>'
+    )
+    more = more.replace('<link name="right_shoulder"/>', f'<link name="right_shoulder">{WHEEL}</link>')
+    assert [f.location.subject for f in found(tmp_path / "b", "SYM001", more)] == ["joint[left_mount]/origin@rpy"]
+
+
+def tripod(first: str, *, row: bool = False) -> str:
+    """Three legs at 120° or in a row; the first one has another rpy."""
+    parts = ['<link name="base"/>']
+    for i in range(3):
+        xyz = f"{0.1 * i} 0 0" if row else f"{0.1 * cos(2 * pi * i / 3):.6f} {0.1 * sin(2 * pi * i / 3):.6f} 0"
+        rpy = "0 0 0" if row else f"0 0 {2 * pi * i / 3:.5f}"
+        parts.append(f'<link name="leg_{i}">{WHEEL}</link>')
+        parts.append(joint(f"hip_{i}", f"leg_{i}", xyz, first if i == 0 else rpy, "0 1 0", "revolute"))
+    return f'<robot name="tripod">{"".join(parts)}</robot>'
+
+
+def test_of_three_legs_at_120_degrees_the_odd_one_is_named(tmp_path: Path) -> None:
+    assert not found(tmp_path / "a", "SYM001", tripod("0 0 0"))
+    (finding,) = found(tmp_path / "b", "SYM001", tripod("0 0.3 0"))
+    assert (finding.message_id, finding.severity) == ("limits", Severity.WARNING)
+    assert (
+        "its two like siblings (hip_1, hip_2) follow one pattern of frames (rotation by 120° about z)"
+        in finding.message
+    )
+    assert edits(finding) == [("0 0.3 0", "0 0 0")]
+
+
+def test_of_three_in_a_row_numbers_have_to_decide(tmp_path: Path) -> None:
+    assert not found(tmp_path / "a", "SYM001", tripod("0 0.3 0", row=True))
+    (finding,) = found(tmp_path / "b", "SYM001", tripod("0 0.31234 0", row=True))
+    assert finding.location.subject == "joint[hip_0]/origin@rpy"
+    assert "its like siblings hip_1, hip_2 (mirror x) have round angles" in finding.message
+
+
+def test_a_base_that_is_turned_in_the_world_changes_nothing(tmp_path: Path) -> None:
+    world = '<link name="world"/>' + joint("to_world", "base", "1 2 3", "0.3 -0.8 2", "0 0 1", "fixed", parent="world")
+    for i, text in enumerate((car(front_left="0 0.3 0"), axle(right="0 -0.75239 0"), tripod("0 0.3 0"))):
+        (usual,) = found(tmp_path / f"{i}a", "SYM001", text)
+        (turned,) = found(tmp_path / f"{i}b", "SYM001", text.replace("</robot>", f"{world}</robot>"))
+        assert (turned.message_id, turned.location.subject) == (usual.message_id, usual.location.subject)
+        assert edits(turned) == edits(usual)
+        assert turned.data["angle"] == pytest.approx(usual.data["angle"])
 
 
 MACRO = """<robot name="car" xmlns:xacro="http://www.ros.org/wiki/xacro">

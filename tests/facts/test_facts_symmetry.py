@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from urdfcheck.facts.kinematics import rpy_to_matrix
-from urdfcheck.facts.symmetry import OddOne, group_by_signature, odd_one_out, signature
+from urdfcheck.facts.symmetry import OddOne, group_by_signature, odd_one_out, signature, suspects
 
 # Four wheels of a car as typed in its joints: xyz, rpy, axis. The right ones face the other way round, so that their
 # axes agree with the left ones' in the base; one π has five digits. The first is turned about its own axis.
@@ -108,6 +108,19 @@ def test_the_verdict_depends_on_neither_order_nor_pose_nor_size(
     assert_allclose(verdict.expected_frame, base, atol=1e-5)
 
 
+@pytest.mark.parametrize("across", range(3))
+@pytest.mark.parametrize("rpy", [(0, -0.75239, 0), (0.02, 0, 0.03)])
+def test_a_mirrored_robot_has_the_same_odd_one(across: int, rpy: tuple[float, float, float]) -> None:
+    turns = frames([rpy, *CAR_RPY[1:]])
+    usual = found(CAR_XYZ, turns, CAR_AXES)
+    mirror = np.eye(3)
+    mirror[across, across] = -1.0
+    image = found(CAR_XYZ @ mirror, mirror @ turns @ mirror, CAR_AXES @ mirror)
+    assert (image.index, image.kind) == (usual.index, usual.kind)
+    assert abs(image.angle) == pytest.approx(abs(usual.angle))
+    assert_allclose(image.expected_frame, mirror @ usual.expected_frame @ mirror, atol=1e-9)
+
+
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 3), st.floats(math.radians(2), math.radians(88)), st.booleans())
 def test_an_offset_of_any_wheel_has_its_sign_about_that_wheels_axis(index: int, size: float, back: bool) -> None:
@@ -144,14 +157,14 @@ def test_splayed_legs_follow_their_mirrors() -> None:
     assert_allclose(odd.expected_frame, rpy_to_matrix(LEG_RPY[2]), atol=1e-6)
 
 
-@pytest.mark.parametrize("count", [4, 5, 6, 8])
+@pytest.mark.parametrize("count", [3, 4, 5, 6, 8])
 def test_siblings_on_a_ring_follow_its_rotation(count: int) -> None:
     places, turns = ring(count)
     assert odd_one_out(places, turns, [(0, 0, 1)] * count) is None
 
 
 @settings(max_examples=60, deadline=None)
-@given(st.sampled_from((4, 5, 6, 8)), st.data(), st.tuples(offset, offset, offset))
+@given(st.sampled_from((3, 4, 5, 6, 8)), st.data(), st.tuples(offset, offset, offset))
 def test_on_a_ring_the_right_one_is_named_or_none(
     count: int, data: st.DataObject, rpy: tuple[float, float, float]
 ) -> None:
@@ -160,6 +173,24 @@ def test_on_a_ring_the_right_one_is_named_or_none(
     turns[index] = turns[index] @ rpy_to_matrix(rpy)
     odd = odd_one_out(places, turns, [(0, 0, 1)] * count)
     assert odd is None or odd.index == index
+
+
+@pytest.mark.parametrize("count", [3, 5, 6, 8])
+def test_on_a_ring_one_that_is_turned_is_named(count: int) -> None:
+    places, turns = ring(count)
+    turns[1] = turns[1] @ rpy_to_matrix((0, 0, 0.4))
+    odd = found(places, turns, [(0, 0, 1)] * count)
+    assert (odd.index, odd.kind, odd.angle) == (1, "zero_offset", pytest.approx(0.4))
+
+
+def test_rows_that_differ_among_themselves_do_not_hide_the_symmetry_of_left_and_right() -> None:
+    # Eight hips, splayed differently from front to back: no shift carries one frame onto the next.
+    places = [(x, y, 0) for x in (0.3, 0.1, -0.1, -0.3) for y in (0.1, -0.1)]
+    turns = frames([(0, 0, s * a) for a in (0.5, 0.2, -0.2, -0.5) for s in (1, -1)])
+    assert odd_one_out(places, turns, [(0, 1, 0)] * 8) is None
+    turns[3] = turns[3] @ rpy_to_matrix((0, 0.3, 0))
+    odd = found(places, turns, [(0, 1, 0)] * 8)
+    assert (odd.index, odd.kind, odd.angle) == (3, "zero_offset", pytest.approx(0.3))
 
 
 def test_a_row_follows_its_shift() -> None:
@@ -173,8 +204,8 @@ def test_a_row_follows_its_shift() -> None:
 # --- where it abstains -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("count", [0, 1, 2, 3])
-def test_of_up_to_three_nobody_can_say_which_one_is_wrong(count: int) -> None:
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_of_up_to_two_nobody_can_say_which_one_is_wrong(count: int) -> None:
     places, turns = ring(count) if count else (np.empty((0, 3)), np.empty((0, 3, 3)))
     turns[:1] = turns[:1] @ rpy_to_matrix((0, 0, 0.4))
     assert odd_one_out(places, turns, [(0, 0, 1)] * count) is None
@@ -210,6 +241,61 @@ def test_numbers_that_are_no_geometry_have_no_pattern() -> None:
     assert odd_one_out(np.full((4, 3), np.nan), frames(CAR_RPY), CAR_AXES) is None
     assert odd_one_out(CAR_XYZ, frames(CAR_RPY), np.zeros((4, 3))) is None
     assert odd_one_out(np.zeros((4, 3)), frames(CAR_RPY), CAR_AXES) is None
+
+
+# --- suspects --------------------------------------------------------------------------------------------------------
+
+PAIR_XYZ = [(0, 0.1, 0), (0, -0.1, 0)]
+
+
+@pytest.mark.parametrize("yaw", [0, math.pi])
+@pytest.mark.parametrize("odd", [0, 1])
+def test_a_pair_is_shown_as_a_pair(yaw: float, odd: int) -> None:
+    rpy = [[0.0, 0.0, 0.0], [0.0, 0.0, yaw]]
+    axes = [(0, 1, 0), (0, -1 if yaw else 1, 0)]
+    assert suspects(PAIR_XYZ, frames(rpy), axes) is None
+    rpy[odd][1] = -0.75239
+    pair = suspects(PAIR_XYZ, frames(rpy), axes)
+    assert pair is not None
+    assert (pair.members, pair.kind) == ((0, 1), "zero_offset")
+    assert [abs(a) for a in pair.angles] == pytest.approx([0.75239, 0.75239])
+    restored = frames([(0, 0, 0), (0, 0, yaw)])[odd]
+    assert_allclose(pair.expected_frames[odd], restored, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "rpy", [[(0, 0.4, 0), (0, 0.4, 0)], [(0.2, 0, 0), (-0.2, 0, 0)], [(0, 0, 0), (0, math.pi / 2, 0)]]
+)
+def test_mirror_images_repetitions_and_quarter_turns_are_no_suspects(rpy: list[tuple[float, float, float]]) -> None:
+    assert suspects(PAIR_XYZ, frames(rpy), [(0, 1, 0)] * 2) is None
+
+
+def test_hands_of_many_fingers_show_the_pair_that_differs() -> None:
+    heights = [0.30, 0.33, 0.35, 0.31]
+    places = [(0.02 * i**2, side * 0.4, z) for i, z in enumerate(heights) for side in (1, -1)]
+    turns = frames([(side * 0.1 * i, 0, 0) for i in range(4) for side in (1, -1)])
+    assert suspects(places, turns, [(0, 1, 0)] * 8) is None
+    turns[4] = turns[4] @ rpy_to_matrix((0, 0.3, 0))
+    pair = suspects(places, turns, [(0, 1, 0)] * 8)
+    assert pair is not None
+    assert (pair.members, pair.kind, pair.rule) == ((4, 5), "zero_offset", "mirror y")
+    turns[2] = turns[2] @ rpy_to_matrix((0, 0.2, 0))
+    assert suspects(places, turns, [(0, 1, 0)] * 8) is None
+
+
+@pytest.mark.parametrize("odd", [0, 1, 2])
+def test_of_a_row_of_three_the_one_that_differs_from_both_others_is_shown(odd: int) -> None:
+    places = [(0.1 * i, 0, 0) for i in range(3)]
+    turns = frames([(0, 0.3 * (i == odd), 0) for i in range(3)])
+    one = suspects(places, turns, [(0, 1, 0)] * 3)
+    assert one is not None
+    assert (one.members, one.kind) == ((odd,), "zero_offset")
+    assert one.angles == pytest.approx((0.3,))
+
+
+def test_three_of_which_none_fits_have_no_suspect() -> None:
+    places = [(0.1 * i, 0, 0) for i in range(3)]
+    assert suspects(places, frames([(0, 0, 0), (0, 0.3, 0), (0, 0.7, 0)]), [(0, 1, 0)] * 3) is None
 
 
 # --- grouping --------------------------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from urdfcheck.model.body import body_mass
 
 # MuJoCo's mjMINVAL: what a consumer takes for zero.
 ZERO = 1e-15
+SEVERITIES = {"root": Severity.INFO, "loose": Severity.WARNING}
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -28,10 +29,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     kinds = [(link, _kind(model, link)) for link in massless]
     for link, kind in kinds:
         if kind != "helper":
-            severity = Severity.INFO if kind == "root" else None
-            yield rule.finding(kind, at=_place(link), severity=severity, link=link.name)
+            yield rule.finding(kind, at=_place(link), severity=SEVERITIES.get(kind), link=link.name)
     helpers = [link for link, kind in kinds if kind == "helper"]
-    if helpers:
+    if helpers and "bullet" not in model.targets:  # it assumes 1 kg for a link without <inertial>
         yield rule.finding(
             "helper",
             at=_place(helpers[0]),
@@ -48,11 +48,14 @@ def _place(link: Link) -> Located:
 
 
 def _kind(model: Model, link: Link) -> str:
-    """``helper``: nothing depends on it; ``root``: part of the base, which need not move; ``zero``: the real defect."""
+    """``helper``: a frame that nothing depends on; ``root``: part of the base, which need not move; ``loose``: a frame that
+    a joint moves; ``zero``: the real defect."""
     body = model.tree.body(link.name)
     mass = body_mass(model, body)
+    if mass is None or mass > 0:
+        return "helper"
     drawn = bool(link.visuals or link.collisions)
     carries = any(joint.type != "fixed" for name in body for joint in model.tree.child_joints[name])
-    if mass is None or mass > 0 or (not drawn and not carries):
-        return "helper"
-    return "zero" if model.tree.moves(link.name) else "root"
+    if model.tree.moves(link.name):
+        return "zero" if drawn or carries else "loose"
+    return "root" if drawn or carries else "helper"

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 from urdfcheck.core import Edit, Finding, Located, Rule, Severity
-from urdfcheck.facts.inertia import principal_moments, tensor, triangle_excess
+from urdfcheck.facts.inertia import Rounding, digits_needed, principal_moments, tensor, triangle_excess
 from urdfcheck.model import Inertial, Link, Model
-from urdfcheck.model.body import body_tensor, is_point
+from urdfcheck.model.body import body_tensor, is_point, whole_of
+from urdfcheck.model.mending import Proposal, proposal
+from urdfcheck.model.names import listed
 from urdfcheck.model.parts import TENSOR
 
 DIAGONAL = (0, 3, 5)
 PRODUCTS = {1: (0, 3), 2: (0, 5), 4: (3, 5)}
+FUSED = "; only together with {} and whatever else is fixed to it is the body a possible one"
 
 
-def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:
     points: list[Link] = []
     lines: list[Link] = []
+    helpers: list[Link] = []
     for link in model.links:
         inertial = link.inertial
         if inertial is None or inertial.six is None:
@@ -25,15 +30,32 @@ def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
         negative = [i for i in DIAGONAL if inertial.six[i] < 0]
         if is_point(inertial):
             points.append(link)
-        elif negative:
-            yield _negative(rule, link, inertial, negative)
-        elif smallest < -rel_tol * largest:
-            yield _products(rule, link, inertial, smallest)
+        elif negative or smallest < -rel_tol * largest:
+            whole = whole_of(model, link)
+            possible = whole is not None and whole.possible(rel_tol)
+            fused = FUSED.format(whole.heaviest) if whole is not None and possible else ""
+            typed = _typed(inertial, rel_tol)
+            if smallest > -rounding * largest and typed.explained:
+                yield _rounded(rule, link, typed, -smallest / largest)
+            elif whole is not None and possible and whole.negligible:
+                helpers.append(link)
+            elif negative:
+                yield _negative(rule, link, negative, fused, proposal(model, link))
+            else:
+                yield _products(rule, link, smallest, fused, proposal(model, link))
         elif smallest <= rel_tol * largest and triangle_excess(tensor(inertial.six)) >= -rel_tol:
             lines.append(link)
     # Only these need the tree: a rod or a point is no defect where what is fixed to it makes the body whole.
     yield from _singular(rule, model, "point", points, rel_tol)
     yield from _singular(rule, model, "line", lines, rel_tol)
+    if helpers:
+        yield rule.finding(
+            "helper",
+            at=_tensor_place(helpers[0]),
+            related=[_tensor_place(link) for link in helpers[1:]],
+            severity=Severity.INFO,
+            links=listed(link.name for link in helpers),
+        )
 
 
 def _extremes(six: Sequence[float]) -> tuple[float, float]:
@@ -46,18 +68,41 @@ def _valid(six: Sequence[float]) -> bool:
     return smallest > 1e-9 * largest and triangle_excess(tensor(six)) >= -1e-9
 
 
-def _negative(rule: Rule, link: Link, inertial: Inertial, negative: Sequence[int]) -> Finding:
-    """A negative diagonal entry; when dropping the signs gives a possible body, the fix does that."""
+def _typed(inertial: Inertial, rel_tol: float) -> Rounding:
+    element = inertial.tensor_element
+    assert element is not None
+    return digits_needed([element.get(name) for name in TENSOR], rel_tol)
+
+
+def _rounded(rule: Rule, link: Link, typed: Rounding, excess: float) -> Finding:
+    return rule.finding(
+        "rounded",
+        at=_tensor_place(link),
+        severity=Severity.WARNING,
+        link=link.name,
+        excess=excess,
+        typed=typed.typed_digits,
+        digits=typed.digits,
+    )
+
+
+def _negative(rule: Rule, link: Link, negative: Sequence[int], fused: str, repair: Proposal) -> Finding:
+    """A negative diagonal entry; when dropping the signs makes it possible, and nothing better is known, the fix does that."""
+    inertial = link.inertial
+    assert inertial is not None
     six = inertial.six
     assert six is not None
     mended = [abs(v) if i in DIAGONAL else v for i, v in enumerate(six)]
-    sign = _valid(mended)
+    sign = _valid(mended) and not repair.found
     return rule.finding(
         "negative_sign" if sign else "negative",
         at=_place(inertial, TENSOR[negative[0]]),
         cause="sign" if sign else _cause(six),
-        edits=_without_minus(inertial, negative) if sign else (),
+        edits=_without_minus(inertial, negative) if sign else repair.edits,
         link=link.name,
+        fused=fused,
+        found=repair.found,
+        remedy=repair.remedy,
         names=", ".join(f"{TENSOR[i]} = {six[i]:g}" for i in negative),
         values=" ".join(f'{TENSOR[i]}="{abs(six[i]):g}"' for i in negative),
     )
@@ -75,9 +120,19 @@ def _without_minus(inertial: Inertial, entries: Sequence[int]) -> list[Edit]:
     return edits
 
 
-def _products(rule: Rule, link: Link, inertial: Inertial, smallest: float) -> Finding:
-    six = inertial.six
+def _products(rule: Rule, link: Link, smallest: float, fused: str, repair: Proposal) -> Finding:
+    inertial = link.inertial
+    assert inertial is not None
+    six, place = inertial.six, inertial.tensor_element
     assert six is not None
+    assert place is not None
+    data: dict[str, Any] = {
+        "link": link.name,
+        "fused": fused,
+        "found": repair.found,
+        "remedy": repair.remedy,
+        "smallest": smallest,
+    }
     # |Ixy| > sqrt(Ixx Iyy) alone already makes the tensor indefinite; else it takes all three products together.
     excess = {i: abs(six[i]) - (six[a] * six[b]) ** 0.5 for i, (a, b) in PRODUCTS.items()}
     worst = max(excess, key=lambda i: excess[i])
@@ -87,17 +142,15 @@ def _products(rule: Rule, link: Link, inertial: Inertial, smallest: float) -> Fi
             "product",
             at=_place(inertial, TENSOR[worst]),
             cause=_cause(six),
-            link=link.name,
+            edits=repair.edits,
             product=TENSOR[worst],
             value=six[worst],
             bound=(six[a] * six[b]) ** 0.5,
-            smallest=smallest,
             first=TENSOR[a],
             second=TENSOR[b],
+            **data,
         )
-    place = inertial.tensor_element
-    assert place is not None
-    return rule.finding("products", at=place, cause=_cause(six), link=link.name, smallest=smallest)
+    return rule.finding("products", at=place, cause=_cause(six), edits=repair.edits, **data)
 
 
 def _cause(six: Sequence[float]) -> str | None:

@@ -1,47 +1,58 @@
-"""JNT014: origins hold dimensions, not the residue of a CAD program's arithmetic."""
+"""JNT014: origins and axes hold dimensions, not the residue of a CAD program's arithmetic."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.facts.literals import is_noise_angle, is_noise_length
 from urdfcheck.model import Model
-from urdfcheck.model.parts import Joint, Link
-from urdfcheck.source.values import number
+from urdfcheck.model.names import listed
+from urdfcheck.source.values import attribute_numbers, number
 from urdfcheck.source.words import Word, words_of
 from urdfcheck.source.xml import Element
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    parts: list[tuple[str, Link | Joint]] = [("link", link) for link in model.links]
-    parts += [("joint", joint) for joint in model.joints]
-    for kind, part in parts:
-        noise = [word for origin in _origins(part.element) for word in _noise(origin, model)]
-        if noise:
-            largest = max(noise, key=lambda word: abs(float(word.text)))
-            angle = largest.attribute.name == "rpy"
-            yield rule.finding(
-                "noise",
-                at=noise[0],
-                related=noise[1:],
-                edits=[word.replaced("0") for word in noise],
-                kind=kind,
-                name=part.name,
-                numbers=", ".join(word.text for word in noise[:3]) + (" …" if len(noise) > 3 else ""),
-                size=abs(float(largest.text)),
-                unit="rad" if angle else "m",
-            )
+    by_file: dict[str, dict[int, Word]] = {}
+    for part in (*(link.element for link in model.links), *(joint.element for joint in model.joints)):
+        for element in part.walk():
+            for word in _noise(element, model):
+                by_file.setdefault(word.span.file, {}).setdefault(word.span.start, word)
+    for places in by_file.values():
+        words = list(places.values())
+        largest = max(words, key=lambda word: abs(float(word.text)))
+        unit = "rad" if largest.attribute.name == "rpy" else "m" if largest.attribute.owner.tag == "origin" else "1"
+        finding = rule.finding(
+            "noise",
+            at=words[0],
+            related=words[1:],
+            edits=[word.replaced("0") for word in words],
+            count=f"{len(words)} numbers are" if len(words) > 1 else "one number is",
+            parts=listed(dict.fromkeys(_part(word) for word in words)),
+            largest=largest.text,
+            size=abs(float(largest.text)),
+            unit=unit,
+        )
+        yield replace(finding, subjects=tuple(dict.fromkeys(word.location.subject for word in words)))
 
 
-def _origins(element: Element) -> Iterator[Element]:
-    """The origins of a link's or a joint's own parts."""
-    return (e for e in element.walk() if e.tag == "origin" and e.parent is not None)
-
-
-def _noise(origin: Element, model: Model) -> Iterator[Word]:
-    for name, is_noise in (("xyz", is_noise_length), ("rpy", is_noise_angle)):
-        for word in words_of(origin.attributes.get(name), model.source.files):
+def _noise(element: Element, model: Model) -> Iterator[Word]:
+    """The words of an origin or an axis that mean zero."""
+    kinds: list[tuple[str, Callable[[float], bool]]] = []
+    if element.tag == "origin":
+        kinds = [("xyz", is_noise_length), ("rpy", is_noise_angle)]
+    elif element.tag == "axis" and math.hypot(*(attribute_numbers(element, "xyz", 3, ()) or ())) > 0.5:
+        kinds = [("xyz", is_noise_length)]  # relative to the rest of the axis, whose length is 1
+    for name, is_noise in kinds:
+        for word in words_of(element.attributes.get(name), model.source.files):
             value = number(word.text)
             if value is not None and is_noise(value):
                 yield word
+
+
+def _part(word: Word) -> str:
+    """``wheel_4`` for a word of ``joint[wheel_4]/origin@rpy``."""
+    return word.location.subject.split("/")[0].partition("[")[2].rstrip("]")

@@ -4,25 +4,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Unavailable
 from urdfcheck.model import Model
+from urdfcheck.model.body import body_inertia
 from urdfcheck.model.parts import Joint
-
-_TURNING = frozenset({"revolute", "continuous"})
 
 
 def check(
-    model: Model, rule: Rule, *, parallel: float, round_to: float, round_tol: float, decimals: int
+    model: Model, rule: Rule, *, parallel: float, round_to: float, round_tol: float, decimals: int, eccentric: float
 ) -> Iterator[Finding]:
     for joint in model.joints:
         attribute = joint.origin.attribute("rpy")
-        if joint.type not in _TURNING or attribute is None or not attribute.literal:
+        if joint.type not in {"revolute", "continuous"} or attribute is None or not attribute.literal:
             continue  # an angle that was computed was meant
         angle = _turn_about_axis(joint, parallel)
         if angle is None or _is_round(angle, round_to, round_tol) or _few_decimals(attribute.value, decimals):
             continue
-        yield rule.finding("shifted", at=attribute, joint=joint.name, angle=angle, degrees=math.degrees(angle))
+        data: dict[str, Any] = {"joint": joint.name, "angle": angle, "degrees": math.degrees(angle)}
+        if joint.type == "revolute":
+            lower, upper = joint.limit_value("lower"), joint.limit_value("upper")
+            if lower is not None and upper is not None and lower < upper:  # else it cannot turn: JNT004, JNT005
+                data |= {"lower": math.degrees(lower), "upper": math.degrees(upper)}
+                yield rule.finding("limits", at=attribute, **data)
+        elif _shows(model, joint, eccentric):
+            yield rule.finding("shifted", at=attribute, **data)
 
 
 def _turn_about_axis(joint: Joint, parallel: float) -> float | None:
@@ -49,3 +56,49 @@ def _is_round(angle: float, step: float, tolerance: float) -> bool:
 def _few_decimals(text: str, most: int) -> bool:
     """Whether the angle was typed by hand: no word has more than so many decimals."""
     return all(len(word.partition(".")[2]) <= most for word in text.split())
+
+
+def _shows(model: Model, joint: Joint, eccentric: float) -> bool:
+    """Whether what the joint moves is known not to be round about its axis: it carries another joint, its mass is
+    eccentric, or its drawing is."""
+    try:
+        body = model.tree.body(joint.child)
+        carries = any(other.type != "fixed" for name in body for other in model.tree.child_joints[name])
+        return carries or _mass_shows(model, joint, body, eccentric) or _drawing_shows(model, joint, eccentric)
+    except Unavailable:
+        return False
+
+
+def _mass_shows(model: Model, joint: Joint, body: tuple[str, ...], eccentric: float) -> bool:
+    import numpy as np
+
+    from urdfcheck.facts.inertia import covariance_of
+
+    found, axis = body_inertia(model, body), model.axes.get(joint.name)
+    if found is None or axis is None:
+        return False
+    mass, com, tensor = found
+    across = np.eye(3) - np.outer(axis, axis)
+    # Across the axis, ascending: a zero along it, and the two that are equal for a body of revolution.
+    _, less, more = np.linalg.eigvalsh(across @ covariance_of(tensor, mass) @ across).tolist()
+    off = float(np.linalg.norm(across @ (com - model.frames[joint.child][:3, 3])))
+    size = math.sqrt(max(0.0, less + more))
+    return size > 0 and (off > eccentric * size or more - less > eccentric * (more + less))
+
+
+def _drawing_shows(model: Model, joint: Joint, eccentric: float) -> bool:
+    """Whether what is drawn reaches out unequally far in 16 directions across the axis."""
+    import numpy as np
+
+    from urdfcheck.model.drawn import rigid_points
+
+    points, axis = rigid_points(model, model.link_by_name[joint.child]), np.array(joint.axis)
+    if points is None:
+        return False
+    axis = axis / np.linalg.norm(axis)
+    side = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
+    side /= np.linalg.norm(side)
+    angles = np.arange(16) * math.tau / 16
+    directions = np.cos(angles)[:, None] * side + np.sin(angles)[:, None] * np.cross(axis, side)
+    reach = (points @ directions.T).max(axis=0)
+    return bool(reach.min() < (1 - eccentric) * reach.max())

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdfcheck.core import Edit, Finding, Location, Rule
+from urdfcheck.core import Confidence, Edit, Finding, Rule, Severity
 from urdfcheck.facts.kinematics import matrix_to_rpy
-from urdfcheck.facts.symmetry import OddOne, angle_between, odd_one_out
+from urdfcheck.facts.symmetry import Suspects, angle_between, is_choice, odd_one_out, suspects
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.names import listed
-from urdfcheck.model.siblings import chain_of, siblings
-from urdfcheck.source.xml import Definition
+from urdfcheck.model.origins import definitions_of, place_of, told
+from urdfcheck.model.siblings import base_of, chain_of, siblings
+from urdfcheck.source.values import number
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 # The frames that a pattern predicts are only as exact as the siblings' rpy, of which 1.57 is the coarsest.
 SNAP = 2e-3
 STEP = math.pi / 12
+# An angle within 0.06° of a multiple of 0.5°, or with at most three decimals, may have been typed by hand (JNT016).
+ROUND, SHORT = 0.06, 3
 WORDS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six", 7: "seven"}
 
 
@@ -37,36 +40,144 @@ class _Suspect:
     like: tuple[Joint, ...]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Odd:
+    """A joint that is turned by ``angle`` against ``expected`` (3, 3), why that is said of it, and who says it."""
+
+    joint: Joint
+    others: tuple[Joint, ...]
+    kind: str
+    angle: float
+    expected: Array
+    pattern: str
+    why: str
+
+
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    odd: dict[str, tuple[Sequence[Joint], OddOne]] = {}
+    odd: dict[str, _Odd] = {}
+    pairs: dict[str, tuple[Joint, Joint, Suspects]] = {}
     for group in siblings(model):
-        frames = np.array([model.frames[joint.child] for joint in group])
+        name = base_of(model, group)
+        base = model.frames[name]
+        frames = np.linalg.inv(base) @ np.array([model.frames[joint.child] for joint in group])
         axes = [joint.axis or (1.0, 0.0, 0.0) for joint in group]
         found = odd_one_out(frames[:, :3, 3], frames[:, :3, :3], axes)
+        doubtful = None if found is not None else suspects(frames[:, :3, 3], frames[:, :3, :3], axes)
         if found is not None:
-            odd[group[found.index].name] = group, found
-    for name, (members, one) in odd.items():
+            others = tuple(joint for i, joint in enumerate(group) if i != found.index)
+            why = f"its {_counted(others)} like siblings ({_named(others)}) follow one pattern of frames ({found.rule})"
+            expected = base[:3, :3] @ found.expected_frame
+            one = _Odd(group[found.index], others, found.kind, found.angle, expected, found.rule, why)
+            odd[one.joint.name] = one
+        elif doubtful is not None and _stands_by_itself(model, group, doubtful):
+            decided = _by_numbers(model, group, doubtful)
+            if decided is not None:
+                odd[decided.joint.name] = decided
+            elif len(doubtful.members) == 2 and not _left_to_mirrors(model, group, doubtful):
+                both = [group[i] for i in doubtful.members]
+                first, second = sorted(both, key=lambda joint: not _unchosen_in(model, joint, name))
+                pairs[first.name] = first, second, doubtful
+    for name in (*odd, *pairs):
         before = {joint.name for joint in model.tree.path(model.joint_by_name[name].child)} - {name}
-        if not before & odd.keys():  # else it stands askew because the joint before it does
-            yield _finding(model, rule, members, one)
+        if before & (odd.keys() | pairs.keys()):
+            continue  # it stands askew because the joint before it does
+        yield _finding(model, rule, odd[name]) if name in odd else _pair(rule, *pairs[name])
 
 
-def _finding(model: Model, rule: Rule, group: Sequence[Joint], odd: OddOne) -> Finding:
-    joint = group[odd.index]
-    others = [other for other in group if other is not joint]
-    suspect = _suspect(model, joint, others, odd.expected_frame)
+def _stands_by_itself(model: Model, group: Sequence[Joint], found: Suspects) -> bool:
+    """Whether what the joints hang on is related as their places are, so that the joints themselves are what differs."""
+    name = base_of(model, group)
+    base = model.frames[name][:3, :3]
+    bases = [base.T @ model.frames[chain_of(model, joint, name)[0].parent][:3, :3] for joint in group]
+    among = range(len(group)) if len(found.members) == 1 else found.members
+    return all(is_choice(bases[k].T @ found.linear @ bases[i]) for i in found.members for k in among if i != k)
+
+
+def _left_to_mirrors(model: Model, group: Sequence[Joint], found: Suspects) -> bool:
+    """Whether SYM004 tells it: the axes of left and right."""
+    names = {group[i].child for i in found.members}
+    return found.kind == "axis_tilt" and any(names == {pair.one, pair.other} for pair in model.pairs)
+
+
+def _by_numbers(model: Model, group: Sequence[Joint], found: Suspects) -> _Odd | None:
+    """The suspect that an angle gives away that nobody chooses, when those that it is compared with have round ones."""
+    name = base_of(model, group)
+    base = model.frames[name][:3, :3]
+    for index, angle, expected in zip(found.members, found.angles, found.expected_frames, strict=True):
+        among = range(len(group)) if len(found.members) == 1 else found.members
+        others = tuple(group[i] for i in among if i != index)
+        typed = _unchosen_in(model, group[index], name)
+        if len(typed) == 1 and all(_round(one) for other in others for one in chain_of(model, other, name)):
+            few = "sibling" if len(others) == 1 else "siblings"
+            have = "has" if len(others) == 1 else "have"
+            why = (
+                f"its like {few} {_named(others)} ({found.rule}) {have} round angles, "
+                f"and this one's `{typed[0]}` is none that anybody chooses"
+            )
+            return _Odd(group[index], others, found.kind, angle, base @ expected, found.rule, why)
+    return None
+
+
+def _unchosen_in(model: Model, joint: Joint, base: str) -> list[str]:
+    return [text for one in chain_of(model, joint, base) if (text := _unchosen(one)) is not None]
+
+
+def _unchosen(joint: Joint) -> str | None:
+    """The rpy of a joint as typed when an angle in it is neither round nor short: nobody types such a one by hand."""
+    attribute = joint.origin.attribute("rpy")
+    if attribute is None or not attribute.literal:
+        return None
+    for word in attribute.value.split():
+        angle = number(word)
+        degrees = 0.0 if angle is None else math.degrees(angle)
+        if abs(degrees - round(degrees * 2) / 2) > ROUND and len(word.partition(".")[2]) > SHORT:
+            return attribute.value
+    return None
+
+
+def _round(joint: Joint) -> bool:
+    rpy = joint.origin.rpy
+    return rpy is not None and all(abs(angle - round(angle / STEP) * STEP) < SNAP for angle in rpy)
+
+
+def _pair(rule: Rule, first: Joint, second: Joint, found: Suspects) -> Finding:
+    return rule.finding(
+        "pair" if found.kind == "zero_offset" else "pair_tilt",
+        at=place_of(first, "rpy"),
+        related=[place_of(second, "rpy")],
+        severity=Severity.INFO,
+        confidence=Confidence.HEURISTIC,
+        joint=first.name,
+        sibling=second.name,
+        pattern=found.rule,
+        size=math.degrees(abs(found.angles[0])),
+    )
+
+
+def _counted(others: Sequence[Joint]) -> str:
+    return WORDS.get(len(others), str(len(others)))
+
+
+def _named(others: Sequence[Joint]) -> str:
+    return ", ".join(other.name for other in others)
+
+
+def _finding(model: Model, rule: Rule, odd: _Odd) -> Finding:
+    joint, others = odd.joint, odd.others
+    suspect = _suspect(model, joint, others, odd.expected)
     data: dict[str, Any] = {
         "joint": joint.name,
-        "siblings": ", ".join(other.name for other in others),
-        "count": WORDS.get(len(others), str(len(others))),
-        "pattern": odd.rule,
+        "siblings": _named(others),
+        "count": _counted(others),
+        "pattern": odd.pattern,
+        "why": odd.why,
         "angle": math.degrees(odd.angle),
         "size": math.degrees(abs(odd.angle)),
     }
     if suspect is None:
-        chain = chain_of(model, joint)
-        places = [_place(other) for other in (*reversed(chain[:-1]), *others)]
-        own = _place(joint)
+        chain = chain_of(model, joint, base_of(model, (joint, *others)))
+        places = [place_of(other, "rpy") for other in (*reversed(chain[:-1]), *others)]
+        own = place_of(joint, "rpy")
         return rule.finding(
             "chain",
             at=own,
@@ -74,15 +185,15 @@ def _finding(model: Model, rule: Rule, group: Sequence[Joint], odd: OddOne) -> F
             chain=listed([j.name for j in chain]),
             **data,
         )
-    place = _place(suspect.joint)
+    place = place_of(suspect.joint, "rpy")
     rpy = [_snapped(angle) for angle in matrix_to_rpy(suspect.expected)]
     data["expected"] = " ".join(_text(angle, xacro=False) for angle in rpy)
-    attribute, definitions = suspect.joint.origin.attribute("rpy"), _definitions(suspect.joint)
-    around = [_place(other) for other in suspect.like]
+    attribute, definitions = suspect.joint.origin.attribute("rpy"), definitions_of(suspect.joint, "rpy")
+    around = [place_of(other, "rpy") for other in suspect.like]
     extra: dict[str, Any]
     if attribute is not None and definitions:
         message = "computed"
-        extra = {"typed": attribute.typed, "origin": suspect.joint.name, "definitions": listed(_told(definitions))}
+        extra = {"typed": attribute.typed, "origin": suspect.joint.name, "definitions": listed(told(definitions))}
     elif suspect.joint is not joint:
         message, extra = "mount", {"mount": suspect.joint.name}
     else:
@@ -104,8 +215,10 @@ def _suspect(model: Model, joint: Joint, others: Sequence[Joint], expected: Arra
     None when that can be said of no joint or of several, when the chains have different lengths, and when the line to
     change made the siblings as well.
     """
-    chain = chain_of(model, joint)
-    chains = [chain_of(model, other)[-len(chain) :] for other in others]
+    base = base_of(model, (joint, *others))
+    chain = chain_of(model, joint, base)
+    whole = [chain_of(model, other, base) for other in others]
+    chains = [other[-len(chain) :] for other in whole]
     found = []
     for place, one in enumerate(chain):
         # What comes before and after stays as it is: parent @ rotation @ after = expected.
@@ -116,17 +229,13 @@ def _suspect(model: Model, joint: Joint, others: Sequence[Joint], expected: Arra
             found.append(_Suspect(one, needed, like))
     if len(found) > 1:  # the one that no sibling has as it is
         found = [s for s in found if all(angle_between(_turn(model, s.joint), _turn(model, o)) > SNAP for o in s.like)]
-    if len(found) != 1 or (len(chain) > 1 and any(len(chain_of(model, o)) != len(chain) for o in others)):
+    if len(found) != 1 or (len(chain) > 1 and any(len(other) != len(chain) for other in whole)):
         return None
     (only,) = found
-    shared = not _definitions(only.joint) and _place(only.joint).span in {_place(o).span for o in only.like}
+    shared = not definitions_of(only.joint, "rpy") and place_of(only.joint, "rpy").span in {
+        place_of(o, "rpy").span for o in only.like
+    }
     return None if shared else only
-
-
-def _definitions(joint: Joint) -> tuple[Definition, ...]:
-    """What the rpy of a joint is computed from, nearest first; nothing when it is typed as it stands."""
-    attribute = joint.origin.attribute("rpy")
-    return () if attribute is None or attribute.literal else attribute.related()
 
 
 def _turn(model: Model, joint: Joint) -> Array:
@@ -134,21 +243,13 @@ def _turn(model: Model, joint: Joint) -> Array:
     return turn
 
 
-def _told(definitions: Sequence[Definition]) -> list[str]:
-    return [
-        f"{d.kind} {d.name} (line {d.span.line} of {d.span.file.rpartition('/')[2]})"
-        for d in definitions
-        if d.span is not None
-    ]
-
-
-def _message(model: Model, joint: Joint, odd: OddOne) -> tuple[str, dict[str, Any]]:
+def _message(model: Model, joint: Joint, odd: _Odd) -> tuple[str, dict[str, Any]]:
     if odd.kind == "zero_offset":
         message = {"continuous": "zero", "revolute": "limits"}.get(joint.type, "turned")
         return message, {"imbalance": _imbalance(model, joint)}
     axis = np.array(joint.axis or (1.0, 0.0, 0.0))
     axis = axis / np.linalg.norm(axis)
-    wanted, found = odd.expected_frame @ axis, model.frames[joint.child][:3, :3] @ axis
+    wanted, found = odd.expected @ axis, model.frames[joint.child][:3, :3] @ axis
     if joint.type != "continuous" or abs(wanted[2]) > 0.1:
         return "tilt", {}
     toe = math.atan2(wanted[0] * found[1] - wanted[1] * found[0], wanted[:2] @ found[:2])
@@ -196,10 +297,3 @@ def _edits(model: Model, joint: Joint, rpy: Sequence[float]) -> list[Edit]:
         return []
     text = " ".join(_text(angle, xacro=model.source.is_xacro) for angle in rpy)
     return [Edit(attribute.span, attribute.typed, text)]
-
-
-def _place(joint: Joint) -> Location:
-    attribute = joint.origin.attribute("rpy")
-    if attribute is not None:
-        return attribute.location
-    return joint.location if joint.origin.element is None else joint.origin.element.location

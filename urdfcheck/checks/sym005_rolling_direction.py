@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.wheels import LEVEL, Wheel, wheels
+from urdfcheck.model.wheels import LEVEL, Driven, wheels
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -33,7 +33,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     )
 
 
-def _odd(one: Sequence[Wheel], other: Sequence[Wheel]) -> tuple[Sequence[Wheel], Sequence[Wheel]]:
+def _odd(one: Sequence[Driven], other: Sequence[Driven]) -> tuple[Sequence[Driven], Sequence[Driven]]:
     """The wheels to turn over and the others: the fewer, or of equally many those that do not roll towards +x (+y)."""
     if len(one) != len(other):
         return (one, other) if len(one) < len(other) else (other, one)
@@ -43,7 +43,7 @@ def _odd(one: Sequence[Wheel], other: Sequence[Wheel]) -> tuple[Sequence[Wheel],
     return (other, one) if forward else (one, other)
 
 
-def _edits(odd: Sequence[Wheel]) -> list[Edit]:
+def _edits(odd: Sequence[Driven]) -> list[Edit]:
     """The opposite axis for each wheel; nothing when one of them is not typed as it stands."""
     edits = []
     for wheel in odd:
@@ -60,7 +60,7 @@ def _opposite(word: str) -> str:
     return word if float(word) == 0 else word[1:] if word.startswith("-") else f"-{word.removeprefix('+')}"
 
 
-def _place(wheel: Wheel) -> Location:
+def _place(wheel: Driven) -> Location:
     element = wheel.joint.axis_element
     if element is None:
         return wheel.joint.location
@@ -68,10 +68,10 @@ def _place(wheel: Wheel) -> Location:
     return element.location if attribute is None else attribute.location
 
 
-def _names(found: Sequence[Wheel]) -> str:
+def _names(found: Sequence[Driven]) -> str:
     return ", ".join(wheel.joint.name for wheel in found)
 
 
-def _text(wheel: Wheel) -> str:
+def _text(wheel: Driven) -> str:
     """The axis in root coordinates, to three decimals."""
     return " ".join(f"{round(float(v), 3) + 0.0:g}" for v in wheel.axis)

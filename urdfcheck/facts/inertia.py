@@ -125,7 +125,7 @@ def digits_needed(texts: Sequence[str], rel_tol: float = 1e-9) -> Rounding:
     """
     values = [_decimal(text) for text in texts]
     typed = [float(value) for value in values]
-    half = [float(Decimal(5).scaleb(_last_place(value) - 1)) if value else 0.0 for value in values]
+    half = half_units(texts)
     report = validity(tensor(typed), rel_tol)
     largest = max(abs(values[i]) for i in (0, 3, 5))
     # The slack I1 + I2 - I3 changes by at most 1 for each moment and 2 for both places of a product.
@@ -136,6 +136,15 @@ def digits_needed(texts: Sequence[str], rel_tol: float = 1e-9) -> Rounding:
         typed_digits=largest.adjusted() - _last_place(largest) + 1 if largest else 0,
         digits=min(17, largest.adjusted() - place + 1) if largest else 0,
     )
+
+
+def half_units(texts: Sequence[str]) -> list[float]:
+    """Half a unit of the last place of each number as typed: what it may differ by from the one that was rounded; zeros
+    are exact.
+
+    :raises ValueError: when a text is no finite number.
+    """
+    return [float(Decimal(5).scaleb(_last_place(v) - 1)) if v else 0.0 for v in map(_decimal, texts)]
 
 
 def _valid_within(typed: Array, half: Array, rel_tol: float) -> bool:

@@ -67,10 +67,9 @@ def near_miss(text: str) -> NearMiss | None:
     return None
 
 
-def is_exact(text: str) -> bool:
-    """Whether the literal ``text`` spells one of the constants that `near_miss` knows to within 1e-9 rad."""
-    typed = _decimal(text)
-    return typed is not None and any(abs(abs(float(typed)) - value) <= EXACT for _, value, _, _ in _CONSTANTS)
+def constant_of(angle: float) -> str | None:
+    """The constant, without its sign, that ``angle`` (rad) is to within 1e-9; None when it is none that `near_miss` knows."""
+    return next((name for name, value, _, _ in _CONSTANTS if abs(abs(angle) - value) <= EXACT), None)
 
 
 def is_noise_length(metres: float) -> bool:

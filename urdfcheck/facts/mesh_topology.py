@@ -294,6 +294,12 @@ def _is_perfect(first: Indices, backward: NDArray[np.bool_]) -> bool:
 
 def component_sizes(faces: Indices, n_vertices: int) -> Indices:
     """Number of faces of each piece that hangs together by vertices, largest first."""
+    sizes: Indices = np.sort(np.bincount(component_labels(faces, n_vertices)))[::-1]
+    return sizes
+
+
+def component_labels(faces: Indices, n_vertices: int) -> Indices:
+    """To which piece that hangs together by vertices each face belongs: numbers from 0, one per face."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -301,8 +307,10 @@ def component_sizes(faces: Indices, n_vertices: int) -> Indices:
     start, end = np.concatenate((a, b)), np.concatenate((b, c))
     graph = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(n_vertices, n_vertices))
     _, label = connected_components(graph, directed=False)
-    sizes: Indices = np.sort(np.bincount(label[a]))[::-1]
-    return sizes
+    # Vertices that no face has are pieces of their own there: number those that faces have.
+    _, numbers = np.unique(label[a], return_inverse=True)
+    labels: Indices = numbers.astype(np.int64)
+    return labels
 
 
 def boundaries_of(vertices: Array, open_edges: Indices) -> tuple[Boundary, ...]:

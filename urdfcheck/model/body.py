@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from urdfcheck.core import Unavailable
 from urdfcheck.model.model import Model
-from urdfcheck.model.parts import Inertial
+from urdfcheck.model.parts import Inertial, Link
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
 # A body whose radius of gyration is below a micrometre is a point: its tensor is zero or the residue of an export
 # (published files hold 1e-20 kg m² for 0.1 kg). The lightest part of a watch has 1e-4 m.
 POINT_RADIUS = 1e-6
+# What is below a thousandth of a body's mass and of its smallest moment is less than what the body is known to: a motor's
+# cable weighs more.
+NEGLIGIBLE = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,6 +29,21 @@ class Body:
 
     links: tuple[str, ...]
     moves: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Whole:
+    """The body that fixed joints make of a link and others. ``heaviest``: the heaviest of the others; ``moments``: the
+    body's principal moments (kg m²), ascending; ``negligible``: whether the link adds next to nothing to it."""
+
+    heaviest: str
+    moments: tuple[float, float, float]
+    negligible: bool
+
+    def possible(self, rel_tol: float) -> bool:
+        """Whether the moments are positive and keep the triangle inequality, to within ``rel_tol`` of the largest."""
+        first, second, third = self.moments
+        return first > rel_tol * third and first + second - third >= -rel_tol * third
 
 
 def bodies(model: Model) -> tuple[Body, ...]:
@@ -57,6 +76,15 @@ def body_tensor(model: Model, links: Sequence[str]) -> NDArray[np.float64] | Non
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
     """
+    found = body_inertia(model, links)
+    return None if found is None else found[2]
+
+
+def body_inertia(model: Model, links: Sequence[str]) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
+    """Mass in kg, COM (3,) in m and inertia tensor as `body_tensor`, in root coordinates; None as there.
+
+    :raises Unavailable: when the tree is broken or an origin is malformed.
+    """
     import numpy as np
 
     inertials = [(model.frames[name], i) for name in links if (i := model.link_by_name[name].inertial) is not None]
@@ -75,4 +103,26 @@ def body_tensor(model: Model, links: Sequence[str]) -> NDArray[np.float64] | Non
     for mass, place, tensor in parts:
         lever = place - com
         summed += tensor + mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
-    return summed
+    return total, com, summed
+
+
+def whole_of(model: Model, link: Link) -> Whole | None:
+    """The body that a link with an inertial is part of; None when nothing else in it has mass, or that is not known."""
+    try:
+        names = model.tree.body(link.name)
+        tensor = body_tensor(model, names)
+        total = body_mass(model, names)
+    except Unavailable:
+        return None
+    masses = {name: i.mass or 0.0 for name in names if (i := model.link_by_name[name].inertial) is not None}
+    own = masses.pop(link.name, 0.0)
+    heaviest = max(masses, key=lambda name: masses[name], default="")
+    if tensor is None or total is None or not masses.get(heaviest, 0.0) > 0:
+        return None
+    from urdfcheck.facts.inertia import principal_moments
+
+    first, second, third = principal_moments(tensor)[0].tolist()
+    assert link.inertial is not None
+    largest = max(map(abs, link.inertial.six or (0.0,)))
+    negligible = own <= NEGLIGIBLE * total and largest <= NEGLIGIBLE * first
+    return Whole(heaviest, (first, second, third), negligible)

@@ -20,9 +20,13 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from urdfcheck.facts.diagnosis import Geometry
     from urdfcheck.facts.inertia import Solid
     from urdfcheck.model.collisions import Collisions
+    from urdfcheck.model.diagnoses import Judged
     from urdfcheck.model.dynamics import Dynamics, Verdict
+    from urdfcheck.model.enclosed import Enclosed
+    from urdfcheck.model.twins import Pair
     from urdfcheck.source.srdf import Srdf
 
 
@@ -166,6 +170,38 @@ class Model:
         from urdfcheck.model.collisions import build
 
         return build(self)
+
+    @cached_property
+    def geometries(self) -> dict[object, Geometry | None]:
+        """What `urdfcheck.model.drawn.geometry` has measured of this model."""
+        return {}
+
+    @cached_property
+    def pairs(self) -> tuple[Pair, ...]:
+        """The left and the right of the robot: links that are each other's mirror image.
+
+        :raises Unavailable: when the tree is broken or an origin is malformed.
+        """
+        from urdfcheck.model.twins import pairs
+
+        return pairs(self)
+
+    @cached_property
+    def diagnoses(self) -> Mapping[str, Judged]:
+        """What is wrong with the inertial of each link, by name."""
+        from urdfcheck.model.diagnoses import diagnoses
+
+        return diagnoses(self)
+
+    @cached_property
+    def enclosed(self) -> tuple[Enclosed, ...]:
+        """The inertials of links that are bodies, each with all that is drawn round it.
+
+        :raises Unavailable: when the tree is broken or an origin is malformed.
+        """
+        from urdfcheck.model.enclosed import enclosed
+
+        return tuple(enclosed(self))
 
     @cached_property
     def srdfs(self) -> tuple[Srdf, ...]:

@@ -135,7 +135,7 @@ class Shape:
     def kind(self) -> str | None:
         return None if self.shape is None else self.shape.tag
 
-    @property
+    @cached_property
     def size(self) -> tuple[float, ...] | None:
         """Metres: box x y z; cylinder, capsule radius length; sphere radius; mesh: its scale. None when malformed."""
         if self.shape is None:

@@ -33,14 +33,24 @@ def siblings(model: Model) -> list[tuple[Joint, ...]]:
     return [group for group in groups if len(group) > 1]
 
 
-def chain_of(model: Model, joint: Joint) -> tuple[Joint, ...]:
-    """The fixed joints between the moving joint before this one (or the root) and this one, and this one last.
+def base_of(model: Model, group: Sequence[Joint]) -> str:
+    """The last link that all joints of a group hang on: in its axes their places and frames were thought of.
+
+    :raises Unavailable: when the tree is broken.
+    """
+    paths = [[joint.parent for joint in model.tree.path(one.child)] for one in group]
+    shared: list[str] = [names[0] for names in zip(*paths, strict=False) if len(set(names)) == 1]
+    return shared[-1]
+
+
+def chain_of(model: Model, joint: Joint, base: str) -> tuple[Joint, ...]:
+    """The fixed joints between the link ``base``, or the moving joint before this one, and this one, and this one last.
 
     :raises Unavailable: when the tree is broken.
     """
     chain = [joint]
     before = model.tree.parent_joint.get(joint.parent)
-    while before is not None and before.type == "fixed":
+    while before is not None and before.type == "fixed" and before.child != base:
         chain.append(before)
         before = model.tree.parent_joint.get(before.parent)
     return tuple(reversed(chain))

@@ -1,0 +1,185 @@
+"""What was once said of a published robot and was not true, made small: each case is quiet, and beside it one that is not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from castings import Block, edited, geometry, inertial, pieces, triangles, uniform, write_stl
+from conftest import check_text
+
+from urdfcheck.core import Finding
+from urdfcheck.facts.diagnosis import Declared
+from urdfcheck.facts.inertia import Solid, combine
+
+CODES = {"INR003", "INR004", "INR005", "INR006", "INR007", "INR008", "INR009", "INR010", "MSH008"}
+
+
+def arm(numbers: Declared | str, *drawn: str) -> str:
+    """A robot whose arm has an inertial and draws something."""
+    text = numbers if isinstance(numbers, str) else inertial(numbers)
+    return (
+        f'<robot name="r"><link name="base"/><link name="arm">{text}{"".join(drawn)}</link>'
+        '<joint name="j" type="continuous"><parent link="base"/><child link="arm"/></joint></robot>'
+    )
+
+
+def mesh(name: str, role: str = "visual") -> str:
+    return f'<{role}><geometry><mesh filename="{name}"/></geometry></{role}>'
+
+
+def found(folder: Path, text: str) -> list[Finding]:
+    run = check_text(folder, text, codes=CODES)
+    assert not run.failures
+    return list(run.findings)
+
+
+def told(folder: Path, text: str) -> list[str]:
+    return [f.code for f in found(folder, text)]
+
+
+# -- meshes that declare another up axis (iCub, whose meshes RViz lays on their sides) -------------------------------------
+
+# A shank that hangs down from its joint: 0.3 m along −z, in a file whose y points up.
+SHANK: tuple[Block, ...] = (((0.06, 0.05, 0.3), (0.0, 0.0, -0.15)),)
+LIES = np.array(((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)))
+
+
+def write_dae(path: Path, blocks: tuple[Block, ...], up: str) -> None:
+    """The blocks as COLLADA; with y up as a modeller writes what stands upright there."""
+    corners, faces = triangles(blocks)
+    if up == "Y_UP":
+        corners = corners @ LIES.T
+    points, corner_indices = " ".join(f"{x:.9g}" for x in corners.ravel()), " ".join(map(str, faces.ravel()))
+    path.write_text(
+        f"""<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="meter" meter="1"/><up_axis>{up}</up_axis></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="s"><float_array id="a" count="{corners.size}">{points}</float_array>
+<technique_common><accessor source="#a" count="{len(corners)}" stride="3">
+<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+<triangles count="{len(faces)}"><input semantic="VERTEX" source="#v" offset="0"/><p>{corner_indices}</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="c"><node><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#c"/></scene>
+</COLLADA>"""
+    )
+
+
+def test_a_mesh_may_stand_upright_where_rviz_lays_it_down(tmp_path: Path) -> None:
+    write_dae(tmp_path / "shank.dae", SHANK, "Y_UP")
+    assert told(tmp_path, arm(uniform(combine(pieces(SHANK)), 2.0), mesh("shank.dae"))) == []
+
+
+def test_what_no_reading_of_the_up_axis_explains_is_told(tmp_path: Path) -> None:
+    write_dae(tmp_path / "shank.dae", SHANK, "Y_UP")
+    above = uniform(combine(pieces((((0.06, 0.05, 0.3), (0.5, 0.0, 0.0)),))), 2.0)
+    assert told(tmp_path, arm(above, mesh("shank.dae"))) == ["INR006"]
+
+
+def test_another_mesh_of_the_link_settles_which_way_is_up(tmp_path: Path) -> None:
+    write_dae(tmp_path / "shank.dae", SHANK, "Y_UP")
+    lying: tuple[Block, ...] = (((0.06, 0.3, 0.05), (0.0, -0.15, 0.0)),)
+    write_stl(tmp_path / "shank.stl", lying)
+    content = arm(uniform(combine(pieces(SHANK)), 2.0), mesh("shank.dae"), mesh("shank.stl", "collision"))
+    assert told(tmp_path, content) != []
+
+
+# -- bodies of a mesh that face inwards (Dingo-D, whose axle was subtracted from its chassis) -------------------------------
+
+# A frame of thin walls, and an axle between them.
+WALLS: tuple[Block, ...] = (
+    ((0.5, 0.01, 0.1), (0.0, 0.2, 0.05)),
+    ((0.5, 0.01, 0.1), (0.0, -0.2, 0.05)),
+    ((0.01, 0.39, 0.1), (0.245, 0.0, 0.05)),
+)
+AXLE: Block = ((0.05, 0.36, 0.05), (0.1, 0.0, 0.05))
+
+
+def write_mixed(path: Path, outwards: tuple[Block, ...], inwards: Block) -> None:
+    """A text STL of blocks, the last of which faces inwards."""
+    write_stl(path, (*outwards, inwards))
+    lines = path.read_text().splitlines()
+    for start in range(1 + 7 * 12 * len(outwards), len(lines) - 1, 7):
+        lines[start + 3], lines[start + 4] = lines[start + 4], lines[start + 3]
+    path.write_text("\n".join([*lines, ""]))
+
+
+def solid_of(outwards: tuple[Block, ...], hollow: Block) -> Solid:
+    """The blocks without the hollow one."""
+    filled = combine(pieces(outwards))
+    (missing,) = pieces((hollow,))
+    volume = filled.volume - missing.volume
+    com = (filled.volume * filled.com - missing.volume * missing.com) / volume
+    second = sum(
+        sign * part.volume * (part.covariance + np.outer(part.com, part.com))
+        for sign, part in ((1.0, filled), (-1.0, missing))
+    )
+    return Solid(volume, com, second / volume - np.outer(com, com))
+
+
+def test_a_body_that_faces_inwards_is_not_subtracted(tmp_path: Path) -> None:
+    write_mixed(tmp_path / "frame.stl", WALLS, AXLE)
+    (filled,) = pieces((((0.5, 0.41, 0.1), (0.0, 0.0, 0.05)),))
+    whole = uniform(filled, 10.0)
+    collides = '<collision><origin xyz="0 0 0.05"/><geometry><box size="0.5 0.41 0.1"/></geometry></collision>'
+    content = arm(Declared(10.0, np.zeros(3), whole.tensor, whole.rotation), mesh("frame.stl"), collides)
+    (finding,) = found(tmp_path, content)
+    assert finding.cause is not None
+    assert finding.cause.id == "com_missing"
+    assert finding.data["edit"] == 'xyz="0 0 0.05"'
+
+
+def test_a_hollow_is_still_a_hollow(tmp_path: Path) -> None:
+    housing: tuple[Block, ...] = (((0.3, 0.2, 0.2), (0.0, 0.0, 0.1)),)
+    cavity: Block = ((0.2, 0.16, 0.16), (0.045, 0.0, 0.1))
+    write_mixed(tmp_path / "housing.stl", housing, cavity)
+    true = uniform(solid_of(housing, cavity), 3.0)
+    assert told(tmp_path, arm(true, mesh("housing.stl"))) == []
+    (finding,) = found(tmp_path, arm(Declared(3.0, true.com, true.tensor / 1000.0, true.rotation), mesh("housing.stl")))
+    assert finding.data["mended_shape"] == pytest.approx(0.0, abs=1e-3)
+
+
+# -- digits (Pelican, whose tensor is the drawn part's to one digit) --------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("typed", "codes"),
+    [
+        (
+            ("0.01", "0.01", "0.02"),
+            [],
+        ),  # 0.009, 0.0094 and 0.0168 to one digit, and the tensor of a plate without thickness
+        (("0.010", "0.010", "0.020"), ["INR009"]),  # to two digits they would be 0.0090, 0.0094, 0.017
+    ],
+)
+def test_a_tensor_may_be_the_drawn_ones_to_the_digits_that_were_typed(
+    tmp_path: Path, typed: tuple[str, str, str], codes: list[str]
+) -> None:
+    xx, yy, zz = typed
+    numbers = (
+        f'<inertial><mass value="1"/><inertia ixx="{xx}" ixy="0" ixz="0" iyy="{yy}" iyz="0" izz="{zz}"/></inertial>'
+    )
+    drawn = '<visual><geometry><box size="0.32 0.313 0.098"/></geometry></visual>'
+    assert told(tmp_path, arm(numbers, drawn)) == codes
+
+
+# -- a mass that was typed over (Ranger 1S, whose next version has the mass that the tensors are of) ------------------------
+
+PART: tuple[Block, ...] = (((0.2, 0.06, 0.04), (0.03, 0.02, 0.05)), ((0.05, 0.16, 0.03), (-0.045, 0.13, 0.055)))
+
+
+def test_a_tensor_of_another_mass_does_not_say_which_is_wrong(tmp_path: Path) -> None:
+    write_stl(tmp_path / "part.stl", PART)
+    heavy, typed = uniform(geometry(PART).solid, 6.0), 1.37
+    text = arm(Declared(typed, heavy.com, heavy.tensor, heavy.rotation), mesh("part.stl"))
+    (finding,) = found(tmp_path, text)
+    assert finding.cause is not None
+    assert finding.cause.id == "other_mass"
+    assert "write that mass" in finding.cause.text
+    assert "no other" not in finding.message
+    assert finding.fix is not None
+    assert told(tmp_path, edited(text, finding.fix.edits)) == []
+    assert told(tmp_path, text.replace('mass value="1.37"', 'mass value="6"')) == []

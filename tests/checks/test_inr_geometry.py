@@ -1,0 +1,481 @@
+"""Mass and inertia against what is drawn: where the rules begin and end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import check_text
+from numpy.typing import NDArray
+
+from urdfcheck.core import Finding
+from urdfcheck.facts.hulls import outside
+from urdfcheck.facts.inertia import box_solid, inertia_of
+from urdfcheck.facts.kinematics import matrix_to_rpy, rpy_to_matrix
+from urdfcheck.facts.mesh import hull_of
+from urdfcheck.model import Model
+from urdfcheck.model.drawn import geometry, rigid_points
+from urdfcheck.source.load import load
+from urdfcheck.source.packages import PackageFinder
+
+Array = NDArray[np.float64]
+CODES = {"INR005", "INR006", "INR007", "INR008", "INR010"}
+
+
+@dataclass(frozen=True)
+class Part:
+    """A link that draws a box: where it is, and what its inertial says. ``turned``: rpy of the inertial's own axes."""
+
+    size: tuple[float, float, float] = (0.1, 0.06, 0.04)
+    place: Array | tuple[float, ...] = (0.0, 0.0, 0.0)
+    rotation: Array | None = None
+    mass: float = 0.6
+    com: Array | tuple[float, ...] | None = None
+    tensor: Array | None = None
+    turned: tuple[float, ...] = (0.0, 0.0, 0.0)
+
+    @property
+    def pose(self) -> Array:
+        return np.eye(3) if self.rotation is None else self.rotation
+
+    @property
+    def inertia(self) -> Array:
+        """In the link's axes; that of the box where none is given."""
+        own = self.pose @ inertia_of(box_solid(self.size), self.mass) @ self.pose.T
+        return own if self.tensor is None else self.tensor
+
+    def xml(self, name: str) -> str:
+        axes = rpy_to_matrix(self.turned)
+        i = axes.T @ self.inertia @ axes
+        com = self.place if self.com is None else self.com
+        six = (
+            "".join(
+                f' i{"xyz"[a]}{"xyz"[b]}="{i[a, b]!r}"' for a, b in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+            )
+            .replace("np.float64(", "")
+            .replace(")", "")
+        )
+        return (
+            f'<link name="{name}"><inertial><origin xyz="{text(com)}" rpy="{text(self.turned)}"/>'
+            f'<mass value="{self.mass!r}"/><inertia{six}/></inertial><visual>'
+            f'<origin xyz="{text(self.place)}" rpy="{text(matrix_to_rpy(self.pose))}"/>'
+            f'<geometry><box size="{text(self.size)}"/></geometry></visual></link>'
+        )
+
+
+def text(numbers: object) -> str:
+    return " ".join(repr(float(n)) for n in np.asarray(numbers))
+
+
+def robot(*links: str, joint: str = "continuous", origin: str = "0 0 0") -> str:
+    """The links one after the other, each on the one before."""
+    names = [link.split('"')[1] for link in links]
+    joints = "".join(
+        f'<joint name="j{i}" type="{joint}"><parent link="{a}"/><child link="{b}"/><origin xyz="{origin}"/></joint>'
+        for i, (a, b) in enumerate(pairwise(names))
+    )
+    return f'<robot name="r">{"".join(links)}{joints}</robot>'
+
+
+def arm(part: Part) -> str:
+    return robot('<link name="base"/>', part.xml("arm"))
+
+
+def found(folder: Path, content: str, codes: set[str] = CODES) -> list[Finding]:
+    run = check_text(folder, content, codes=codes)
+    assert not run.failures
+    return list(run.findings)
+
+
+def codes(folder: Path, content: str) -> list[str]:
+    return sorted(f.code for f in found(folder, content))
+
+
+# -- INR005 ---------------------------------------------------------------------------------------------------------
+
+
+def dumbbell(part: Part, share: float) -> Part:
+    """The same mass as two lumps, ``share`` of the way from the middle of the box to its ends."""
+    spread = np.diag((np.array(part.size) / 2 * share) ** 2 * (1, 0.01, 0.01))
+    return replace(part, tensor=part.mass * (np.trace(spread) * np.eye(3) - spread))
+
+
+@pytest.mark.parametrize(("share", "exceeds"), [(0.5, False), (1.0, False), (1.09, False), (1.15, True), (3.0, True)])
+def test_two_lumps_at_the_ends_are_the_greatest_inertia(tmp_path: Path, share: float, exceeds: bool) -> None:
+    assert codes(tmp_path, arm(dumbbell(Part(), share))) == (["INR005"] if exceeds else [])
+
+
+def test_the_message_tells_the_ratio_and_both_spreads(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, arm(replace(Part(), tensor=98.7654321 * Part().inertia)))
+    # A tenth of a metre, and 2 % of its 0.1233 m from corner to corner on both sides.
+    half = 0.05 + 0.02 * 0.1233
+    assert finding.data["ratio"] == pytest.approx(98.7654321 * 0.1**2 / 12 / half**2, rel=0.01)
+    assert finding.data["spread"] == pytest.approx(98.7654321**0.5 * 0.1 / 12**0.5, rel=0.01)
+    assert finding.data["most"] == pytest.approx(half, rel=0.01)
+    assert "inside the drawn geometry" in finding.message
+
+
+@pytest.mark.parametrize(("digits", "exceeds"), [("1e-6", False), ("1.00e-6", True)])
+def test_digits_that_were_rounded_away_are_no_excess(tmp_path: Path, digits: str, exceeds: bool) -> None:
+    # 1.5 times what a cube of 20 mm can have; with one digit it may as well be half of that.
+    six = f'ixx="{digits}" ixy="0" ixz="0" iyy="{digits}" iyz="0" izz="3.0e-7"'
+    inertial = f'<inertial><mass value="0.005"/><inertia {six}/></inertial>'
+    drawn = '<visual><geometry><box size="0.02 0.02 0.02"/></geometry></visual>'
+    content = robot('<link name="base"/>', f'<link name="arm">{inertial}{drawn}</link>')
+    assert bool(found(tmp_path, content, {"INR005"})) == exceeds
+
+
+def test_what_a_fixed_link_draws_may_hold_the_mass(tmp_path: Path) -> None:
+    heavy = replace(Part(), tensor=20 * Part().inertia)
+    cover = '<link name="cover"><visual><geometry><box size="0.6 0.4 0.3"/></geometry></visual></link>'
+    alone = arm(heavy)
+    assert codes(tmp_path / "a", alone) == ["INR005"]
+    fixed = '<joint name="f" type="fixed"><parent link="arm"/><child link="cover"/></joint></robot>'
+    assert codes(tmp_path / "b", alone.replace("</robot>", cover + fixed)) == []
+    assert codes(tmp_path / "c", alone.replace("</robot>", cover + fixed.replace("fixed", "continuous"))) == ["INR005"]
+
+
+def test_a_light_link_of_a_heavy_body_decides_nothing(tmp_path: Path) -> None:
+    sensor = replace(Part(size=(0.02, 0.02, 0.02), mass=0.01), tensor=np.diag((1.1e-5, 1.2e-5, 1.3e-5)))
+    assert codes(tmp_path / "a", robot(Part(mass=3.0).xml("body"), sensor.xml("sensor"), joint="fixed")) == []
+    assert codes(tmp_path / "b", robot(Part(mass=3.0).xml("body"), sensor.xml("sensor"))) == ["INR005"]
+
+
+# -- INR006 ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("x", "outside"), [(0.0, False), (0.05, False), (0.062, False), (0.064, True), (-0.064, True)])
+def test_the_centre_of_mass_may_lie_a_tenth_of_the_size_outside(tmp_path: Path, x: float, outside: bool) -> None:
+    # The box is 0.1233 m from corner to corner, and ends at 0.05 m.
+    content = arm(replace(Part(), com=(x, 0, 0)))
+    assert bool(found(tmp_path, content, {"INR006"})) == outside
+
+
+def test_a_mass_at_the_end_of_its_part_cannot_spread(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, arm(replace(Part(), com=(0.05, 0, 0))))
+    assert finding.code == "INR005"
+
+
+def test_a_bracket_has_its_centre_of_mass_beside_its_material(tmp_path: Path) -> None:
+    def leg(x: float, y: float, a: float, b: float) -> str:
+        return f'<visual><origin xyz="{x} {y} 0"/><geometry><box size="{a} {b} 0.01"/></geometry></visual>'
+
+    inertial = (
+        '<inertial><origin xyz="0.03 0.03 0"/><mass value="0.2"/>'
+        '<inertia ixx="0.0001" ixy="0" ixz="0" iyy="0.0001" iyz="0" izz="0.00018"/></inertial>'
+    )
+    angle = f'<link name="arm">{inertial}{leg(0.05, 0, 0.1, 0.01)}{leg(0, 0.05, 0.01, 0.1)}</link>'
+    assert codes(tmp_path, robot('<link name="base"/>', angle)) == []
+
+
+@pytest.mark.parametrize(("x", "message"), [(-0.16, "sign"), (-0.19, "outside"), (0.3, "outside"), (0.0, "outside")])
+def test_a_sign_is_named_when_the_other_one_is_near_the_parts_own(tmp_path: Path, x: float, message: str) -> None:
+    # The box is 0.1233 m from corner to corner: the other sign may miss its middle at 0.15 m by 12 mm.
+    (finding,) = found(tmp_path, arm(replace(Part(place=(0.15, 0, 0)), com=(x, 0.001, 0))), {"INR006"})
+    assert finding.message_id == message
+    assert finding.fix is not None
+    edits = [(e.expected, e.replacement) for e in finding.fix.edits]
+    assert edits == ([("-0.16 0.001 0.0", "0.16 0.001 0")] if message == "sign" else [])
+
+
+def test_a_centre_of_mass_that_was_not_given_is_told(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, arm(replace(Part(place=(0.15, 0, 0)), com=(0, 0, 0))), {"INR006"})
+    assert finding.cause is not None
+    assert finding.cause.id == "missing"
+
+
+def test_nothing_is_said_about_a_link_whose_mesh_is_missing(tmp_path: Path) -> None:
+    content = arm(replace(Part(), com=(9, 9, 9), tensor=1e6 * Part().inertia))
+    mesh = '<visual><geometry><mesh filename="lost.stl"/></geometry></visual></link><joint'
+    assert codes(tmp_path, content.replace("</link><joint", mesh)) == []
+
+
+COLLADA = """<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="u" meter="{unit}"/><up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="s"><float_array id="a" count="12">{points}</float_array>
+<technique_common><accessor source="#a" count="4" stride="3">
+<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="c"><node><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#c"/></scene>
+</COLLADA>"""
+
+
+@pytest.mark.parametrize(
+    ("unit", "com", "outside"),
+    [
+        (1.0, "0.05 0.05 0.05", False),
+        (1.0, "1 1 1", True),
+        (0.1, "1 1 1", False),  # inside for programs that pass over the unit: MSH008
+        (0.1, "9 9 9", True),
+        (10.0, "1 1 1", False),  # inside for programs that follow it
+    ],
+)
+def test_both_readings_of_colladas_unit_must_agree(tmp_path: Path, unit: float, com: str, outside: bool) -> None:
+    edge = 4 if unit == 0.1 else 0.4
+    corners = f"0 0 0 {edge} 0 0 0 {edge} 0 0 0 {edge}"
+    (tmp_path / "arm.dae").write_text(COLLADA.format(unit=unit, points=corners))
+    inertial = (
+        f'<inertial><origin xyz="{com}"/><mass value="1"/>'
+        '<inertia ixx="1.1e-4" ixy="0" ixz="0" iyy="1.2e-4" iyz="0" izz="1.3e-4"/></inertial>'
+    )
+    drawn = '<visual><geometry><mesh filename="arm.dae"/></geometry></visual>'
+    content = robot('<link name="base"/>', f'<link name="arm">{inertial}{drawn}</link>')
+    assert codes(tmp_path, content) == (["INR006"] if outside else [])
+
+
+# -- INR007 ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("moment", "told"),
+    [(5e-05, True), (0.0002, True), (0.0005, False), (0.0003, False), (0.001, True), (0.0011, False), (1.0, True)],
+)
+def test_a_round_tensor_is_told_when_it_is_far_from_the_shape(tmp_path: Path, moment: float, told: bool) -> None:
+    # 0.6 kg that fill this box have 0.00026, 0.00058 and 0.00068 kg m².
+    content = arm(replace(Part(), tensor=moment * np.eye(3)))
+    assert bool(found(tmp_path, content, {"INR007"})) == told
+
+
+def test_a_cube_may_have_a_round_tensor(tmp_path: Path) -> None:
+    cube = Part(size=(0.2, 0.2, 0.2), mass=1.5, tensor=0.01 * np.eye(3))
+    assert codes(tmp_path, arm(cube)) == []
+
+
+def test_all_links_with_one_placeholder_are_one_finding(tmp_path: Path) -> None:
+    fingers = [Part(size=(0.02, 0.02, 0.04), mass=m, tensor=0.001 * np.eye(3)).xml(f"f{m}") for m in (0.01, 0.02, 0.03)]
+    (finding,) = found(tmp_path, robot('<link name="base"/>', *fingers))
+    assert (finding.code, len(finding.subjects), len(finding.related)) == ("INR007", 3, 2)
+    assert finding.fix is not None
+    assert [(e.expected, float(e.replacement)) for e in finding.fix.edits] == [
+        ("0.001", pytest.approx(mass * i / 12, rel=1e-3)) for mass in (0.01, 0.02, 0.03) for i in (0.002, 0.002, 0.0008)
+    ]
+
+
+def bare(name: str, mass: float, moment: float) -> str:
+    six = f'ixx="{moment}" ixy="0" ixz="0" iyy="{moment}" iyz="0" izz="{moment}"'
+    return f'<link name="{name}"><inertial><mass value="{mass}"/><inertia {six}/></inertial></link>'
+
+
+@pytest.mark.parametrize(("masses", "told"), [((1, 2), False), ((1, 1, 1), False), ((1, 2, 3), True)])
+def test_links_that_draw_nothing_are_told_by_their_masses(tmp_path: Path, masses: tuple[int, ...], told: bool) -> None:
+    content = robot(*(bare(f"l{i}", mass, 0.1) for i, mass in enumerate(masses)))
+    assert codes(tmp_path, content) == (["INR007"] if told else [])
+
+
+@pytest.mark.parametrize(("mass", "sizes", "told"), [
+    (1.0, (1, 1.2, 1.5, 2), True),
+    (1.0, (1, 1.2, 1.5, 1.6), False),  # volumes differ less than five times
+    (1.3, (1, 1.2, 1.5, 2), False),  # no round number
+    (1.0, (1, 1.2, 2), False),  # too few
+])  # fmt: skip
+def test_one_round_mass_for_links_of_all_sizes(
+    tmp_path: Path, mass: float, sizes: tuple[float, ...], told: bool
+) -> None:
+    parts = [Part(size=(0.1 * s, 0.06 * s, 0.04 * s), mass=mass).xml(f"l{i}") for i, s in enumerate(sizes)]
+    assert [f.message_id for f in found(tmp_path, robot(*parts))] == (["mass"] if told else [])
+
+
+# -- INR008 ---------------------------------------------------------------------------------------------------------
+
+
+def test_the_part_that_the_tensor_fits_is_the_original(tmp_path: Path) -> None:
+    fork, wheel = Part(), Part(size=(0.2, 0.06, 0.04), tensor=Part().inertia)
+    (finding,) = found(tmp_path, robot(wheel.xml("wheel"), fork.xml("fork")))
+    assert (finding.code, finding.message_id) == ("INR008", "copied")
+    assert finding.subjects == ("link[wheel]/inertial/inertia",)
+    assert [r.subject for r in finding.related] == ["link[fork]/inertial/inertia"]
+
+
+def test_where_no_part_fits_all_are_reported(tmp_path: Path) -> None:
+    tensor = np.diag((1.1e-4, 1.9e-4, 2.3e-4))
+    one, other = Part(tensor=tensor), Part(size=(0.2, 0.06, 0.04), tensor=tensor)
+    (finding,) = found(tmp_path, robot(one.xml("one"), other.xml("other")))
+    assert (finding.message_id, len(finding.subjects)) == ("shared", 2)
+
+
+def test_equal_mirrored_and_turned_parts_share_a_tensor_by_right(tmp_path: Path) -> None:
+    turn = rpy_to_matrix((0.0, 0.0, 0.6))
+    tensor = Part(rotation=turn).inertia
+    mirrored = tensor * [[1, -1, -1], [-1, 1, 1], [-1, 1, 1]]
+    parts = [Part(rotation=turn), Part(rotation=turn, place=(0.1, 0, 0)), Part(rotation=turn.T, tensor=mirrored)]
+    assert codes(tmp_path, robot(*(p.xml(f"p{i}") for i, p in enumerate(parts)))) == []
+
+
+def test_tensors_that_only_look_alike_are_not_copies(tmp_path: Path) -> None:
+    other = Part(size=(0.2, 0.06, 0.04), tensor=1.000001 * Part().inertia)
+    assert codes(tmp_path, robot(Part().xml("one"), other.xml("other"))) == []
+
+
+# -- INR010 ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("density", "dense"), [(2, False), (2700, False), (22000, False), (33000, True), (2.7e6, True)]
+)
+def test_nothing_is_denser_than_osmium(tmp_path: Path, density: float, dense: bool) -> None:
+    part = Part(mass=density * 0.1 * 0.06 * 0.04)
+    assert codes(tmp_path, arm(part)) == (["INR010"] if dense else [])
+
+
+def test_the_unit_of_the_mass_is_named(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, arm(Part(mass=2.7e6 * 0.1 * 0.06 * 0.04)))
+    assert finding.cause is not None
+    assert finding.cause.text == "Read as grams, the number gives 2,700 kg/m³: aluminium."
+
+
+def test_a_typed_mass_has_no_unit(tmp_path: Path) -> None:
+    part = Part(size=(0.01, 0.01, 0.01), mass=1.0)
+    (finding,) = found(tmp_path, arm(part))
+    assert (finding.code, finding.cause) == ("INR010", None)
+
+
+@pytest.mark.parametrize(("mass", "light"), [(0.00024, False), (0.00023, True)])
+def test_nothing_is_lighter_than_air(tmp_path: Path, mass: float, light: bool) -> None:
+    # 240 cm³ at 1 kg/m³; over the surface of 0.0248 m² that is 9.7 g/m².
+    assert codes(tmp_path, arm(Part(mass=mass))) == (["INR010"] if light else [])
+
+
+def test_a_balloon_is_as_light_as_it_likes(tmp_path: Path) -> None:
+    assert codes(tmp_path, arm(Part(size=(10.0, 10.0, 10.0), mass=900.0))) == []
+
+
+# -- all of them: what a robot is written in changes nothing --------------------------------------------------------
+
+DEFECTS = {
+    "sound": Part(),
+    "exceeds": replace(Part(), tensor=np.diag((0.011, 0.012, 0.013))),
+    "outside": replace(Part(), com=(0.08, 0.02, 0.01)),
+    "dense": Part(mass=700.0),
+    "light": Part(mass=0.0002),
+}
+EXPECTED = {"sound": [], "exceeds": ["INR005"], "outside": ["INR006"], "dense": ["INR010"], "light": ["INR010"]}
+TURN = rpy_to_matrix((0.4, -0.7, 1.1))
+
+
+def moved(part: Part, turn: Array, shift: tuple[float, ...]) -> Part:
+    """The same part, seen from another link frame."""
+    com = np.asarray(part.place if part.com is None else part.com, dtype=float)
+    return replace(
+        part,
+        place=turn @ np.asarray(part.place, dtype=float) + shift,
+        rotation=turn @ part.pose,
+        com=turn @ com + shift,
+        tensor=turn @ part.inertia @ turn.T,
+    )
+
+
+@pytest.mark.parametrize("name", DEFECTS)
+def test_turning_frames_scaling_and_rerooting_change_no_verdict(tmp_path: Path, name: str) -> None:
+    part = DEFECTS[name]
+    k = 3.0  # longer, and so much heavier that the density stays
+    scaled = replace(
+        part,
+        size=tuple(k * s for s in part.size),  # type: ignore[arg-type]
+        com=None if part.com is None else tuple(k * c for c in part.com),
+        mass=k**3 * part.mass,
+        tensor=k**5 * part.inertia,
+    )
+    base = '<link name="base"/>'
+    variants = {
+        "as it is": arm(part),
+        "link frame": arm(moved(part, TURN, (0.3, -0.2, 0.1))),
+        "inertial frame": arm(replace(part, turned=(0.3, 0.2, -0.5))),
+        "root": robot(part.xml("arm"), base, origin="0.2 0 0"),
+        "renamed": robot('<link name="torso"/>', part.xml("Link_7")),
+    }
+    if name != "light":  # a skin does not scale with the volume
+        variants["scaled"] = arm(scaled)
+    for variant, content in variants.items():
+        assert codes(tmp_path / variant, content) == EXPECTED[name], variant
+
+
+# -- what is drawn --------------------------------------------------------------------------------------------------
+
+
+def model_of(folder: Path, content: str) -> Model:
+    folder.mkdir(exist_ok=True)
+    path = folder / "drawn.urdf"
+    path.write_text(content, encoding="utf-8")
+    source = load(path, {}, PackageFinder(path))
+    assert source.root is not None
+    return Model(source, source.root)
+
+
+def drawing(shape: str, rpy: str = "0.3 -0.4 0.5", xyz: str = "0.1 0.2 0.3") -> str:
+    visual = f'<visual><origin xyz="{xyz}" rpy="{rpy}"/><geometry>{shape}</geometry></visual>'
+    return f'<robot name="r" version="1.2"><link name="a">{visual}</link></robot>'
+
+
+def inside(kind: str, random: np.random.Generator) -> Array:
+    """Points all over the surface of a shape of radius 0.2 and length 0.6, or a box of 0.4 × 0.2 × 0.6."""
+    if kind == "box":
+        return random.choice((-0.5, 0.5), (200, 3)) * (0.4, 0.2, 0.6)
+    ball = random.normal(size=(400, 3))
+    ball *= 0.2 / np.linalg.norm(ball, axis=1)[:, None]
+    if kind == "capsule":
+        return ball + np.sign(ball) * (0, 0, 0.3)
+    if kind == "cylinder":
+        ball *= 0.2 / np.linalg.norm(ball[:, :2], axis=1)[:, None]
+        ball[:, 2] = random.choice((-0.3, 0.3), 400)
+    return ball
+
+
+@pytest.mark.parametrize(
+    ("kind", "shape"),
+    [
+        ("box", '<box size="0.4 0.2 0.6"/>'),
+        ("sphere", '<sphere radius="0.2"/>'),
+        ("cylinder", '<cylinder radius="0.2" length="0.6"/>'),
+        ("capsule", '<capsule radius="0.2" length="0.6"/>'),
+    ],
+)
+def test_the_corners_of_a_shape_hold_all_of_it_and_little_more(tmp_path: Path, kind: str, shape: str) -> None:
+    model = model_of(tmp_path, drawing(shape))
+    link = model.links[0]
+    points, drawn = rigid_points(model, link), geometry(model, link)
+    assert points is not None
+    assert drawn is not None
+    turn, place = rpy_to_matrix((0.3, -0.4, 0.5)), np.array((0.1, 0.2, 0.3))
+    for surface in inside(kind, np.random.default_rng(1)) @ turn.T + place:
+        assert outside(points, surface) < 1e-6
+    assert 1.0 <= hull_of(points).volume / drawn.solid.volume + 1e-9 <= 1.02
+    assert drawn.closed
+
+
+OBJ = "v 0 0 0\nv 0.4 0 0\nv 0 0.3 0\nv 0 0 0.2\n" + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+
+
+def test_solid_hull_and_shell_of_a_stretched_mesh_are_those_of_the_stretched_corners(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text(OBJ)
+    (tmp_path / "b.obj").write_text("v 0 0 0\nv 0.8 0 0\nv 0 -0.3 0\nv 0 0 0.1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n")
+    stretched = model_of(tmp_path, drawing('<mesh filename="a.obj" scale="2 -1 0.5"/>'))
+    plain = model_of(tmp_path, drawing('<mesh filename="b.obj"/>'))
+    one, other = geometry(stretched, stretched.links[0]), geometry(plain, plain.links[0])
+    assert one is not None
+    assert other is not None
+    for part in ("solid", "hull", "shell", "box"):
+        got, wanted = getattr(one, part), getattr(other, part)
+        np.testing.assert_allclose(got.volume, wanted.volume, err_msg=part)
+        np.testing.assert_allclose(got.com, wanted.com, err_msg=part)
+        np.testing.assert_allclose(got.covariance, wanted.covariance, atol=1e-12, err_msg=part)
+
+
+def test_an_open_mesh_gives_way_to_a_closed_collision_shape(tmp_path: Path) -> None:
+    (tmp_path / "open.obj").write_text(OBJ.replace("f 2 3 4\n", ""))
+    content = drawing('<mesh filename="open.obj"/>')
+    box = '<collision><geometry><box size="0.4 0.3 0.2"/></geometry></collision>'
+    opened = model_of(tmp_path / "a", content.replace("open.obj", "../open.obj"))
+    both = model_of(tmp_path / "b", content.replace("open.obj", "../open.obj").replace("</visual>", "</visual>" + box))
+    first, second = geometry(opened, opened.links[0]), geometry(both, both.links[0])
+    assert first is not None
+    assert second is not None
+    assert (first.closed, second.closed) == (False, True)
+    np.testing.assert_allclose(first.solid.volume, 0.4 * 0.3 * 0.2 / 6)
+    np.testing.assert_allclose(second.solid.volume, 0.4 * 0.3 * 0.2)

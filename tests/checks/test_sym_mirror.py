@@ -1,0 +1,531 @@
+"""SYM004, the mirror mismatch: a small humanoid without any symmetry but that of left and right, one defect at a time."""
+
+from __future__ import annotations
+
+import copy
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import check_text
+from transforms import Robot, Transformation, each_link, rerooted, rotated_inertial, rotated_link, scaled
+
+from urdfcheck.core import Finding, Severity
+from urdfcheck.facts.inertia import box_solid, combine, inertia_of, placed
+from urdfcheck.facts.kinematics import rpy_to_matrix
+from urdfcheck.model import Model
+from urdfcheck.model.twins import Pair, declared, twin_of
+from urdfcheck.source.load import load
+from urdfcheck.source.packages import PackageFinder
+
+SIX = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+DENSITY = 900.0
+ASKEW = rpy_to_matrix((0.4, -0.7, 1.1))
+Pieces = Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]]
+
+# The left side: boxes (size, centre), the joint's origin, its axis and limits, from the torso outwards.
+PARTS: dict[str, tuple[Pieces, tuple[float, float, float], tuple[int, int, int], tuple[float, float]]] = {
+    "shoulder": (
+        (((0.08, 0.06, 0.08), (0.01, 0.03, 0.0)), ((0.04, 0.05, 0.03), (0.05, 0.05, 0.03))),
+        (0.0, 0.2, 0.3),
+        (1, 0, 0),
+        (-0.3, 1.8),
+    ),
+    "arm": (
+        (((0.05, 0.05, 0.3), (0.0, 0.0, -0.15)), ((0.06, 0.08, 0.06), (0.03, 0.06, -0.05))),
+        (0.02, 0.07, 0.0),
+        (0, 1, 0),
+        (-1.0, 2.0),
+    ),
+    "hand": (
+        (((0.03, 0.08, 0.1), (0.0, 0.0, -0.05)), ((0.02, 0.03, 0.06), (0.02, -0.05, -0.04))),
+        (0.0, 0.01, -0.32),
+        (0, 0, 1),
+        (-0.5, 1.2),
+    ),
+}
+
+
+def link(name: str, pieces: Pieces) -> ET.Element:
+    """A link of boxes with the inertial that they have."""
+    solid = combine([placed(box_solid(size), np.eye(3), centre) for size, centre in pieces])
+    mass = DENSITY * solid.volume
+    element = ET.Element("link", name=name)
+    inertial = ET.SubElement(element, "inertial")
+    ET.SubElement(inertial, "origin", xyz=" ".join(map(str, solid.com.tolist())), rpy="0 0 0")
+    ET.SubElement(inertial, "mass", value=repr(mass))
+    six = inertia_of(solid, mass)[np.triu_indices(3)].tolist()
+    ET.SubElement(inertial, "inertia", dict(zip(SIX, map(repr, six), strict=True)))
+    for size, centre in pieces:
+        visual = ET.SubElement(element, "visual")
+        ET.SubElement(visual, "origin", xyz=" ".join(map(str, centre)), rpy="0 0 0")
+        ET.SubElement(ET.SubElement(visual, "geometry"), "box", size=" ".join(map(str, size)))
+    return element
+
+
+def joint(
+    name: str, parent: str, child: str, xyz: Sequence[float], axis: Sequence[int], limits: Sequence[float]
+) -> ET.Element:
+    element = ET.Element("joint", name=name, type="revolute")
+    ET.SubElement(element, "parent", link=parent)
+    ET.SubElement(element, "child", link=child)
+    ET.SubElement(element, "origin", xyz=" ".join(map(str, xyz)), rpy="0 0 0")
+    ET.SubElement(element, "axis", xyz=" ".join(map(str, axis)))
+    ET.SubElement(element, "limit", lower=str(limits[0]), upper=str(limits[1]), effort="40", velocity="2")
+    ET.SubElement(element, "dynamics", damping="0.1", friction="0.02")
+    return element
+
+
+def flipped(place: Sequence[float]) -> tuple[float, float, float]:
+    return place[0], -place[1], place[2]
+
+
+def humanoid(left: str = "left_{}", right: str = "right_{}") -> Robot:
+    """A torso that turns on a pelvis, with two arms of three joints each."""
+    robot = ET.Element("robot", name="humanoid")
+    robot.append(link("pelvis", [((0.2, 0.3, 0.1), (0.0, 0.0, 0.0))]))
+    robot.append(link("torso", [((0.2, 0.3, 0.4), (0.01, 0.0, 0.2))]))
+    robot.append(joint("waist", "pelvis", "torso", (0, 0, 0.1), (0, 0, 1), (-1, 1)))
+    for side, mirrored in ((left, False), (right, True)):
+        parent = "torso"
+        for part, (pieces, xyz, axis, (lower, upper)) in PARTS.items():
+            name = side.format(part)
+            if mirrored:
+                pieces, xyz = [(size, flipped(centre)) for size, centre in pieces], flipped(xyz)
+                lower, upper = (lower, upper) if axis == (0, 1, 0) else (-upper, -lower)
+            robot.append(link(name, pieces))
+            robot.append(joint(f"{name}_joint", parent, name, xyz, axis, (lower, upper)))
+            parent = name
+    return robot
+
+
+def with_(robot: Robot, path: str, **attributes: str) -> Robot:
+    """The robot with other attributes of one element."""
+    changed = copy.deepcopy(robot)
+    element = changed.find(path)
+    assert element is not None, path
+    element.attrib.update(attributes)
+    return changed
+
+
+def without(robot: Robot, path: str, tag: str) -> Robot:
+    """The robot without some children of one element."""
+    changed = copy.deepcopy(robot)
+    element = changed.find(path)
+    assert element is not None
+    for child in element.findall(tag):
+        element.remove(child)
+    return changed
+
+
+def numbers(robot: Robot, path: str, *names: str) -> dict[str, str]:
+    """The attributes of an element, with the other sign where they are named."""
+    element = robot.find(path)
+    assert element is not None
+    return {name: repr(-float(value)) if name in names else value for name, value in element.attrib.items()}
+
+
+def found(folder: Path, robot: Robot) -> list[Finding]:
+    """What this rule finds, and the one that knows the mistakes of one link: a defect is told by one of them."""
+    return list(check_text(folder, ET.tostring(robot, encoding="unicode"), codes={"SYM004", "INR009"}).findings)
+
+
+def one(folder: Path, robot: Robot) -> Finding:
+    (finding,) = found(folder, robot)
+    return finding
+
+
+def pairs_of(folder: Path, robot: Robot) -> dict[str, Pair]:
+    """The pairs by their first link."""
+    return {pair.one: pair for pair in model_of(folder, robot).pairs}
+
+
+def model_of(folder: Path, robot: Robot) -> Model:
+    folder.mkdir(exist_ok=True)
+    path = folder / "robot.urdf"
+    path.write_text(ET.tostring(robot, encoding="unicode"), encoding="utf-8")
+    source = load(path, {}, PackageFinder(folder, {}, []), explicit=True)
+    assert source.root is not None
+    return Model(source, source.root)
+
+
+# -- one defect at a time ----------------------------------------------------------------------------------------------
+
+ROBOT = humanoid()
+RIGHT = "link[@name='right_arm']/inertial"
+LEFT = "link[@name='left_arm']/inertial"
+
+
+def heavier(robot: Robot, link_name: str, factor: float) -> Robot:
+    """The robot with a link of the same shape and another density."""
+    path = f"link[@name='{link_name}']/inertial"
+    six = {name: repr(factor * float(value)) for name, value in numbers(robot, f"{path}/inertia").items()}
+    mass = float(numbers(robot, f"{path}/mass")["value"])
+    return with_(with_(robot, f"{path}/mass", value=repr(factor * mass)), f"{path}/inertia", **six)
+
+
+def com_copied(robot: Robot) -> Robot:
+    return with_(robot, f"{RIGHT}/origin", xyz=numbers(robot, f"{LEFT}/origin")["xyz"])
+
+
+def inertia_copied(robot: Robot) -> Robot:
+    return with_(robot, f"{RIGHT}/inertia", **numbers(robot, f"{LEFT}/inertia"))
+
+
+DEFECTS: dict[str, Callable[[Robot], Robot]] = {
+    "mass": lambda r: heavier(r, "right_arm", 1.06),
+    "centre of mass copied": com_copied,
+    "inertia copied": inertia_copied,
+    "inertial copied": lambda r: com_copied(inertia_copied(r)),
+    "limits copied": lambda r: with_(r, "joint[@name='right_hand_joint']/limit", lower="-0.5", upper="1.2"),
+    "limit": lambda r: with_(r, "joint[@name='right_arm_joint']/limit", lower="-0.5"),
+    "axis turned over": lambda r: with_(r, "joint[@name='right_arm_joint']/axis", xyz="0 -1 0"),
+    "effort": lambda r: with_(r, "joint[@name='right_arm_joint']/limit", effort="4"),
+    "damping": lambda r: with_(r, "joint[@name='right_arm_joint']/dynamics", damping="0.2"),
+    "origin": lambda r: with_(r, "joint[@name='right_hand_joint']/origin", xyz="0.005 -0.01 -0.32"),
+    "axis": lambda r: with_(r, "joint[@name='right_hand_joint']/axis", xyz="0.02 0 1"),
+    "frame": lambda r: with_(r, "joint[@name='right_hand_joint']/origin", rpy="0.02 0 0"),
+}
+# What is told of each: message, cause and subject.
+TOLD = {
+    "mass": ("pair", None, "link[right_arm]/inertial/mass@value"),
+    "centre of mass copied": ("inertial", "copied", "link[right_arm]/inertial/origin@xyz"),
+    "inertia copied": ("pair", "copied", "link[right_arm]/inertial/inertia"),
+    "inertial copied": ("inertial", "copied", "link[right_arm]/inertial"),
+    "limits copied": ("limits_pair", "limits_copied", "joint[right_hand_joint]/limit"),
+    "limit": ("limits_pair", None, "joint[right_arm_joint]/limit"),
+    "axis turned over": ("limits_pair", "limits_copied", "joint[right_arm_joint]/limit"),
+    "effort": ("limits_pair", None, "joint[right_arm_joint]/limit"),
+    "damping": ("dynamics", None, "joint[right_arm_joint]/dynamics"),
+    "origin": ("origin", None, "joint[right_hand_joint]/origin@xyz"),
+    "axis": ("axis", None, "joint[right_hand_joint]/axis@xyz"),
+    "frame": ("axis", None, "joint[right_hand_joint]/origin@rpy"),
+}
+
+
+def told(finding: Finding) -> tuple[str, str | None, str]:
+    return finding.message_id, finding.cause and finding.cause.id, finding.location.subject
+
+
+def test_a_mirrored_robot_is_fine(tmp_path: Path) -> None:
+    assert not found(tmp_path, ROBOT)
+
+
+@pytest.mark.parametrize("defect", DEFECTS)
+def test_each_defect_is_found_where_it_is(tmp_path: Path, defect: str) -> None:
+    finding = one(tmp_path, DEFECTS[defect](ROBOT))
+    assert told(finding) == TOLD[defect]
+    assert finding.code == "SYM004"
+    assert finding.severity == Severity.WARNING
+
+
+@pytest.mark.parametrize("name", ["ixy", "ixx"])
+def test_a_mistake_that_one_link_explains_is_told_once(tmp_path: Path, name: str) -> None:
+    """The sign of a product, a lost decimal point: which rule tells depends on what else it could be."""
+    wrong = {**numbers(ROBOT, f"{RIGHT}/inertia", "ixy", "ixz", "iyz")}
+    if name == "ixx":
+        wrong = {key: repr(1e-3 * float(value)) for key, value in numbers(ROBOT, f"{RIGHT}/inertia").items()}
+    assert one(tmp_path, with_(ROBOT, f"{RIGHT}/inertia", **wrong)).location.subject.startswith("link[right_arm]")
+
+
+@pytest.mark.parametrize(("factor", "severity"), [(1.04, Severity.INFO), (1.06, Severity.WARNING)])
+def test_small_differences_are_worth_knowing(tmp_path: Path, factor: float, severity: Severity) -> None:
+    assert one(tmp_path, heavier(ROBOT, "right_arm", factor)).severity == severity
+
+
+def test_the_last_digits_are_not_told(tmp_path: Path) -> None:
+    assert not found(tmp_path, heavier(ROBOT, "right_arm", 1.009))
+
+
+TRANSFORMATIONS: dict[str, Transformation] = {
+    "frame of one arm turned": lambda robot: rotated_link(robot, "left_arm", ASKEW),
+    "frames of all links turned": each_link(rotated_link, ASKEW),
+    "inertial frames turned": each_link(rotated_inertial, ASKEW),
+    "hung up at the torso": lambda robot: rerooted(robot, "torso"),
+    "larger": lambda robot: scaled(robot, 2.0, 8.0),
+}
+
+
+@pytest.mark.parametrize("change", TRANSFORMATIONS)
+def test_a_mirrored_robot_is_fine_in_other_frames(tmp_path: Path, change: str) -> None:
+    assert not found(tmp_path, TRANSFORMATIONS[change](ROBOT))
+
+
+@pytest.mark.parametrize("defect", ["mass", "inertial copied", "limits copied", "limit", "origin"])
+@pytest.mark.parametrize("change", TRANSFORMATIONS)
+def test_a_defect_is_one_in_other_frames(tmp_path: Path, change: str, defect: str) -> None:
+    """Whether numbers were copied is a question of the text: a frame that is turned alone may hide it."""
+    _, cause, subject = told(one(tmp_path, TRANSFORMATIONS[change](DEFECTS[defect](ROBOT))))
+    _, expected_cause, expected_subject = TOLD[defect]
+    assert subject.split("/")[0] == expected_subject.split("/")[0]
+    assert cause == expected_cause or change == "frame of one arm turned"
+
+
+def test_the_robot_in_a_mirror_has_the_same_defects(tmp_path: Path) -> None:
+    mirrored = humanoid("right_{}", "left_{}")
+    assert not found(tmp_path / "fine", mirrored)
+    assert told(one(tmp_path, com_copied(mirrored))) == TOLD["centre of mass copied"]
+
+
+# -- pairs -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("left", "right"),
+    [
+        ("left_{}", "right_{}"),
+        ("{}_l", "{}_r"),
+        ("L{}", "R{}"),
+        ("{}Left", "{}Right"),
+        ("FL_{}", "FR_{}"),
+        ("{}_RL", "{}_RR"),
+        ("lf.{}", "rf.{}"),
+        ("l{}_link", "r{}_link"),
+        ("leftmost{}", "rightmost{}"),
+        ("l_{}_l", "r_{}_r"),
+    ],
+)
+def test_sides_are_told_by_name(tmp_path: Path, left: str, right: str) -> None:
+    found_pairs = pairs_of(tmp_path, humanoid(left, right))
+    assert {p.one: p.other for p in found_pairs.values()} == {left.format(p): right.format(p) for p in PARTS}
+    assert all(p.named and p.drawn == "mirrored" for p in found_pairs.values())
+
+
+def test_where_names_say_nothing_places_and_drawings_do(tmp_path: Path) -> None:
+    robot = humanoid("{}_1", "{}_2")
+    found_pairs = pairs_of(tmp_path, robot)
+    assert {p.one: p.other for p in found_pairs.values()} == {f"{part}_1": f"{part}_2" for part in PARTS}
+    assert not any(p.named for p in found_pairs.values())
+
+
+def test_a_pair_that_nothing_names_may_be_meant_to_differ(tmp_path: Path) -> None:
+    finding = one(tmp_path, heavier(humanoid("{}_1", "{}_2"), "arm_2", 1.2))
+    assert (finding.message_id, finding.severity) == ("pair", Severity.INFO)
+
+
+def test_the_axes_of_an_arm_may_be_called_l_and_r(tmp_path: Path) -> None:
+    robot = ET.Element("robot", name="arm")
+    for i, name in enumerate(("base", "link_l", "link_r")):
+        robot.append(link(name, PARTS["arm"][0]))
+        if i:
+            robot.append(joint(f"joint_{i}", ("base", "link_l")[i - 1], name, (0, 0.1, 0.2), (0, 1, 0), (-1, i)))
+    assert not pairs_of(tmp_path, robot)
+
+
+def test_the_fingers_of_either_hand_have_a_plane_of_their_own(tmp_path: Path) -> None:
+    robot = copy.deepcopy(ROBOT)
+    finger: Pieces = (((0.01, 0.02, 0.05), (0.0, 0.01, -0.025)),)
+    for hand in ("left_hand", "right_hand"):
+        for name, y in (("left_finger", 0.03), ("right_finger", -0.03)):
+            pieces = finger if y > 0 else [(size, flipped(centre)) for size, centre in finger]
+            robot.append(link(f"{hand}_{name}", pieces))
+            robot.append(joint(f"{hand}_{name}_joint", hand, f"{hand}_{name}", (0, y, -0.1), (1, 0, 0), (-0.5, 0.5)))
+    planes = {p.one: p.plane.offset for p in model_of(tmp_path, robot).pairs if "finger" in p.one and "hand" in p.one}
+    assert planes["left_hand_left_finger"] == pytest.approx(0.28) or planes["left_hand_left_finger"] == pytest.approx(
+        0.0
+    )
+    offsets = {round(p.plane.offset, 6) for p in model_of(tmp_path, robot).pairs}
+    assert offsets == {-0.28, 0.0, 0.28}
+
+
+def test_the_twin_says_what_a_link_should_declare(tmp_path: Path) -> None:
+    model = model_of(tmp_path, ROBOT)
+    for name in ("left_arm", "right_hand"):
+        own, twin = declared(model.link_by_name[name]), twin_of(model, model.link_by_name[name])
+        assert own is not None
+        assert twin is not None
+        np.testing.assert_allclose(twin.com, own.com, atol=1e-12)
+        np.testing.assert_allclose(twin.inertia, own.inertia, atol=1e-12)
+    assert twin_of(model, model.link_by_name["torso"]) is None
+
+
+# -- which side --------------------------------------------------------------------------------------------------------
+
+
+def test_the_fix_writes_the_mirrored_numbers(tmp_path: Path) -> None:
+    finding = one(tmp_path, com_copied(ROBOT))
+    assert finding.fix is not None
+    (edit,) = finding.fix.edits
+    assert [float(v) for v in edit.replacement.split()] == pytest.approx(
+        [float(v) for v in numbers(ROBOT, f"{RIGHT}/origin")["xyz"].split()], rel=1e-9
+    )
+
+
+def test_the_fix_is_written_in_the_wrong_links_own_inertial_frame(tmp_path: Path) -> None:
+    turned = rotated_inertial(DEFECTS["inertial copied"](ROBOT), "right_arm", ASKEW)
+    finding = one(tmp_path, turned)
+    assert finding.fix is not None
+    mended = turned
+    for edit, path in zip(finding.fix.edits, ["origin", *["inertia"] * 6], strict=True):
+        element = mended.find(f"{RIGHT}/{path}")
+        assert element is not None
+        (name,) = (key for key, value in element.attrib.items() if value == edit.expected)
+        mended = with_(mended, f"{RIGHT}/{path}", **{name: edit.replacement})
+    assert not found(tmp_path / "mended", mended)
+
+
+MACRO = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<link name="torso"/>
+<xacro:macro name="arm" params="side reflect">
+<link name="${{side}}_arm">{inertial}{visuals}</link>
+<joint name="${{side}}_shoulder" type="revolute"><parent link="torso"/><child link="${{side}}_arm"/>
+<origin xyz="0 ${{reflect * 0.2}} 0.3"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="9" velocity="2"/></joint>
+</xacro:macro>
+<xacro:arm side="left" reflect="1"/>
+<xacro:arm side="right" reflect="-1"/>
+</robot>
+"""
+
+
+def test_a_macro_that_forgets_to_reflect_is_not_edited(tmp_path: Path) -> None:
+    """Its one line makes both sides: a number in it would be wrong on the other."""
+    arm = link("arm", PARTS["arm"][0])
+    inertial = ET.tostring(arm.findall("inertial")[0], encoding="unicode")
+    visuals = "".join(ET.tostring(visual, encoding="unicode") for visual in arm.findall("visual"))
+    text = MACRO.format(inertial=inertial, visuals=visuals.replace("0.03 0.06 -0.05", "0.03 ${reflect * 0.06} -0.05"))
+    (finding,) = check_text(tmp_path, text, "robot.urdf.xacro", codes={"SYM004", "INR009"}).findings
+    assert finding.cause is not None
+    assert finding.cause.id == "copied"
+    assert finding.fix is not None
+    assert not finding.fix.edits
+
+
+def test_nothing_is_edited_where_nothing_says_which_side_is_wrong(tmp_path: Path) -> None:
+    finding = one(tmp_path, DEFECTS["mass"](ROBOT))
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert "if left_arm is correct" in finding.fix.title
+    assert "if right_arm is correct" in finding.fix.title
+
+
+def quadruped() -> Robot:
+    """A body with four equal hips, left and right mirrored."""
+    robot = ET.Element("robot", name="quadruped")
+    robot.append(link("body", [((0.5, 0.2, 0.1), (0.0, 0.0, 0.0))]))
+    pieces, _, _, limits = PARTS["arm"]
+    for name, x, side in (("FL", 0.2, 1), ("FR", 0.2, -1), ("RL", -0.2, 1), ("RR", -0.2, -1)):
+        robot.append(link(f"{name}_hip", pieces if side > 0 else [(s, flipped(c)) for s, c in pieces]))
+        robot.append(joint(f"{name}_joint", "body", f"{name}_hip", (x, 0.15 * side, 0), (0, 1, 0), limits))
+    return robot
+
+
+def test_the_hind_legs_decide_about_the_front_legs(tmp_path: Path) -> None:
+    finding = one(tmp_path, heavier(quadruped(), "FL_hip", 1.3))
+    assert (finding.message_id, finding.location.subject) == ("like", "link[FL_hip]/inertial/mass@value")
+    assert "RL_hip, RR_hip" in finding.message
+    limited = one(tmp_path, with_(quadruped(), "joint[@name='FL_joint']/limit", upper="1.0"))
+    assert (limited.message_id, limited.location.subject) == ("limits", "joint[FL_joint]/limit")
+    assert limited.fix is not None
+    assert [(e.expected, e.replacement) for e in limited.fix.edits] == [("1.0", "2")]
+
+
+def test_limits_that_slipped_by_one_joint_are_one_finding(tmp_path: Path) -> None:
+    robot = copy.deepcopy(ROBOT)
+    limits = [robot.find(f"joint[@name='right_{part}_joint']/limit") for part in PARTS]
+    before = [dict(limit.attrib) for limit in limits if limit is not None]
+    for limit, values in zip(limits, [{"lower": "-0.1", "upper": "0.4"}, *before[:-1]], strict=True):
+        assert limit is not None
+        limit.attrib.update(values)
+    finding = one(tmp_path, robot)
+    assert told(finding) == ("chain", "shifted", "joint[right_shoulder_joint]/limit")
+    assert finding.data["count"] == 3
+
+
+# -- what is left alone ------------------------------------------------------------------------------------------------
+
+
+def copied(part: str) -> Robot:
+    """The robot with the left part used on the right as well, as drawn and as declared."""
+    robot = copy.deepcopy(ROBOT)
+    old = robot.find(f"link[@name='right_{part}']")
+    assert old is not None
+    robot.remove(old)
+    robot.append(link(f"right_{part}", PARTS[part][0]))
+    return robot
+
+
+def test_one_part_used_on_both_sides_has_one_inertial(tmp_path: Path) -> None:
+    robot = copied("hand")
+    assert pairs_of(tmp_path, robot)["left_hand"].drawn == "copied"
+    assert not found(tmp_path, robot)
+
+
+def test_one_part_on_both_sides_is_not_mirrored(tmp_path: Path) -> None:
+    robot = copied("hand")
+    path = "link[@name='right_hand']/inertial"
+    for tag in ("origin", "inertia"):
+        robot = with_(robot, f"{path}/{tag}", **numbers(ROBOT, f"{path}/{tag}"))
+    finding = one(tmp_path, robot)
+    assert finding.cause is not None
+    assert finding.cause.id == "mirrored"
+
+
+def test_one_module_on_both_sides_may_have_one_range(tmp_path: Path) -> None:
+    robot = with_(copied("hand"), "joint[@name='right_hand_joint']/limit", lower="-0.5", upper="1.2")
+    assert not found(tmp_path, robot)
+
+
+def test_a_part_that_is_turned_round_for_the_other_side_turns_its_inertial(tmp_path: Path) -> None:
+    """A symmetric part may be mirrored or turned: its centre of mass, off the middle of what is drawn, tells which."""
+    robot = copy.deepcopy(ROBOT)
+    for side, yaw, com in (("left", "0", "0.01 0.004 0"), ("right", "3.141592653589793", "-0.01 -0.004 0")):
+        box = link(f"{side}_tool", [((0.06, 0.04, 0.02), (0.0, 0.0, 0.0))])
+        robot.append(box)
+        y = 0.05 if side == "left" else -0.05
+        robot.append(joint(f"{side}_tool_joint", f"{side}_hand", f"{side}_tool", (0, y, -0.1), (0, 1, 0), (-1, 1)))
+        robot = with_(robot, f"link[@name='{side}_tool']/visual/origin", rpy=f"0 0 {yaw}")
+        robot = with_(robot, f"link[@name='{side}_tool']/inertial/origin", xyz=com)
+    assert pairs_of(tmp_path, robot)["left_tool"].drawn == "both"
+    assert not [f for f in found(tmp_path, robot) if f.code == "SYM004"]
+
+
+def test_sides_that_are_drawn_differently_are_meant_to_differ(tmp_path: Path) -> None:
+    pieces = [*PARTS["hand"][0], ((0.1, 0.1, 0.1), (0.0, 0.0, -0.15))]
+    robot = copy.deepcopy(ROBOT)
+    old = robot.find("link[@name='right_hand']")
+    assert old is not None
+    robot.remove(old)
+    robot.append(link("right_hand", pieces))
+    assert not found(tmp_path, robot)
+
+
+def test_limbs_whose_zero_is_not_mirrored_have_other_limits(tmp_path: Path) -> None:
+    robot = with_(ROBOT, "joint[@name='right_shoulder_joint']/origin", rpy="0.6 0 0")
+    robot = with_(robot, "joint[@name='right_shoulder_joint']/limit", lower="-2.4", upper="-0.3")
+    assert not found(tmp_path, robot)
+
+
+def test_a_shifted_zero_does_not_displace_what_hangs_on_the_joint(tmp_path: Path) -> None:
+    assert not found(tmp_path, with_(ROBOT, "joint[@name='right_arm_joint']/origin", rpy="0 0.1 0"))
+
+
+def test_joints_that_follow_another_are_not_compared(tmp_path: Path) -> None:
+    robot = with_(ROBOT, "joint[@name='right_hand_joint']/limit", effort="1")
+    follower = robot.find("joint[@name='right_hand_joint']")
+    assert follower is not None
+    ET.SubElement(follower, "mimic", joint="left_hand_joint", multiplier="-1")
+    assert not found(tmp_path, robot)
+
+
+def test_a_placeholder_is_the_business_of_another_rule(tmp_path: Path) -> None:
+    six = dict(zip(SIX, ("0.001", "0", "0", "0.001", "0", "0.001"), strict=True))
+    assert not [f for f in found(tmp_path, with_(ROBOT, f"{RIGHT}/inertia", **six)) if f.code == "SYM004"]
+
+
+def test_without_drawings_only_what_mirror_and_copy_have_in_common_counts(tmp_path: Path) -> None:
+    robot = ROBOT
+    for side in ("left", "right"):
+        for part in PARTS:
+            robot = without(robot, f"link[@name='{side}_{part}']", "visual")
+    assert not found(tmp_path / "copied", com_copied(inertia_copied(robot)))
+    finding = one(tmp_path, heavier(robot, "right_arm", 1.5))
+    assert told(finding) == ("moments", None, "link[right_arm]/inertial/mass@value")
+
+
+def test_one_side_only_is_no_pair(tmp_path: Path) -> None:
+    robot = copy.deepcopy(ROBOT)
+    robot.append(link("left_camera", PARTS["hand"][0]))
+    robot.append(joint("left_camera_joint", "torso", "left_camera", (0.1, 0.02, 0.4), (0, 0, 1), (-1, 1)))
+    assert not found(tmp_path, robot)

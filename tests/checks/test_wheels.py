@@ -1,0 +1,424 @@
+"""Wheels and standing: what rolls which way, touches the ground, turns about its own axis, and whether it stays upright.
+
+The robots are computed from a few numbers, so that the same one can be written with other frames, sizes and names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import FIXTURES, check, check_text
+from numpy.typing import NDArray
+
+from urdfcheck.core import Finding, Severity
+from urdfcheck.facts.kinematics import matrix_to_rpy, rpy_to_matrix
+
+Array = NDArray[np.float64]
+# Of a cylinder along z, so that it lies along y.
+ACROSS = rpy_to_matrix((np.pi / 2, 0, 0))
+CODES = {"SYM005", "SYM006", "JNT015", "DYN004"}
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """A disc at ``place`` (m, root frame), round about y, that its joint turns about ``axis`` (None: not typed)."""
+
+    name: str
+    place: tuple[float, float, float]
+    radius: float = 0.05
+    axis: tuple[float, float, float] | None = (0, 1, 0)
+    spin: int = 1
+    offset: float = 0.0
+    kind: str = "continuous"
+
+
+@dataclass(frozen=True)
+class Car:
+    """A box with its COM at ``com`` and some wheels. ``frame`` turns every wheel's frame, ``root`` places the box in the root."""
+
+    wheels: tuple[Wheel, ...]
+    com: tuple[float, float, float] = (0.0, 0.0, 0.05)
+    scale: float = 1.0
+    frame: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    root: tuple[tuple[float, float, float], float] | None = None
+    caster: tuple[float, float, float] | None = None
+    prefix: str = ""
+
+    def text(self) -> str:
+        name, size = self.prefix, self.scale
+        parts = [
+            f'<link name="{name}base">{inertial(5, self.com, (0.02, 0.02, 0.03), np.eye(3), size)}'
+            f'<visual><origin xyz="{numbers((0, 0, 0.08), size)}"/><geometry>'
+            f'<box size="{numbers((0.5, 0.2, 0.06), size)}"/></geometry></visual></link>'
+        ]
+        turn = rpy_to_matrix(self.frame)
+        for wheel in self.wheels:
+            spin = np.where(np.arange(3) == wheel.spin, 5e-4, 2.6e-4)
+            axis = "" if wheel.axis is None else f'<axis xyz="{numbers(turn.T @ np.array(wheel.axis))}"/>'
+            parts.append(
+                f'<joint name="{name}{wheel.name}_joint" type="{wheel.kind}"><parent link="{name}base"/>'
+                f'<child link="{name}{wheel.name}"/>{origin(wheel.place, turn, size)}{axis}</joint>'
+                f'<link name="{name}{wheel.name}">{inertial(0.4, (0, 0, 0), spin, turn.T, size)}<visual>'
+                f"{origin(turn.T @ (wheel.offset, 0, 0), turn.T @ ACROSS, size)}<geometry>"
+                f'<cylinder radius="{wheel.radius * size:.12g}" length="{0.02 * size:.12g}"/></geometry></visual></link>'
+            )
+        if self.caster is not None:
+            parts.append(
+                f'<joint name="{name}caster_joint" type="fixed"><parent link="{name}base"/><child link="{name}caster"/>'
+                f'{origin(self.caster, np.eye(3), size)}</joint><link name="{name}caster"><visual><geometry>'
+                f'<sphere radius="{0.02 * size:.12g}"/></geometry></visual></link>'
+            )
+        if self.root is not None:
+            place, yaw = self.root
+            parts.append(
+                f'<link name="{name}footprint"/><joint name="{name}foot" type="fixed"><parent link="{name}footprint"/>'
+                f'<child link="{name}base"/>{origin(place, rpy_to_matrix((0, 0, yaw)), size)}</joint>'
+            )
+        return f'<robot name="{name}car">{"".join(parts)}</robot>'
+
+
+def numbers(values: object, size: float = 1.0) -> str:
+    return " ".join(f"{round(float(v) * size, 9) + 0.0:.12g}" for v in np.asarray(values))
+
+
+def origin(place: object, turn: Array, size: float = 1.0) -> str:
+    rpy = " ".join(f"{round(angle, 12) + 0.0:.12g}" for angle in matrix_to_rpy(turn))
+    return f'<origin xyz="{numbers(place, size)}" rpy="{rpy}"/>'
+
+
+def inertial(mass: float, com: object, moments: object, turn: Array, size: float) -> str:
+    xx, yy, zz = np.asarray(moments) * size**2
+    return (
+        f'<inertial>{origin(com, turn, size)}<mass value="{mass}"/>'
+        f'<inertia ixx="{xx:.12g}" ixy="0" ixz="0" iyy="{yy:.12g}" iyz="0" izz="{zz:.12g}"/></inertial>'
+    )
+
+
+CORNERS = (
+    Wheel("front_left_wheel", (0.2, 0.12, 0)),
+    Wheel("rear_left_wheel", (-0.2, 0.12, 0)),
+    Wheel("rear_right_wheel", (-0.2, -0.12, 0)),
+    Wheel("front_right_wheel", (0.2, -0.12, 0)),
+)
+PAIR = (Wheel("left_wheel", (0, 0.12, 0)), Wheel("right_wheel", (0, -0.12, 0)))
+FOUR = Car(CORNERS)
+# Two wheels and a caster ahead, on the same ground.
+THREE = Car(PAIR, com=(0.08, 0, 0.05), caster=(0.2, 0, -0.03))
+
+
+def changed(car: Car, index: int, **fields: object) -> Car:
+    """The car with another value in one of its wheels."""
+    wheels = [replace(w, **fields) if i == index else w for i, w in enumerate(car.wheels)]  # type: ignore[arg-type]
+    return replace(car, wheels=tuple(wheels))
+
+
+def found(folder: Path, code: str, car: Car | str) -> list[Finding]:
+    text = car if isinstance(car, str) else car.text()
+    return list(check_text(folder, text, codes={code}).findings)
+
+
+def edits(finding: Finding) -> list[tuple[str, str]]:
+    assert finding.fix is not None
+    return [(e.expected, e.replacement) for e in finding.fix.edits]
+
+
+def text_of(car: Car, old: str, new: str) -> str:
+    text = car.text()
+    assert old in text
+    return text.replace(old, new)
+
+
+@pytest.mark.parametrize("car", [FOUR, THREE], ids=["four", "three"])
+def test_sound_robots_are_fine(tmp_path: Path, car: Car) -> None:
+    assert not check_text(tmp_path, car.text(), codes=CODES).findings
+
+
+def test_car_3_rolls_and_stands(tmp_path: Path) -> None:
+    """Of the fixture only one wheel's zero is off, which none of these rules is about."""
+    for name in ("car-3", "car-3-fixed"):
+        assert not check(FIXTURES / name, codes=CODES).findings
+
+
+# -- the verdict does not depend on how the robot is written ---------------------------------------------------------------
+
+DEFECTS = {
+    "SYM005": changed(FOUR, 2, axis=(0, -1, 0)),
+    "SYM006": changed(FOUR, 1, place=(-0.2, 0.12, 0.002)),
+    "JNT015": changed(FOUR, 3, spin=2),
+    "DYN004": replace(THREE, com=(-0.05, 0, 0.05)),
+}
+WAYS: dict[str, Callable[[Car], Car]] = {
+    "frames turned": lambda car: replace(car, frame=(0.3, -0.7, 2.0)),
+    "quarter turn": lambda car: replace(car, frame=(-np.pi / 2, 0, 0)),
+    "another root": lambda car: replace(car, root=((0.3, -0.1, 0.2), 2.5)),
+    "ten times larger": lambda car: replace(car, scale=10.0),
+    "a quarter of it": lambda car: replace(car, scale=0.25),
+    "other names": lambda car: replace(car, prefix="left/"),
+    "mirrored": lambda car: replace(
+        car, wheels=tuple(replace(w, place=(w.place[0], -w.place[1], w.place[2])) for w in car.wheels)
+    ),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("code", DEFECTS)
+def test_verdicts_hold_however_the_robot_is_written(tmp_path: Path, code: str, way: str) -> None:
+    plain, other = DEFECTS[code], WAYS[way](DEFECTS[code])
+    (first,) = found(tmp_path / "plain", code, plain)
+    (second,) = found(tmp_path / "other", code, other)
+    assert second.message_id == first.message_id
+    assert second.location.subject.replace(other.prefix, "") == first.location.subject
+    clean = FOUR if code != "DYN004" else THREE
+    assert not found(tmp_path / "clean", code, WAYS[way](clean))
+
+
+# -- SYM005 ----------------------------------------------------------------------------------------------------------------
+
+
+def test_wheels_whose_mesh_is_missing_are_known_by_their_name(tmp_path: Path) -> None:
+    text = changed(FOUR, 0, axis=(0, -1, 0)).text()
+    start = '<geometry><cylinder radius="0.05" length="0.02"/></geometry>'
+    missing = text.replace(start, '<geometry><mesh filename="missing.stl"/></geometry>')
+    (finding,) = found(tmp_path, "SYM005", missing)
+    assert edits(finding) == [("0 -1 0", "0 1 0")]
+
+
+def test_a_wheel_high_above_the_ground_does_not_drive(tmp_path: Path) -> None:
+    assert not found(tmp_path, "SYM005", changed(FOUR, 0, axis=(0, -1, 0), place=(0.2, 0.12, 0.2)))
+
+
+# -- SYM006 ----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("place", range(4))
+@pytest.mark.parametrize("off", [0.002, -0.002, 0.03])
+def test_the_wheel_that_is_off_is_named_and_moved_back(tmp_path: Path, place: int, off: float) -> None:
+    x, y, _ = CORNERS[place].place
+    (finding,) = found(tmp_path, "SYM006", changed(FOUR, place, place=(x, y, off)))
+    assert finding.message_id == "odd"
+    assert finding.data["wheel"] == CORNERS[place].name
+    assert finding.data["gap"] == pytest.approx(abs(off) * 1e3)
+    assert edits(finding) == [(f"{x} {y} {off}", f"{x} {y} 0")]
+
+
+def test_a_gap_of_a_hundredth_of_the_radius_is_the_limit(tmp_path: Path) -> None:
+    assert not found(tmp_path / "a", "SYM006", changed(FOUR, 0, place=(0.2, 0.12, 0.00049)))
+    assert found(tmp_path / "b", "SYM006", changed(FOUR, 0, place=(0.2, 0.12, 0.00051)))
+
+
+def test_a_plane_that_leans_is_a_plane(tmp_path: Path) -> None:
+    raised = changed(changed(FOUR, 0, place=(0.2, 0.12, 0.004)), 3, place=(0.2, -0.12, 0.004))
+    assert not found(tmp_path, "SYM006", raised)
+
+
+def test_diagonal_wheels_that_are_off_are_not_told_apart(tmp_path: Path) -> None:
+    (finding,) = found(
+        tmp_path, "SYM006", changed(changed(FOUR, 0, place=(0.2, 0.12, 0.004)), 2, place=(-0.2, -0.12, 0.004))
+    )
+    assert finding.message_id == "uneven"
+    assert finding.data["gap"] == pytest.approx(8)
+
+
+def test_a_wheel_with_another_radius_is_told_as_that(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "SYM006", changed(FOUR, 1, radius=0.048))
+    assert finding.message_id == "radius"
+    assert finding.data["own"] == pytest.approx(48)
+    assert not found(tmp_path / "b", "SYM006", changed(FOUR, 1, radius=0.048, place=(-0.2, 0.12, -0.002)))
+
+
+def test_the_corners_of_a_drawn_wheel_are_not_its_height(tmp_path: Path) -> None:
+    """A wheel of twelve corners is 3.4 % of its radius less high on its flat sides."""
+    angles = np.arange(12) * np.pi / 6
+    rim = [f"v {np.cos(a) * 0.05} {side} {np.sin(a) * 0.05}" for side in (-0.01, 0.01) for a in angles]
+    faces = [
+        f"f {i + 1} {(i + 1) % 12 + 1} {i + 13}\nf {(i + 1) % 12 + 1} {(i + 1) % 12 + 13} {i + 13}" for i in range(12)
+    ]
+    lids = [f"f 1 {i + 1} {i + 2}\nf 13 {i + 14} {i + 13}" for i in range(1, 11)]
+    (tmp_path / "wheel.obj").write_text("\n".join([*rim, *faces, *lids]))
+    cylinder = '<cylinder radius="0.05" length="0.02"/>'
+    turned = (
+        FOUR.text().replace(cylinder, '<mesh filename="wheel.obj"/>').replace('rpy="1.5707963268 0 0"', 'rpy="0 0 0"')
+    )
+    one = turned.replace('rpy="0 0 0"/><geometry><mesh', 'rpy="0 0.2617994 0"/><geometry><mesh', 1)
+    assert one != turned
+    assert not found(tmp_path, "SYM006", one)
+
+
+@pytest.mark.parametrize(("axis", "said"), [("0 0 1", True), ("1 0 0", False)])
+def test_steered_wheels_count_and_suspended_ones_do_not(tmp_path: Path, axis: str, said: bool) -> None:
+    car = changed(FOUR, 0, place=(0.2, 0.12, 0.003))
+    text = text_of(
+        car,
+        '<parent link="base"/><child link="front_right_wheel"/>',
+        '<parent link="hub"/><child link="front_right_wheel"/>',
+    )
+    hub = (
+        '<link name="hub"/><joint name="hub_joint" type="revolute"><parent link="base"/><child link="hub"/>'
+        f'<axis xyz="{axis}"/><limit lower="-0.5" upper="0.5" effort="1" velocity="1"/></joint></robot>'
+    )
+    assert bool(found(tmp_path, "SYM006", text.replace("</robot>", hub))) is said
+
+
+def test_wheels_far_above_the_ground_are_something_else(tmp_path: Path) -> None:
+    """Return rollers of a track: two or more, or one of another size."""
+    for extra in (
+        [Wheel("upper_wheel_1", (0.1, 0.12, 0.05)), Wheel("upper_wheel_2", (0.1, -0.12, 0.05))],
+        [Wheel("encoder_wheel", (0, 0, 0.05), radius=0.02)],
+    ):
+        assert not found(tmp_path, "SYM006", replace(FOUR, wheels=(*CORNERS, *extra)))
+
+
+# -- JNT015 ----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("axis", [(0, 0, 1), (1, 0, 0), (0.1, 1, 0)])
+def test_an_axis_that_is_not_the_wheels_is_replaced(tmp_path: Path, axis: tuple[float, float, float]) -> None:
+    (finding,) = found(tmp_path, "JNT015", changed(FOUR, 0, axis=axis))
+    assert finding.message_id == "axis"
+    assert edits(finding) == [(numbers(axis), "0 1 0")]
+    assert "as its visual and inertia tell" in finding.message
+
+
+def test_an_axis_within_five_degrees_is_a_camber(tmp_path: Path) -> None:
+    assert not found(tmp_path, "JNT015", changed(FOUR, 0, axis=(0.08, 1, 0)))
+
+
+def test_a_wheel_without_axis_turns_about_x(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "JNT015", changed(FOUR, 0, axis=None))
+    assert finding.message_id == "default"
+    assert finding.fix is not None
+    assert '<axis xyz="0 1 0"/>' in finding.fix.title
+
+
+def test_a_steered_wheel_may_turn_about_its_fork(tmp_path: Path) -> None:
+    tricycle = replace(THREE, caster=None, wheels=(*PAIR, Wheel("front_wheel", (0.2, 0, 0), axis=(0, 0, 1))))
+    assert not found(tmp_path, "JNT015", tricycle)
+
+
+def test_moments_in_the_wrong_places_are_exchanged(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "JNT015", changed(FOUR, 0, spin=2))
+    assert finding.message_id == "inertia"
+    assert finding.location.subject == "link[front_left_wheel]/inertial"
+    assert edits(finding) == [("0.0005", "0.00026"), ("0.00026", "0.0005")]
+
+
+def test_what_is_drawn_is_turned_where_the_rest_agrees_with_the_joint(tmp_path: Path) -> None:
+    text = FOUR.text().replace('rpy="1.5707963268 0 0"/><geometry>', 'rpy="0 0 0"/><geometry>', 1)
+    (finding,) = found(tmp_path, "JNT015", text)
+    assert finding.message_id == "drawn"
+    assert finding.location.subject.startswith("link[front_left_wheel]/visual")
+
+
+def test_without_a_drawing_nobody_knows_which_is_wrong(tmp_path: Path) -> None:
+    text = changed(FOUR, 0, spin=2).text()
+    drawn = text[text.index("<visual>", text.index('<link name="front_left_wheel">')) :]
+    drawn = drawn[: drawn.index("</visual>") + len("</visual>")]
+    (finding,) = found(tmp_path, "JNT015", text.replace(drawn, "", 1))
+    assert finding.message_id == "unsure"
+
+
+@pytest.mark.parametrize(("offset", "said"), [(0.0024, False), (0.0026, True)])
+def test_a_wheel_beside_its_axis_is_a_cam(tmp_path: Path, offset: float, said: bool) -> None:
+    """A twentieth of the radius is the limit."""
+    for frame in ((0, 0, 0), (0.3, -0.7, 2.0)):
+        messages = [
+            f.message_id for f in found(tmp_path, "JNT015", replace(changed(FOUR, 0, offset=offset), frame=frame))
+        ]
+        assert messages == (["eccentric"] if said else [])
+
+
+def test_only_round_things_are_judged(tmp_path: Path) -> None:
+    """A square plate has the moments of a disc; an arm that is a cylinder turns about any axis."""
+    plate = (
+        changed(FOUR, 0, axis=(0, 0, 1))
+        .text()
+        .replace('<cylinder radius="0.05" length="0.02"/>', '<box size="0.1 0.1 0.02"/>')
+    )
+    assert {f.message_id for f in found(tmp_path / "a", "JNT015", plate)} <= {"unsure"}
+    arm = Car((Wheel("upper_arm", (0, 0, 0.5), axis=(1, 0, 0)), Wheel("lower_arm", (0, 0.5, 0.5), axis=(1, 0, 0))))
+    assert not found(tmp_path / "b", "JNT015", arm)
+
+
+def test_rods_that_are_called_after_a_wheel_turn_as_they_like(tmp_path: Path) -> None:
+    """A connecting rod, from its inertia and from its drawing."""
+    rod = (
+        '<robot name="engine"><link name="base"/><joint name="wheel_rod" type="continuous"><parent link="base"/>'
+        '<child link="rod"/><axis xyz="1 0 0"/></joint><link name="rod">{}</link></robot>'
+    )
+    weight = inertial(0.1, (0, 0, 0.1), (3e-4, 3e-4, 1e-5), np.eye(3), 1.0)
+    drawing = '<visual><origin xyz="0 0 0.1"/><geometry><cylinder radius="0.01" length="0.2"/></geometry></visual>'
+    for place, inside in enumerate((weight, drawing, weight + drawing)):
+        assert not found(tmp_path / str(place), "JNT015", rod.format(inside))
+
+
+# -- DYN004 ----------------------------------------------------------------------------------------------------------------
+
+
+def test_a_cart_with_its_mass_behind_the_wheels_tips_over(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "DYN004", DEFECTS["DYN004"])
+    assert finding.message_id == "tips"
+    assert finding.severity is Severity.WARNING
+    assert finding.data["side"] == "-x (to the rear)"
+    assert finding.data["worst"] == "base"
+    assert set(finding.data["contacts"]) == {"left_wheel", "right_wheel", "caster"}
+    # 5 kg at x = -0.05 and 0.8 kg at 0.
+    assert finding.data["margin"] == pytest.approx(0.05 * 5 / 5.8 * 1e3)
+
+
+@pytest.mark.parametrize(("x", "said"), [(0.004, "slope"), (0.02, None), (-0.0005, "slope"), (-0.004, "tips")])
+def test_how_much_slope_it_bears(tmp_path: Path, x: float, said: str | None) -> None:
+    """The COM is about 9 cm above the ground: 4.76° are 8 mm, and half a degree, 0.8 mm, is what rounding may leave."""
+    messages = [f.message_id for f in found(tmp_path, "DYN004", replace(THREE, com=(x, 0, 0.05)))]
+    assert messages == ([] if said is None else [said])
+
+
+def test_a_short_caster_only_leans_the_robot(tmp_path: Path) -> None:
+    assert not found(tmp_path / "a", "DYN004", replace(THREE, caster=(0.2, 0, -0.02)))
+    assert not found(tmp_path / "b", "DYN004", replace(THREE, caster=(0.2, 0, -0.036)))
+
+
+def test_a_balancer_is_kept_upright_by_its_controller(tmp_path: Path) -> None:
+    assert not found(tmp_path, "DYN004", replace(THREE, com=(0.02, 0, 0.3), caster=None))
+
+
+def test_what_is_fixed_to_the_world_cannot_fall(tmp_path: Path) -> None:
+    bolted = '<link name="world"/><joint name="bolts" type="fixed"><parent link="world"/><child link="base"/></joint></robot>'
+    assert not found(tmp_path, "DYN004", DEFECTS["DYN004"].text().replace("</robot>", bolted))
+
+
+def test_masses_that_are_not_known_decide_nothing(tmp_path: Path) -> None:
+    text = DEFECTS["DYN004"].text()
+    run = check_text(tmp_path / "a", text.replace('<mass value="0.4"/>', '<mass value="a"/>', 1), codes={"DYN004"})
+    assert not run.findings
+    assert [skip.code for skip in run.skipped] == ["DYN004"]
+    # Nor does a model whose base has none.
+    start = text.index("<inertial>")
+    bare = text[:start] + text[text.index("</inertial>") + len("</inertial>") :]
+    assert not found(tmp_path / "b", "DYN004", bare)
+
+
+def table(*, com: float, names: str = "leg") -> str:
+    """Four legs of two joints each on the corners of a body."""
+    parts = [f'<link name="body">{inertial(8, (com, 0, 0), (0.1, 0.1, 0.1), np.eye(3), 1.0)}</link>']
+    limit = '<axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="9" velocity="9"/>'
+    for i, (x, y) in enumerate([(0.2, 0.1), (0.2, -0.1), (-0.2, 0.1), (-0.2, -0.1)]):
+        parts.append(
+            f'<joint name="{names}_{i}_a" type="revolute"><parent link="body"/><child link="{names}_{i}_upper"/>'
+            f'<origin xyz="{x} {y} 0"/>{limit}</joint><link name="{names}_{i}_upper"/>'
+            f'<joint name="{names}_{i}_b" type="revolute"><parent link="{names}_{i}_upper"/><child link="{names}_{i}_lower"/>'
+            f'<origin xyz="0 0 -0.2"/>{limit}</joint><link name="{names}_{i}_lower"><visual><origin xyz="0 0 -0.2"/>'
+            '<geometry><sphere radius="0.02"/></geometry></visual></link>'
+        )
+    return f'<robot name="table">{"".join(parts)}</robot>'
+
+
+def test_legs_are_only_mentioned(tmp_path: Path) -> None:
+    """Nobody needs to stand with all joints at zero."""
+    assert not found(tmp_path / "a", "DYN004", table(com=0.1))
+    (finding,) = found(tmp_path / "b", "DYN004", table(com=0.3))
+    assert finding.severity is Severity.INFO
+    assert not found(tmp_path / "c", "DYN004", table(com=0.3, names="finger"))

@@ -1,0 +1,221 @@
+"""Verdicts on inertials are kept between runs as long as nothing they depend on changes; edits say what their author would."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from castings import CASTING, MISTAKES, Declared, drawn_boxes, geometry, inertial, uniform, write_stl
+
+from urdfcheck.cache import Cache
+from urdfcheck.facts.diagnosis import diagnose
+from urdfcheck.model import Model, diagnoses
+from urdfcheck.model.mending import from_geometry, mending
+from urdfcheck.source.load import load
+from urdfcheck.source.packages import PackageFinder
+
+DRAWN = geometry(CASTING)
+TRUE = uniform(DRAWN.solid)
+WRONG = {id: mistake(TRUE, DRAWN) for id, _, mistake in MISTAKES}
+MESH = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
+
+
+def robot(*links: str, fixed: str = "") -> str:
+    """Links that each hang on the base by a joint of their own."""
+    names = [link.split('"')[1] for link in links]
+    joints = "".join(
+        f'<joint name="to_{name}" type="continuous"><parent link="base"/><child link="{name}"/><origin xyz="0 {i} 0"/></joint>'
+        for i, name in enumerate(names)
+    )
+    return f'<robot name="r"><link name="base"/>{"".join(links)}{joints}{fixed}</robot>'
+
+
+def link(name: str, numbers: Declared | None, drawn: str = MESH) -> str:
+    return f'<link name="{name}">{"" if numbers is None else inertial(numbers)}{drawn}</link>'
+
+
+def model(folder: Path, text: str, cache: Cache | None = None) -> Model:
+    folder.mkdir(exist_ok=True)
+    if not (folder / "part.stl").exists():
+        write_stl(folder / "part.stl", CASTING)
+    path = folder / "robot.urdf"
+    path.write_text(text)
+    source = load(path, {}, PackageFinder(path))
+    return Model(source, source.root, cache=cache or Cache())
+
+
+# -- what is judged again -----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def judged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], tuple[dict[str, str | None], int]]:
+    """The cause found in each link of a robot, and how many times a diagnosis was made for it."""
+    calls = 0
+
+    def counted(*arguments: object, **options: object) -> object:
+        nonlocal calls
+        calls += 1
+        return diagnose(*arguments, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(diagnoses, "diagnose", counted)
+
+    def judge(text: str) -> tuple[dict[str, str | None], int]:
+        nonlocal calls
+        calls = 0
+        found = model(tmp_path, text, Cache(tmp_path / "cache")).diagnoses
+        return {name: one.diagnosis.cause for name, one in found.items()}, calls
+
+    return judge
+
+
+Judge = Callable[[str], tuple[dict[str, str | None], int]]
+ARM, LEG = link("arm", WRONG["com_missing"]), link("leg", WRONG["about_origin"], drawn_boxes(CASTING))
+
+
+def test_an_unchanged_robot_is_not_judged_again(judged: Judge) -> None:
+    first, calls = judged(robot(ARM, LEG))
+    assert first == {"arm": "com_missing", "leg": "about_origin"}
+    assert calls >= 2
+    assert judged(robot(ARM, LEG)) == (first, 0)
+
+
+def test_a_verdict_that_was_kept_is_the_one_that_was_made(tmp_path: Path) -> None:
+    cache = Cache(tmp_path / "cache")
+    found = [model(tmp_path, robot(ARM, LEG), cache).diagnoses for _ in range(2)]
+    for name, before in found[0].items():
+        first, again = before.diagnosis, found[1][name].diagnosis
+        assert again is not first
+        assert first.mended is not None
+        assert again.mended is not None
+        assert again.mended.inertia.tolist() == first.mended.inertia.tolist()
+        for part in ("cause", "detail", "shape", "margin", "unique", "ruled_out", "by", "decided"):
+            assert getattr(again, part) == getattr(first, part)
+
+
+def test_a_changed_number_is_judged_and_the_other_link_is_not(judged: Judge) -> None:
+    judged(robot(ARM, LEG))
+    causes, calls = judged(robot(ARM, link("leg", WRONG["products_sign"], drawn_boxes(CASTING))))
+    assert causes == {"arm": "com_missing", "leg": "products_sign"}
+    alone = judged(robot(link("leg", WRONG["steiner_twice"], drawn_boxes(CASTING))))[1]
+    assert calls == alone
+
+
+def test_another_content_of_the_mesh_is_judged(judged: Judge, tmp_path: Path) -> None:
+    text = robot(link("arm", TRUE))
+    assert judged(text)[0] == {"arm": None}
+    write_stl(tmp_path / "part.stl", [((a / 100, b / 100, c / 100), np.array(at) / 100) for (a, b, c), at in CASTING])
+    assert judged(text)[0] == {"arm": "mesh_scale"}
+
+
+def test_a_cover_that_moves_is_judged(judged: Judge) -> None:
+    whole, hole = ((0.2, 0.1, 0.04), (0.0, 0.0, 0.0)), ((0.16, 0.06, 0.04), (0.0, 0.0, 0.0))
+    frame = [((0.2, 0.02, 0.04), (0.0, y, 0.0)) for y in (-0.04, 0.04)]
+    frame += [((0.02, 0.06, 0.04), (x, 0.0, 0.0)) for x in (-0.09, 0.09)]
+    arm = link("arm", uniform(geometry([whole]).solid), drawn_boxes(frame))
+    screws = (
+        link("cover", None, drawn_boxes([hole]))
+        + '<joint name="screws" type="fixed"><parent link="arm"/><child link="cover"/><origin xyz="{} 0 0"/></joint>'
+    )
+    assert judged(robot(arm, fixed=screws.format(0))) == ({"arm": None}, 2)  # by itself, and with its cover
+    assert judged(robot(arm, fixed=screws.format(0)))[1] == 0
+    # Either the frame alone or frame and cover are meant, and neither has these numbers: nothing is said.
+    assert judged(robot(arm, fixed=screws.format(0.5))) == ({}, 2)
+
+
+@pytest.mark.parametrize("damage", [b"", b"not an archive", None], ids=["empty", "rubbish", "other content"])
+def test_a_damaged_cache_is_harmless(judged: Judge, tmp_path: Path, damage: bytes | None) -> None:
+    first, calls = judged(robot(ARM))
+    (entry,) = (tmp_path / "cache" / "diagnosis").rglob("*.npz")
+    if damage is None:
+        for content in (b"[]", b"{}", b'{"whole": 1}', b"\xff", b'{"whole": "", "links": 3, "verdicts": []}'):
+            parts = Cache(tmp_path / "cache").entry("diagnosis", "".join(entry.parent.parts[-2:]))
+            parts["links"] = {"text": np.frombuffer(content, dtype=np.uint8)}
+            assert judged(robot(ARM)) == (first, calls)
+    else:
+        entry.write_bytes(damage)
+        assert judged(robot(ARM)) == (first, calls)
+
+
+# -- what an edit says --------------------------------------------------------------------------------------------------
+
+SIX = 'ixx="2" ixy="{}" ixz="0" iyy="2" iyz="0" izz="2"'
+
+
+@pytest.mark.parametrize(
+    ("typed", "wanted", "written"),
+    [
+        ("-0.00005200000", 0.000052, "0.00005200000"),
+        ("-0.00005200000", -0.052, "-0.05200000"),
+        ("5.20e-5", -5.2e-5, "-0.0000520"),
+        ("5.20e-15", -5.2e-15, "-5.20e-15"),
+        ("+0.5", -0.05, "-0.05"),
+        ("1500", 1.5, "1.500"),
+        ("0.3", 0.30001, "0.30001"),
+        ("0.3", 1.0 / 3.0, "0.333333"),
+        ("0.7", 0.0, "0"),
+        ("0", 0.25, "0.25"),
+    ],
+)
+def test_digits_stay_where_only_the_sign_or_a_power_of_ten_changes(
+    tmp_path: Path, typed: str, wanted: float, written: str
+) -> None:
+    text = f'<link name="a"><inertial><mass value="1"/><inertia {SIX.format(typed)}/></inertial></link>'
+    given = model(tmp_path, robot(text)).link_by_name["a"].inertial
+    assert given is not None
+    # The other numbers are as small, or the change would be none.
+    tensor = np.diag((2.0, 2.0, 2.0)) if abs(wanted) > 1e-6 or not wanted else np.diag((1e-14, 1e-14, 1e-14))
+    tensor[0, 1] = tensor[1, 0] = wanted
+    edits = [edit for edit in mending(given, Declared(1.0, np.zeros(3), tensor)).edits if edit.expected == typed]
+    assert [edit.replacement for edit in edits] == [written]
+
+
+def test_nothing_is_written_where_nothing_changes(tmp_path: Path) -> None:
+    given = model(tmp_path, robot(link("arm", TRUE))).link_by_name["arm"].inertial
+    assert given is not None
+    assert mending(given, TRUE).text == ""
+    assert mending(given, TRUE).edits == ()
+
+
+@pytest.mark.parametrize("name", ["ixy", "izz"])
+def test_a_missing_number_is_told_and_nothing_edited(tmp_path: Path, name: str) -> None:
+    text = re.sub(f' {name}="[^"]*"', "", link("arm", TRUE))
+    given = model(tmp_path, robot(text)).link_by_name["arm"].inertial
+    assert given is not None
+    change = mending(given, TRUE)
+    assert f'{name}="' in change.text
+    assert change.edits == ()
+
+
+def test_the_inertia_of_the_drawn_part_keeps_the_axes_of_the_inertial(tmp_path: Path) -> None:
+    text = link("arm", WRONG["com_unit"]).replace('rpy="0 0 0"', 'rpy="0 0 1.5707963267948966"')
+    one = model(tmp_path, robot(text))
+    change = from_geometry(one, one.link_by_name["arm"])
+    assert change is not None
+    written = dict(re.findall(r'(\w+)="([^"]*)"', change.text))
+    assert "rpy" not in written
+    assert "mass" not in written
+    assert float(written["ixx"]) == pytest.approx(TRUE.tensor[1, 1], rel=1e-5)
+    assert float(written["ixz"]) == pytest.approx(TRUE.tensor[1, 2], rel=1e-4)
+
+
+def test_noise_of_the_mesh_is_no_number_to_write(tmp_path: Path) -> None:
+    box = [((0.3, 0.2, 0.1), (0.1, 1e-10, 0.0))]
+    folder = tmp_path / "noise"
+    folder.mkdir()
+    write_stl(folder / "part.stl", box)
+    odd = uniform(geometry([((0.1, 0.1, 0.1), (0.0, 0.3, 0.0))]).solid)
+    one = model(folder, robot(link("arm", odd)))
+    change = from_geometry(one, one.link_by_name["arm"])
+    assert change is not None
+    assert 'xyz="0.1 0 0"' in change.text
+    assert "e-" not in change.text
+
+
+@pytest.mark.parametrize("inertial", ["", "<inertial/>", '<inertial><mass value="0"/></inertial>'])
+def test_without_a_mass_the_drawn_part_has_no_inertia(tmp_path: Path, inertial: str) -> None:
+    one = model(tmp_path, robot(f'<link name="arm">{inertial}{MESH}</link>'))
+    assert from_geometry(one, one.link_by_name["arm"]) is None
+    assert one.diagnoses == {}

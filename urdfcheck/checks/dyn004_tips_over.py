@@ -1,0 +1,142 @@
+"""DYN004: the robot stands on its wheels or feet."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.facts.contact import SLACK, Fall, Stand, fall, stand
+from urdfcheck.model import Model
+from urdfcheck.model.names import listed
+from urdfcheck.model.standing import Mass, corners, masses
+from urdfcheck.model.wheels import is_suspended, rolling
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+# A root of these names is the ground itself, and what is fixed to it cannot fall.
+_GROUND = frozenset({"world", "map"})
+_LEG = re.compile(r"leg|foot|feet|hip|knee|ankle|thigh|calf|shank|tibia|toe", re.IGNORECASE)
+_SIDES = ("+x (ahead)", "+y (to the left)", "-x (to the rear)", "-y (to the right)")
+# Beyond this it lies on its side.
+_FALLEN = math.radians(60)
+
+
+def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Finding]:
+    wheels = {wheel.joint.child: wheel for wheel in rolling(model)}
+    if model.tree.root in _GROUND or not (wheels or any(_LEG.search(link.name) for link in model.links)):
+        return
+    weights = masses(model)
+    base = model.tree.body(model.tree.root)
+    if not any(weight.link.name in base for weight in weights):
+        return  # what everything hangs on weighs nothing: the masses are not those of a robot
+    points, owners = corners(model, wheels)
+    if not len(points):
+        return
+    com = np.average([w.com for w in weights], axis=0, weights=[w.mass for w in weights])
+    supports = _supports(model, points, owners, com, math.radians(rest))
+    if not _is_standing(model, supports, wheels):
+        return
+    now = stand(points, owners, com)
+    # Legs, with wheels on them or not, need not stand with all joints at zero.
+    meant = any(not is_suspended(model, name) for name in supports if name in wheels)
+    severity: Severity | None
+    told: dict[str, Any]
+    if now.tip_angle >= -SLACK:
+        # On a slope the plumb line meets the ground farther down, as if the COM were there on level ground.
+        downhill = com + math.tan(math.radians(slope)) * now.height * now.outwards
+        if not meant or math.degrees(fall(points, owners, downhill, _FALLEN).tilt) <= rest:
+            return
+        message, severity, told = "slope", Severity.INFO, {"slope": slope}
+    else:
+        end = fall(points, owners, com, _FALLEN)
+        if math.degrees(end.tilt) <= rest:
+            return
+        message, severity, told = "tips", None if meant else Severity.INFO, {"outcome": _outcome(model, end, owners)}
+    worst, contacts = _worst(weights, now), _contacts(model, points, owners, now)
+    assert worst.link.inertial is not None
+    yield rule.finding(
+        message,
+        at=worst.link.inertial,
+        severity=severity,
+        supports=listed(contacts),
+        contacts=contacts,
+        polygon=[_rounded(corner) for corner in now.polygon],
+        **_data(weights, worst, now, com),
+        **told,
+    )
+
+
+def _supports(model: Model, points: Array, owners: NDArray[np.int64], com: Array, rest: float) -> list[str]:
+    """The links that touch the ground, or do when the robot is tilted by ``rest`` (rad)."""
+    heights = points[:, 2] - points[:, 2].min()
+    reach = np.linalg.norm(points[:, :2] - com[:2], axis=1)
+    return [model.tree.order[i] for i in np.unique(owners[heights <= math.tan(rest) * reach])]
+
+
+def _is_standing(model: Model, supports: Sequence[str], wheels: Collection[str]) -> bool:
+    """Whether it is meant to stand by itself: on three bodies, wheels among them, or on three legs. What has two wheels or two
+    feet is kept upright by its controller."""
+    if len({model.tree.body(name)[0] for name in supports}) < 3:
+        return False
+    if wheels:  # most of them touch, unless the root's z does not point up
+        return 2 * sum(name in wheels for name in supports) > len(wheels)
+    return all(_is_leg(model, name) for name in supports)
+
+
+def _is_leg(model: Model, name: str) -> bool:
+    path = [joint for joint in model.tree.path(name) if joint.moves]
+    return len(path) > 1 and any(_LEG.search(f"{joint.name} {joint.child}") for joint in path)
+
+
+def _worst(weights: Sequence[Mass], now: Stand) -> Mass:
+    """The link that pulls the most over the nearest edge."""
+    return max(weights, key=lambda w: w.mass * float((w.com - now.nearest) @ now.outwards))
+
+
+def _outcome(model: Model, end: Fall, owners: NDArray[np.int64]) -> str:
+    if end.touched is None or not math.isfinite(end.tilt):
+        return "it falls over"
+    return f"it comes to rest tilted by {math.degrees(end.tilt):.0f}°, on {model.tree.order[owners[end.touched]]}"
+
+
+def _contacts(model: Model, points: Array, owners: NDArray[np.int64], now: Stand) -> dict[str, list[float]]:
+    """The middle of the points with which each link touches, in root coordinates."""
+    places, links = points[now.touching], owners[now.touching]
+    return {model.tree.order[i]: _rounded(places[links == i].mean(axis=0)) for i in np.unique(links)}
+
+
+def _data(weights: Sequence[Mass], worst: Mass, now: Stand, com: Array) -> dict[str, Any]:
+    total = sum(weight.mass for weight in weights)
+    heaviest = max(weights, key=lambda w: w.mass)
+    x, y, _ = now.outwards.tolist()
+    return {
+        "margin": abs(now.margin) * 1e3,
+        "side": _SIDES[round(math.atan2(y, x) / (math.pi / 2)) % 4],
+        "angle": max(0.0, math.degrees(now.tip_angle)),
+        "height": now.height * 1e3,
+        "com": _rounded(com),
+        "com_text": _text(com),
+        "mass": total,
+        "worst": worst.link.name,
+        "worst_mass": worst.mass,
+        "worst_com": _text(worst.com),
+        "heaviest": heaviest.link.name,
+        "suspects": " and of ".join(dict.fromkeys((worst.link.name, heaviest.link.name))),
+        "share": heaviest.mass / total,
+    }
+
+
+def _rounded(place: Array) -> list[float]:
+    return [round(float(v), 6) + 0.0 for v in place]
+
+
+def _text(place: Array) -> str:
+    return " ".join(f"{round(float(v), 3) + 0.0:g}" for v in place)

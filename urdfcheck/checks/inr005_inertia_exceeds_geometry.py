@@ -1,0 +1,71 @@
+"""INR005: no inertia tensor needs mass farther out than anything that is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.facts.hulls import outside, reach, spread_ratios
+from urdfcheck.facts.inertia import half_units
+from urdfcheck.facts.placeholders import placeholder
+from urdfcheck.model import Model
+from urdfcheck.model.drawn import draws
+from urdfcheck.model.enclosed import LITTLE, Enclosed
+from urdfcheck.model.mending import from_geometry
+from urdfcheck.model.parts import TENSOR
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
+    for part in model.enclosed:
+        if part.moment_share < LITTLE:
+            continue
+        # Where programs disagree about the size (MSH008) or the up axis of a mesh, all have to agree about this.
+        excess, spread = min(_excess(part, points, margin, ratio) for points in part.readings)
+        if not ratio < excess < np.inf:
+            continue
+        assert part.inertial.tensor_element is not None
+        drawn = from_geometry(model, part.link) if draws(part.link) and len(part.readings) == 1 else None
+        yield rule.finding(
+            "exceeds",
+            at=part.inertial.tensor_element,
+            edits=() if drawn is None else drawn.edits,
+            computed=f"; as uniform as it is drawn, it has {drawn.text}" if drawn is not None and drawn.text else "",
+            link=part.link.name,
+            ratio=float(f"{excess:.3g}"),
+            mass=part.mass,
+            spread=float(f"{spread:.3g}"),
+            most=float(f"{spread / excess**0.5:.3g}"),
+            around=part.around,
+        )
+
+
+def _excess(part: Enclosed, points: NDArray[np.float64], margin: float, ratio: float) -> tuple[float, float]:
+    """How many times the greatest possible variance the inertial has along the axis where that is worst, and its root (m)
+    there. Where the centre of mass is outside, so much more is taken to be drawn that it is not."""
+    slack = margin * reach(points)
+    covariance = part.covariance - _rounding(part) * np.eye(3)
+    ratios, axes = spread_ratios(points, part.com, covariance, slack)
+    if ratios.max() > ratio and (distance := outside(points, part.com)) > 0.0:
+        ratios, axes = spread_ratios(points, part.com, covariance, slack + distance)
+    worst = int(ratios.argmax())
+    variance = float(axes[:, worst] @ part.covariance @ axes[:, worst])
+    return float(ratios[worst]), max(0.0, variance) ** 0.5
+
+
+def _rounding(part: Enclosed) -> float:
+    """By how much (m²) the variances may differ from those of the tensor that was rounded to the typed digits; a number that
+    was typed for want of one was not rounded."""
+    element, six = part.inertial.tensor_element, part.inertial.six
+    assert element is not None
+    assert six is not None
+    if placeholder(part.mass, six) is not None:
+        return 0.0
+    xx, xy, xz, yy, yz, zz = half_units([element.get(name) for name in TENSOR])
+    products = 2.0 * (xy * xy + xz * xz + yz * yz)
+    return float(0.5 * (xx + yy + zz) + np.sqrt(xx * xx + yy * yy + zz * zz + products)) / part.mass

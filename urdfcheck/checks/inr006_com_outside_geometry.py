@@ -1,0 +1,78 @@
+"""INR006: the centre of mass lies within what is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from urdfcheck.core import Finding, Located, Rule
+from urdfcheck.facts.diagnosis import Declared
+from urdfcheck.facts.hulls import outside, reach
+from urdfcheck.model import Model
+from urdfcheck.model.drawn import draws, follows_unit, geometry
+from urdfcheck.model.enclosed import LITTLE, Enclosed
+from urdfcheck.model.mending import Mending, mending
+
+# A coordinate has the wrong sign when the other one brings the centre of mass this near to the drawn part's own, as a part of
+# its size; a motor at one end of a link moves it by as much.
+_NEAR = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class _Sign:
+    """The coordinate whose sign is wrong, and the repair."""
+
+    axis: str
+    repair: Mending
+
+
+def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
+    for part in model.enclosed:
+        if part.mass_share < LITTLE or not draws(part.link):
+            continue
+        distances = [(outside(points, part.com), reach(points)) for points in part.readings]
+        # Where programs disagree about the size (MSH008) or the up axis of a mesh, all have to agree about this.
+        distance, size = min(distances, key=lambda pair: pair[0] / pair[1] if pair[1] else 0.0)
+        if not size or distance <= margin * size:
+            continue
+        sign = _sign(model, part)
+        missing = sign is None and not any(part.inertial.origin.xyz or ())
+        yield rule.finding(
+            "outside" if sign is None else "sign",
+            at=_place(part),
+            cause="sign" if sign is not None else "missing" if missing else None,
+            edits=() if sign is None else sign.repair.edits,
+            link=part.link.name,
+            distance=float(f"{distance:.3g}"),
+            size=float(f"{size:.3g}"),
+            percent=float(f"{100.0 * distance / size:.2g}"),
+            around=part.around,
+            axis=None if sign is None else sign.axis,
+            edit=None if sign is None else sign.repair.text,
+        )
+
+
+def _sign(model: Model, part: Enclosed) -> _Sign | None:
+    """The only coordinate whose sign puts the centre of mass where the drawn part has its own; None when there is none."""
+    drawn, pose, xyz = geometry(model, part.link), part.inertial.origin.matrix, part.inertial.origin.xyz
+    if drawn is None or pose is None or xyz is None or part.inertial.tensor is None:
+        return None
+    if follows_unit(model, (part.link.name,)):
+        return None
+    found = []
+    for i, axis in enumerate("xyz"):
+        com = np.array(xyz)
+        com[i] *= -1.0
+        near = float(np.linalg.norm(com - drawn.solid.com)) <= _NEAR * reach(drawn.points)
+        if near and outside(drawn.points, com) == 0.0:
+            found.append(
+                _Sign(axis, mending(part.inertial, Declared(part.mass, com, part.inertial.tensor, pose[:3, :3])))
+            )
+    return found[0] if len(found) == 1 else None
+
+
+def _place(part: Enclosed) -> Located:
+    xyz = part.inertial.origin.attribute("xyz")
+    return part.inertial.element if xyz is None else xyz

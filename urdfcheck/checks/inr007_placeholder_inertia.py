@@ -1,0 +1,164 @@
+"""INR007: masses and inertia tensors are those of the part, not the numbers that one types to make a program accept it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from urdfcheck.core import Edit, Finding, Located, Rule, Span
+from urdfcheck.facts.inertia import inertia_of
+from urdfcheck.facts.placeholders import is_round, placeholder
+from urdfcheck.model import Link, Model
+from urdfcheck.model.body import bodies
+from urdfcheck.model.drawn import draws, follows_unit, geometry
+from urdfcheck.model.enclosed import LITTLE, body_shares, is_frame
+from urdfcheck.model.mending import from_geometry
+from urdfcheck.model.names import listed
+from urdfcheck.model.parts import Inertial
+
+# Masses are compared with what is drawn where this many links have one.
+_FEWEST = 4
+# A tensor that links of this many different masses share belongs to none of them, whatever they look like.
+_MASSES = 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Suspect:
+    """A link with a tensor that looks typed. ``factor``: how far the principal moment that fits worst is from the one,
+    ``expected`` (kg m²), of a uniform solid of the link's mass that fills what it draws; None where that is not known."""
+
+    link: Link
+    inertial: Inertial
+    what: str
+    factor: float | None
+    expected: float | None
+
+
+def check(model: Model, rule: Rule, *, factor: float, fraction: float, spread: float) -> Iterator[Finding]:
+    groups: dict[tuple[object, ...], list[_Suspect]] = {}
+    for suspect in _suspects(model):
+        span = suspect.inertial.location.span
+        groups.setdefault((suspect.inertial.six, span and span.file), []).append(suspect)
+    for group in groups.values():
+        wrong = [s for s in group if s.factor is not None and s.factor > factor]
+        unknown = [s for s in group if s.factor is None]
+        if wrong or len({s.inertial.mass for s in unknown}) >= _MASSES:
+            yield _together(model, rule, wrong, unknown if len({s.inertial.mass for s in group}) >= _MASSES else [])
+    yield from _same_mass(model, rule, fraction, spread)
+
+
+def _suspects(model: Model) -> Iterator[_Suspect]:
+    for body in bodies(model):
+        typed = {name: what for name in body.links if (what := _typed(model.link_by_name[name])) is not None}
+        shares = body_shares(model, body.links) if typed else {}
+        for name, what in typed.items():
+            link = model.link_by_name[name]
+            inertial = link.inertial
+            if inertial is None or name not in shares or shares[name][1] < LITTLE:
+                continue
+            # Where programs disagree about the size of a mesh (MSH008), the tensor must fit neither.
+            units = (True, False) if follows_unit(model, (name,)) else (True,)
+            factor, expected = min(
+                (f for unit in units if (f := _misfit(model, link, inertial, unit)) is not None), default=(None, None)
+            )
+            yield _Suspect(link, inertial, what, factor, expected)
+
+
+def _typed(link: Link) -> str | None:
+    inertial = link.inertial
+    if inertial is None or inertial.mass is None or inertial.six is None or is_frame(link):
+        return None
+    return placeholder(inertial.mass, inertial.six)
+
+
+def _misfit(model: Model, link: Link, inertial: Inertial, unit: bool) -> tuple[float, float] | None:
+    """The largest factor between principal moments of the tensor and of a solid, and that of the solid (kg m²)."""
+    drawn = geometry(model, link, unit=unit) if draws(link) else None
+    if drawn is None or inertial.mass is None or inertial.tensor is None:
+        return None
+    declared = np.linalg.eigvalsh(inertial.tensor)
+    expected = np.maximum(np.linalg.eigvalsh(inertia_of(drawn.solid, inertial.mass)), 1e-300)
+    with np.errstate(over="ignore"):
+        factors = np.maximum(declared / expected, expected / declared)
+    worst = int(factors.argmax())
+    return (float(factors[worst]), float(expected[worst])) if np.isfinite(factors[worst]) else None
+
+
+def _together(model: Model, rule: Rule, wrong: Sequence[_Suspect], unknown: Sequence[_Suspect]) -> Finding:
+    """One finding for all links that were given one tensor."""
+    every = [*wrong, *unknown]
+    worst = max(wrong, key=lambda s: s.factor or 0.0, default=None)
+    places: list[Located] = [s.inertial.tensor_element or s.inertial for s in every]
+    masses = sorted({s.inertial.mass or 0.0 for s in every})
+    data: dict[str, Any] = {
+        "links": listed([s.link.name for s in every]),
+        "have": "has" if len(every) == 1 else "have",
+        "what": every[0].what,
+        "names": [s.link.name for s in every],
+    }
+    if worst is None:
+        masses_text = f"{masses[0]:.3g} to {masses[-1]:.3g} kg"
+        finding = rule.finding("shared", at=places[0], related=places[1:], masses=masses_text, **data)
+    else:
+        assert worst.expected is not None
+        assert worst.factor is not None
+        finding = rule.finding(
+            "placeholder",
+            at=places[0],
+            related=places[1:],
+            edits=_edits(model, every),
+            link=worst.link.name,
+            mass=worst.inertial.mass,
+            factor=float(f"{worst.factor:.2g}"),
+            expected=float(f"{worst.expected:.2g}"),
+            less="less" if worst.expected < max(worst.inertial.six or (0.0,)) else "more",
+            **data,
+        )
+    return replace(finding, subjects=tuple(dict.fromkeys(p.location.subject for p in places)))
+
+
+def _edits(model: Model, suspects: Sequence[_Suspect]) -> tuple[Edit, ...]:
+    """The inertia of what each link draws; nothing unless all are known, and one text need not say two things."""
+    edits: dict[Span, Edit] = {}
+    for suspect in suspects:
+        drawn = from_geometry(model, suspect.link)
+        if drawn is None or not drawn.edits:
+            return ()
+        if any(edits.setdefault(edit.span, edit) != edit for edit in drawn.edits):
+            return ()
+    return tuple(edits.values())
+
+
+def _same_mass(model: Model, rule: Rule, fraction: float, spread: float) -> Iterator[Finding]:
+    """One round mass for links of all sizes."""
+    heavy = [link for link in model.links if link.inertial is not None and (link.inertial.mass or 0.0) > 0]
+    counts = Counter(link.inertial.mass for link in heavy if link.inertial is not None)
+    mass, count = counts.most_common(1)[0] if counts else (None, 0)
+    if mass is None or not is_round(mass) or count < max(_FEWEST, fraction * len(heavy)):
+        return
+    alike = [link for link in heavy if link.inertial is not None and link.inertial.mass == mass]
+    readings = []
+    for unit in (True, False):
+        drawn = [(link, g.solid.volume) for link in alike if (g := geometry(model, link, unit=unit)) is not None]
+        readings.append(sorted(drawn, key=lambda pair: pair[1]))
+    # Where programs disagree about the size of a mesh (MSH008), both have to agree about this.
+    if any(len(r) < _FEWEST or r[-1][1] < spread * r[0][1] for r in readings):
+        return
+    (small, least), *_, (large, most) = readings[0]
+    places: list[Located] = [i.mass_attribute or i for link in alike if (i := link.inertial) is not None]
+    finding = rule.finding(
+        "mass",
+        at=places[0],
+        related=places[1:],
+        count=count,
+        total=len(heavy),
+        mass=mass,
+        small=small.name,
+        large=large.name,
+        ratio=float(f"{most / least:.2g}"),
+    )
+    yield replace(finding, subjects=tuple(dict.fromkeys(p.location.subject for p in places)))

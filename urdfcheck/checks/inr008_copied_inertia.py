@@ -1,0 +1,127 @@
+"""INR008: links of different shape have inertia tensors of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.core import Finding, Located, Rule
+from urdfcheck.facts.diagnosis import Geometry
+from urdfcheck.facts.inertia import covariance_of
+from urdfcheck.facts.placeholders import placeholder
+from urdfcheck.model import Link, Model
+from urdfcheck.model.body import is_point
+from urdfcheck.model.drawn import draws, follows_unit, geometry
+from urdfcheck.model.names import listed
+from urdfcheck.model.parts import Inertial
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+# Tensors that agree in this many digits are one number that was copied.
+_DIGITS = 9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Part:
+    """A link with a tensor and a shape. ``declared``, ``solid`` and ``hull``: logarithms (3,) of the eigenvalues, ascending, of
+    the covariance that the inertial has, and the drawn solid and its hull at uniform density."""
+
+    link: Link
+    inertial: Inertial
+    declared: Array
+    solid: Array
+    hull: Array
+
+    def unlike(self, other: _Part) -> float:
+        """How far the shapes are from each other, size included; 0 for equal, turned or mirrored ones."""
+        return min(_apart(self.solid, other.solid), _apart(self.hull, other.hull))
+
+    @property
+    def misfit(self) -> float:
+        """How far the tensor is from the link's own shape."""
+        return _apart(self.declared, self.solid)
+
+
+def check(model: Model, rule: Rule, *, shape: float) -> Iterator[Finding]:
+    groups: dict[tuple[str, ...], list[Link]] = {}
+    for link in model.links:
+        if link.inertial is not None and link.inertial.six is not None:
+            # A mirrored part has products of the other sign.
+            groups.setdefault(tuple(f"{abs(v):.{_DIGITS}g}" for v in link.inertial.six), []).append(link)
+    for links in groups.values():
+        group = [part for link in links if len(links) > 1 and (part := _part(model, link)) is not None]
+        if not group:
+            continue
+        # The tensor is the one of the part that it fits; without such a part nobody knows which is the copy.
+        original = min(group, key=lambda part: part.misfit)
+        copies = [part for part in group if part.unlike(original) > shape]
+        if copies:
+            yield _finding(
+                rule, original, copies, len(group), original.misfit <= 2 * shape < min(c.misfit for c in copies)
+            )
+
+
+def _part(model: Model, link: Link) -> _Part | None:
+    inertial = link.inertial
+    if inertial is None or inertial.mass is None or inertial.six is None or inertial.tensor is None:
+        return None
+    if not inertial.mass > 0 or not draws(link) or is_point(inertial) or placeholder(inertial.mass, inertial.six):
+        return None
+    drawn = geometry(model, link)
+    # A mesh that programs read in different sizes (MSH008) is compared with nothing.
+    if drawn is None or drawn.hull is None or follows_unit(model, (link.name,)):
+        return None
+    declared, solid, hull = (
+        _logarithms(c) for c in (covariance_of(inertial.tensor, inertial.mass), *_covariances(drawn))
+    )
+    return _Part(link, inertial, declared, solid, hull)
+
+
+def _covariances(drawn: Geometry) -> tuple[Array, Array]:
+    assert drawn.hull is not None
+    return drawn.solid.covariance, drawn.hull.covariance
+
+
+def _logarithms(covariance: Array) -> Array:
+    """Of the eigenvalues, none of them below the thickness of a sheet of that size."""
+    values = np.linalg.eigvalsh(covariance)
+    logarithms: Array = np.log(np.maximum(values, 1e-6 * max(float(values[-1]), 1e-300)))
+    return logarithms
+
+
+def _apart(first: Array, second: Array) -> float:
+    return float(np.linalg.norm(first - second))
+
+
+def _finding(rule: Rule, original: _Part, copies: Sequence[_Part], count: int, known: bool) -> Finding:
+    worst = max(copies, key=lambda part: part.unlike(original))
+    places = [_place(part) for part in copies]
+    finding = rule.finding(
+        "copied" if known else "shared",
+        at=places[0],
+        related=[_place(original), *places[1:]],
+        links=listed([part.link.name for part in copies]),
+        have="has" if len(copies) == 1 else "have",
+        original=original.link.name,
+        worst=worst.link.name,
+        size=_sizes(worst),
+        original_size=_sizes(original),
+        count=count,
+    )
+    wrong = places if known else [*places, _place(original)]
+    return replace(finding, subjects=tuple(dict.fromkeys(p.location.subject for p in wrong)))
+
+
+def _sizes(part: _Part) -> str:
+    """Edges of the solid box with the same second moments as the drawn shape."""
+    return " × ".join(f"{edge:.2g}" for edge in np.sqrt(12.0 * np.exp(part.solid))[::-1]) + " m"
+
+
+def _place(part: _Part) -> Located:
+    return part.inertial.tensor_element or part.inertial

@@ -1,0 +1,111 @@
+"""INR010: no link is denser than any material, and none lighter than air."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdfcheck.core import Finding, Located, Rule
+from urdfcheck.facts.hulls import reach
+from urdfcheck.facts.materials import DENSEST, in_words, mass_unit
+from urdfcheck.facts.mesh import hull_of
+from urdfcheck.facts.placeholders import is_round
+from urdfcheck.model import Link, Model
+from urdfcheck.model.body import Body, bodies, body_mass
+from urdfcheck.model.bounds import is_token
+from urdfcheck.model.drawn import body_points, draws, follows_unit, shape_volume
+from urdfcheck.model.enclosed import LITTLE, Enclosed
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, slots=True)
+class _Hull:
+    """Volume (m³) and area (m²) of the convex hull of what is drawn, ``margin`` of its size larger on all sides."""
+
+    volume: float
+    area: float
+
+    @classmethod
+    def of(cls, points: NDArray[np.float64], margin: float) -> _Hull:
+        with np.errstate(all="ignore"):  # numbers of no robot are for other rules
+            hull = hull_of(points)
+        return cls(hull.volume + hull.area * margin * reach(points), hull.area)
+
+
+def check(model: Model, rule: Rule, *, margin: float, least: float, thinnest: float) -> Iterator[Finding]:
+    for part in model.enclosed:
+        if draws(part.link) and part.mass_share >= LITTLE:
+            yield from _dense(model, rule, part, margin)
+    for body in bodies(model):
+        yield from _light(model, rule, body, least, thinnest)
+
+
+def _dense(model: Model, rule: Rule, part: Enclosed, margin: float) -> Iterator[Finding]:
+    """All of a link's mass lies in the hull of its body: a density beyond any material's is a proof, whatever is hollow."""
+    filled = _volume(model, (part.link,))
+    if filled is not None and part.mass <= DENSEST * filled:
+        return
+    volume = max(_Hull.of(points, margin).volume for points in part.readings)
+    if not 0.0 < DENSEST * volume < part.mass:
+        return
+    yield rule.finding(
+        "dense",
+        at=part.inertial.mass_attribute or part.inertial,
+        link=part.link.name,
+        mass=part.mass,
+        volume=float(f"{volume * 1e6:.3g}"),
+        around=part.around,
+        density=in_words(part.mass / volume),
+        **_unit(part.mass, (filled or volume) if len(part.readings) == 1 else 0.0),
+    )
+
+
+def _light(model: Model, rule: Rule, body: Body, least: float, thinnest: float) -> Iterator[Finding]:
+    """The mass of a whole body, which fixed joints share out as one likes."""
+    links = [model.link_by_name[name] for name in body.links]
+    mass, volume = body_mass(model, body.links), _volume(model, links)
+    if mass is None or volume is None or not 0.0 < mass < least * volume or follows_unit(model, body.links):
+        return
+    points = body_points(model, body.links)
+    area = 0.0 if points is None else _Hull.of(points, 0.0).area
+    if not mass < thinnest * area < math.inf:
+        return
+    heaviest = max(links, key=lambda link: (link.inertial and link.inertial.mass) or 0.0)
+    yield rule.finding(
+        "light",
+        at=_mass_of(heaviest),
+        link=heaviest.name,
+        mass=mass,
+        volume=float(f"{volume * 1e6:.3g}"),
+        sheet=float(f"{mass / area * 1e3:.2g}"),
+        around="" if len(links) == 1 else ", with the links fixed to it,",
+        density=in_words(mass / volume),
+        **_unit(mass, volume),
+    )
+
+
+def _volume(model: Model, links: Iterable[Link]) -> float | None:
+    """What some links draw in all, in m³; collision shapes count where a link has no visual ones. None where it is not known."""
+    shapes = [s for link in links for s in (link.visuals or link.collisions) if not is_token(s)]
+    volumes = [shape_volume(model, shape) for shape in shapes]
+    known = [v for v in volumes if v is not None]
+    return sum(known) if known and len(known) == len(volumes) else None
+
+
+def _unit(mass: float, volume: float) -> dict[str, Any]:
+    """The unit that explains the density; a round mass was typed, whatever its unit (INR007)."""
+    unit = None if is_round(mass) or not volume else mass_unit(mass / volume)
+    if unit is None:
+        return {"cause": None}
+    return {"cause": "unit", "unit": unit[0], "plausible": in_words(unit[1])}
+
+
+def _mass_of(link: Link) -> Located:
+    assert link.inertial is not None
+    return link.inertial.mass_attribute or link.inertial

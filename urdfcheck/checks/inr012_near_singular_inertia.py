@@ -1,0 +1,47 @@
+"""INR012: moving bodies have masses and inertias that the programs' numbers can hold."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from urdfcheck.core import Finding, Located, Rule
+from urdfcheck.facts.inertia import principal_moments, triangle_excess
+from urdfcheck.model import Link, Model
+from urdfcheck.model.body import bodies, body_inertia
+
+
+def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: float) -> Iterator[Finding]:
+    for body in bodies(model):
+        found = body_inertia(model, body.links) if body.moves else None
+        if found is None:
+            continue  # bolted down, without mass, or malformed: other rules
+        total, _, tensor = found
+        link = _heaviest(model, body.links)
+        first, _, third = principal_moments(tensor)[0].tolist()
+        data: dict[str, Any] = {"link": link.name, "mass": total, "smallest": first, "largest": third}
+        if total <= mass:
+            yield rule.finding("mass", at=_mass_place(link), cause="unit", **data)
+        elif not (third > 0 and first > 1e-9 * third and triangle_excess(tensor) >= -1e-9):
+            continue  # INR003, INR004
+        elif math.sqrt(third / total) < gyration:
+            radius = math.sqrt(third / total) * 1e6
+            yield rule.finding("point", at=_tensor_place(link), cause="unit", radius=radius, **data)
+        elif first < condition * third:
+            yield rule.finding("condition", at=_tensor_place(link), ratio=first / third, **data)
+
+
+def _heaviest(model: Model, names: tuple[str, ...]) -> Link:
+    links = [model.link_by_name[name] for name in names]
+    return max(links, key=lambda link: (link.inertial.mass or 0.0) if link.inertial else -1.0)
+
+
+def _mass_place(link: Link) -> Located:
+    assert link.inertial is not None
+    return link.inertial.mass_attribute or link.inertial.element
+
+
+def _tensor_place(link: Link) -> Located:
+    assert link.inertial is not None
+    return link.inertial.tensor_element or link.inertial.element

@@ -1,0 +1,325 @@
+"""SYM004: what is left and right of a robot is each other's mirror image."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
+from urdfcheck.facts.diagnosis import Declared
+from urdfcheck.facts.mirror import Deviation, principal_deviation, wrong_signs
+from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model.names import listed
+from urdfcheck.model.parts import TENSOR
+from urdfcheck.model.twin_inertials import (
+    CONTRADICTIONS,
+    Side,
+    cause_of,
+    changes,
+    comparable,
+    sides,
+    six_of,
+    wrong_side,
+)
+from urdfcheck.model.twin_joints import Limited, chains, displaced, is_shifted, joints_of, limited
+from urdfcheck.model.twins import Pair
+from urdfcheck.source.values import attribute_number
+from urdfcheck.source.xml import Attribute
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+# A mistake that INR009 leaves to this rule.
+UNMIRRORED = "unmirrored"
+# So many joints of one chain with wrong limits have one cause.
+CHAIN = 3
+SINGLE = {
+    "mirrored": "the mirror image of {}",
+    "both": "the same part as {}, mirrored or turned",
+    "copied": "the same part as {}",
+}
+BOTH = {
+    "mirrored": "mirror images of each other",
+    "both": "one part twice, mirrored or turned",
+    "copied": "one part twice",
+}
+
+
+def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
+    found = model.pairs
+    wrong = [one for pair in _once(found) if (one := limited(model, pair, found, note)) is not None]
+    for chain in chains(wrong):
+        if len(chain) < CHAIN:
+            yield from (_limits(rule, one, differ) for one in chain)
+        else:
+            yield _chain(model, rule, chain, differ, note)
+    told: dict[str, set[str]] = {"inertial": set(), "dynamics": set(), "place": set()}
+    for pair in found:
+        for subject, finding in (
+            ("inertial", _inertials(model, rule, pair, differ, note)),
+            ("dynamics", _dynamics(model, rule, pair, differ, note)),
+            ("place", _place(model, rule, pair, found)),
+        ):
+            # A link may be in a pair of its hand and in one of the robot: what is wrong with it is told once.
+            if finding is not None and not told[subject] & {pair.one, pair.other}:
+                told[subject] |= {pair.one, pair.other}
+                yield finding
+
+
+def _once(found: Iterable[Pair]) -> Iterator[Pair]:
+    """The pairs without those of links that are in an earlier one."""
+    seen: set[str] = set()
+    for pair in found:
+        if not seen & {pair.one, pair.other}:
+            seen |= {pair.one, pair.other}
+            yield pair
+
+
+def _severity(share: float, differ: float, pair: Pair, cause: str | None = None) -> Severity:
+    """Parts that only their places and drawings make a pair may be meant to differ."""
+    return Severity.WARNING if share >= differ and (pair.named or cause is not None) else Severity.INFO
+
+
+# -- inertials --------------------------------------------------------------------------------------------------------
+
+
+def _inertials(model: Model, rule: Rule, pair: Pair, differ: float, note: float) -> Finding | None:
+    both = sides(model, pair)
+    if both is None:
+        return None if _explained(model, pair) else _moments(model, rule, pair, differ, note)
+    if not both[1].apart.worst > note:
+        return None
+    wrong = wrong_side(model, pair, both, note)
+    side, like = (both[1], ()) if wrong is None else wrong
+    apart, cause = side.apart, cause_of(pair, side, note)
+    if cause not in CONTRADICTIONS and _explained(model, pair):
+        return None
+    parts = (("centre of mass", apart.place), ("inertia tensor", apart.spread))
+    data: dict[str, Any] = {
+        "one": both[0].link.name,
+        "other": both[1].link.name,
+        "link": side.link.name,
+        "twin": side.twin.name,
+        "relation": (BOTH if wrong is None else SINGLE)[pair.drawn or ""].format(side.twin.name),
+        "differences": ", ".join(_differences(side, note)),
+        "what": " and the ".join(word for word, share in parts if share > note),
+        "signs": listed(wrong_signs(side.found, side.expected, note), 9),
+        "share": apart.worst,
+    }
+    place: dict[str, Any] = {
+        "at": _at(side.link, apart, note),
+        "related": [_at(side.twin, apart, note)],
+        "cause": cause,
+        "severity": _severity(apart.worst, differ, pair, cause),
+    }
+    if wrong is None:
+        return rule.finding("pair", **place, here=_numbers(both[0]), there=_numbers(both[1]), **data)
+    message = "like" if like else "inertial"
+    return rule.finding(message, **place, edits=_edits(side), numbers=_numbers(side), like=listed(like), **data)
+
+
+def _explained(model: Model, pair: Pair) -> bool:
+    """Whether one link's numbers have a mistake of their own, which INR009 names: then the pair differs for that."""
+    causes = []
+    for name in (pair.one, pair.other):
+        judged = model.diagnoses.get(name)
+        found = None if judged is None or not judged.diagnosis.decided else judged.diagnosis.cause
+        causes.append(None if found == UNMIRRORED else found)
+    return causes[0] != causes[1]
+
+
+def _moments(model: Model, rule: Rule, pair: Pair, differ: float, note: float) -> Finding | None:
+    """What holds of mirror images and of copies alike, for a pair of which the drawings say nothing."""
+    if pair.drawn not in {None, "neither"} or not (pair.named and pair.in_place and pair.alike is not False):
+        return None
+    one, other = (model.link_by_name[name] for name in (pair.one, pair.other))
+    first, second = comparable(one), comparable(other)
+    apart = None if first is None or second is None else principal_deviation(second, first)
+    if first is None or second is None or apart is None or not apart.worst > note:
+        return None
+    differences = []
+    if apart.mass > note:
+        differences.append(f"masses of {first.mass:.4g} and {second.mass:.4g} kg")
+    if apart.spread > note:
+        differences.append(f"principal moments of ({_principal(first)}) and ({_principal(second)}) kg·m²")
+    return rule.finding(
+        "moments",
+        at=_at(other, apart, note),
+        related=[_at(one, apart, note)],
+        severity=_severity(apart.worst, differ, pair),
+        one=one.name,
+        other=other.name,
+        differences=" and ".join(differences),
+        share=apart.worst,
+    )
+
+
+def _differences(side: Side, note: float) -> Iterator[str]:
+    found, expected, apart = side.found, side.expected, side.apart
+    if apart.mass > note:
+        yield f"mass {found.mass:.4g} kg instead of {expected.mass:.4g} kg"
+    if apart.place > note:
+        distance = float(np.linalg.norm(found.com - expected.com))
+        yield f"centre of mass {_mm(found.com)} instead of {_mm(expected.com)}, {distance * 1e3:.3g} mm away"
+    if apart.spread > note:
+        signs = [name for name in wrong_signs(found, expected, note) if name in TENSOR]
+        for name, one, other in zip(TENSOR, six_of(found.inertia), six_of(expected.inertia), strict=True):
+            if name in signs:
+                yield f"{name} {one:.4g} instead of {other:.4g}"
+        if not signs:
+            here, there = _principal(found), _principal(expected)
+            yield "other principal axes" if here == there else f"principal moments ({here}) instead of ({there}) kg·m²"
+
+
+def _principal(numbers: Declared) -> str:
+    return ", ".join(f"{moment:.3g}" for moment in np.linalg.eigvalsh(numbers.inertia))
+
+
+def _mm(place: Array) -> str:
+    return "(" + ", ".join(f"{1e3 * v + 0.0:.4g}" for v in place) + ") mm"
+
+
+def _at(link: Link, apart: Deviation, note: float) -> Located:
+    """The narrowest text that holds what differs."""
+    inertial = link.inertial
+    assert inertial is not None
+    places: tuple[tuple[Located | None, float], ...] = (
+        (inertial.mass_attribute, apart.mass),
+        (inertial.origin.attribute("xyz"), apart.place),
+        (inertial.tensor_element, apart.spread),
+    )
+    wrong = [place for place, share in places if share > note]
+    return wrong[0] if len(wrong) == 1 and wrong[0] is not None else inertial.element
+
+
+def _numbers(side: Side) -> str:
+    return " ".join(f'{change.name}="{change.text}"' for change in changes(side))
+
+
+def _edits(side: Side) -> list[Edit]:
+    one, other = side.link.inertial, side.twin.inertial
+    assert one is not None
+    assert other is not None
+    shared = one.element.span == other.element.span
+    return [] if shared else _written((change.attribute, change.text) for change in changes(side))
+
+
+def _written(wanted: Iterable[tuple[Attribute | None, str]]) -> list[Edit]:
+    """Edits of all attributes; none at all when one of them is not typed as it stands."""
+    edits = []
+    for attribute, text in wanted:
+        if attribute is None or not attribute.literal or attribute.span is None:
+            return []
+        edits.append(Edit(attribute.span, attribute.typed, text))
+    return edits
+
+
+# -- joints -----------------------------------------------------------------------------------------------------------
+
+
+def _limits(rule: Rule, one: Limited, differ: float) -> Finding:
+    limit, twin = one.joint.limit, one.twin.limit
+    assert limit is not None
+    assert twin is not None
+    cause = "limits_copied" if one.copied else None
+    texts = {name: f"{value + 0.0:.10g}" for name, value in one.wanted.items()}
+    edits = _written((limit.attributes.get(name), text) for name, text in texts.items())
+    return rule.finding(
+        "limits" if one.like else "limits_pair",
+        at=limit,
+        related=[twin],
+        cause=cause,
+        severity=_severity(one.share, differ, one.pair, cause),
+        edits=edits if one.like and limit.span != twin.span else [],
+        joint=one.joint.name,
+        twin=one.twin.name,
+        differences=_limit_differences(one),
+        like=listed(one.like),
+        numbers=" ".join(f'{name}="{text}"' for name, text in texts.items()),
+        share=one.share,
+    )
+
+
+def _chain(model: Model, rule: Rule, chain: Sequence[Limited], differ: float, note: float) -> Finding:
+    limits = [limit for one in chain for limit in (one.joint.limit, one.twin.limit) if limit is not None]
+    cause = "shifted" if is_shifted(model, chain, note) else None
+    return rule.finding(
+        "chain",
+        at=limits[0],
+        related=limits[1:],
+        cause=cause,
+        severity=_severity(max(one.share for one in chain), differ, chain[0].pair, cause),
+        count=len(chain),
+        joints=listed((one.joint.name for one in chain), 12),
+        twins=listed((one.twin.name for one in chain), 12),
+        joint=chain[0].joint.name,
+        differences=_limit_differences(chain[0]),
+    )
+
+
+def _limit_differences(one: Limited) -> str:
+    return ", ".join(
+        f"{name} {one.joint.limit_value(name) or 0.0:.6g} instead of {value + 0.0:.6g}"
+        for name, value in one.wanted.items()
+    )
+
+
+def _dynamics(model: Model, rule: Rule, pair: Pair, differ: float, note: float) -> Finding | None:
+    joints = joints_of(model, pair)
+    if joints is None or pair.drawn == "neither":
+        return None
+    elements = [joint.element.child("dynamics") for joint in joints]
+    differences: list[str] = []
+    share = 0.0
+    for name in ("damping", "friction"):
+        a, b = (0.0 if e is None or name not in e.attributes else attribute_number(e, name) for e in elements)
+        if a is not None and b is not None and abs(a - b) > note * max(abs(a), abs(b)):
+            differences.append(f"{name} {b:g} instead of {a:g}")
+            share = max(share, abs(a - b) / max(abs(a), abs(b)))
+    if not differences:
+        return None
+    return rule.finding(
+        "dynamics",
+        at=elements[1] or joints[1].element,
+        related=[elements[0] or joints[0].element],
+        severity=_severity(share, differ, pair),
+        joint=joints[1].name,
+        twin=joints[0].name,
+        differences=", ".join(differences),
+        share=share,
+    )
+
+
+def _place(model: Model, rule: Rule, pair: Pair, found: Sequence[Pair]) -> Finding | None:
+    off = displaced(model, pair, found)
+    if off is None:
+        return None
+    data: dict[str, Any] = {"joint": off.joint.name, "twin": off.twin.name}
+    if off.distance:
+        here, there = (" ".join(f"{round(float(v), 6) + 0.0:g}" for v in place) for place in off.places)
+        at, related = (_origin(joint, "xyz") for joint in (off.joint, off.twin))
+        return rule.finding(
+            "origin", at=at, related=[related], distance=off.distance * 1e3, here=here, there=there, **data
+        )
+    at, related = (_origin(joint, "rpy") if off.turned else _axis(joint) for joint in (off.joint, off.twin))
+    return rule.finding("axis", at=at, related=[related], angle=math.degrees(off.angle), **data)
+
+
+def _axis(joint: Joint) -> Location:
+    element = joint.axis_element
+    if element is None:
+        return joint.location
+    attribute = element.attributes.get("xyz")
+    return element.location if attribute is None else attribute.location
+
+
+def _origin(joint: Joint, name: str) -> Location:
+    attribute = joint.origin.attribute(name)
+    if attribute is not None:
+        return attribute.location
+    return joint.location if joint.origin.element is None else joint.origin.element.location

@@ -1,0 +1,88 @@
+"""What the convex hull of drawn geometry says about any mass inside it, whatever its density."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
+
+# Steps of Wolfe's algorithm; in three dimensions it is done within about ten.
+_STEPS = 100
+
+
+def reach(points: ArrayLike) -> float:
+    """The size of ``points`` (K, 3): the diameter of the least sphere about their mean that holds them.
+
+    Unlike a box round them it is the same in every frame.
+    """
+    corners = np.asarray(points, dtype=float)
+    return 2.0 * float(np.linalg.norm(corners - corners.mean(axis=0), axis=1).max())
+
+
+def outside(points: ArrayLike, place: ArrayLike, rel_tol: float = 1e-6) -> float:
+    """Distance from ``place`` (3,) to the convex hull of ``points`` (K, 3); 0 when it is inside.
+
+    Right to ``rel_tol`` of the farthest point's distance. The nearest point of the hull is found as the one of a corner, an
+    edge, a triangle or a tetrahedron of its points, which are exchanged until none is nearer (Wolfe, *Finding the nearest point
+    in a polytope*, 1976).
+    """
+    corners = np.asarray(points, dtype=float) - np.asarray(place, dtype=float)
+    squares = np.einsum("ij,ij->i", corners, corners)
+    tolerance = rel_tol * float(squares.max()) ** 0.5
+    chosen = [int(squares.argmin())]
+    weights = np.ones(1)
+    nearest = corners[chosen[0]]
+    for _ in range(_STEPS):
+        distance = float(np.linalg.norm(nearest))
+        if distance <= tolerance:
+            return 0.0
+        along = corners @ nearest
+        farther = int(along.argmin())
+        # The plane through the nearest point, across its direction, has every corner behind it, or nearly so.
+        if distance - float(along[farther]) / distance <= tolerance or farther in chosen:
+            return distance
+        chosen.append(farther)
+        weights = np.append(weights, 0.0)
+        while True:
+            best = _nearest_weights(corners[chosen])
+            if (best > 0.0).all():
+                weights = best
+                break
+            # Towards the best as far as all weights stay positive, and without the corner that ends the way.
+            falling = best <= 0.0
+            steps = np.full(len(best), np.inf)
+            steps[falling] = weights[falling] / np.maximum(weights[falling] - best[falling], 1e-300)
+            first = int(steps.argmin())
+            weights = np.delete(weights + steps[first] * (best - weights), first)
+            del chosen[first]
+        nearest = weights @ corners[chosen]
+    return float(np.linalg.norm(nearest))
+
+
+def _nearest_weights(corners: Array) -> Array:
+    """Weights (n,), summing up to 1, of the point nearest to the origin of the flat through ``corners`` (n, 3)."""
+    first = corners[0]
+    weights = np.linalg.lstsq((corners[1:] - first).T, -first, rcond=None)[0]
+    return np.concatenate(((1.0 - weights.sum(),), weights))
+
+
+def spread_ratios(points: ArrayLike, com: ArrayLike, covariance: ArrayLike, margin: float = 0.0) -> tuple[Array, Array]:
+    """How much farther a mass spreads than it can inside the hull of ``points`` (K, 3), and along which directions.
+
+    Ratios (3,) of the variance along each principal axis of ``covariance`` (3, 3), the mean of ``(x - com)(x - com)ᵀ``, to the
+    greatest that any distribution with this ``com`` (3,) within the hull has: ``(max - c)(c - min)`` (Bhatia and Davis, *A
+    better bound on the variance*, 2000). Above 1 no mass inside has it; infinite where the COM is not between the points.
+    The hull may be ``margin`` (m) larger on all sides. The directions are the columns of the (3, 3) array.
+    """
+    variances, axes = np.linalg.eigh(np.asarray(covariance, dtype=float))
+    along = (np.asarray(points, dtype=float) - np.asarray(com, dtype=float)) @ axes
+    above, below = along.max(axis=0) + margin, margin - along.min(axis=0)
+    bound = np.maximum(above, 0.0) * np.maximum(below, 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = np.where(bound > 0.0, variances / bound, np.where(variances > 0.0, np.inf, 0.0))
+    return ratios, axes

@@ -1,0 +1,76 @@
+"""The robot set down on the ground upright, all joints at zero: where it can touch, and where its mass is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.core import Unavailable
+from urdfcheck.model.bounds import is_token
+from urdfcheck.model.model import Model
+from urdfcheck.model.parts import Link
+from urdfcheck.model.wheels import CASTER, Wheel, points_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mass:
+    """What a link weighs: ``mass`` in kg and its ``com`` (3,) in root coordinates."""
+
+    link: Link
+    mass: float
+    com: Array
+
+
+def masses(model: Model) -> tuple[Mass, ...]:
+    """The links that have mass.
+
+    :raises Unavailable: when the tree is broken, or a mass or an origin is malformed or negative.
+    """
+    found = []
+    for link in model.links:
+        inertial = link.inertial
+        if inertial is None:
+            continue
+        pose = inertial.origin.matrix
+        if inertial.mass is None or pose is None or inertial.mass < 0:
+            raise Unavailable(f"the mass or the centre of mass of link {link.name!r} is not known")
+        if inertial.mass > 0:
+            found.append(Mass(link, inertial.mass, (model.frames[link.name] @ pose)[:3, 3]))
+    return tuple(found)
+
+
+def corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Array, NDArray[np.int64]]:
+    """Points (n, 3) in root coordinates whose hull is that of the robot, and the place (n,) of each point's link in the tree's
+    order.
+
+    Collision shapes count where a link has them, what it draws otherwise; tokens do not, unless they are casters. ``wheels`` by
+    link add the two lowest points of their treads, between which the corners of a mesh may hang in the air.
+
+    :raises Unavailable: when the tree is broken, or a shape is not known.
+    """
+    parts: list[Array] = []
+    owners: list[int] = []
+    for place, name in enumerate(model.tree.order):
+        frame = model.frames[name]
+        link = model.link_by_name[name]
+        shapes = [s for s in link.collisions or link.visuals if CASTER.search(name) or not is_token(s)]
+        points = points_of(model, shapes)
+        if points is None:
+            raise Unavailable(f"a shape of link {name!r} is not known")
+        placed = points @ frame[:3, :3].T + frame[:3, 3]
+        wheel = wheels.get(name)
+        if wheel is not None:
+            side = wheel.width / 2 * wheel.axis
+            placed = np.concatenate((placed, [wheel.contact - side, wheel.contact + side]))
+        parts.append(placed)
+        owners += [place] * len(placed)
+    return np.concatenate(parts), np.array(owners, dtype=np.int64)
