@@ -27,6 +27,7 @@ from urdfcheck.core import (
 )
 from urdfcheck.model import Model
 from urdfcheck.outline import Outline, outline_of
+from urdfcheck.recall import Recall, applies
 from urdfcheck.source.launch import Launch, load_launch
 from urdfcheck.source.load import Source, load
 from urdfcheck.source.packages import PackageFinder, load_package
@@ -109,6 +110,7 @@ class _Audit:
         self.scene: Scene | None = None
         self.pairs: LinkPairs | None = None
         self.outline: Outline | None = None
+        self.recall: Recall | None = None
         self.rules = {c: r for c, r in catalogue.rules().items() if c in settings.codes and catalogue.has_check(r)}
 
     def finder(self, start: Path) -> PackageFinder:
@@ -131,7 +133,11 @@ class _Audit:
             folder = None if self.settings.cache is None else Path(self.settings.cache)
             tier, targets, samples = self.settings.tier, self.settings.targets, self.settings.samples
             model = Model(source, source.root, tier, Cache(folder), samples=samples, targets=targets)
+            if folder is not None and tier != TIERS[0]:
+                self.recall = Recall(model)
             self.run("model", model)
+            if self.recall is not None:
+                self.recall.keep()
             self.outline = outline_of(model)
         else:
             # Everything else is about a robot that could not be had: the findings so far say why.
@@ -178,8 +184,11 @@ class _Audit:
             self.guard(rule.code, lambda rule=rule, options=options: self.collect(rule, subject, options))  # type: ignore[misc]
 
     def collect(self, rule: Rule, subject: Any, options: Mapping[str, Any]) -> None:
-        found: Iterable[Finding] = catalogue.check_of(rule)(subject, rule, **options)
-        for finding in found:
+        def find() -> Iterable[Finding]:
+            return catalogue.check_of(rule)(subject, rule, **options)
+
+        recall = self.recall if applies(rule) else None
+        for finding in find() if recall is None else recall.findings(rule, options, find):
             wanted = self.settings.severities.get(rule.code)
             severity = finding.severity if wanted is None else Severity.parse(wanted)
             self.findings.append(replace(finding, severity=severity, model=self.unit.id))

@@ -1,0 +1,125 @@
+"""Findings of an earlier run are given again, and only while nothing that they depend on has changed."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import trimesh
+from conftest import check
+
+from urdfcheck import catalogue
+from urdfcheck.core import Finding, Rule, Run
+from urdfcheck.output.json import render
+from urdfcheck.recall import applies
+
+ROBOT = """<robot name="r">
+  <link name="part">
+    <inertial>
+      <mass value="1"/>
+      <inertia ixx="{ixx}" ixy="0" ixz="0" iyy="0.1133" iyz="0" izz="0.1333"/>
+    </inertial>
+    <visual><geometry><mesh filename="part.stl"/></geometry></visual>
+  </link>
+</robot>
+"""
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Path:
+    path = tmp_path / "r.urdf"
+    path.write_text(ROBOT.format(ixx="0.0333"), encoding="utf-8")
+    trimesh.creation.box((0.04, 0.02, 0.01)).export(tmp_path / "part.stl")
+    return path
+
+
+@pytest.fixture
+def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The codes of the rules that were really asked."""
+    asked: list[str] = []
+    original = catalogue.check_of
+
+    def check_of(rule: Rule) -> catalogue.Check:
+        run = original(rule)
+
+        def asking(subject: object, rule: Rule, **options: object) -> list[Finding]:
+            asked.append(rule.code)
+            return list(run(subject, rule, **options))
+
+        return asking
+
+    monkeypatch.setattr(catalogue, "check_of", check_of)
+    return asked
+
+
+def outcome(path: Path, **request: object) -> Run:
+    found = check(path, cache=path.parent / "kept", **request)
+    assert found.failures == ()
+    return replace(found, seconds=0.0, models=tuple(replace(m, seconds=0.0) for m in found.models))
+
+
+def test_the_second_run_finds_the_same_without_looking(robot: Path, calls: list[str]) -> None:
+    first = outcome(robot)
+    assert {"INR009", "INR005"} & {f.code for f in first.findings}
+    calls.clear()
+    second = outcome(robot)
+    assert json.loads(render(second)) == json.loads(render(first))
+    assert not {code for code in calls if applies(catalogue.rules()[code])}
+    assert "INR003" in calls  # rules that read the source alone are quicker than what is kept
+
+
+def test_without_a_folder_nothing_is_kept(robot: Path, calls: list[str]) -> None:
+    for _ in range(2):
+        calls.clear()
+        check(robot)
+        assert "INR009" in calls
+
+
+def test_a_changed_number_a_mesh_a_target_or_an_option_is_looked_at(robot: Path, calls: list[str]) -> None:
+    def looked() -> bool:
+        calls.clear()
+        outcome(robot, **settings)
+        return "INR009" in calls
+
+    settings: dict[str, object] = {}
+    assert looked()
+    assert not looked()
+    robot.write_text(ROBOT.format(ixx="0.0334"), encoding="utf-8")
+    assert looked()
+    trimesh.creation.box((0.04, 0.02, 0.02)).export(robot.parent / "part.stl")
+    assert looked()
+    settings = {"options": {"INR009": {"far": 2.5}}}
+    assert looked()
+    settings = {"targets": ("gazebo",)}
+    assert looked()
+    assert not looked()
+
+
+def test_a_mesh_that_comes_or_goes_is_noticed(robot: Path) -> None:
+    part = robot.parent / "part.stl"
+    data = part.read_bytes()
+    assert any(f.code == "INR009" or f.code == "INR005" for f in outcome(robot).findings)
+    part.unlink()
+    assert {f.code for f in outcome(robot).findings} & {"PKG002"}
+    part.write_bytes(data)
+    assert any(f.code == "INR009" or f.code == "INR005" for f in outcome(robot).findings)
+
+
+def test_a_moved_line_moves_its_finding(robot: Path) -> None:
+    before = next(f for f in outcome(robot).findings if f.code.startswith("INR"))
+    robot.write_text("<!-- one more line -->\n" + robot.read_text(encoding="utf-8"), encoding="utf-8")
+    after = next(f for f in outcome(robot).findings if f.code.startswith("INR"))
+    assert before.location.span is not None
+    assert after.location.span is not None
+    assert after.location.span.line == before.location.span.line + 1
+
+
+def test_a_damaged_entry_is_found_anew(robot: Path, calls: list[str]) -> None:
+    first = outcome(robot)
+    for entry in (robot.parent / "kept").rglob("all.npz"):
+        entry.write_bytes(b"no archive")
+    calls.clear()
+    assert outcome(robot).findings == first.findings
+    assert "INR009" in calls
