@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -85,6 +86,7 @@ def _parts(model: Model) -> Iterator[str]:
             yield str(model.meshes.errors.get(path))
 
 
+@cache
 def _version() -> str:
     """What changes whenever urdfcheck or a library does: sizes and times of its files."""
     files = sorted((*_HERE.rglob("*.py"), *pages_folder().glob("*.md")))

@@ -14,7 +14,7 @@ from urdfcheck.facts.contact import SLACK, Fall, Stand, fall, stand
 from urdfcheck.model import Model
 from urdfcheck.model.names import listed
 from urdfcheck.model.standing import Mass, corners, masses
-from urdfcheck.model.wheels import is_suspended, rolling
+from urdfcheck.model.wheels import is_suspended
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,7 +30,7 @@ _FALLEN = math.radians(60)
 
 
 def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Finding]:
-    wheels = {wheel.joint.child: wheel for wheel in rolling(model)}
+    wheels = {wheel.joint.child: wheel for wheel in model.wheels}
     if model.tree.root in _GROUND or not (wheels or any(_LEG.search(link.name) for link in model.links)):
         return
     weights = masses(model)

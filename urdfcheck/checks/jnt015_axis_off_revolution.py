@@ -15,7 +15,7 @@ from urdfcheck.facts.inertia import covariance_of, validity
 from urdfcheck.facts.revolution import Round, angle_of_lines, axis_of_revolution, outline
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.parts import Inertial, Shape
-from urdfcheck.model.wheels import NAMED, points_of, rolling
+from urdfcheck.model.wheels import NAMED, points_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,7 +44,7 @@ class _Witness:
 
 
 def check(model: Model, rule: Rule, *, limit: float, eccentric: float) -> Iterator[Finding]:
-    rolls = {wheel.joint.name for wheel in rolling(model)}
+    rolls = {wheel.joint.name for wheel in model.wheels}
     wheels = [j for j in model.joints if j.name in model.axes and (j.name in rolls or _is_called_wheel(j))]
     upright = [joint for joint in wheels if abs(abs(float(model.axes[joint.name][2])) - 1) < _SQUARE]
     for joint in wheels:

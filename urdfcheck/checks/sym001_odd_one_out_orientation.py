@@ -15,7 +15,7 @@ from urdfcheck.facts.symmetry import Suspects, angle_between, is_choice, odd_one
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.names import listed
 from urdfcheck.model.origins import definitions_of, place_of, told
-from urdfcheck.model.siblings import base_of, chain_of, siblings
+from urdfcheck.model.siblings import base_of, chain_of
 from urdfcheck.source.values import number
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class _Odd:
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     odd: dict[str, _Odd] = {}
     pairs: dict[str, tuple[Joint, Joint, Suspects]] = {}
-    for group in siblings(model):
+    for group in model.siblings:
         name = base_of(model, group)
         base = model.frames[name]
         frames = np.linalg.inv(base) @ np.array([model.frames[joint.child] for joint in group])

@@ -14,7 +14,7 @@ from urdfcheck.model import Joint, Model
 from urdfcheck.model.drawn import geometry
 from urdfcheck.model.names import listed
 from urdfcheck.model.origins import definitions_of, place_of, told
-from urdfcheck.model.siblings import base_of, chain_of, siblings
+from urdfcheck.model.siblings import base_of, chain_of
 from urdfcheck.source.values import number
 from urdfcheck.source.words import words_of
 
@@ -41,7 +41,7 @@ class _Suspect:
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     odd: dict[str, tuple[tuple[Joint, ...], Misplaced]] = {}
-    for group in siblings(model):
+    for group in model.siblings:
         base = model.frames[base_of(model, group)]
         places = [_seen_from(base, model.frames[joint.child][:3, 3]) for joint in group]
         found = misplaced(places)

@@ -12,7 +12,7 @@ from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.facts.contact import rocking
 from urdfcheck.model import Model
 from urdfcheck.model.parts import Joint
-from urdfcheck.model.wheels import Wheel, is_suspended, rolling
+from urdfcheck.model.wheels import Wheel, is_suspended
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,7 +36,7 @@ class _Odd:
 
 
 def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[Finding]:
-    found = rolling(model)
+    found = model.wheels
     if len(found) < 4 or any(is_suspended(model, wheel.joint.child) for wheel in found):
         return
     found = _on_one_ground(found)

@@ -107,7 +107,7 @@ def opinions(model: Model, note: float = NOTE) -> tuple[Opinion, ...]:
     :raises Unavailable: when the tree is broken.
     """
     found: list[Opinion] = []
-    for group in copies(model):
+    for group in model.copies:
         if len(group) < 3:
             continue
         members = _Compared(model, group, note)
@@ -127,7 +127,7 @@ def differing_pairs(
     :raises Unavailable: when the tree is broken.
     """
     found = []
-    for group in copies(model):
+    for group in model.copies:
         if len(group) == 2 and frozenset(copy.link.name for copy in group) not in but:
             members = _Compared(model, group, note)
             both = members.opinion(0, 1), members.opinion(1, 0)
@@ -143,7 +143,7 @@ def twins(model: Model, *, but: Collection[frozenset[str]] = ()) -> Mapping[str,
     :raises Unavailable: when the tree is broken.
     """
     found: dict[str, Opinion] = {}
-    for group in copies(model):
+    for group in model.copies:
         if frozenset(copy.link.name for copy in group) in but:
             continue
         members = _Compared(model, group, NOTE)

@@ -23,10 +23,12 @@ if TYPE_CHECKING:
     from urdfcheck.facts.diagnosis import Geometry
     from urdfcheck.facts.inertia import Solid
     from urdfcheck.model.collisions import Collisions
+    from urdfcheck.model.copies import Copy
     from urdfcheck.model.diagnoses import Judged
     from urdfcheck.model.dynamics import Dynamics, Verdict
     from urdfcheck.model.enclosed import Enclosed
     from urdfcheck.model.twins import Pair
+    from urdfcheck.model.wheels import Wheel
     from urdfcheck.source.srdf import Srdf
 
 
@@ -175,6 +177,36 @@ class Model:
     def geometries(self) -> dict[object, Geometry | None]:
         """What `urdfcheck.model.drawn.geometry` has measured of this model."""
         return {}
+
+    @cached_property
+    def siblings(self) -> list[tuple[Joint, ...]]:
+        """Groups of like joints.
+
+        :raises Unavailable: when the tree is broken.
+        """
+        from urdfcheck.model.siblings import siblings
+
+        return siblings(self)
+
+    @cached_property
+    def copies(self) -> tuple[tuple[Copy, ...], ...]:
+        """Groups of links that draw one part.
+
+        :raises Unavailable: when the tree is broken.
+        """
+        from urdfcheck.model.copies import copies
+
+        return copies(self)
+
+    @cached_property
+    def wheels(self) -> tuple[Wheel, ...]:
+        """All wheels that can stand on the ground.
+
+        :raises Unavailable: when the tree is broken or an origin is malformed.
+        """
+        from urdfcheck.model.wheels import rolling
+
+        return rolling(self)
 
     @cached_property
     def pairs(self) -> tuple[Pair, ...]:

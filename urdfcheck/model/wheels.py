@@ -65,7 +65,7 @@ def wheels(model: Model) -> tuple[Driven, ...]:
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
     """
-    known = rolling(model)
+    known = model.wheels
     driven = [w for w in known if not OTHER.search(_words(w.joint)) and not _is_steered(model, w.joint, w.axis)]
     ground = min((w.bottom for w in driven), default=0.0)
     standing = [Driven(w.joint, w.axis) for w in driven if w.bottom - ground < 0.2 * w.radius]
