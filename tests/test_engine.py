@@ -90,6 +90,22 @@ def test_hidden_findings_are_named_by_what_hides_them() -> None:
     assert kept[0].data["hides"] == ["INR003"]
 
 
+def test_a_difference_of_two_elements_yields_to_what_explains_either() -> None:
+    from urdfcheck.core import Location
+
+    rules = catalogue.rules()
+
+    def finding(code: str, joint: str, **data: object) -> Finding:
+        rule, at = rules[code], Location(f"joint[{joint}]/origin@xyz", None)
+        return Finding(code, rule.name, rule.severity, rule.confidence, "m", "m", at, (at.subject,), data=data)
+
+    difference = finding("SYM004", "right", between=["joint[left]", "joint[right]"])
+    for named in ("left", "right"):
+        kept = worker.hide([difference, finding("SYM002", named)], rules)
+        assert [(f.code, f.data["hides"]) for f in kept] == [("SYM002", ["SYM004"])]
+    assert len(worker.hide([difference, finding("SYM002", "other")], rules)) == 2
+
+
 def test_a_severity_of_the_configuration_holds(tmp_path: Path) -> None:
     text = f'<robot name="r"><link name="a">{INERTIA}</link></robot>'
     found = check_text(tmp_path, text, codes={"INR003"}, severities={"INR003": "info"}).findings

@@ -167,6 +167,12 @@ class Finding:
     suppressed: str | None = None
 
     @property
+    def why(self) -> str | None:
+        """What its cause says beyond the message."""
+        # A message that says it goes on with a small letter.
+        return None if self.cause is None or self.cause.text[1:] in self.message else self.cause.text
+
+    @property
     def fingerprints(self) -> tuple[str, ...]:
         """One per subject; they change neither with lines nor with the working directory."""
         import hashlib  # loads OpenSSL: only outputs that show fingerprints pay for it

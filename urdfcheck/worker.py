@@ -260,22 +260,26 @@ def merge(findings: Iterable[Finding]) -> list[Finding]:
 
 
 def hide(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
-    """Drop findings whose page yields to another rule that fired on the same element; the other one says so."""
+    """Drop findings whose page yields to another rule that fired on the same element; the other one says so.
+
+    The elements of a finding are those of its subjects, and for a difference of two of which it names one, those that its
+    ``data`` lists as ``between``.
+    """
     findings = list(findings)
     fired: dict[tuple[str, str], int] = {}
     for index, finding in enumerate(findings):
         for subject in finding.subjects:
-            fired.setdefault((finding.code, subject.split("/")[0].split("@")[0]), index)
+            fired.setdefault((finding.code, _element(subject)), index)
     hidden: set[int] = set()
     hides: dict[int, set[str]] = {}
     for index, finding in enumerate(findings):
         rule = rules.get(finding.code)
+        elements = {_element(subject) for subject in (*finding.subjects, *finding.data.get("between", ()))}
         for stronger in rule.hidden_by if rule is not None else ():
-            by = {fired.get((stronger, s.split("/")[0].split("@")[0])) for s in finding.subjects} - {None}
-            if by and None not in by:
+            by = {fired[stronger, element] for element in elements if (stronger, element) in fired}
+            if by:
                 hidden.add(index)
                 for other in by:
-                    assert other is not None
                     hides.setdefault(other, set()).add(finding.code)
                 break
     return [
@@ -283,6 +287,11 @@ def hide(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding
         for i, f in enumerate(findings)
         if i not in hidden
     ]
+
+
+def _element(subject: str) -> str:
+    """``link[wheel]`` of ``link[wheel]/inertial/inertia@izz``."""
+    return subject.split("/")[0].split("@")[0]
 
 
 def order(finding: Finding) -> tuple[Any, ...]:

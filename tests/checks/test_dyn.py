@@ -85,6 +85,14 @@ def test_the_worst_pose_of_a_pendulum_and_the_value_that_passes(tmp_path: Path) 
     assert not found(tmp_path, arm(finding.data["passes"]), "DYN002")
 
 
+@pytest.mark.parametrize(("effort", "message"), [(0.1, "weak"), (0.09, "far")])
+def test_a_hundred_times_too_much_is_a_matter_of_the_masses(tmp_path: Path, effort: float, message: str) -> None:
+    (finding,) = found(tmp_path, arm(effort), "DYN002")
+    assert finding.message_id == message
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("check the masses") == (message == "far")
+
+
 def test_only_poses_within_the_limits_count(tmp_path: Path) -> None:
     assert not found(tmp_path, arm(5, range='lower="-0.5" upper="0.5"'), "DYN002")
     assert found(tmp_path, arm(4.2, range='lower="-0.5" upper="0.5"'), "DYN002")

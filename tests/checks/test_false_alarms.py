@@ -139,7 +139,7 @@ def test_a_hollow_is_still_a_hollow(tmp_path: Path) -> None:
     true = uniform(solid_of(housing, cavity), 3.0)
     assert told(tmp_path, arm(true, mesh("housing.stl"))) == []
     (finding,) = found(tmp_path, arm(Declared(3.0, true.com, true.tensor / 1000.0, true.rotation), mesh("housing.stl")))
-    assert finding.data["mended_shape"] == pytest.approx(0.0, abs=1e-3)
+    assert finding.data["mismatch"]["mended_tensor"] == pytest.approx(0.0, abs=1e-3)
 
 
 # -- digits (Pelican, whose tensor is the drawn part's to one digit) --------------------------------------------------------
@@ -179,7 +179,7 @@ def test_a_tensor_of_another_mass_does_not_say_which_is_wrong(tmp_path: Path) ->
     assert finding.cause is not None
     assert finding.cause.id == "other_mass"
     assert "write that mass" in finding.cause.text
-    assert "no other" not in finding.message
+    assert "no other single edit" not in finding.message
     assert finding.fix is not None
     assert told(tmp_path, edited(text, finding.fix.edits)) == []
     assert told(tmp_path, text.replace('mass value="1.37"', 'mass value="6"')) == []

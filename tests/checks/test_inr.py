@@ -261,6 +261,21 @@ def test_a_body_that_carries_a_hundred_times_its_mass_counts_with_what_is_fixed_
     assert [f.message_id for f in found(tmp_path, "INR011", text)] == messages
 
 
+def block(mass: float, size: float) -> str:
+    return inertial(str(mass)) + f'<visual><geometry><box size="{size} {size} {size}"/></geometry></visual>'
+
+
+@pytest.mark.parametrize(
+    ("base", "child", "suspects"),
+    [(5.2, 4.5e-4, "arm"), (5200.0, 0.45, "base"), (5.2, 4.5e-3, "arm and base")],
+)
+def test_of_two_masses_the_implausible_one_is_named(tmp_path: Path, base: float, child: float, suspects: str) -> None:
+    size = 0.08 if suspects != "arm and base" else 0.02
+    (finding,) = found(tmp_path, "INR011", arm(block(child, size), base=block(base, 0.2)))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(f"check the unit of the mass of {suspects};")
+
+
 # -- INR012 ---------------------------------------------------------------------------------------------------------
 
 

@@ -258,6 +258,15 @@ def test_all_links_with_one_placeholder_are_one_finding(tmp_path: Path) -> None:
     ]
 
 
+def test_a_placeholder_that_happens_to_be_near_is_one_as_well(tmp_path: Path) -> None:
+    """5.8e-4 is what the box of `Part` has; of one twice as large the number is nothing."""
+    moment = 5e-4 * np.eye(3)
+    near, far = Part(tensor=moment), Part(size=(0.2, 0.12, 0.08), mass=4.8, tensor=moment)
+    assert not found(tmp_path / "a", robot('<link name="base"/>', near.xml("near")), {"INR007"})
+    (finding,) = found(tmp_path / "b", robot('<link name="base"/>', near.xml("near"), far.xml("far")), {"INR007"})
+    assert {subject.split("/")[0] for subject in finding.subjects} == {"link[near]", "link[far]"}
+
+
 def bare(name: str, mass: float, moment: float) -> str:
     six = f'ixx="{moment}" ixy="0" ixz="0" iyy="{moment}" iyz="0" izz="{moment}"'
     return f'<link name="{name}"><inertial><mass value="{mass}"/><inertia {six}/></inertial></link>'

@@ -324,6 +324,22 @@ def test_only_the_uses_without_scale_are_reported(tmp_path: Path) -> None:
     assert not finding.related
 
 
+def test_every_link_that_uses_the_mesh_is_a_subject(tmp_path: Path) -> None:
+    """What else follows from the size of the mesh is told of none of them."""
+    (tmp_path / "wheel.obj").write_text(scaled(CLOSED, 60.0))
+    mass = '<inertial><mass value="0.4"/><inertia ixx="3e-4" ixy="0" ixz="0" iyy="3e-4" iyz="0" izz="5e-4"/></inertial>'
+    part = shape("visual", "wheel.obj") + '<collision><geometry><sphere radius="0.06"/></geometry></collision>'
+    text = '<link name="base"/>' + "".join(
+        f'<link name="w{i}">{mass}{part}</link><joint name="j{i}" type="continuous"><parent link="base"/>'
+        f'<child link="w{i}"/><origin xyz="{x} {y} 0"/><axis xyz="0 1 0"/></joint>'
+        for i, (x, y) in enumerate([(0.2, 0.1), (0.2, -0.1), (-0.2, 0.1), (-0.2, -0.1)])
+    )
+    codes = {"MSH008", "GEO003", "INR009"}
+    (finding,) = check_text(tmp_path, f'<robot name="r">{text}</robot>', codes=codes).findings
+    assert [subject.split("/")[0] for subject in finding.subjects] == [f"link[w{i}]" for i in range(4)]
+    assert "GEO003" in finding.data["hides"]
+
+
 def test_metres_that_are_scaled_as_millimetres_vanish(tmp_path: Path) -> None:
     (finding,) = found(
         tmp_path, "MSH008", scaled(CLOSED, 0.4), "", shape("visual", scale="0.001 0.001 0.001"), step=0.3

@@ -179,7 +179,7 @@ def test_a_pair_is_named_as_a_pair(tmp_path: Path) -> None:
     assert (finding.message_id, finding.severity) == ("pair", Severity.INFO)
     assert finding.fix is not None
     assert not finding.fix.edits
-    assert 'if mid_part is right, write mass="0.5" in top_part' in finding.fix.title
+    assert 'if mid_part is right, write mass value="0.5" in top_part' in finding.fix.title
 
 
 def test_of_a_pair_the_one_that_does_not_fit_the_drawn_part_is_wrong(tmp_path: Path) -> None:
@@ -257,7 +257,7 @@ def test_a_line_that_a_macro_shares_is_not_edited(tmp_path: Path) -> None:
     assert finding.message_id == "computed"
     assert finding.fix is not None
     assert not finding.fix.edits
-    assert finding.fix.title.startswith('make rr_part have mass="0.4321"')
+    assert finding.fix.title.startswith('make rr_part have mass value="0.4321"')
 
 
 def test_a_twin_is_what_the_copies_agree_on_in_the_links_own_frame(tmp_path: Path) -> None:

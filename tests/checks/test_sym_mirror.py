@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -389,6 +390,25 @@ def test_a_macro_that_forgets_to_reflect_is_not_edited(tmp_path: Path) -> None:
     assert finding.cause is not None
     assert finding.cause.id == "copied"
     assert finding.fix is not None
+    assert not finding.fix.edits
+    assert "a parameter, `reflect` for instance, that is 1 for left_arm and -1 for right_arm" in finding.fix.title
+    assert re.search(r'xyz="[0-9.]+ \$\{reflect\*[0-9.]+\} -?[0-9.]+"', finding.fix.title)
+    assert re.search(r'iyz="\$\{reflect\*-?[0-9.e-]+\}"', finding.fix.title)
+
+
+def test_a_side_whose_macro_computes_its_numbers_leads_to_their_definitions(tmp_path: Path) -> None:
+    arm = link("arm", PARTS["arm"][0])
+    inertial = ET.tostring(arm.findall("inertial")[0], encoding="unicode")
+    y = re.search(r'xyz="\S+ (\S+)', inertial)
+    assert y is not None
+    visuals = "".join(ET.tostring(visual, encoding="unicode") for visual in arm.findall("visual"))
+    text = MACRO.format(
+        inertial=inertial.replace(f" {y[1]} ", " ${offset} ", 1),
+        visuals=visuals.replace("0.03 0.06 -0.05", "0.03 ${reflect * 0.06} -0.05"),
+    ).replace("<xacro:macro", f'<xacro:property name="offset" value="{y[1]}"/><xacro:macro', 1)
+    (finding,) = check_text(tmp_path, text, "robot.urdf.xacro", codes={"SYM004", "INR009"}).findings
+    assert finding.fix is not None
+    assert "computed from property offset (line" in finding.fix.title
     assert not finding.fix.edits
 
 

@@ -139,6 +139,60 @@ def test_what_hangs_on_a_joint_that_is_turned_stands_where_its_siblings_do(tmp_p
     assert not found(tmp_path / "b", turned)
 
 
+def test_the_mirror_image_of_a_misplaced_wheel_is_not_blamed(tmp_path: Path) -> None:
+    arms = "".join(
+        f'<link name="{side}_arm">{WHEEL.format(com="0 0 0")}</link>'
+        + joint(f"{side}_arm", f"{side}_arm", f"0 {y} 0.1", kind="revolute")
+        for side, y in (("left", 0.03), ("right", -0.03))
+    )
+    text = car(rear_left="-0.072 0.052 0").replace("</robot>", arms + "</robot>")
+    (innocent,) = found(tmp_path / "a", text, code="SYM004")
+    assert innocent.location.subject == "joint[rear_right]/origin@xyz"
+    (finding,) = check_text(tmp_path / "b", text, codes={"SYM002", "SYM004"}).findings
+    assert (finding.code, finding.location.subject) == ("SYM002", "joint[rear_left]/origin@xyz")
+    assert finding.data["hides"] == ["SYM004"]
+
+
+def drawn(text: str) -> str:
+    wheel = '<visual><origin rpy="1.5708 0 0"/><geometry><cylinder radius="0.03" length="0.01"/></geometry></visual>'
+    return text.replace("</inertial>", f"</inertial>{wheel}")
+
+
+def wheels(folder: Path, text: str) -> dict[str, str]:
+    """The code for each joint that is named."""
+    codes = {"SYM002", "SYM004", "SYM006"}
+    return {f.location.subject.split("/")[0]: f.code for f in check_text(folder, text, codes=codes).findings}
+
+
+@pytest.mark.parametrize("name", CORNERS)
+def test_a_wheel_that_is_too_high_hangs_in_the_air(tmp_path: Path, name: str) -> None:
+    text = drawn(car(**{name: CORNERS[name][:-1] + "0.003"}))
+    assert wheels(tmp_path, text) == {f"joint[{name}]": "SYM006"}
+
+
+@pytest.mark.parametrize(
+    ("z", "said"), [("0.003", "3 mm too high (3 mm along +z"), ("-0.003", "3 mm too low (3 mm along -z")]
+)
+def test_a_part_that_is_no_wheel_to_stand_on_is_too_high_all_the_same(tmp_path: Path, z: str, said: str) -> None:
+    """Nothing is drawn here that could touch the ground."""
+    (finding,) = found(tmp_path, car(front_left=f"0.07 0.052 {z}"))
+    assert said in finding.message
+
+
+def test_the_height_of_a_wheel_that_hangs_in_the_air_is_nobodys_layout(tmp_path: Path) -> None:
+    text = drawn(car(front_left="0.07 0.052 0.003", rear_left="-0.068 0.052 0"))
+    assert wheels(tmp_path / "a", text) == {"joint[front_left]": "SYM006", "joint[rear_left]": "SYM002"}
+    (finding,) = found(tmp_path / "b", text)
+    assert edits(finding) == [("-0.068", "-0.07")]
+
+
+def test_a_wheel_that_is_off_in_every_direction_is_one_finding(tmp_path: Path) -> None:
+    text = drawn(car(front_left="0.072 0.052 0.003"))
+    assert wheels(tmp_path / "a", text) == {"joint[front_left]": "SYM002"}
+    (finding,) = found(tmp_path / "b", text)
+    assert edits(finding) == [("0.072", "0.07"), ("0.003", "0")]
+
+
 def test_a_computed_place_leads_to_what_it_is_computed_from(tmp_path: Path) -> None:
     head = '<robot name="car" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="reach" value="0.072"/>'
     text = car(front_left="${reach} 0.052 0").replace('<robot name="car">', head)

@@ -174,6 +174,20 @@ def test_wrong_signs_are_named_when_nothing_else_is_wrong() -> None:
     assert wrong_signs(image, image, 0.005) == ()
 
 
+def test_a_small_number_has_the_wrong_sign_where_a_greater_one_has() -> None:
+    """All three products of inertia were negated, of which one is below what is told by itself."""
+    tensor = np.diag((0.02, 0.03, 0.04)) + np.array(((0, 4e-3, 3e-3), (4e-3, 0, 2e-6), (3e-3, 2e-6, 0)))
+    plain, negated = (Declared(1.5, np.zeros(3), t) for t in (tensor, 2 * np.diag(np.diag(tensor)) - tensor))
+    assert wrong_signs(negated, plain, 0.005) == ("ixy", "ixz", "iyz")
+    tiny = tensor * np.where(np.isin(tensor, (4e-3, 3e-3)), 0.0, 1.0)
+    assert (
+        wrong_signs(
+            Declared(1.5, np.zeros(3), 2 * np.diag(np.diag(tiny)) - tiny), Declared(1.5, np.zeros(3), tiny), 0.005
+        )
+        == ()
+    )
+
+
 # --- limits ----------------------------------------------------------------------------------------------------------
 
 

@@ -27,10 +27,16 @@ def test_prose_wraps_at_the_width_and_only_source_lines_may_be_longer() -> None:
 @pytest.mark.parametrize("width", [40, 60, 200])
 def test_wide_characters_take_two_columns_and_a_word_longer_than_a_line_is_folded(width: int) -> None:
     word = "車輪ホイール" * 30
-    text = render(a_run(finding(message=word, cause=Cause("x", word))), width=width)
+    why = word[::-1]
+    text = render(a_run(finding(message=word, cause=Cause("x", why))), width=width)
     folded = [line for line in text.splitlines() if line.endswith(tuple(word))]
     assert max(cell_len(line) for line in folded) == width
-    assert "".join(line.split()[-1] for line in folded) == word * 2, "nothing is lost at a fold"
+    assert "".join(line.split()[-1] for line in folded) == word + why, "nothing is lost at a fold"
+
+
+def test_a_cause_that_the_message_tells_is_not_told_again() -> None:
+    text = render(a_run(finding(message="link a: the mass is in g.", cause=Cause("x", "The mass is in g."))))
+    assert "why" not in text
 
 
 def test_further_lines_stand_below_the_first() -> None:

@@ -12,7 +12,7 @@ from urdfcheck.model.loads import Overload, overloads
 from urdfcheck.model.names import listed
 
 
-def check(model: Model, rule: Rule, *, rare: float) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, rare: float, far: float) -> Iterator[Finding]:
     groups: dict[tuple[float, bool], list[Overload]] = {}
     for load in overloads(model):
         key = (load.joint.limit_value("effort") or 0.0, load.joint.type == "prismatic")
@@ -20,23 +20,26 @@ def check(model: Model, rule: Rule, *, rare: float) -> Iterator[Finding]:
     for (effort, slides), loads in groups.items():
         # Arms that are alike stay in the file's order, whatever the last digits say.
         worst_first = sorted(loads, key=lambda load: -float(f"{load.torque:.3g}"))
-        yield _together(rule, effort, "N" if slides else "N·m", worst_first, model.samples, rare)
+        yield _together(rule, effort, "N" if slides else "N·m", worst_first, model.samples, rare, far)
 
 
-def _together(rule: Rule, effort: float, unit: str, loads: list[Overload], samples: int, rare: float) -> Finding:
+def _together(
+    rule: Rule, effort: float, unit: str, loads: list[Overload], samples: int, rare: float, far: float
+) -> Finding:
     """One finding for all joints with one effort limit: it was written for all of them."""
     worst = loads[0]
     attributes = [load.joint.limit.attributes["effort"] for load in loads if load.joint.limit is not None]
     count = max(load.count for load in loads)
     others = [f"{load.joint.name} ({load.torque:.3g} {unit})" for load in loads[1:]]
     finding = rule.finding(
-        "weak",
+        "far" if worst.torque > far * effort else "weak",
         at=attributes[0],
         related={a.span: a for a in attributes[1:] if a.span != attributes[0].span}.values(),
         severity=Severity.INFO if count < rare * samples else None,
         joint=worst.joint.name,
         torque=worst.torque,
         effort=effort,
+        times=worst.torque / effort,
         unit=unit,
         count=count,
         samples=samples,

@@ -28,7 +28,7 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
         typed = digits_needed([inertial.tensor_element.get(name) for name in TENSOR], rel_tol)
         data = _data(link, excess, typed)
         if excess < rounding and typed.explained:
-            yield rule.finding("rounded", at=inertial.tensor_element, severity=Severity.WARNING, **data)
+            yield _impossible(model, rule, "rounded", link, typed, data)
         elif whole is None or not whole.possible(rel_tol):
             yield _impossible(model, rule, "violated", link, typed, data)
         elif whole.negligible:
@@ -56,10 +56,11 @@ def _impossible(
     return rule.finding(
         message,
         at=link.inertial.tensor_element,
-        cause="digits" if typed.explained else None,
-        edits=repair.edits,
+        cause="digits" if typed.explained and message != "rounded" and not repair.found else None,
+        edits=repair.edits if repair.found or message != "rounded" else (),
+        severity=Severity.WARNING if message == "rounded" else None,
         found=repair.found,
-        remedy=repair.remedy,
+        remedy=repair.remedy if repair.found or message != "rounded" else "",
         **data,
     )
 

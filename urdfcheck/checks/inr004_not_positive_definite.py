@@ -97,7 +97,7 @@ def _negative(rule: Rule, link: Link, negative: Sequence[int], fused: str, repai
     return rule.finding(
         "negative_sign" if sign else "negative",
         at=_place(inertial, TENSOR[negative[0]]),
-        cause="sign" if sign else _cause(six),
+        cause="sign" if _valid(mended) else _cause(six),
         edits=_without_minus(inertial, negative) if sign else repair.edits,
         link=link.name,
         fused=fused,

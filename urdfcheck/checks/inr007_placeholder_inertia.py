@@ -47,7 +47,10 @@ def check(model: Model, rule: Rule, *, factor: float, fraction: float, spread: f
         wrong = [s for s in group if s.factor is not None and s.factor > factor]
         unknown = [s for s in group if s.factor is None]
         if wrong or len({s.inertial.mass for s in unknown}) >= _MASSES:
-            yield _together(model, rule, wrong, unknown if len({s.inertial.mass for s in group}) >= _MASSES else [])
+            alike = len({s.inertial.mass for s in group}) < _MASSES
+            # Parts of all sizes have one number: that it is near to what one of them has is chance.
+            known = [s for s in group if s.factor is not None] if wrong else []
+            yield _together(model, rule, known, [] if alike else unknown)
     yield from _same_mass(model, rule, fraction, spread)
 
 
@@ -161,4 +164,5 @@ def _same_mass(model: Model, rule: Rule, fraction: float, spread: float) -> Iter
         large=large.name,
         ratio=float(f"{most / least:.2g}"),
     )
-    yield replace(finding, subjects=tuple(dict.fromkeys(p.location.subject for p in places)))
+    # It is about the robot: what else is wrong with one of the links is not told by it.
+    yield replace(finding, subjects=(model.location.subject,))

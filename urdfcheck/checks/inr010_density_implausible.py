@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -16,8 +16,7 @@ from urdfcheck.facts.mesh import hull_of
 from urdfcheck.facts.placeholders import is_round
 from urdfcheck.model import Link, Model
 from urdfcheck.model.body import Body, bodies, body_mass
-from urdfcheck.model.bounds import is_token
-from urdfcheck.model.drawn import body_points, draws, follows_unit, shape_volume
+from urdfcheck.model.drawn import body_points, draws, follows_unit, volume_of
 from urdfcheck.model.enclosed import LITTLE, Enclosed
 
 if TYPE_CHECKING:
@@ -48,7 +47,7 @@ def check(model: Model, rule: Rule, *, margin: float, least: float, thinnest: fl
 
 def _dense(model: Model, rule: Rule, part: Enclosed, margin: float) -> Iterator[Finding]:
     """All of a link's mass lies in the hull of its body: a density beyond any material's is a proof, whatever is hollow."""
-    filled = _volume(model, (part.link,))
+    filled = volume_of(model, (part.link,))
     if filled is not None and part.mass <= DENSEST * filled:
         return
     volume = max(_Hull.of(points, margin).volume for points in part.readings)
@@ -69,7 +68,7 @@ def _dense(model: Model, rule: Rule, part: Enclosed, margin: float) -> Iterator[
 def _light(model: Model, rule: Rule, body: Body, least: float, thinnest: float) -> Iterator[Finding]:
     """The mass of a whole body, which fixed joints share out as one likes."""
     links = [model.link_by_name[name] for name in body.links]
-    mass, volume = body_mass(model, body.links), _volume(model, links)
+    mass, volume = body_mass(model, body.links), volume_of(model, links)
     if mass is None or volume is None or not 0.0 < mass < least * volume or follows_unit(model, body.links):
         return
     points = body_points(model, body.links)
@@ -88,14 +87,6 @@ def _light(model: Model, rule: Rule, body: Body, least: float, thinnest: float) 
         density=in_words(mass / volume),
         **_unit(mass, volume),
     )
-
-
-def _volume(model: Model, links: Iterable[Link]) -> float | None:
-    """What some links draw in all, in m³; collision shapes count where a link has no visual ones. None where it is not known."""
-    shapes = [s for link in links for s in (link.visuals or link.collisions) if not is_token(s)]
-    volumes = [shape_volume(model, shape) for shape in shapes]
-    known = [v for v in volumes if v is not None]
-    return sum(known) if known and len(known) == len(volumes) else None
 
 
 def _unit(mass: float, volume: float) -> dict[str, Any]:

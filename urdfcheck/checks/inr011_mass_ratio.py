@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Unavailable
+from urdfcheck.facts.materials import DENSEST, LIGHTEST
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.body import bodies, body_mass
+from urdfcheck.model.drawn import volume_of
 from urdfcheck.model.names import listed
 
 
@@ -32,9 +34,9 @@ def check(model: Model, rule: Rule, *, light: float, heavy: float) -> Iterator[F
     # The root may be bolted to the world, whatever it weighs.
     heavier = [pair for pair in pairs if pair.ratio > heavy * (1 + 1e-9) and pair.joint.parent not in root]
     if lighter:
-        yield _finding(rule, "light", sorted(lighter, key=lambda pair: pair.ratio))
+        yield _finding(model, rule, "light", sorted(lighter, key=lambda pair: pair.ratio))
     if heavier:
-        yield _finding(rule, "heavy", sorted(heavier, key=lambda pair: -pair.ratio))
+        yield _finding(model, rule, "heavy", sorted(heavier, key=lambda pair: -pair.ratio))
 
 
 def _pairs(model: Model) -> list[_Pair]:
@@ -49,9 +51,11 @@ def _pairs(model: Model) -> list[_Pair]:
     ]
 
 
-def _finding(rule: Rule, message: str, pairs: list[_Pair]) -> Finding:
+def _finding(model: Model, rule: Rule, message: str, pairs: list[_Pair]) -> Finding:
     """One finding of all joints, at the most extreme."""
     worst = pairs[0]
+    others = [pair.joint.name for pair in pairs[1:]]
+    do = "does" if len(others) == 1 else "do"
     finding = rule.finding(
         message,
         at=worst.joint,
@@ -61,7 +65,26 @@ def _finding(rule: Rule, message: str, pairs: list[_Pair]) -> Finding:
         parent=worst.joint.parent,
         child_mass=worst.child,
         parent_mass=worst.parent,
+        suspects=_suspects(model, worst.joint),
         times=max(worst.ratio, 1 / worst.ratio),
-        also="" if len(pairs) == 1 else f" (so do {listed(pair.joint.name for pair in pairs[1:])})",
+        also=f" (so {do} {listed(others)})" if others else "",
     )
     return replace(finding, subjects=tuple(pair.joint.location.subject for pair in pairs))
+
+
+def _suspects(model: Model, joint: Joint) -> str:
+    """The body on one side of a joint that is denser than any material, or lighter than all; both where that is not so of
+    exactly one. A body is called by its heaviest link."""
+    bodies_of = [model.tree.body(name) for name in (joint.child, joint.parent)]
+    wrong = [body for body in bodies_of if _is_implausible(model, body)]
+    named = wrong if len(wrong) == 1 else bodies_of
+    return " and ".join(max(body, key=lambda name: body_mass(model, (name,)) or 0.0) for body in named)
+
+
+def _is_implausible(model: Model, body: Sequence[str]) -> bool:
+    try:
+        volume = volume_of(model, [model.link_by_name[name] for name in body])
+    except Unavailable:  # meshes are not read
+        return False
+    density = (body_mass(model, body) or 0.0) / volume if volume else LIGHTEST
+    return not LIGHTEST <= density <= DENSEST

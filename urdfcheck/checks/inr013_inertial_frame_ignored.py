@@ -31,7 +31,9 @@ def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
     if not found:
         return
     worst = max(found, key=lambda turned: turned.change)
-    edits = {edit.span.start: edit for turned in found for edit in _edits(turned.inertial)}
+    # Numbers that are wrong in their frame stay wrong in another.
+    right = [turned for turned in found if not _mistaken(model, turned.link)]
+    edits = {edit.span.start: edit for turned in right for edit in _edits(turned.inertial)}
     yield rule.finding(
         "turned",
         at=_place(worst),
@@ -51,6 +53,11 @@ def _turned(link: Link, rel_tol: float) -> _Turned | None:
     largest = float(np.abs(principal_moments(inertial.tensor)[0]).max())
     change = float(np.abs(inertial.tensor_in_link - inertial.tensor).max())
     return _Turned(link, inertial, change / largest) if largest > 0 and change > rel_tol * largest else None
+
+
+def _mistaken(model: Model, link: Link) -> bool:
+    judged = model.diagnoses.get(link.name)
+    return judged is not None and judged.diagnosis.decided and judged.diagnosis.cause is not None
 
 
 def _place(turned: _Turned) -> Located:

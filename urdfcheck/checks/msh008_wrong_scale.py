@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -40,7 +40,7 @@ def check(model: Model, rule: Rule, *, largest: float, ratio: float, smallest: f
         yield _declared(model, rule, sizes, unit, uses)
     for (message, mesh), found in by_file.items():
         use, size = found[0]
-        yield rule.finding(
+        finding = rule.finding(
             message,
             at=use.filename,
             related=[other.filename for other, _ in found[1:]],
@@ -53,6 +53,12 @@ def check(model: Model, rule: Rule, *, largest: float, ratio: float, smallest: f
                 f"as {name} {size * unit:.2g} m" for name, unit in UNITS.items() if sizes.plausible(size * unit)
             ),
         )
+        yield _of_all(finding, (other for other, _ in found))
+
+
+def _of_all(finding: Finding, uses: Iterable[MeshUse]) -> Finding:
+    """A finding of every element that uses the meshes: what follows from their size is not told of any of them."""
+    return replace(finding, subjects=tuple(dict.fromkeys(use.filename.location.subject for use in uses)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,13 +84,14 @@ def _invalid(model: Model, rule: Rule) -> Iterator[Finding]:
         if facts.bad_unit is not None:
             found.setdefault(facts.bad_unit, []).extend(uses)
     for declared, users in found.items():
-        yield rule.finding(
+        finding = rule.finding(
             "unit_invalid",
             at=users[0].filename,
             related=[use.filename for use in users[1:]],
             meshes=_declaring(users),
             declared=declared[:80],
         )
+        yield _of_all(finding, users)
 
 
 def _declaring(uses: list[MeshUse]) -> str:
@@ -101,7 +108,7 @@ def _declared(model: Model, rule: Rule, sizes: _Sizes, unit: float, uses: list[M
         (False, True): "it is wrong in RViz and right where the unit is passed over",
     }.get((sizes.plausible(drawn), sizes.plausible(plain)), "one of them is wrong")
     names = list(dict.fromkeys(use.name for use in uses))
-    return rule.finding(
+    finding = rule.finding(
         "unit",
         at=uses[0].filename,
         related=[use.filename for use in uses[1:]],
@@ -114,6 +121,7 @@ def _declared(model: Model, rule: Rule, sizes: _Sizes, unit: float, uses: list[M
         plain=plain,
         right=right,
     )
+    return _of_all(finding, uses)
 
 
 def _reach(model: Model) -> float:

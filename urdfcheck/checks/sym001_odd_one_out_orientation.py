@@ -264,7 +264,7 @@ def _imbalance(model: Model, joint: Joint) -> str:
         return ""
     com, axis = np.array(inertial.origin.xyz), np.array(joint.axis) / np.linalg.norm(joint.axis)
     distance = float(np.linalg.norm(com - (com @ axis) * axis))
-    return f" and the child's centre of mass, {_length(distance)} off the axis," if distance > 1e-9 else ""
+    return f", its centre of mass ({_length(distance)} off the axis)" if distance > 1e-9 else ""
 
 
 def _length(metres: float) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,9 +12,11 @@ from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.facts.layout import Misplaced, misplaced, restored
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.drawn import geometry
+from urdfcheck.model.footing import uneven
 from urdfcheck.model.names import listed
 from urdfcheck.model.origins import definitions_of, place_of, told
 from urdfcheck.model.siblings import base_of, chain_of
+from urdfcheck.model.wheels import NAMED
 from urdfcheck.source.values import number
 from urdfcheck.source.words import words_of
 
@@ -27,6 +29,10 @@ if TYPE_CHECKING:
 SAME = 0.25
 # A number is right when it misses the layout by less than this share of the deviation, or twice as much as the siblings do.
 RIGHT = 1e-3
+# From here on SYM006 tells that a wheel is too high or too low, in parts of its radius and in m.
+SPREAD, LEAST = 0.01, 1e-4
+# Within 8° of the vertical.
+UPRIGHT = 0.99
 WORDS = {3: "three", 4: "four", 5: "five", 6: "six", 7: "seven"}
 
 
@@ -41,11 +47,12 @@ class _Suspect:
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     odd: dict[str, tuple[tuple[Joint, ...], Misplaced]] = {}
+    rises = _rises(model)
     for group in model.siblings:
         base = model.frames[base_of(model, group)]
-        places = [_seen_from(base, model.frames[joint.child][:3, 3]) for joint in group]
+        places = [_seen_from(base, model.frames[joint.child][:3, 3] - rises.get(joint.name, 0.0)) for joint in group]
         found = misplaced(places)
-        if found is not None and _body_too(model, group, found, base, places[found.index] - found.expected):
+        if found is not None and _body_too(model, group, rises, found, base, places[found.index] - found.expected):
             odd[group[found.index].name] = group, found
     for name, (group, one) in odd.items():
         before = {joint.name for joint in model.tree.path(model.joint_by_name[name].child)} - {name}
@@ -54,10 +61,30 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield finding
 
 
-def _body_too(model: Model, group: Sequence[Joint], found: Misplaced, base: Array, off: Array) -> bool:
+def _rises(model: Model) -> dict[str, Array]:
+    """By how much (3,) the joint of the one wheel is too high that SYM006 names: the others do not follow its height, and if
+    it stands where they put it otherwise, nothing else is to be said."""
+    footing = uneven(model, spread=SPREAD, least=LEAST)
+    if footing is None or footing.odd is None or footing.odd.by_radius:
+        return {}
+    return {footing.odd.wheel.joint.name: np.array((0.0, 0.0, footing.odd.rise))}
+
+
+def _body_too(
+    model: Model,
+    group: Sequence[Joint],
+    rises: Mapping[str, Array],
+    found: Misplaced,
+    base: Array,
+    off: Array,
+) -> bool:
     """Whether what the joint carries is off by as much: a frame moved along the joint's axis is a choice of frame."""
     centres = [_centre(model, joint) for joint in group]
-    known = [_seen_from(base, centre) for centre in centres if centre is not None]
+    known = [
+        _seen_from(base, centre - rises.get(joint.name, 0.0))
+        for joint, centre in zip(group, centres, strict=True)
+        if centre is not None
+    ]
     own = restored(found.index, known) if len(known) == len(centres) else None
     if own is None:
         return False
@@ -97,6 +124,7 @@ def _finding(model: Model, rule: Rule, group: Sequence[Joint], found: Misplaced)
         "count": WORDS.get(len(others), str(len(others))),
         "layout": found.layout,
         "off": float(np.linalg.norm(off)) * 1e3,
+        "where": _where(joint, off),
         "along": _along(delta),
         "frame": one.joint.parent,
     }
@@ -146,6 +174,14 @@ def _suspects(model: Model, joint: Joint, others: Sequence[Joint], off: Array) -
         if not fits[0] and (len(chain) == 1 or fits[1]):
             found.append(_Suspect(one, needed, like))
     return found
+
+
+def _where(joint: Joint, off: Array) -> str:
+    """``3 mm too high`` of a wheel, for which z is up, else ``3 mm beside it``."""
+    distance = float(np.linalg.norm(off))
+    upright = bool(NAMED.search(f"{joint.name} {joint.child}")) and abs(float(off[2])) > UPRIGHT * distance
+    side = ("too high" if off[2] > 0 else "too low") if upright else "beside it"
+    return f"{distance * 1e3:.4g} mm {side}"
 
 
 def _along(delta: Array) -> str:

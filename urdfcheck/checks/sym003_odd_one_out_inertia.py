@@ -24,6 +24,9 @@ FITS, FARTHER = 0.1, 3.0
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
     for opinion in opinions(model, note):
+        judged = model.diagnoses.get(opinion.link.name)
+        if judged is not None and judged.diagnosis.by == "twin" and not judged.diagnosis.decided:
+            continue  # its own numbers are those of what it draws: the others may be wrong alike
         count = len(opinion.by)
         why = f"{count} like links that draw the same part ({listed(link.name for link in opinion.by)}) agree on theirs"
         yield _odd(rule, opinion, why, differ, note)
@@ -79,13 +82,16 @@ def _data(opinion: Opinion, note: float) -> dict[str, Any]:
 
 
 def _wrong(model: Model, pair: Sequence[Opinion]) -> Opinion | None:
-    """The one of two whose inertial is not that of the part that both draw, where the other's is; its mass may not differ."""
+    """The one of two whose inertial is not that of the part that both draw, where the other's is and undoing one mistake leads to
+    it: without a mistake one may hold a motor that the other has not. Its mass may not differ."""
     misses = [_miss(model, opinion.link, opinion.found) for opinion in pair]
     known = [miss for miss in misses if miss is not None]
     if len(known) != len(pair) or min(known) > FITS or max(known) < max(FITS, FARTHER * min(known)):
         return None
     wrong = pair[known.index(max(known))]
-    return wrong if wrong.apart.worst > wrong.apart.mass else None
+    judged = model.diagnoses.get(wrong.link.name)
+    mistaken = judged is not None and judged.diagnosis.cause is not None
+    return wrong if mistaken and wrong.apart.worst > wrong.apart.mass else None
 
 
 def _miss(model: Model, link: Link, found: Declared) -> float | None:

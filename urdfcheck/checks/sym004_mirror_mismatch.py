@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
+from urdfcheck.core import Finding, Located, Location, Rule, Severity
 from urdfcheck.facts.diagnosis import Declared
 from urdfcheck.facts.mirror import Deviation, principal_deviation, wrong_signs
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.names import listed
 from urdfcheck.model.parts import TENSOR
+from urdfcheck.model.remedies import Change, edits_of, remedy
 from urdfcheck.model.twin_inertials import (
     CONTRADICTIONS,
     Side,
@@ -27,7 +28,6 @@ from urdfcheck.model.twin_inertials import (
 from urdfcheck.model.twin_joints import Limited, chains, displaced, is_shifted, joints_of, limited
 from urdfcheck.model.twins import Pair
 from urdfcheck.source.values import attribute_number
-from urdfcheck.source.xml import Attribute
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -110,6 +110,7 @@ def _inertials(model: Model, rule: Rule, pair: Pair, differ: float, note: float)
         "what": " and the ".join(word for word, share in parts if share > note),
         "signs": listed(wrong_signs(side.found, side.expected, note), 9),
         "share": apart.worst,
+        "between": _between(both[0].link, both[1].link),
     }
     place: dict[str, Any] = {
         "at": _at(side.link, apart, note),
@@ -117,10 +118,12 @@ def _inertials(model: Model, rule: Rule, pair: Pair, differ: float, note: float)
         "cause": cause,
         "severity": _severity(apart.worst, differ, pair, cause),
     }
+    shared = _shared(side)
     if wrong is None:
-        return rule.finding("pair", **place, here=_numbers(both[0]), there=_numbers(both[1]), **data)
-    message = "like" if like else "inertial"
-    return rule.finding(message, **place, edits=_edits(side), numbers=_numbers(side), like=listed(like), **data)
+        other_way = "the other way round" if shared else _remedy(both[0])
+        return rule.finding("pair", **place, first=_remedy(both[1]), second=other_way, **data)
+    message, edits = "like" if like else "inertial", () if shared else edits_of(changes(side))
+    return rule.finding(message, **place, edits=edits, remedy=_remedy(side), like=listed(like), **data)
 
 
 def _explained(model: Model, pair: Pair) -> bool:
@@ -156,6 +159,7 @@ def _moments(model: Model, rule: Rule, pair: Pair, differ: float, note: float) -
         other=other.name,
         differences=" and ".join(differences),
         share=apart.worst,
+        between=_between(one, other),
     )
 
 
@@ -197,26 +201,21 @@ def _at(link: Link, apart: Deviation, note: float) -> Located:
     return wrong[0] if len(wrong) == 1 and wrong[0] is not None else inertial.element
 
 
-def _numbers(side: Side) -> str:
-    return " ".join(f'{change.name}="{change.text}"' for change in changes(side))
+def _remedy(side: Side) -> str:
+    return remedy(changes(side), side.link.name, side.twin.name, shared=_shared(side))
 
 
-def _edits(side: Side) -> list[Edit]:
+def _shared(side: Side) -> bool:
+    """Whether one text makes the inertials of both sides."""
     one, other = side.link.inertial, side.twin.inertial
     assert one is not None
     assert other is not None
-    shared = one.element.span == other.element.span
-    return [] if shared else _written((change.attribute, change.text) for change in changes(side))
+    return one.element.span == other.element.span
 
 
-def _written(wanted: Iterable[tuple[Attribute | None, str]]) -> list[Edit]:
-    """Edits of all attributes; none at all when one of them is not typed as it stands."""
-    edits = []
-    for attribute, text in wanted:
-        if attribute is None or not attribute.literal or attribute.span is None:
-            return []
-        edits.append(Edit(attribute.span, attribute.typed, text))
-    return edits
+def _between(*both: Link | Joint) -> list[str]:
+    """The elements of both sides: a rule that explains either explains the difference (`worker.hide`)."""
+    return [one.location.subject for one in both]
 
 
 # -- joints -----------------------------------------------------------------------------------------------------------
@@ -228,19 +227,20 @@ def _limits(rule: Rule, one: Limited, differ: float) -> Finding:
     assert twin is not None
     cause = "limits_copied" if one.copied else None
     texts = {name: f"{value + 0.0:.10g}" for name, value in one.wanted.items()}
-    edits = _written((limit.attributes.get(name), text) for name, text in texts.items())
+    shared = limit.span == twin.span
+    wanted = [Change(limit.attributes.get(name), name, text) for name, text in texts.items()]
     return rule.finding(
         "limits" if one.like else "limits_pair",
         at=limit,
         related=[twin],
         cause=cause,
         severity=_severity(one.share, differ, one.pair, cause),
-        edits=edits if one.like and limit.span != twin.span else [],
+        edits=edits_of(wanted) if one.like and not shared else [],
         joint=one.joint.name,
         twin=one.twin.name,
         differences=_limit_differences(one),
         like=listed(one.like),
-        numbers=" ".join(f'{name}="{text}"' for name, text in texts.items()),
+        remedy=remedy(wanted, one.joint.name, one.twin.name, shared=shared),
         share=one.share,
     )
 
@@ -299,15 +299,25 @@ def _place(model: Model, rule: Rule, pair: Pair, found: Sequence[Pair]) -> Findi
     off = displaced(model, pair, found)
     if off is None:
         return None
-    data: dict[str, Any] = {"joint": off.joint.name, "twin": off.twin.name}
+    both = off.joint, off.twin
+    data: dict[str, Any] = {"joint": off.joint.name, "twin": off.twin.name, "between": _between(*both)}
     if off.distance:
-        here, there = (" ".join(f"{round(float(v), 6) + 0.0:g}" for v in place) for place in off.places)
-        at, related = (_origin(joint, "xyz") for joint in (off.joint, off.twin))
+        at, related = (_origin(joint, "xyz") for joint in both)
+        back, there = off.places
+        first, second = _moved(off.joint, off.twin, there), _moved(off.twin, off.joint, back)
         return rule.finding(
-            "origin", at=at, related=[related], distance=off.distance * 1e3, here=here, there=there, **data
+            "origin", at=at, related=[related], distance=off.distance * 1e3, first=first, second=second, **data
         )
-    at, related = (_origin(joint, "rpy") if off.turned else _axis(joint) for joint in (off.joint, off.twin))
+    at, related = (_origin(joint, "rpy") if off.turned else _axis(joint) for joint in both)
     return rule.finding("axis", at=at, related=[related], angle=math.degrees(off.angle), **data)
+
+
+def _moved(joint: Joint, twin: Joint, place: Array) -> str:
+    """How a joint gets to another place (3,) in its parent's frame."""
+    text = " ".join(f"{round(float(v), 6) + 0.0:g}" for v in place)
+    attributes = [one.origin.attribute("xyz") for one in (joint, twin)]
+    shared = attributes[0] is not None and attributes[1] is not None and attributes[0].span == attributes[1].span
+    return remedy([Change(attributes[0], "xyz", text)], joint.name, twin.name, shared=shared)
 
 
 def _axis(joint: Joint) -> Location:

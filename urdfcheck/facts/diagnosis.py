@@ -163,8 +163,8 @@ _FLAT = 1e-4
 _NOT_DRAWN = 3.0
 # Logarithm of the width of what a degree of freedom taken from the reference might have been.
 _TYPICAL = 0.3
-# What no trace of the declared numbers is left of proves nothing: the same as another COM at random.
-_UNTOLD = 4.0
+# A coordinate that is less than a third of a radius of gyration from zero says nothing about the number that it was.
+_NEXT = 0.3
 # Two of six numbers are equal to the last digit, which chance does in one part of thousands.
 _COINCIDENCE = 8.0
 # A mass that was changed afterwards was so much another (standard deviation of its logarithm).
@@ -181,6 +181,16 @@ _PRECISE = frozenset({"decimal_point", "one_sign", "slots_swapped", "one_piece"}
 # What a convex hull in place of an open mesh can show: powers of ten, places far outside, another order of the numbers.
 _COARSE = frozenset(
     {"inertia_unit", "mass_unit", "com_unit", "units", "mesh_scale", "com_missing", "diagonal_first", "row_major"}
+)
+
+# Mistakes that only scale a COM.
+_SCALED = frozenset({"com_unit", "decimal_point"})
+# Mistakes that lost the part's own numbers, or are not in them, so that undoing them does not lead to those of its twin.
+_LOSSY = frozenset(
+    {
+        *("shell", "bounding_box", "convex_hull", "one_piece", "steiner_missing"),
+        *("row_major", "com_missing", "rpy_missing", "mesh_scale"),
+    }
 )
 
 # Metres, kilograms and kg m² of what files are written in instead.
@@ -342,10 +352,14 @@ def diagnose(
         return replace(against_twin, decided=trusted)
     if against_twin.sound or against_twin.cause is None:
         own = _diagnosis(declared, _of_geometry(geometry), geometry)
-        if against_twin.sound or own.cause is not None:
+        if against_twin.sound or own.cause in _LOSSY:
             return own
-    decided = trusted or (against_twin.cause is not None and _fits_better(twin, declared, geometry))
-    return replace(against_twin, decided=decided)
+        # What else explains the numbers by themselves has to lead to the twin's: if not, the two just differ.
+        if own.mended is not None and max(mismatch(own.mended, *_moments(twin))) < EXACT:
+            return own
+    better = against_twin.cause is not None and _fits_better(twin, declared, geometry)
+    # Several parts may be wrong alike, and the one that has its own geometry's numbers right.
+    return replace(against_twin, decided=better or (trusted and not _fits_better(declared, twin, geometry)))
 
 
 def mismatch(declared: Declared, com: Array, covariance: Array) -> tuple[float, float]:
@@ -403,6 +417,11 @@ def _has_size(com: Array, covariance: Array) -> bool:
     """Whether other second moments can be told as multiples of these."""
     variance, reach = float(np.trace(covariance)), float(np.abs(com).max())
     return 1.0 / _LARGEST <= variance <= _LARGEST and reach <= _LARGEST
+
+
+def _moments(numbers: Declared) -> tuple[Array, Array]:
+    """COM and second moments."""
+    return numbers.com, covariance_of(numbers.inertia, numbers.mass)
 
 
 def _of_geometry(geometry: Geometry) -> _Reference:
@@ -557,10 +576,11 @@ def _ranking(declared: Declared, reference: _Reference, geometry: Geometry | Non
     separate = np.array([kind.body is not None for kind in kinds])
     scores = _likelihood(reference, shapes, places, sizes, possible, fitted, separate)
     scores += [kind.prior for kind in kinds]
-    # A COM that is next to the origin once it is divided by a thousand would be there whatever it had been.
-    radii = np.linalg.norm(numbers.com @ reference.whitening, axis=1)
-    shrunk = np.abs(numbers.com).sum(axis=1) < 0.5 * np.abs(declared.com).sum()
-    scores -= np.where(shrunk & (radii < 0.5), _UNTOLD, 0.0)
+    # A coordinate that is next to zero once it is divided by ten or a thousand would be there whatever it had been.
+    shrunk = np.abs(numbers.com) < 0.5 * np.abs(declared.com)
+    next_to = np.linalg.norm(np.where(shrunk, numbers.com, 0.0) @ reference.whitening, axis=1) < _NEXT
+    scaled = np.array([kind.id in _SCALED for kind in kinds])
+    scores[shrunk.any(axis=1) & next_to & scaled] = -np.inf
     order = np.argsort(-scores, kind="stable")
     return _Ranking(
         tuple(kinds[i] for i in order),
@@ -694,7 +714,7 @@ def _linear() -> _Linear:
     add(_Kind("units", "g and g·m²", -4.0), mass=1e-3, six=same * 1e-3)
     add(_Kind("units", "mg and mg·m²", -5.0), mass=1e-6, six=same * 1e-6)
     for unit, factor in _LENGTH.items():
-        add(_Kind("com_unit", unit, -3.0), com=one * factor)
+        add(_Kind("com_unit", "inches" if unit == "in" else unit, -3.0), com=one * factor)
         for other, squared in (("kg·mm²", 1e-6), ("kg·cm²", 1e-4), ("kg·in²", _INCH**2)):
             if unit in other:
                 add(_Kind("units", f"kg and {other}, {unit}", -3.5), com=one * factor, six=same * squared)
@@ -768,6 +788,7 @@ def _special(declared: Declared, reference: _Reference, geometry: Geometry | Non
     wanted = reference.twin
     if not np.abs(com).any():
         there = reference.com if wanted is None else wanted.com
+        there = np.where(np.abs(there) > 1e-3 * np.abs(there).max(), there, 0.0)  # what a mesh leaves of a zero
         yield _Kind("com_missing", "", -2.5, fitted=(0, 3)), replace(declared, com=there)
     diagonal = np.diag(np.diag(tensor))
     if not turned and np.abs(tensor - diagonal).max() < 1e-3 * np.abs(tensor).max():

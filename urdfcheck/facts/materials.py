@@ -28,6 +28,9 @@ MATERIALS: tuple[tuple[str, float, float], ...] = (
 DENSEST = 22590.0
 AIR = 1.2
 
+# The least of what is called a material above.
+LIGHTEST = 15.0
+
 # kg in one unit that a mass is typed in by mistake.
 MASS_UNITS = {"grams": 1e-3, "milligrams": 1e-6, "pounds": 0.45359237, "tonnes": 1e3}
 # What a part as a whole has, from a housing with air in it to one of lead. With a wider range almost any mass is some unit.

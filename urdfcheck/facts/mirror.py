@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 # What an inertial says beside its mass: the COM, and the inertia in URDF's order.
 NUMBERS = ("x", "y", "z", "ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+# Numbers of three digits agree to within this share of them; below the other, of the greatest, they are noise.
+_TYPED, _NOISE = 5e-3, 1e-6
 # Directions in which the reach of two hulls is compared: about 12° apart.
 _DIRECTIONS = 256
 # Pairs of points that a plane carries onto each other, of all pairs, for it to be a mirror plane of them.
@@ -169,7 +171,8 @@ def principal_deviation(found: Declared, expected: Declared) -> Deviation:
 
 def wrong_signs(found: Declared, expected: Declared, rel_tol: float) -> tuple[str, ...]:
     """The coordinates of the COM (``x``) and products of inertia (``ixy``) that are right but for their signs, when nothing else
-    is wrong; none otherwise. ``rel_tol``: how closely numbers agree, relative to the radius of gyration and the trace."""
+    is wrong; none otherwise. ``rel_tol``: how closely numbers agree, relative to the radius of gyration and the trace. Where one
+    of them is wrong, so are smaller ones that are each other's negative to within their digits."""
     size = math.sqrt(float(np.trace(expected.inertia)) / (2.0 * expected.mass))
     unit = np.array([size] * 3 + [expected.mass * size**2] * 6)
     typed, wanted = (np.concatenate((n.com, n.inertia[np.triu_indices(3)])) / unit for n in (found, expected))
@@ -177,6 +180,8 @@ def wrong_signs(found: Declared, expected: Declared, rel_tol: float) -> tuple[st
     signed = np.abs(typed + wanted) <= rel_tol
     if not (wrong <= signed).all():
         return ()
+    if wrong.any():
+        wrong |= (np.abs(typed + wanted) <= _TYPED * np.abs(wanted)) & (np.abs(wanted) > _NOISE)
     return tuple(name for name, is_wrong in zip(NUMBERS, wrong, strict=True) if is_wrong)
 
 

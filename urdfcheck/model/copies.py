@@ -188,7 +188,10 @@ class _Compared:
 
     def agreeing(self, index: int) -> list[int]:
         """The members that have one's inertial, itself first."""
-        others = (i for i in range(len(self._group)) if i != index)
+        own = self._group[index].numbers.mass
+        # A tenth of the mass apart, no digits and no symmetry make them agree.
+        alike = [math.isclose(copy.numbers.mass, own, rel_tol=0.1) for copy in self._group]
+        others = (i for i in range(len(self._group)) if i != index and alike[i])
         return [index, *(i for i in others if self.opinion(i, index).apart.worst <= self._note)]
 
     def opinion(self, index: int, by: int) -> Opinion:

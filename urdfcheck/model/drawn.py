@@ -169,6 +169,14 @@ def shape_volume(model: Model, shape: Shape) -> float | None:
     return abs(float(scale.prod()) * (facts.volume if facts.closed else facts.hull.volume))
 
 
+def volume_of(model: Model, links: Iterable[Link]) -> float | None:
+    """What some links draw in all, in m³; collision shapes count where a link has no visual ones. None where it is not known."""
+    shapes = [s for link in links for s in (link.visuals or link.collisions) if not is_token(s)]
+    volumes = [shape_volume(model, shape) for shape in shapes]
+    known = [v for v in volumes if v is not None]
+    return sum(known) if known and len(known) == len(volumes) else None
+
+
 def shape_points(model: Model, shape: Shape, *, unit: bool = True, upright: bool = False) -> Array | None:
     """Corners (K, 3), in the link's frame, whose convex hull is that of a shape, or holds a round one closely."""
     size, pose = shape.size, shape.origin.matrix

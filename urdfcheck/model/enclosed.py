@@ -46,7 +46,7 @@ class Enclosed:
     @property
     def around(self) -> str:
         """Whose geometry it is, for a message about the link."""
-        return "it" if self.alone else "it and of the links fixed to it"
+        return "the drawn geometry" if self.alone else "the drawn geometry of it and of the links fixed to it"
 
 
 def enclosed(model: Model) -> Iterator[Enclosed]:

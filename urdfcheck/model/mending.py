@@ -22,6 +22,8 @@ from urdfcheck.source.xml import Attribute, Element
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+# A flat part's tensor that was typed with three digits may miss the triangle inequality by so much of its largest moment.
+ROUNDING = 5e-3
 # Numbers are the same when they agree to what a file's digits can tell.
 _SAME = 1e-6
 _DIGITS = 6
@@ -29,13 +31,15 @@ _DIGITS = 6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mending:
-    """``edits`` that change the numbers where they were typed, and ``text``, what they say, for a person: ``ixy="…" iyz="…"``.
+    """``edits`` that change the numbers where they were typed, and ``text``, what they say, for a person: ``ixy="…" iyz="…"``;
+    ``places``: the attributes in question, or the elements that lack them.
 
     Without edits where a number is computed, or an element to write it in is missing.
     """
 
     edits: tuple[Edit, ...]
     text: str
+    places: tuple[Attribute | Element | None, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,13 +58,13 @@ def proposal(model: Model, link: Link) -> Proposal:
     judged = model.diagnoses.get(link.name)
     change = undone(model, link)
     if judged is not None and change is not None and judged.diagnosis.mended is not None:
-        diagnosis, possible = judged.diagnosis, validity(judged.diagnosis.mended.tensor)
+        diagnosis, possible = judged.diagnosis, validity(judged.diagnosis.mended.tensor, ROUNDING)
         if possible.positive_definite and possible.triangle:
             reference = "the part that is drawn" if diagnosis.by == "mesh" else f"its twin {', '.join(judged.twins)}"
             mistake = (diagnosis.cause or "").replace("_", " ")
             found = f"undoing one mistake ({mistake}) makes it possible and brings it near to that of {reference}"
             if diagnosis.unique:
-                found = f"one edit makes it that of {reference}, and no other single edit does"
+                found = f"one edit ({mistake}) makes it that of {reference}, and no other single edit does"
             return Proposal(change.edits, f"; {found}: {change.text}", f"write {change.text}; or ")
     drawn = from_geometry(model, link)
     if drawn is None or not drawn.text:
@@ -92,17 +96,35 @@ def undone(model: Model, link: Link) -> Mending | None:
 def mending(inertial: Inertial, wanted: Declared) -> Mending:
     """What to change for an inertial to say ``wanted``. Only what differs is changed; a sign or a power of ten keeps its
     digits."""
-    changes = list(_changes(inertial, wanted))
+    changes = [change for change in _changes(inertial, wanted) if not _says(change[0], change[2])]
     edits = [edit for attribute, _, text in changes if (edit := _edit(attribute, text)) is not None]
     told = " ".join(f'{name}="{text}"' for _, name, text in changes)
-    return Mending(tuple(edits) if len(edits) == len(changes) else (), told)
+    places = tuple(place for place, _, _ in changes)
+    return Mending(tuple(edits) if len(edits) == len(changes) else (), told, places)
 
 
 def from_geometry(model: Model, link: Link) -> Mending | None:
     """The COM and the inertia tensor of what the link draws, at its declared mass and uniform density.
 
-    None when that is not known, or there is no mass.
+    None when that is not known, or there is no mass. Without edits where a macro wrote the same text for links that draw or
+    weigh something else.
     """
+    change = _from_geometry(model, link)
+    if change is None or link.inertial is None:
+        return None
+    for other in model.links:
+        if (
+            other is not link
+            and other.inertial is not None
+            and other.inertial.element.span == link.inertial.element.span
+        ):
+            theirs = _from_geometry(model, other)
+            if theirs is None or theirs.text != change.text:
+                return replace(change, edits=())
+    return change
+
+
+def _from_geometry(model: Model, link: Link) -> Mending | None:
     inertial, drawn = link.inertial, geometry(model, link)
     if inertial is None or drawn is None or inertial.mass is None or not inertial.mass > 0:
         return None
@@ -119,7 +141,7 @@ def _changes(inertial: Inertial, wanted: Declared) -> Iterator[tuple[Attribute |
     """The attribute (or the element that lacks it), its name and its new text, for each that has to change."""
     if inertial.mass is None or not math.isclose(inertial.mass, wanted.mass, rel_tol=_SAME):
         attribute = inertial.mass_attribute
-        yield attribute, "mass", _numbers([] if attribute is None else [attribute.value], [wanted.mass])
+        yield attribute, "mass value", _numbers([] if attribute is None else [attribute.value], [wanted.mass])
     xyz = inertial.origin.xyz
     reach = max(float(np.abs(wanted.com).max()), *map(abs, xyz or ()), 1e-12)
     if xyz is None or float(np.abs(np.array(xyz) - wanted.com).max()) > _SAME * reach:
@@ -138,6 +160,11 @@ def _changes(inertial: Inertial, wanted: Declared) -> Iterator[tuple[Attribute |
     for i, (name, old, new) in enumerate(zip(TENSOR, six, values, strict=True)):
         if not abs(old - new) <= _SAME * max(abs(new), 1e-3 * largest):
             yield written.get(name), name, _like(typed[i], new if abs(new) > 1e-9 * largest else 0.0, typed)
+
+
+def _says(attribute: Attribute | Element | None, text: str) -> bool:
+    """Whether an attribute says so already, to the digits that it has."""
+    return isinstance(attribute, Attribute) and attribute.value.split() == text.split()
 
 
 def _place(inertial: Inertial, name: str) -> Attribute | Element | None:

@@ -19,8 +19,8 @@ from urdfcheck.model.drawn import geometry
 from urdfcheck.model.looks import DIFFERENT
 from urdfcheck.model.model import Model
 from urdfcheck.model.parts import TENSOR, Link
+from urdfcheck.model.remedies import Change
 from urdfcheck.model.twins import Pair, copy_of, declared, mirror_image
-from urdfcheck.source.xml import Attribute
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 # Causes that only the drawings of both sides together tell.
 CONTRADICTIONS = frozenset({"copied", "mirrored"})
+# A mirror turns over two of them, and no part has all three in another sign than its image.
+PRODUCTS = ("ixy", "ixz", "iyz")
 # Numbers that were copied agree to within what rounding to three digits leaves.
 COPIED = 0.005
 # What the mesh says of one side is not outweighed by a COM or a tensor that fits it worse by so much.
@@ -52,15 +54,6 @@ class Side:
     @property
     def apart(self) -> Deviation:
         return deviation(self.found, self.expected)
-
-
-@dataclass(frozen=True, slots=True)
-class Change:
-    """An attribute of an inertial and the text that it gets; ``attribute`` is None where there is none."""
-
-    attribute: Attribute | None
-    name: str
-    text: str
 
 
 def sides(model: Model, pair: Pair) -> tuple[Side, Side] | None:
@@ -124,7 +117,7 @@ def _misfits(model: Model, side: Side) -> bool:
 
 def cause_of(pair: Pair, side: Side, note: float) -> str | None:
     """Why two inertials are not related as the drawings are: ``copied`` or ``mirrored`` where the drawings were not, the numbers
-    are right but for ``signs``; None where none of it explains all."""
+    are right but for the signs of all products (``products_sign``) or other ``signs``; None where none of it explains all."""
     apart = side.apart
     if apart.mass > note:
         return None
@@ -132,7 +125,8 @@ def cause_of(pair: Pair, side: Side, note: float) -> str | None:
         return "copied"
     if pair.drawn == "copied" and _made_as(side, side.image, note):
         return "mirrored"
-    return "signs" if wrong_signs(side.found, side.expected, note) else None
+    signs = wrong_signs(side.found, side.expected, note)
+    return "products_sign" if signs == PRODUCTS else "signs" if signs else None
 
 
 def contradicted(model: Model, note: float = 0.01) -> frozenset[str]:

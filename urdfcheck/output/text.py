@@ -114,9 +114,9 @@ def _finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
         seen = f"{visible(related.span.file)}:{related.span.line}  {visible(related.subject)}"
         yield from _labelled("see", seen, width)
     if len(shown) > MAX_RELATED:
-        yield from _labelled("see", f"… and {len(shown) - MAX_RELATED} more places", width)
-    if finding.cause is not None:
-        yield from _labelled("why", visible(finding.cause.text), width)
+        yield from _labelled("see", _more(len(shown) - MAX_RELATED, "place"), width)
+    if finding.why is not None:
+        yield from _labelled("why", visible(finding.why), width)
     for consumers, effect in _by_effect(finding):
         yield from _labelled("then", f"{', '.join(consumers)}: {visible(effect)}", width)
     if finding.fix is not None:
@@ -162,7 +162,11 @@ def _repair(finding: Finding, fix: Fix, width: int) -> Iterator[Text]:
                 text = Text.assemble((f"{place}{edit.span.line} {sign} ", "dim"), (shown, style))
                 yield from _labelled("", text, width)
     if len(fix.edits) > MAX_RELATED:
-        yield from _labelled("", Text(f"… and {len(fix.edits) - MAX_RELATED} more edits", "dim"), width)
+        yield from _labelled("", Text(_more(len(fix.edits) - MAX_RELATED, "edit"), "dim"), width)
+
+
+def _more(count: int, what: str) -> str:
+    return f"… and {count} more {what}{'' if count == 1 else 's'}"
 
 
 def _by_effect(finding: Finding) -> list[tuple[list[str], str]]:

@@ -179,8 +179,8 @@ def _related(run: Run, related: Sequence[Location]) -> str:
 
 def _explanation(finding: Finding) -> str:
     parts = []
-    if finding.cause is not None:
-        parts.append(f'<div class="why"><h6>Why</h6><p>{prose(finding.cause.text)}</p></div>')
+    if finding.why is not None:
+        parts.append(f'<div class="why"><h6>Why</h6><p>{prose(finding.why)}</p></div>')
     if finding.consequences:
         rows = "".join(
             f"<div><dt>{esc(', '.join(consumers))}</dt><dd>{prose(effect)}</dd></div>"
