@@ -13,7 +13,7 @@ audit: $(VENV)/.installed
 
 # Everything: formatting, types, rule pages, goldens, browser.
 test: $(VENV)/.tested
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
 # The index of the rules and the committed sample reports; tests say when they are stale.
 reports: $(VENV)/.installed
