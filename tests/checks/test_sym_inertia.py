@@ -13,7 +13,7 @@ from urdfcheck.cache import Cache
 from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.kinematics import matrix_to_rpy, rpy_to_matrix
 from urdfcheck.model import Model
-from urdfcheck.model.copies import copies, twin_of, twins
+from urdfcheck.model.copies import copies, twins
 from urdfcheck.source.load import load
 from urdfcheck.source.packages import PackageFinder
 
@@ -270,11 +270,10 @@ def test_a_twin_is_what_the_copies_agree_on_in_the_links_own_frame(tmp_path: Pat
     model = Model(source, source.root, "full", Cache())
     ((group),) = copies(model)
     assert [copy.link.name for copy in group] == ["fl_part", "rl_part", "rr_part", "fr_part"]
-    wanted = twin_of(model, model.link_by_name["rr_part"])
-    assert wanted is not None
+    wanted = twins(model)["rr_part"].wanted
     turn = rpy_to_matrix((0.3, -1.0, 2.0))
     assert wanted.mass == pytest.approx(MASS)
     assert wanted.com == pytest.approx(turn @ COM + (0.01, 0.02, 0.03))
     assert wanted.inertia == pytest.approx(turn @ TENSOR @ turn.T)
     assert [link.name for link in twins(model)["fl_part"].by] == ["rl_part", "fr_part"]
-    assert twin_of(model, model.link_by_name["base"]) is None
+    assert "base" not in twins(model)

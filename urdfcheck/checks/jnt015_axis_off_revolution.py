@@ -77,7 +77,7 @@ def _findings(model: Model, rule: Rule, joint: Joint, limit: float, eccentric: f
         yield rule.finding(
             "drawn" if inertial is None else "inertia" if others else "unsure",
             at=witness.place,
-            related=[_place(joint)],
+            related=[joint.axis_location],
             edits=_exchanged(inertial, witness.axis, axis) if inertial is not None and others else (),
             kind=witness.kind,
             others=" and ".join(others) + (" is" if len(others) == 1 else " are"),
@@ -115,7 +115,7 @@ def _axis(
     agreeing = [w.kind for w in witnesses if angle_of_lines(w.axis, drawn.axis) <= limit]
     return rule.finding(
         "default" if attribute is None else "axis",
-        at=_place(joint),
+        at=joint.axis_location,
         edits=edits,
         witnesses=" and ".join(agreeing),
         tell="tells" if len(agreeing) == 1 else "tell",
@@ -201,14 +201,6 @@ def _forward(model: Model, joint: Joint, axis: Array) -> float:
     """The sign that makes an axis of the joint's child point to the robot's left, or along +x or +z when it lies there."""
     rotated = model.frames[joint.child][:3, :3] @ axis
     return math.copysign(1.0, float(rotated[int(np.abs(rotated).argmax())]))
-
-
-def _place(joint: Joint) -> Location:
-    element = joint.axis_element
-    if element is None:
-        return joint.location
-    attribute = element.attributes.get("xyz")
-    return element.location if attribute is None else attribute.location
 
 
 def _text(axis: Array) -> str:

@@ -12,8 +12,8 @@ from urdfcheck.core import Finding, Located, Location, Rule, Severity
 from urdfcheck.facts.diagnosis import Declared
 from urdfcheck.facts.mirror import Deviation, principal_deviation, wrong_signs
 from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model.differences import differences, place_of_difference
 from urdfcheck.model.names import listed
-from urdfcheck.model.parts import TENSOR
 from urdfcheck.model.remedies import Change, edits_of, remedy
 from urdfcheck.model.twin_inertials import (
     CONTRADICTIONS,
@@ -22,7 +22,6 @@ from urdfcheck.model.twin_inertials import (
     changes,
     comparable,
     sides,
-    six_of,
     wrong_side,
 )
 from urdfcheck.model.twin_joints import Limited, chains, displaced, is_shifted, joints_of, limited
@@ -106,7 +105,7 @@ def _inertials(model: Model, rule: Rule, pair: Pair, differ: float, note: float)
         "link": side.link.name,
         "twin": side.twin.name,
         "relation": (BOTH if wrong is None else SINGLE)[pair.drawn or ""].format(side.twin.name),
-        "differences": ", ".join(_differences(side, note)),
+        "differences": ", ".join(differences(side.found, side.expected, apart, note)),
         "what": " and the ".join(word for word, share in parts if share > note),
         "signs": listed(wrong_signs(side.found, side.expected, note), 9),
         "share": apart.worst,
@@ -145,11 +144,11 @@ def _moments(model: Model, rule: Rule, pair: Pair, differ: float, note: float) -
     apart = None if first is None or second is None else principal_deviation(second, first)
     if first is None or second is None or apart is None or not apart.worst > note:
         return None
-    differences = []
+    told = []
     if apart.mass > note:
-        differences.append(f"masses of {first.mass:.4g} and {second.mass:.4g} kg")
+        told.append(f"masses of {first.mass:.4g} and {second.mass:.4g} kg")
     if apart.spread > note:
-        differences.append(f"principal moments of ({_principal(first)}) and ({_principal(second)}) kg·m²")
+        told.append(f"principal moments of ({_principal(first)}) and ({_principal(second)}) kg·m²")
     return rule.finding(
         "moments",
         at=_at(other, apart, note),
@@ -157,48 +156,19 @@ def _moments(model: Model, rule: Rule, pair: Pair, differ: float, note: float) -
         severity=_severity(apart.worst, differ, pair),
         one=one.name,
         other=other.name,
-        differences=" and ".join(differences),
+        differences=" and ".join(told),
         share=apart.worst,
         between=_between(one, other),
     )
-
-
-def _differences(side: Side, note: float) -> Iterator[str]:
-    found, expected, apart = side.found, side.expected, side.apart
-    if apart.mass > note:
-        yield f"mass {found.mass:.4g} kg instead of {expected.mass:.4g} kg"
-    if apart.place > note:
-        distance = float(np.linalg.norm(found.com - expected.com))
-        yield f"centre of mass {_mm(found.com)} instead of {_mm(expected.com)}, {distance * 1e3:.3g} mm away"
-    if apart.spread > note:
-        signs = [name for name in wrong_signs(found, expected, note) if name in TENSOR]
-        for name, one, other in zip(TENSOR, six_of(found.inertia), six_of(expected.inertia), strict=True):
-            if name in signs:
-                yield f"{name} {one:.4g} instead of {other:.4g}"
-        if not signs:
-            here, there = _principal(found), _principal(expected)
-            yield "other principal axes" if here == there else f"principal moments ({here}) instead of ({there}) kg·m²"
 
 
 def _principal(numbers: Declared) -> str:
     return ", ".join(f"{moment:.3g}" for moment in np.linalg.eigvalsh(numbers.inertia))
 
 
-def _mm(place: Array) -> str:
-    return "(" + ", ".join(f"{1e3 * v + 0.0:.4g}" for v in place) + ") mm"
-
-
 def _at(link: Link, apart: Deviation, note: float) -> Located:
-    """The narrowest text that holds what differs."""
-    inertial = link.inertial
-    assert inertial is not None
-    places: tuple[tuple[Located | None, float], ...] = (
-        (inertial.mass_attribute, apart.mass),
-        (inertial.origin.attribute("xyz"), apart.place),
-        (inertial.tensor_element, apart.spread),
-    )
-    wrong = [place for place, share in places if share > note]
-    return wrong[0] if len(wrong) == 1 and wrong[0] is not None else inertial.element
+    assert link.inertial is not None
+    return place_of_difference(link.inertial, apart, note)
 
 
 def _remedy(side: Side) -> str:
@@ -274,14 +244,14 @@ def _dynamics(model: Model, rule: Rule, pair: Pair, differ: float, note: float) 
     if joints is None or pair.drawn == "neither":
         return None
     elements = [joint.element.child("dynamics") for joint in joints]
-    differences: list[str] = []
+    told: list[str] = []
     share = 0.0
     for name in ("damping", "friction"):
         a, b = (0.0 if e is None or name not in e.attributes else attribute_number(e, name) for e in elements)
         if a is not None and b is not None and abs(a - b) > note * max(abs(a), abs(b)):
-            differences.append(f"{name} {b:g} instead of {a:g}")
+            told.append(f"{name} {b:g} instead of {a:g}")
             share = max(share, abs(a - b) / max(abs(a), abs(b)))
-    if not differences:
+    if not told:
         return None
     return rule.finding(
         "dynamics",
@@ -290,7 +260,7 @@ def _dynamics(model: Model, rule: Rule, pair: Pair, differ: float, note: float) 
         severity=_severity(share, differ, pair),
         joint=joints[1].name,
         twin=joints[0].name,
-        differences=", ".join(differences),
+        differences=", ".join(told),
         share=share,
     )
 
@@ -308,7 +278,7 @@ def _place(model: Model, rule: Rule, pair: Pair, found: Sequence[Pair]) -> Findi
         return rule.finding(
             "origin", at=at, related=[related], distance=off.distance * 1e3, first=first, second=second, **data
         )
-    at, related = (_origin(joint, "rpy") if off.turned else _axis(joint) for joint in both)
+    at, related = (_origin(joint, "rpy") if off.turned else joint.axis_location for joint in both)
     return rule.finding("axis", at=at, related=[related], angle=math.degrees(off.angle), **data)
 
 
@@ -318,14 +288,6 @@ def _moved(joint: Joint, twin: Joint, place: Array) -> str:
     attributes = [one.origin.attribute("xyz") for one in (joint, twin)]
     shared = attributes[0] is not None and attributes[1] is not None and attributes[0].span == attributes[1].span
     return remedy([Change(attributes[0], "xyz", text)], joint.name, twin.name, shared=shared)
-
-
-def _axis(joint: Joint) -> Location:
-    element = joint.axis_element
-    if element is None:
-        return joint.location
-    attribute = element.attributes.get("xyz")
-    return element.location if attribute is None else attribute.location
 
 
 def _origin(joint: Joint, name: str) -> Location:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from urdfcheck.core import Edit, Finding, Location, Rule
+from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model import Model
 from urdfcheck.model.wheels import LEVEL, Driven, wheels
 
@@ -23,8 +23,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     odd, rest = _odd(along, against)
     yield rule.finding(
         "opposed" if len(odd) == len(rest) else "minority",
-        at=_place(odd[0]),
-        related=[_place(wheel) for wheel in (*odd[1:], *rest)],
+        at=odd[0].joint.axis_location,
+        related=[wheel.joint.axis_location for wheel in (*odd[1:], *rest)],
         edits=_edits(odd),
         odd=_names(odd),
         rest=_names(rest),
@@ -58,14 +58,6 @@ def _edits(odd: Sequence[Driven]) -> list[Edit]:
 
 def _opposite(word: str) -> str:
     return word if float(word) == 0 else word[1:] if word.startswith("-") else f"-{word.removeprefix('+')}"
-
-
-def _place(wheel: Driven) -> Location:
-    element = wheel.joint.axis_element
-    if element is None:
-        return wheel.joint.location
-    attribute = element.attributes.get("xyz")
-    return element.location if attribute is None else attribute.location
 
 
 def _names(found: Sequence[Driven]) -> str:

@@ -78,6 +78,12 @@ def tensor(six: Sequence[float]) -> Array:
     return np.array(((ixx, ixy, ixz), (ixy, iyy, iyz), (ixz, iyz, izz)), dtype=float)
 
 
+def six_of(inertia: Array) -> list[float]:
+    """URDF's ``ixx ixy ixz iyy iyz izz`` of a (3, 3) tensor: the inverse of `tensor`."""
+    six: list[float] = inertia[np.triu_indices(3)].tolist()
+    return six
+
+
 def principal_moments(inertia: ArrayLike) -> tuple[Array, Array]:
     """Principal moments (3,) ascending, and principal axes (3, 3) as the columns of a rotation matrix.
 

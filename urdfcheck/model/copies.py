@@ -158,15 +158,6 @@ def twins(model: Model, *, but: Collection[frozenset[str]] = ()) -> Mapping[str,
     return found
 
 
-def twin_of(model: Model, link: Link) -> Declared | None:
-    """The inertial that the copies of a link say it should have, in its frame; None without copies, or when these disagree.
-
-    :raises Unavailable: when the tree is broken.
-    """
-    opinion = twins(model).get(link.name)
-    return None if opinion is None else opinion.wanted
-
-
 class _Compared:
     """The members of a group, compared when asked for."""
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from urdfcheck.core import Located
 from urdfcheck.facts.diagnosis import Declared
+from urdfcheck.facts.inertia import six_of
 from urdfcheck.facts.mirror import Deviation, wrong_signs
 from urdfcheck.model.parts import TENSOR, Inertial
 
@@ -27,7 +28,7 @@ def differences(found: Declared, expected: Declared, apart: Deviation, note: flo
         yield f"centre of mass {_mm(found.com)} instead of {_mm(expected.com)}, {distance * 1e3:.3g} mm away"
     if apart.spread > note:
         signs = [name for name in wrong_signs(found, expected, note) if name in TENSOR]
-        for name, one, other in zip(TENSOR, _six(found.inertia), _six(expected.inertia), strict=True):
+        for name, one, other in zip(TENSOR, six_of(found.inertia), six_of(expected.inertia), strict=True):
             if name in signs:
                 yield f"{name} {one:.4g} instead of {other:.4g}"
         if not signs:
@@ -49,8 +50,3 @@ def place_of_difference(inertial: Inertial, apart: Deviation, note: float) -> Lo
 
 def _mm(place: Array) -> str:
     return "(" + ", ".join(f"{1e3 * v + 0.0:.4g}" for v in place) + ") mm"
-
-
-def _six(tensor: Array) -> list[float]:
-    six: list[float] = tensor[np.triu_indices(3)].tolist()
-    return six

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -19,13 +20,6 @@ from urdfcheck.model.parts import Link, Shape
 
 Array = NDArray[np.float64]
 
-# Round shapes as points: polygons of this many corners, blown up so that the circle lies inside them.
-_CORNERS = 32
-_ANGLES = np.arange(_CORNERS) * 2 * np.pi / _CORNERS
-_CIRCLE = np.column_stack((np.cos(_ANGLES), np.sin(_ANGLES), np.zeros(_CORNERS))) / np.cos(np.pi / _CORNERS)
-_PARALLELS = np.linspace(-np.pi / 2, np.pi / 2, _CORNERS // 2 + 1)
-_RINGS = [(np.cos(a) / np.cos(np.pi / _CORNERS), np.sin(a) / np.cos(np.pi / _CORNERS)) for a in _PARALLELS]
-_SPHERE = np.concatenate([_CIRCLE * across + (0, 0, height) for across, height in _RINGS])
 _CUBE = np.array(list(product((-0.5, 0.5), repeat=3)))
 # A shape settles which way up a mesh is meant when its box is that much nearer to one way's than to the other's.
 _NEARER = 0.5
@@ -177,8 +171,11 @@ def volume_of(model: Model, links: Iterable[Link]) -> float | None:
     return sum(known) if known and len(known) == len(volumes) else None
 
 
-def shape_points(model: Model, shape: Shape, *, unit: bool = True, upright: bool = False) -> Array | None:
-    """Corners (K, 3), in the link's frame, whose convex hull is that of a shape, or holds a round one closely."""
+def shape_points(
+    model: Model, shape: Shape, *, unit: bool = True, upright: bool = False, around: bool = True
+) -> Array | None:
+    """Corners (K, 3), in the link's frame, whose convex hull is that of a shape, or holds a round one closely; without
+    ``around`` the corners of a round one lie on it. None when the shape is not known."""
     size, pose = shape.size, shape.origin.matrix
     if size is None or pose is None or shape.kind is None:
         return None
@@ -192,14 +189,33 @@ def shape_points(model: Model, shape: Shape, *, unit: bool = True, upright: bool
     elif shape.kind == "box":
         local = _CUBE * size
     elif shape.kind == "sphere":
-        local = _SPHERE * size[0]
+        local = _sphere(around) * size[0]
     else:
         radius, length = size
-        end = _SPHERE * radius if shape.kind == "capsule" else _CIRCLE * radius
+        end = (_sphere(around) if shape.kind == "capsule" else _circle(around)) * radius
         half = np.array((0, 0, length / 2))
         local = np.concatenate((end - half, end + half))
     points: Array = local @ pose[:3, :3].T + pose[:3, 3]
     return points
+
+
+@cache
+def _circle(around: bool) -> Array:
+    """The unit circle about z: the corners of a polygon in it, or of one round it, which need not be as fine."""
+    corners = 32 if around else 64
+    angles = np.arange(corners) * 2 * np.pi / corners
+    radius = 1 / np.cos(np.pi / corners) if around else 1.0
+    return np.column_stack((np.cos(angles), np.sin(angles), np.zeros(corners))) * radius
+
+
+@cache
+def _sphere(around: bool) -> Array:
+    """The unit sphere: its parallels, poles and equator among them."""
+    circle = _circle(around)
+    radius = float(np.linalg.norm(circle[0]))
+    parallels = np.linspace(-np.pi / 2, np.pi / 2, len(circle) // 2 + 1)
+    # Polygons round it both ways, along the parallels and along the meridians.
+    return np.concatenate([radius * (circle * np.cos(a) + (0, 0, np.sin(a))) for a in parallels])
 
 
 @np.errstate(all="ignore")  # numbers of no robot are for other rules

@@ -233,6 +233,15 @@ class Joint:
         return _quantities(self.axis_element, "xyz", 3, (1.0, 0.0, 0.0))
 
     @property
+    def axis_location(self) -> Location:
+        """Where the axis is typed; the joint where it is not."""
+        element = self.axis_element
+        if element is None:
+            return self.location
+        attribute = element.attributes.get("xyz")
+        return element.location if attribute is None else attribute.location
+
+    @property
     def limit(self) -> Element | None:
         return self.element.child("limit")
 

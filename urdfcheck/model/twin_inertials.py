@@ -11,7 +11,7 @@ import numpy as np
 
 from urdfcheck.core import Unavailable
 from urdfcheck.facts.diagnosis import Declared, diagnose, mismatch
-from urdfcheck.facts.inertia import validity
+from urdfcheck.facts.inertia import six_of, validity
 from urdfcheck.facts.mirror import Deviation, deviation, principal_deviation, wrong_signs
 from urdfcheck.facts.placeholders import placeholder
 from urdfcheck.model.body import is_point
@@ -174,12 +174,6 @@ def _rounded(values: Array) -> list[float]:
     """Without what products of rotation matrices leave of a zero."""
     largest = float(np.abs(values).max())
     return [0.0 if abs(v) <= 1e-9 * largest else v for v in values.tolist()]
-
-
-def six_of(tensor: Array) -> list[float]:
-    """``ixx ixy ixz iyy iyz izz`` of a (3, 3) tensor."""
-    six: list[float] = tensor[np.triu_indices(3)].tolist()
-    return six
 
 
 def _same(one: float, other: float) -> bool:

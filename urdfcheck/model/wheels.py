@@ -6,13 +6,12 @@ import math
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from functools import cache
-from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.facts.revolution import outline
+from urdfcheck.model.drawn import shape_points
 from urdfcheck.model.model import Model
 from urdfcheck.model.parts import Joint, Link, Shape
 
@@ -97,7 +96,7 @@ def is_suspended(model: Model, link: str) -> bool:
 
 def points_of(model: Model, shapes: Iterable[Shape]) -> Array | None:
     """Points (n, 3) on these shapes, in their link's frame, whose hull is theirs; None when one of them is not known."""
-    parts = [_shape_points(model, shape) for shape in shapes]
+    parts = [shape_points(model, shape, around=False) for shape in shapes]
     known = [part for part in parts if part is not None]
     if len(known) != len(parts):
         return None
@@ -131,7 +130,7 @@ def _unseen(model: Model) -> Iterator[Driven]:
             continue
         link = model.link_by_name[joint.child]
         shapes = (*link.visuals, *link.collisions)
-        if all(_shape_points(model, shape) is None for shape in shapes):
+        if all(shape_points(model, shape, around=False) is None for shape in shapes):
             yield Driven(joint, axis)
 
 
@@ -148,44 +147,7 @@ def _words(joint: Joint) -> str:
 
 def _lowest(model: Model, link: Link) -> float:
     frame = model.frames[link.name]
-    parts = [p for shape in (*link.visuals, *link.collisions) if (p := _shape_points(model, shape)) is not None]
-    return min((float((p @ frame[2, :3]).min() + frame[2, 3]) for p in parts), default=math.inf)
-
-
-def _shape_points(model: Model, shape: Shape) -> Array | None:
-    size, pose = shape.size, shape.origin.matrix
-    if size is None or pose is None or shape.kind is None:
-        return None
-    if shape.kind == "mesh":
-        facts, scale = model.meshes.facts_of(shape), model.drawn_scale(shape)
-        if facts is None or scale is None:
-            return None
-        points = facts.hull.vertices * np.array(scale)
-    elif shape.kind == "box":
-        points = np.array(list(product((-0.5, 0.5), repeat=3))) * np.array(size)
-    elif shape.kind == "sphere":
-        points = _sphere() * size[0]
-    else:
-        end = (_sphere() if shape.kind == "capsule" else _circle()) * size[0]
-        reach = np.array((0, 0, size[1] / 2))
-        points = np.concatenate((end + reach, end - reach))
-    placed: Array = points @ pose[:3, :3].T + pose[:3, 3]
-    return placed
-
-
-@cache
-def _circle() -> Array:
-    """64 points of the unit circle about z."""
-    angles = np.arange(64) * math.tau / 64
-    return np.column_stack((np.cos(angles), np.sin(angles), np.zeros(64)))
-
-
-@cache
-def _sphere() -> Array:
-    """Points of the unit sphere: its equator, and 32 meridians."""
-    circle = _circle()
-    angles = np.arange(32) * math.tau / 64
-    meridians = [
-        np.column_stack((circle[:, 0] * math.cos(a), circle[:, 0] * math.sin(a), circle[:, 1])) for a in angles
+    parts = [
+        p for shape in (*link.visuals, *link.collisions) if (p := shape_points(model, shape, around=False)) is not None
     ]
-    return np.concatenate((circle, *meridians))
+    return min((float((p @ frame[2, :3]).min() + frame[2, 3]) for p in parts), default=math.inf)
