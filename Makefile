@@ -15,9 +15,10 @@ audit: $(VENV)/.installed
 test: $(VENV)/.tested
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal
 
-# The index of the rules and the committed sample reports; tests say when they are stale.
+# The index of the rules, the table of the hostile files and the committed sample reports; tests say when they are stale.
 reports: $(VENV)/.installed
 	$(BIN)/python tools/make_rules_index.py
+	$(BIN)/python tools/make_hostile_table.py
 	$(BIN)/python tools/make_reports.py
 
 $(VENV)/bin/python:

@@ -19,6 +19,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from urdfcheck.files import MAX_MESH, TooLarge, looked_at, read_regular
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -50,14 +52,18 @@ class Cache:
         """The groups of arrays of one key, read when they are asked for and written when they are set."""
         return {} if self.folder is None else _Files(self.folder / kind / key[:2] / key[2:])
 
-    def digest(self, path: Path) -> tuple[str, bytes | None]:
+    def digest(self, path: Path, limit: int = MAX_MESH) -> tuple[str, bytes | None]:
         """SHA-256 of a file's content, in hex, and the content if it was read for it.
 
         A file whose times, size and inode are known is not read again.
 
-        :raises OSError: when it cannot be read.
+        :raises TooLarge: when it has more than ``limit`` bytes.
+        :raises OSError: when it is no regular file, or cannot be read.
         """
         status = path.stat()
+        looked_at(path, status)
+        if status.st_size > limit:
+            raise TooLarge(limit, status.st_size)
         stamp = f"{status.st_size} {status.st_mtime_ns} {status.st_ctime_ns} {status.st_ino}"
         place = None if self.folder is None else self.folder / "files" / _hash(os.fsencode(os.path.realpath(path)))
         if place is not None:
@@ -65,7 +71,7 @@ class Cache:
                 known, _, digest = place.read_text(encoding="ascii").rpartition(" ")
                 if known == stamp and len(digest) == 64:
                     return digest, None
-        data = path.read_bytes()
+        data = read_regular(path, limit)
         digest = _hash(data)
         if place is not None and time.time_ns() - status.st_mtime_ns > _SETTLED_NS:
             _write(place, f"{stamp} {digest}".encode("ascii"))

@@ -3,22 +3,30 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn, TextIO
 
 from urdfcheck import __version__
 from urdfcheck.errors import UrdfcheckError
 
 if TYPE_CHECKING:
-    from urdfcheck.core import Run
+    from urdfcheck.config import Config
+    from urdfcheck.core import Run, Severity
+    from urdfcheck.engine import Request
+    from urdfcheck.limits import Limits
 
 OK, FINDINGS, FAILED, NOTHING = 0, 1, 2, 3
+# Seconds from which on, and between which, a run says how far it is.
+PROGRESS_FROM, PROGRESS_EVERY = 1.0, 0.2
+# MiB: an audit of an empty robot takes about half of it.
+LEAST_MEMORY = 512
 # Words that later versions use as commands: a file of this name is written ./baseline.
-RESERVED = ("baseline", "init", "diff", "lsp", "config", "engines", "drop", "audit")
+RESERVED = ("baseline", "init", "diff", "lsp", "config", "engines", "drop")
 
 _EPILOG = """\
 exit codes: 0 nothing at or above --fail-on, 1 findings, 2 urdfcheck or its configuration failed, 3 nothing to check
@@ -28,17 +36,19 @@ urdfcheck rule lists the rules, urdfcheck rule CODE explains one"""
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command and return its exit code."""
     words = list(sys.argv[1:] if argv is None else argv)
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
         code = _command(words)
         sys.stdout.flush()
         return code
     except UrdfcheckError as error:
-        print(f"urdfcheck: {error}", file=sys.stderr)
+        _say(f"urdfcheck: {error}", sys.stderr)
     except BrokenPipeError:  # the reader of our output has gone: head, less
         _silence_stdout()
         return OK
     except OSError as error:
-        print(f"urdfcheck: cannot write the output: {error.strerror or error}", file=sys.stderr)
+        _say(f"urdfcheck: cannot write the output: {error.strerror or error}", sys.stderr)
         _silence_stdout()
     except KeyboardInterrupt:
         print("urdfcheck: interrupted", file=sys.stderr)
@@ -46,7 +56,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _command(words: list[str]) -> int:
-    commands = {"check": check, "rule": rule, "cache": cache, "srdf": srdf}
+    for word in words[: words.index("--") if "--" in words else None]:
+        # A stranger's file, named by a pattern of the shell or by pre-commit: -ohtml=… would write where its name says.
+        if word.startswith("-") and os.path.lexists(word):
+            raise UrdfcheckError(f"{word} is a file of this name, and would be taken for an option: write ./{word}")
+    commands = {"check": check, "audit": audit, "rule": rule, "cache": cache, "srdf": srdf}
     if words and words[0] in commands:
         return commands[words[0]](words[1:])
     if words and words[0] in RESERVED:
@@ -56,6 +70,22 @@ def _command(words: list[str]) -> int:
     return check(words)
 
 
+class _Parser(argparse.ArgumentParser):
+    """A word of the command line may be a stranger's file name: what is wrong with it is told like everything else."""
+
+    def error(self, message: str) -> NoReturn:
+        from urdfcheck.output.inert import for_log
+
+        super().error(for_log(message))
+
+
+def _say(text: str, stream: TextIO | None = None) -> None:
+    """Print a line for a person; on standard output, if on no other stream."""
+    from urdfcheck.output.inert import for_log
+
+    print(for_log(text), file=stream)
+
+
 def _silence_stdout() -> None:
     """What is left in the buffer goes nowhere, so that the interpreter does not try to write it once more."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -63,10 +93,11 @@ def _silence_stdout() -> None:
 
 def parser() -> argparse.ArgumentParser:
     """The options of ``urdfcheck check``."""
-    p = argparse.ArgumentParser(
+    p = _Parser(
         prog="urdfcheck",
         usage="urdfcheck [check] PATH... [options]\n       urdfcheck rule [CODE]\n"
-        "       urdfcheck srdf MODEL [options]\n       urdfcheck cache info|clear",
+        "       urdfcheck audit DATASET... [options]\n       urdfcheck srdf MODEL [options]\n"
+        "       urdfcheck cache info|clear",
         description="Audit robot models: URDF, xacro, launch files, packages and folders of them.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -81,6 +112,16 @@ def parser() -> argparse.ArgumentParser:
         metavar="FORMAT=FILE",
         help="also write a report to a file (repeatable), e.g. -o html=report.html",
     )
+    _add_options(p)
+    p.add_argument(
+        "--color", choices=("auto", "always", "never"), default="auto", help="colours (default: on a terminal)"
+    )
+    p.add_argument("--version", action="version", version=f"urdfcheck {__version__}")
+    return p
+
+
+def _add_options(p: argparse.ArgumentParser) -> None:
+    """The options that decide about what is checked, and how."""
     p.add_argument("--tier", choices=("source", "mesh", "full"), help="how much to compute (default: full)")
     p.add_argument("--select", action="append", metavar="CODES", help="only these rules: codes, prefixes, names, tags")
     p.add_argument("--ignore", action="append", metavar="CODES", help="not these rules")
@@ -90,25 +131,25 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument("--arg", action="append", default=[], metavar="NAME:=VALUE", help="xacro argument for all models")
     p.add_argument("--package", action="append", default=[], metavar="NAME=DIR", help="where a ROS package is")
     p.add_argument("--package-path", action="append", default=[], metavar="DIR", help="folder that holds packages")
+    p.add_argument(
+        "--allow-read", action="append", default=[], metavar="DIR", help="folder whose files may be opened too"
+    )
+    p.add_argument(
+        "--env", action="append", default=[], metavar="NAME", help="environment variable that xacro may read"
+    )
     p.add_argument("--target", metavar="NAMES", help="who will read the model: gazebo, mujoco, drake, … (see MSH011)")
     p.add_argument("--thorough", action="store_true", help="look at 5,000 configurations of the joints instead of 200")
     p.add_argument("--no-cache", action="store_true", help="keep no measurements and use none that were kept")
+    p.add_argument("--timeout", type=float, metavar="SECONDS", help="for one model (default: 300; 0: none)")
+    p.add_argument("--memory", type=int, metavar="MIB", help="for one model (default: 4096)")
     p.add_argument("--jobs", type=int, metavar="N", help="models checked at the same time (default: the cores)")
     p.add_argument("--allow-empty", action="store_true", help="exit 0 when there is nothing to check")
-    p.add_argument(
-        "--color", choices=("auto", "always", "never"), default="auto", help="colours (default: on a terminal)"
-    )
-    p.add_argument("--version", action="version", version=f"urdfcheck {__version__}")
-    return p
 
 
 def check(words: Sequence[str]) -> int:
     """``urdfcheck [check] PATH…``"""
     options = parser().parse_args(words)
-    if not options.paths:
-        raise UrdfcheckError("name at least one model, launch file, package or folder (urdfcheck . for this folder)")
-    if "" in options.paths:
-        raise UrdfcheckError("a path is empty (urdfcheck . for this folder)")
+    _ensure_paths(options)
     from urdfcheck import workers
 
     # It loads what an audit needs while the job is being worked out here.
@@ -116,39 +157,129 @@ def check(words: Sequence[str]) -> int:
     outputs = [_output(text) for text in options.output]
     formats = {options.format, *(name for name, _ in outputs)}
 
-    from urdfcheck import catalogue, config, libraries, output
-    from urdfcheck.cache import default_folder
-    from urdfcheck.engine import SAMPLES, THOROUGH, Request, run
+    from urdfcheck import libraries, output
+    from urdfcheck.engine import run
 
-    paths = tuple(Path(p) for p in options.paths)
-    settings = config.find(paths[0] if paths[0].is_dir() else paths[0].parent)
-    codes = catalogue.select(_words(options.select) or settings.select)
-    codes -= catalogue.select(_words(options.ignore) or settings.ignore)
+    settings = _settings(options)
     libraries.prefer_own()
     outcome = run(
-        Request(
-            paths=paths,
-            root=settings.root,
-            codes=frozenset(codes),
-            tier=options.tier or settings.tier,
-            jobs=_jobs(options.jobs),
-            arguments=dict(_pair(text, ":=", "--arg") for text in options.arg),
-            packages={**settings.packages, **_packages(options.package)},
-            package_paths=(*_folders(options.package_path, "--package-path"), *settings.package_path),
-            options=settings.options,
-            severities=settings.severity,
-            targets=_targets(options.target, settings.target),
-            scene="html" in formats,
-            cache=None if options.no_cache else default_folder(),
-            samples=THOROUGH if options.thorough else SAMPLES,
-        ),
+        _request(options, settings, scene="html" in formats),
         first=first,
         meanwhile=lambda: [importlib.import_module(f"urdfcheck.output.{name}") for name in formats],
+        progress=_progress(),
     )
     _show(outcome, options.format, options.color)
     for output_format, file in outputs:
         _write(output.render(outcome, output_format), file)
     return exit_code(outcome, options.fail_on or settings.fail_on, allow_empty=options.allow_empty)
+
+
+def audit(words: Sequence[str]) -> int:
+    """``urdfcheck audit DATASET…``: thousands of models, each kept as soon as it is finished."""
+    p = _Parser(
+        prog="urdfcheck audit",
+        description="Audit many models: a line of JSON for each, a summary, a page; what was finished is kept.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    p.add_argument("paths", nargs="*", metavar="DATASET", help="folder of models, or whatever check takes")
+    p.add_argument(
+        *("-o", "--output"),
+        type=Path,
+        default=Path("urdfcheck-audit"),
+        metavar="FOLDER",
+        help="where the lines and the page go, and what the next run needs (default: urdfcheck-audit)",
+    )
+    p.add_argument("--restart", action="store_true", help="forget what the folder holds, and check everything")
+    p.add_argument(
+        "--backend",
+        default="local",
+        metavar="local|dask=ADDRESS|ray[=ADDRESS]",
+        help="where the work is done: here, or on a cluster that is there already (pip install urdfcheck[cluster])",
+    )
+    _add_options(p)
+    options = p.parse_args(words)
+    _ensure_paths(options)
+    backend, _, address = options.backend.partition("=")
+    if (
+        backend not in {"local", "dask", "ray"}
+        or (backend == "local" and address)
+        or (backend == "dask" and not address)
+    ):
+        raise UrdfcheckError(f"--backend {options.backend}: write local, dask=ADDRESS, ray or ray=ADDRESS")
+    from urdfcheck import workers
+
+    first = workers.Worker.start(_prepare) if workers.FORKS and backend == "local" else None
+
+    from urdfcheck import catalogue, cluster, dataset, engine, libraries
+    from urdfcheck.output import summary
+
+    settings = _settings(options)
+    libraries.prefer_own()
+    request = _request(options, settings)
+    done = dataset.audit(
+        request,
+        options.output,
+        lambda units, work: (
+            engine.stream(units, work, request.jobs, first=first)
+            if backend == "local"
+            else cluster.stream(units, work, backend, address or None)
+        ),
+        restart=options.restart,
+        progress=_progress(),
+    )
+    if not done.checked and not done.unchanged:
+        _say("nothing to check: no model, launch file or package was found there")
+        return OK if options.allow_empty else NOTHING
+    sys.stdout.write(summary.render(done.summary, catalogue.rules()))
+    known = f"{done.unchanged:,} unchanged, " if done.unchanged else ""
+    _say(f"{known}{done.checked:,} checked; {options.output / dataset.LINES}, {options.output / dataset.INDEX}")
+    worst = max((severity for severity, number in done.summary.counts.items() if number), default=None)
+    return _code(bool(done.summary.failed), worst, options.fail_on or settings.fail_on)
+
+
+def _ensure_paths(options: argparse.Namespace) -> None:
+    if not options.paths:
+        raise UrdfcheckError("name at least one model, launch file, package or folder (urdfcheck . for this folder)")
+    if "" in options.paths:
+        raise UrdfcheckError("a path is empty (urdfcheck . for this folder)")
+
+
+def _settings(options: argparse.Namespace) -> Config:
+    """The configuration that holds for the paths."""
+    from urdfcheck import config
+
+    path = Path(options.paths[0])
+    return config.find(path if path.is_dir() else path.parent)
+
+
+def _request(options: argparse.Namespace, settings: Config, *, scene: bool = False) -> Request:
+    """What the options of `_add_options` and the configuration ask for."""
+    from urdfcheck import catalogue
+    from urdfcheck.cache import default_folder
+    from urdfcheck.engine import SAMPLES, THOROUGH, Request
+
+    codes = catalogue.select(_words(options.select) or settings.select)
+    codes -= catalogue.select(_words(options.ignore) or settings.ignore)
+    return Request(
+        paths=tuple(Path(p) for p in options.paths),
+        root=settings.root,
+        codes=frozenset(codes),
+        tier=options.tier or settings.tier,
+        jobs=_jobs(options.jobs),
+        arguments=dict(_pair(text, ":=", "--arg") for text in options.arg),
+        packages={**settings.packages, **_packages(options.package)},
+        package_paths=(*_folders(options.package_path, "--package-path"), *settings.package_path),
+        options=settings.options,
+        severities=settings.severity,
+        targets=_targets(options.target, settings.target),
+        scene=scene,
+        cache=None if options.no_cache else default_folder(),
+        samples=THOROUGH if options.thorough else SAMPLES,
+        allowed=tuple(_folders(options.allow_read, "--allow-read")),
+        environment=tuple(options.env),
+        limits=_limits(options.timeout, options.memory),
+    )
 
 
 def _prepare() -> None:
@@ -159,24 +290,30 @@ def _prepare() -> None:
     checks = [catalogue.module_of(rule) for rule in catalogue.rules().values() if catalogue.has_check(rule)]
     for module in ("numpy", "urdfcheck.worker", *checks):
         importlib.import_module(module)
+    with contextlib.suppress(ImportError):  # where there is none, it is not missed
+        importlib.import_module("py_landlock")
 
 
 def exit_code(run: Run, fail_on: str, *, allow_empty: bool = False) -> int:
     """Our own failures weigh more than findings, findings more than having had nothing to check."""
+    worst = max((f.severity for f in run.findings if f.suppressed is None), default=None)
+    code = _code(bool(run.failures), worst, fail_on)
+    return NOTHING if code == OK and not run.units and not allow_empty else code
+
+
+def _code(failed: bool, worst: Severity | None, fail_on: str) -> int:
     from urdfcheck.core import Severity
 
-    if run.failures:
+    if failed:
         return FAILED
-    if fail_on != "never" and any(f.severity >= Severity.parse(fail_on) and f.suppressed is None for f in run.findings):
+    if fail_on != "never" and worst is not None and worst >= Severity.parse(fail_on):
         return FINDINGS
-    if not run.units:
-        return OK if allow_empty else NOTHING
     return OK
 
 
 def rule(words: Sequence[str]) -> int:
     """``urdfcheck rule [CODE]``: the catalogue, or one page."""
-    p = argparse.ArgumentParser(prog="urdfcheck rule", description="List the rules, or explain one.")
+    p = _Parser(prog="urdfcheck rule", description="List the rules, or explain one.")
     p.add_argument("code", nargs="?", metavar="CODE", help="a code or a name")
     options = p.parse_args(words)
 
@@ -184,9 +321,9 @@ def rule(words: Sequence[str]) -> int:
 
     if options.code is None:
         for known in catalogue.rules().values():
-            print(f"{known.code}  {known.severity!s:7}  {known.confidence!s:9}  {known.name}")
+            _say(f"{known.code}  {known.severity!s:7}  {known.confidence!s:9}  {known.name}")
         return OK
-    print("\n\n".join(catalogue.explain(catalogue.rules()[code]) for code in sorted(catalogue.select([options.code]))))
+    _say("\n\n".join(catalogue.explain(catalogue.rules()[code]) for code in sorted(catalogue.select([options.code]))))
     return OK
 
 
@@ -194,7 +331,7 @@ def srdf(words: Sequence[str]) -> int:
     """``urdfcheck srdf MODEL``: the pairs of links that MoveIt need not check."""
     from urdfcheck.srdf import SAMPLES, THOROUGH, render, unlike_ours, why_none
 
-    p = argparse.ArgumentParser(
+    p = _Parser(
         prog="urdfcheck srdf",
         description="Write the disable_collisions of a robot's SRDF, as MoveIt's Setup Assistant does, with the evidence.",
     )
@@ -204,6 +341,14 @@ def srdf(words: Sequence[str]) -> int:
     p.add_argument("--arg", action="append", default=[], metavar="NAME:=VALUE", help="xacro argument of the model")
     p.add_argument("--package", action="append", default=[], metavar="NAME=DIR", help="where a ROS package is")
     p.add_argument("--package-path", action="append", default=[], metavar="DIR", help="folder that holds packages")
+    p.add_argument(
+        "--allow-read", action="append", default=[], metavar="DIR", help="folder whose files may be opened too"
+    )
+    p.add_argument(
+        "--env", action="append", default=[], metavar="NAME", help="environment variable that xacro may read"
+    )
+    p.add_argument("--timeout", type=float, metavar="SECONDS", help="for the model (default: 300; 0: none)")
+    p.add_argument("--memory", type=int, metavar="MIB", help="for the model (default: 4096)")
     p.add_argument("--no-cache", action="store_true", help="keep no measurements and use none that were kept")
     options = p.parse_args(words)
     path = Path(options.model)
@@ -230,25 +375,29 @@ def srdf(words: Sequence[str]) -> int:
             cache=None if options.no_cache else default_folder(),
             samples=THOROUGH if options.thorough else SAMPLES,
             pairs=True,
+            allowed=tuple(_folders(options.allow_read, "--allow-read")),
+            environment=tuple(options.env),
+            limits=_limits(options.timeout, options.memory),
         )
     )
     if report.pairs is None:
         raise UrdfcheckError(f"{path}: {why_none(report)}")
     if not report.pairs.pairs:
-        print(f"urdfcheck: {path}: no two links have collision geometry that can be read", file=sys.stderr)
+        _say(f"urdfcheck: {path}: no two links have collision geometry that can be read", sys.stderr)
         return NOTHING
+    from urdfcheck.output.inert import for_xml
+
+    document = for_xml(render(report.pairs))
     if options.output is not None:
-        _write(render(report.pairs), options.output)
-        return OK
-    if hasattr(sys.stdout, "reconfigure"):
-        sys.stdout.reconfigure(errors="xmlcharrefreplace")
-    sys.stdout.write(render(report.pairs))
+        _write(document, options.output)
+    else:
+        _show_document(document)
     return OK
 
 
 def cache(words: Sequence[str]) -> int:
     """``urdfcheck cache info|clear``: what is kept between runs."""
-    p = argparse.ArgumentParser(prog="urdfcheck cache", description="The measurements that are kept between runs.")
+    p = _Parser(prog="urdfcheck cache", description="The measurements that are kept between runs.")
     p.add_argument("action", choices=("info", "clear"), help="say where they are and how large, or delete them")
     options = p.parse_args(words)
 
@@ -261,19 +410,17 @@ def cache(words: Sequence[str]) -> int:
     size = f"{len(files):,} file{'s' * (len(files) != 1)}, {sum(files) / 1e6:,.2f} MB"
     if options.action == "clear":
         kept.clear()
-        print(f"deleted {size} in {kept.folder}")
+        _say(f"deleted {size} in {kept.folder}")
     else:
-        print(f"{kept.folder}\n{size}; above {LARGEST / 1e6:,.0f} MB what was not used for longest is dropped")
+        _say(f"{kept.folder}\n{size}; above {LARGEST / 1e6:,.0f} MB what was not used for longest is dropped")
     return OK
 
 
 def _show(run: Run, output_format: str, color: str) -> None:
     from urdfcheck import output
 
-    if hasattr(sys.stdout, "reconfigure"):
-        sys.stdout.reconfigure(errors="backslashreplace")
     if output_format != "text":
-        sys.stdout.write(output.render(run, output_format))
+        _show_document(output.render(run, output_format))
         return
     from urdfcheck.output import text
 
@@ -286,6 +433,13 @@ def _show(run: Run, output_format: str, color: str) -> None:
         colored = colored or (color == "auto" and terminal.is_terminal and not terminal.no_color)
         width = terminal.width if terminal.is_terminal or "COLUMNS" in os.environ else width
     sys.stdout.write(text.render(run, width=width, color=colored))
+
+
+def _show_document(text: str) -> None:
+    """JSON, HTML and XML are UTF-8 wherever they go; text has the terminal's encoding."""
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(encoding="utf-8")
+    sys.stdout.write(text)
 
 
 def _write(text: str, file: Path) -> None:
@@ -354,6 +508,43 @@ def _targets(given: str | None, configured: tuple[str, ...]) -> tuple[str, ...]:
     if unknown:
         raise UrdfcheckError(f"--target {unknown[0]}: known targets are {', '.join(TARGETS)}")
     return names
+
+
+def _limits(seconds: float | None, memory: int | None) -> Limits:
+    from urdfcheck.limits import Limits
+
+    if seconds is not None and not 0 <= seconds < 1e9:
+        raise UrdfcheckError(f"--timeout {seconds:g}: a number of seconds, 0 for no limit")
+    if memory is not None and memory < LEAST_MEMORY:
+        raise UrdfcheckError(f"--memory {memory}: at least {LEAST_MEMORY} MiB, which the libraries take")
+    default = Limits()
+    return Limits(default.seconds if seconds is None else seconds, default.memory if memory is None else memory)
+
+
+def _progress() -> Callable[[int, int], None] | None:
+    """Shows on a terminal how far a run is; nothing where no one watches."""
+    if not sys.stderr.isatty():
+        return None
+    import time
+
+    began = time.monotonic()
+    shown = 0.0
+
+    def show(done: int, total: int) -> None:
+        nonlocal shown
+        now = time.monotonic()
+        if done == total:
+            text = ""
+        elif now - began < PROGRESS_FROM or now - shown < PROGRESS_EVERY:
+            return
+        else:
+            left = (now - began) / done * (total - done)
+            text = f"{done:,} of {total:,} checked, about {left:,.0f} s left"
+        if text or shown:
+            print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+            shown = now
+
+    return show
 
 
 def _jobs(given: int | None) -> int:

@@ -12,6 +12,7 @@ import tomli
 from urdfcheck import catalogue
 from urdfcheck.core import Severity, UrdfcheckError
 from urdfcheck.source.packages import display_name
+from urdfcheck.source.reach import Reach
 
 FAIL_ON = ("error", "warning", "info", "never")
 TIERS = ("source", "mesh", "full")
@@ -85,6 +86,8 @@ def _read(path: Path, table: Any) -> Config:
         for folder in folders:
             if not (root / folder).is_dir():
                 raise reader.wrong(key, f"folders that exist; {folder} is none")
+            if not Reach.around([path], []).allows(root / folder):  # the file may be a stranger's like all beside it
+                raise reader.wrong(key, f"folders of the repository; {folder} is none (name it on the command line)")
     for key in ("select", "ignore"):
         try:
             catalogue.select(reader.words(table, key, ()))

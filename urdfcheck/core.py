@@ -178,7 +178,10 @@ class Finding:
         import hashlib  # loads OpenSSL: only outputs that show fingerprints pay for it
 
         return tuple(
-            hashlib.sha256("\0".join((self.code, self.model, subject, self.message_id)).encode()).hexdigest()[:32]
+            hashlib.sha256(
+                # A file name may be no text in any encoding.
+                "\0".join((self.code, self.model, subject, self.message_id)).encode(errors="surrogatepass")
+            ).hexdigest()[:32]
             for subject in self.subjects
         )
 
@@ -358,7 +361,8 @@ class Scene:
 class Run:
     """The whole outcome, immutable: what every output renders. ``sources`` holds the text of files with findings;
     ``rules`` are those that were selected, ``tier`` how much was computed (source | mesh | full), ``units`` counts the
-    models, launch files and packages that were looked at, ``targets`` names who will read the models."""
+    models, launch files and packages that were looked at, ``targets`` names who will read the models, ``partial`` says that
+    the run was interrupted."""
 
     models: tuple[ModelInfo, ...]
     findings: tuple[Finding, ...]
@@ -372,6 +376,7 @@ class Run:
     units: int = 0
     tier: str = "full"
     targets: tuple[str, ...] = ()
+    partial: bool = False
 
     def count(self, severity: Severity) -> int:
         """Findings of exactly this severity that are not suppressed."""

@@ -7,25 +7,32 @@ from __future__ import annotations
 
 import contextlib
 import os
+import signal
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck import __version__, catalogue, libraries
+from urdfcheck import __version__, catalogue, libraries, sandbox
 from urdfcheck.core import Finding, Location, Run, Skip, UrdfcheckError
-from urdfcheck.source.discover import ModelTarget, Plan, plan
-from urdfcheck.source.packages import display_name
-from urdfcheck.workers import Died, Worker, in_workers
+from urdfcheck.errors import TimeUp
+from urdfcheck.limits import Limits
+from urdfcheck.source.discover import Plan, plan
+from urdfcheck.source.packages import PackageFinder, display_name
+from urdfcheck.source.reach import Reach
+from urdfcheck.workers import Died, Overdue, Worker, in_workers
 
 if TYPE_CHECKING:
     from urdfcheck.worker import Report, Settings, Unit
 
 # Configurations of the joints that are looked at, and with --thorough.
 SAMPLES, THOROUGH = 200, 5_000
+# How many times longer than the check of one model the search for all of them may take, and how many seconds at least: a
+# model takes about a millisecond.
+PLANNING, LEAST_PLANNING = 10, 600.0
 DISTRIBUTIONS = ("xacro", "numpy", "pin", "coal", "trimesh")
 
 
@@ -33,7 +40,8 @@ DISTRIBUTIONS = ("xacro", "numpy", "pin", "coal", "trimesh")
 class Request:
     """What a run is asked to do. ``root`` is the configuration's folder: models are named relative to it. ``cache``: the
     folder of results that are kept, None to keep nothing; ``samples``: in how many configurations motion is looked at;
-    ``pairs``: whether the reports judge all pairs of links for an SRDF."""
+    ``pairs``: whether the reports judge all pairs of links for an SRDF. ``allowed``: folders below which files may be opened
+    beside those that the paths and packages are in; ``environment``: the variables that a xacro may read beside those of ROS."""
 
     paths: tuple[Path, ...]
     root: Path
@@ -50,6 +58,14 @@ class Request:
     cache: Path | None = None
     samples: int = SAMPLES
     pairs: bool = False
+    allowed: tuple[Path, ...] = ()
+    environment: tuple[str, ...] = ()
+    limits: Limits = field(default_factory=Limits)
+
+    @property
+    def reach(self) -> Reach:
+        """What may be opened."""
+        return Reach.around(self.paths, (*self.packages.values(), *self.package_paths, *self.allowed))
 
 
 def run(
@@ -57,18 +73,29 @@ def run(
     audit: Callable[[Unit, Settings], Report] | None = None,
     first: Worker | None = None,
     meanwhile: Callable[[], object] | None = None,
+    progress: Callable[[int, int], object] | None = None,
 ) -> Run:
     """Check everything that the request's paths mean.
 
     ``audit`` replaces the worker processes by a function in this one (for tests and for embedding). ``first``: a worker
-    that waits already; ``meanwhile`` is called once while the first workers are busy.
+    that waits already; ``meanwhile`` is called once while the first workers are busy, ``progress`` whenever a model or file
+    has been checked, with their number and how many there are. An interrupt ends the run with what was finished until then.
     """
     began = time.perf_counter()
-    found = plan(request.paths, request.arguments, request.packages, request.package_paths)
-    units = _units(found, request.root)
-    reports = _reports(request, units, audit, first, meanwhile)
-    kept = [(u, r) for u, r in zip(units, reports, strict=True) if not _is_nothing(u, r, found)]
+    found, units = planned(request, here=audit is not None)
+    reports: dict[int, Report] = {}
+    with auditing(request, units) as settings:
+        done = stream(units, settings, request.jobs, audit, first, meanwhile)
+        with contextlib.suppress(KeyboardInterrupt), contextlib.closing(done):
+            for index, report in done:
+                reports[index] = report
+                if progress is not None:
+                    progress(len(reports), len(units))
+    kept = [(u, reports[i]) for i, u in enumerate(units) if i in reports and not is_nothing(u, reports[i], found)]
     outcome = _assemble(request, found, kept, time.perf_counter() - began)
+    if len(reports) < len(units):
+        reason = f"interrupted: {len(reports)} of {len(units)} models and files were checked, and nothing is known of the others"
+        outcome = replace(outcome, partial=True, failures=(*outcome.failures, reason))
     return reproducible(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
 
 
@@ -77,29 +104,56 @@ def run_one(request: Request, audit: Callable[[Unit, Settings], Report] | None =
 
     :raises UrdfcheckError: when they mean none, or several.
     """
-    found = plan(request.paths, request.arguments, request.packages, request.package_paths)
+    found, units = planned(request, here=audit is not None)
     for path, reason in (*found.missing, *found.unused):
         raise UrdfcheckError(f"{path}: {reason}")
-    models = [unit for unit in _units(found, request.root) if unit.kind == "model"]
+    models = [unit for unit in units if unit.kind == "model"]
     if len(models) != 1:
         named = f"{len(models)} models, name one of them: {', '.join(m.id for m in models)}" if models else "no model"
         raise UrdfcheckError(f"{', '.join(map(str, request.paths))}: {named}")
-    (report,) = _reports(request, models, audit)
+    with auditing(request, models) as settings:
+        ((_, report),) = stream(models, settings, 1, audit)
     return report
 
 
-def _reports(
-    request: Request,
-    units: Sequence[Unit],
-    audit: Callable[[Unit, Settings], Report] | None,
-    first: Worker | None = None,
-    meanwhile: Callable[[], object] | None = None,
-) -> list[Report]:
-    """The report on each unit, in their order."""
+def planned(request: Request, *, here: bool = False) -> tuple[Plan, list[Unit]]:
+    """What the request's paths mean, and as units of work in a stable order; worked out in a process of its own, for it reads
+    the files of strangers, or ``here``.
+
+    :raises UrdfcheckError: when that process died or did not end.
+    """
+    words = (request.paths, request.arguments, request.packages, request.package_paths, request.reach)
+    if here:
+        found = plan(*words)
+    else:
+        seconds = request.limits.seconds
+        longest = max(PLANNING * seconds, LEAST_PLANNING) if seconds else None
+        ((_, found),) = in_workers(_plan, [(request.limits.memory, *words)], 1, longest=longest)
+        if isinstance(found, Overdue):
+            raise UrdfcheckError(f"looking for models took more than {longest:g} s (--timeout)")
+        if isinstance(found, Died):
+            raise UrdfcheckError(f"the process that looks for models {_ending(found.exit_code)}")
+        if isinstance(found, MemoryError):
+            raise UrdfcheckError(f"looking for models takes more than {request.limits.memory} MiB (--memory)")
+    return found, _units(found, request.root)
+
+
+def _plan(memory: int, *words: Any) -> Plan | MemoryError:
+    sandbox.bound_memory(memory)
+    try:
+        return plan(*words)
+    except MemoryError as error:
+        return error.with_traceback(None)
+
+
+@contextlib.contextmanager
+def auditing(request: Request, units: Sequence[Unit]) -> Iterator[Settings]:
+    """What holds for the audit of these units, as long as the context lasts."""
     from urdfcheck.worker import Settings
 
+    reach = request.reach
     with _cache_for(request, units) as folder:
-        settings = Settings(
+        yield Settings(
             codes=request.codes,
             tier=request.tier,
             options=request.options,
@@ -111,10 +165,22 @@ def _reports(
             cache=folder,
             samples=request.samples,
             pairs=request.pairs,
+            reach=reach.roots,
+            around=_around(request, reach, units),
+            environment=request.environment,
+            limits=request.limits,
         )
-        if audit is not None:
-            return [audit(unit, settings) for unit in units]
-        return _in_workers(units, settings, request.jobs, first, meanwhile)
+
+
+def _around(request: Request, reach: Reach, units: Sequence[Unit]) -> tuple[str, ...]:
+    """The folders that a worker must see: those in reach, those in which packages are looked for, and the rules."""
+    folders = dict.fromkeys((*reach.roots, str(catalogue.pages_folder())))
+    for start in dict.fromkeys(Path(path).absolute().parent for u in units for path in (u.path, *u.launches)):
+        if not any(os.path.realpath(start).startswith(root + os.sep) for root in folders):
+            folders.update(dict.fromkeys(os.path.realpath(level) for level in PackageFinder(start).levels()[-1:]))
+    for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
+        folders.update(dict.fromkeys(filter(None, os.environ.get(variable, "").split(os.pathsep))))
+    return tuple(folders)
 
 
 @contextlib.contextmanager
@@ -124,6 +190,8 @@ def _cache_for(request: Request, units: Sequence[Unit]) -> Iterator[str | None]:
     from urdfcheck.cache import Cache
 
     if request.cache is not None:
+        with contextlib.suppress(OSError):  # a worker may write in it, and not make it
+            request.cache.mkdir(parents=True, exist_ok=True)
         yield str(request.cache)
         Cache(request.cache).tidy()
     elif len(units) > 1:
@@ -173,13 +241,12 @@ def _units(found: Plan, root: Path) -> list[Unit]:
     return units
 
 
-def _is_nothing(unit: Unit, report: Report, found: Plan) -> bool:
+def is_nothing(unit: Unit, report: Report, found: Plan) -> bool:
     """A file that only its expansion shows to be no model: it makes neither link nor joint."""
-    tentative = {str(t.path): t for t in found.models if t.tentative}
-    target: ModelTarget | None = tentative.get(unit.path) if unit.kind == "model" else None
-    if target is None or report.info is None or report.info.status != "checked":
+    info = report.info
+    if info is None or info.status != "checked" or info.links or info.joints:
         return False
-    return report.info.links == 0 and report.info.joints == 0
+    return any(target.tentative and str(target.path) == unit.path for target in found.models)
 
 
 def _assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]], seconds: float) -> Run:
@@ -201,9 +268,7 @@ def _assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]]
             except Exception as error:
                 failures.append(f"{rule.code} crashed: {type(error).__name__}: {error}")
     if "URC907" in request.codes:
-        for library, path in sorted(libraries.foreign().items()):
-            nowhere = Location(f"library[{library}]", None)
-            findings.append(rules["URC907"].finding("shadowed", at=nowhere, library=library, path=path))
+        findings += foreign_libraries()
     sources: dict[str, str] = {}
     for _, report in kept:
         sources.update(report.sources)
@@ -212,7 +277,7 @@ def _assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]]
         findings=tuple(sorted(merge(findings), key=order)),
         skipped=tuple(skipped),
         rules={code: rule for code, rule in rules.items() if code in request.codes or code == "URC900"},
-        versions=_versions(full=request.scene),
+        versions=versions(full=request.scene),
         sources=sources,
         scenes=tuple(r.scene for _, r in kept if r.scene is not None),
         seconds=seconds,
@@ -223,7 +288,16 @@ def _assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]]
     )
 
 
-def _versions(*, full: bool) -> dict[str, str]:
+def foreign_libraries() -> list[Finding]:
+    """The findings of URC907: libraries that are not taken from our own environment."""
+    rule = catalogue.rules()["URC907"]
+    return [
+        rule.finding("shadowed", at=Location(f"library[{library}]", None), library=library, path=path)
+        for library, path in sorted(libraries.foreign().items())
+    ]
+
+
+def versions(*, full: bool) -> dict[str, str]:
     """Our own version and Python's; those of the libraries, which take a while to look up, only for a report that shows them."""
     found = {"urdfcheck": __version__, "python": ".".join(map(str, sys.version_info[:3]))}
     if not full:
@@ -241,29 +315,54 @@ def _versions(*, full: bool) -> dict[str, str]:
 # -- worker processes ------------------------------------------------------------------------------------------------
 
 
-def _in_workers(
+def stream(
     units: Sequence[Unit],
     settings: Settings,
     jobs: int,
-    first: Worker | None,
-    meanwhile: Callable[[], object] | None,
-) -> list[Report]:
-    """Audit each unit in a worker process, at most ``jobs`` at once; the order of the result is that of the units."""
-    from urdfcheck.worker import Report
+    audit: Callable[[Unit, Settings], Report] | None = None,
+    first: Worker | None = None,
+    meanwhile: Callable[[], object] | None = None,
+) -> Generator[tuple[int, Report], None, None]:
+    """Audit each unit in a worker process, at most ``jobs`` at once: the places of the units and their reports as they come.
+    ``audit``, ``first`` and ``meanwhile`` as for :func:`run`."""
+    from urdfcheck.worker import Report, stopped
 
+    if audit is not None:
+        yield from ((index, audit(unit, settings)) for index, unit in enumerate(units))
+        return
     # A package or a launch file takes less time than a process for it.
     at_once = max(1, min(jobs, sum(unit.kind == "model" for unit in units)))
     # The large ones first, so that none of them is left alone at the end.
     order = sorted(range(len(units)), key=lambda index: -_size(units[index].path))
     work = [(units[index], settings) for index in order]
-    reports: dict[int, Report] = {}
-    for place, result in in_workers(_audit, work, at_once, first, meanwhile):
+    seconds = settings.limits.seconds
+    longest = seconds + sandbox.PATIENCE if seconds else None
+    for place, result in in_workers(_audit, work, at_once, first, meanwhile, longest, _was_stopped):
         unit = units[order[place]]
-        if isinstance(result, Died):
-            text = f"the worker for {unit.id} died (exit code {result.exit_code})"
-            result = Report(info=_dead(unit), failures=(text,))
-        reports[order[place]] = result
-    return [reports[index] for index in range(len(units))]
+        if isinstance(result, Overdue):
+            result = Report(info=_dead(unit), findings=(stopped(unit, settings.limits, "killed"),))
+        elif isinstance(result, Died):
+            result = Report(info=_dead(unit), failures=(f"the worker for {unit.id} {_ending(result.exit_code)}",))
+        yield order[place], result
+
+
+def _was_stopped(report: Report) -> bool:
+    """Whether the time or the memory was over in the middle of something, an import perhaps, that is half done now."""
+    return any(finding.code == "URC906" for finding in report.findings)
+
+
+def _ending(exit_code: int | None) -> str:
+    """How a process ended, in words."""
+    if exit_code is None:
+        return "sent something that is no report"
+    if exit_code >= 0:
+        return f"died (exit code {exit_code})"
+    try:
+        name = signal.Signals(-exit_code).name
+    except ValueError:
+        name = f"signal {-exit_code}"
+    hint = "; the system may have been out of memory" if name == "SIGKILL" else ""
+    return f"was killed ({name}{hint})"
 
 
 def _size(path: str) -> int:
@@ -274,14 +373,17 @@ def _size(path: str) -> int:
 
 
 def _audit(unit: Unit, settings: Settings) -> Report:
+    """What a worker process does with a unit."""
+    from urdfcheck.worker import Report, audit, stopped
+
     libraries.prefer_own()
+    sandbox.confine(settings.around, [settings.cache] if settings.cache else [], settings.limits.memory)
     try:
-        from urdfcheck.worker import audit
-
-        return audit(unit, settings)
+        with sandbox.deadline(settings.limits.seconds):
+            return audit(unit, settings)
+    except TimeUp:  # for the second time: while the first was being handled
+        return Report(info=_dead(unit), findings=(stopped(unit, settings.limits, "time"),))
     except Exception as error:  # ours, not the model's: reading and checking turn what is wrong there into findings
-        from urdfcheck.worker import Report
-
         text = f"the audit of {unit.id} crashed: {type(error).__name__}: {error}"
         return Report(info=_dead(unit), failures=(text,))
 

@@ -7,3 +7,7 @@ class UrdfcheckError(Exception):
 
 class Unavailable(Exception):
     """A fact cannot be had for this model; the text says why. The engine lists the check as skipped."""
+
+
+class TimeUp(BaseException):
+    """The time of the model that is being checked is over. No Exception: whoever handles those must not go on."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from urdfcheck import __version__
 from urdfcheck.core import Severity
+from urdfcheck.files import read_regular
 from urdfcheck.source.xml import quoted
 
 if TYPE_CHECKING:
@@ -77,7 +78,7 @@ def why_none(report: Report) -> str:
 def unlike_ours(file: Path) -> bool:
     """Whether a file is there that :func:`render` did not make, or to which something was added."""
     try:
-        text = file.read_text(encoding="utf-8", errors="replace")
+        text = read_regular(file).decode("utf-8", "replace")
     except OSError:
         return False
     elements = set(_TAG.findall(_COMMENT.sub("", text)))

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Callable, Iterable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -25,14 +26,21 @@ from urdfcheck.core import (
     Span,
     Unavailable,
 )
+from urdfcheck.errors import TimeUp
+from urdfcheck.files import Stamp, read_regular, recorded
+from urdfcheck.limits import Limits
 from urdfcheck.model import Model
 from urdfcheck.outline import Outline, outline_of
 from urdfcheck.recall import Recall, applies
 from urdfcheck.source.launch import Launch, load_launch
 from urdfcheck.source.load import Source, load
 from urdfcheck.source.packages import PackageFinder, load_package
+from urdfcheck.source.problems import Problem
+from urdfcheck.source.reach import Reach
 from urdfcheck.srdf import LinkPairs, pairs_of
 
+# Of one rule in one model. The noisiest of a hundred real robots has 83.
+MOST_FINDINGS = 1_000
 TIERS = ("source", "mesh", "full")
 _TIER_OF_NEED = {"source": "source", "package": "source", "mesh": "mesh", "dynamics": "full", "collision": "full"}
 
@@ -53,7 +61,9 @@ class Unit:
 @dataclass(frozen=True, slots=True)
 class Settings:
     """What holds for every unit of a run: plain values, because they cross into the worker. ``cache``: the folder of results
-    that are kept, None to keep nothing; ``samples``: in how many configurations motion is looked at."""
+    that are kept, None to keep nothing; ``samples``: in how many configurations motion is looked at. ``reach``: the folders
+    below which files may be opened, None for all; ``around``: those that a worker process must see at all; ``environment``:
+    the variables that a xacro may read beside those of ROS."""
 
     codes: frozenset[str]
     tier: str = "full"
@@ -66,12 +76,16 @@ class Settings:
     cache: str | None = None
     samples: int = 200
     pairs: bool = False
+    reach: tuple[str, ...] | None = None
+    around: tuple[str, ...] = ()
+    environment: tuple[str, ...] = ()
+    limits: Limits = field(default_factory=Limits)
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
     """What a worker sends back. ``failures`` are urdfcheck's own: they make the exit code 2. ``scene`` and ``pairs`` are there
-    where the settings ask for them."""
+    where the settings ask for them. ``reads``: the files that the findings rest on, as they were."""
 
     findings: tuple[Finding, ...] = ()
     skipped: tuple[Skip, ...] = ()
@@ -81,19 +95,37 @@ class Report:
     outline: Outline | None = None
     sources: Mapping[str, str] = field(default_factory=dict)
     failures: tuple[str, ...] = ()
+    reads: Mapping[str, Stamp] = field(default_factory=dict)
 
 
 def audit(unit: Unit, settings: Settings) -> Report:
     """Audit one unit. A check that crashes is reported as a failure and as finding URC900; the others still run."""
+    import numpy as np
+
     began = time.perf_counter()
     run = _Audit(unit, settings)
-    if unit.kind == "package":
-        run.package()
-    elif unit.kind == "launch":
-        run.launches(None)
-    else:
-        run.model()
-    return run.report(time.perf_counter() - began)
+    with recorded() as reads, np.errstate(all="ignore"):  # numbers without sense are findings, nothing for the terminal
+        try:
+            if unit.kind == "package":
+                run.package()
+            elif unit.kind == "launch":
+                run.launches(None)
+            else:
+                run.model()
+        except TimeUp:
+            run.stop("time")
+        except MemoryError:
+            run.stop("memory")
+    return replace(run.report(time.perf_counter() - began), reads=reads)
+
+
+def stopped(unit: Unit, limits: Limits, message: str, problem: Problem | None = None) -> Finding:
+    """That the check of a unit was stopped (``message``: time | memory | killed), or its expansion at a problem."""
+    at = Location("robot", Span(_display(unit.path), 1, 1, 1, 1, 0, 0)) if problem is None else problem.location
+    related, reason = ((), "") if problem is None else (problem.related, problem.message)
+    rule = catalogue.rules()["URC906"]
+    finding = rule.finding(message, at=at, related=related, seconds=limits.seconds, memory=limits.memory, reason=reason)
+    return replace(finding, model=unit.id)
 
 
 class _Audit:
@@ -118,6 +150,7 @@ class _Audit:
             start.absolute(),
             {name: Path(folder) for name, folder in self.settings.packages.items()},
             [Path(p) for p in self.settings.package_paths],
+            reach=None if self.settings.reach is None else Reach(self.settings.reach),
         )
 
     # -- kinds of units ----------------------------------------------------------------------------------------
@@ -125,8 +158,18 @@ class _Audit:
     def model(self) -> None:
         path = Path(self.unit.path)
         unit = self.unit
-        source = load(path, unit.arguments, self.finder(path), explicit=unit.explicit, xacro=unit.xacro)
+        source = load(
+            path,
+            unit.arguments,
+            self.finder(path),
+            explicit=unit.explicit,
+            xacro=unit.xacro,
+            environment=frozenset(self.settings.environment),
+        )
         self.texts.update({name: file.text for name, file in source.files.items()})
+        for problem in source.problems_of("time-limit", "memory-limit"):
+            message = f"expansion-{problem.kind.partition('-')[0]}"
+            self.findings.append(stopped(unit, self.settings.limits, message, problem))
         self.run("file", source)
         model: Model | None = None
         if source.root is not None and source.root.tag == "robot":
@@ -199,6 +242,8 @@ class _Audit:
             return work()
         except Unavailable as reason:
             self.skip(what, str(reason))
+        except MemoryError:
+            raise  # the model is too large, and no check at fault
         except Exception as error:
             where = traceback.extract_tb(error.__traceback__)[-1]
             text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
@@ -210,6 +255,14 @@ class _Audit:
             )
         return None
 
+    def stop(self, message: str) -> None:
+        """Give up: what was found stays, and everything else is unknown."""
+        self.findings.append(stopped(self.unit, self.settings.limits, message))
+        self.skip("ALL", "the check was stopped (URC906)")
+        if self.unit.kind == "model":
+            path, arguments = _display(self.unit.path), dict(self.unit.arguments)
+            self.info = ModelInfo(path, "", arguments, 0, 0, None, "failed", self.unit.id)
+
     def skip(self, code: str, reason: str) -> None:
         self.skipped.append(Skip(code, self.unit.id, reason))
 
@@ -218,13 +271,33 @@ class _Audit:
             if scope in rule.scopes:
                 self.skip(rule.code, reason)
 
+    def read_text(self, path: Path) -> str | None:
+        """The text of a file that a finding points into and that was not kept; None where it cannot or must not be read."""
+        if not self.finder(Path(self.unit.path)).allows(path):
+            return None
+        try:
+            return read_regular(path).decode("utf-8", "replace")
+        except OSError:
+            return None
+
+    def first_of_each(self, findings: Iterable[Finding]) -> Iterator[Finding]:
+        """All findings but those that nobody would read any more; how many these are is said."""
+        number: Counter[str] = Counter()
+        for finding in findings:
+            number[finding.code] += 1
+            if number[finding.code] <= MOST_FINDINGS:
+                yield finding
+        for code, count in sorted(number.items()):
+            if count > MOST_FINDINGS:
+                self.skip(code, f"{count - MOST_FINDINGS:,} more findings are not listed")
+
     def report(self, seconds: float) -> Report:
-        findings = tuple(sorted(hide(merge(self.findings), self.rules), key=order))
+        findings = tuple(self.first_of_each(sorted(hide(merge(self.findings), self.rules), key=order)))
         named = {f.location.span.file for f in findings if f.location.span is not None}
         named |= {s.file for f in findings for s in f.location.via}
         named |= {r.span.file for f in findings for r in f.related if r.span is not None}
         for name in sorted(named - set(self.texts)):
-            text = _read_text(name)
+            text = self.read_text(Path(name))
             if text is not None:
                 self.texts[name] = text
         info = None if self.info is None else replace(self.info, seconds=round(seconds, 3))
@@ -329,10 +402,3 @@ def _display(path: str) -> str:
     from urdfcheck.source.packages import display_name
 
     return display_name(Path(path))
-
-
-def _read_text(name: str) -> str | None:
-    try:
-        return Path(name).read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return None

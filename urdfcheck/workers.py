@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import io
 import multiprocessing
 import os
+import pickle
 import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -29,6 +31,30 @@ class Died(Exception):
     def __init__(self, exit_code: int | None) -> None:
         super().__init__(exit_code)
         self.exit_code = exit_code
+
+
+class Overdue(Died):
+    """A worker was ended because its job took too long."""
+
+
+class _Answer(pickle.Unpickler):
+    """Reads what a worker sends. It is plain data: a worker that a hostile file has taken over can send no more than that."""
+
+    _OTHERS = frozenset(
+        {("builtins", name) for name in ("set", "frozenset", "complex", "bytearray", "slice")}
+        | {(f"numpy.{core}.multiarray", name) for core in ("core", "_core") for name in ("_reconstruct", "scalar")}
+        | {("numpy", "ndarray"), ("numpy", "dtype"), ("numpy._core.numeric", "_frombuffer")}
+        | {("collections", "OrderedDict"), ("builtins", "MemoryError")}
+        | {(module, f"{kind}Path") for module in ("pathlib", "pathlib._local") for kind in ("Posix", "Windows")}
+    )
+
+    def find_class(self, module: str, name: str) -> Any:
+        if (module, name) in self._OTHERS:
+            return super().find_class(module, name)
+        found = super().find_class(module, name) if module.startswith("urdfcheck.") and "." not in name else None
+        if not isinstance(found, type):
+            raise pickle.UnpicklingError(f"a worker sent {module}.{name}, which is no data")
+        return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,11 +87,20 @@ class Worker:
         :raises Died: when the process ended without an answer.
         """
         try:
-            return self.pipe.recv()
+            return _Answer(io.BytesIO(self.pipe.recv_bytes())).load()
         except (EOFError, ConnectionResetError):
             self.pipe.close()
             self.process.join()
             raise Died(self.process.exitcode) from None
+        except (pickle.UnpicklingError, AttributeError, ImportError, ValueError, TypeError):
+            self.end()
+            raise Died(None) from None
+
+    def end(self) -> None:
+        """Kill it, whatever it is doing."""
+        self.process.kill()
+        self.process.join()
+        self.pipe.close()
 
 
 def in_workers(
@@ -74,13 +109,16 @@ def in_workers(
     at_once: int,
     first: Worker | None = None,
     meanwhile: Callable[[], object] | None = None,
+    longest: float | None = None,
+    spent: Callable[[Any], bool] = lambda _: False,
 ) -> Iterator[tuple[int, Any]]:
     """Call the function with each job's arguments, ``at_once`` at a time; as they come, the index of the job and what it
     returned, or `Died`. ``first``: a worker that waits already, and that others are like; ``meanwhile`` is called once while
-    the first are busy."""
+    the first are busy; ``longest``: after so many seconds a job's worker is killed (`Overdue`);
+    ``spent`` says of a result that its worker is fit for no other job."""
     waiting = list(range(len(jobs)))[::-1]
     idle = [] if first is None else [first]
-    busy: dict[Connection, tuple[int, Worker]] = {}
+    busy: dict[Connection, tuple[int, Worker, float]] = {}
     until = time.monotonic() + (_PATIENCE if idle and len(jobs) <= _FEW else 0.0)
     try:
         while waiting or busy:
@@ -89,24 +127,34 @@ def in_workers(
                 worker = idle.pop() if idle else Worker.start(None if first is None else first.prepare)
                 index = waiting.pop()
                 worker.give(function, jobs[index])
-                busy[worker.pipe] = index, worker
+                busy[worker.pipe] = index, worker, time.monotonic()
             if meanwhile is not None:
                 meanwhile()
                 meanwhile = None
-            for ready in wait(list(busy), patience if waiting and patience else None):
+            ends = [patience] if waiting and patience else []
+            if longest is not None:
+                ends += [max(0.0, began + longest - time.monotonic()) for _, _, began in busy.values()]
+            for ready in wait(list(busy), min(ends, default=None)):
                 assert isinstance(ready, Connection)
-                index, worker = busy.pop(ready)
+                index, worker, _ = busy.pop(ready)
                 try:
                     result = worker.answer()
                 except Died as died:
                     yield index, died
                 else:
-                    idle.append(worker)
+                    if spent(result):
+                        worker.end()
+                    else:
+                        idle.append(worker)
                     yield index, result
+            for pipe, (index, worker, began) in list(busy.items()):
+                if longest is not None and time.monotonic() - began > longest:
+                    del busy[pipe]
+                    worker.end()
+                    yield index, Overdue(worker.process.exitcode)
     finally:  # also when we are interrupted: nobody works on
-        for _, worker in busy.values():
-            worker.process.terminate()
-            worker.process.join()
+        for _, worker, _ in busy.values():
+            worker.end()
         for worker in idle:
             worker.pipe.close()
 

@@ -168,8 +168,11 @@ def test_absolute_path_into_the_package_gets_its_package_path(tmp_path: Path) ->
     assert [e.replacement for e in finding.fix.edits] == ["package://p/meshes/a.stl"] * 2
 
 
-def test_machine_path_that_does_not_exist_is_told_once(tmp_path: Path) -> None:
+def test_machine_path_is_told_once_whether_or_not_it_may_be_looked_at(tmp_path: Path) -> None:
     finding = only(audit(package(tmp_path), link("a", "file:///nowhere/a.stl")))
+    assert (finding.code, finding.message_id) == ("PKG004", "unread")
+    model = package(tmp_path)
+    finding = only(audit(model, link("a", f"file://{model.parent}/nowhere/a.stl")))
     assert (finding.code, finding.message_id) == ("PKG004", "nowhere")
 
 

@@ -53,7 +53,8 @@ def only(run: Run) -> Finding:
         ("""<link name="${ {'a': 1}['a'] }"/>""", "syntax", "is no expression"),
         ('<link name="${1/0}"/>', "expression-failed", "division by zero"),
         ("""<link name="${xacro.fatal('no such type')}"/>""", "refused", "no such type"),
-        ('<link name="$(env URDFCHECK_NOT_SET)"/>', "failed", "'URDFCHECK_NOT_SET' is not set"),
+        ('<link name="$(env ROS_DISTRO)"/>', "environment", "ROS_DISTRO is not set"),
+        ('<link name="$(env HOME)"/>', "environment-unread", "HOME counts as not set"),
     ],
 )  # fmt: skip
 def test_each_way_to_fail_is_one_located_finding(tmp_path: Path, text: str, message: str, says: str) -> None:
@@ -327,7 +328,10 @@ def test_argument_read_by_an_expression(tmp_path: Path) -> None:
         "().__class__",
         "[x.__class__ for x in [1]]",
         "(lambda: 1)()",
-        "''.format(1)",
+        "'\\x7b0.real\\x7d'.format(1)",
+        "'a'.encode()",
+        "9**9**9",
+        "'a' * 10**9",
         "python.vars(list)",
         "__import__('os')",
     ],
@@ -344,6 +348,9 @@ def test_unsafe_expressions_are_never_evaluated(tmp_path: Path, expression: str)
         ("${globals()}", "outside", "globals is no function"),
         ("$(eval __import__('os').system('true'))", "outside", "two underscores"),
         ("${list(map(lambda i: i * 2, [1]))}", "construct", "it contains a lambda"),
+        ("${'a'.encode()}", "method", "the attribute .encode of a str"),
+        ("${2**99999}", "too_large", "more than 3,010 digits"),
+        ("$(eval 'a'*99999999)", "too_large", "more than 1,000,000 characters"),
         ("${(lambda: ().__class__)()}", "unsafe", ".__class__"),
     ],
 )
@@ -351,6 +358,31 @@ def test_refused_expressions_say_what_they_are(tmp_path: Path, expression: str, 
     finding = only(xacro(tmp_path, f'<link name="{expression}"/>', {"XAC011", "XAC001"}))
     assert (finding.code, finding.message_id) == ("XAC011", message)
     assert says in finding.message
+
+
+def test_yaml_that_asks_for_python_is_told_at_its_line_with_its_reader(tmp_path: Path) -> None:
+    (tmp_path / "f.yaml").write_text("a: 1\nb: !!python/object/apply:os.system ['true']\n")
+    text = """<xacro:property name="c" value="${xacro.load_yaml('f.yaml')}"/>\n<link name="${c.a}"/>"""
+    finding = only(xacro(tmp_path, text, {"XAC011", "XAC001"}))
+    assert (finding.code, finding.message_id) == ("XAC011", "tag")
+    assert "!!python/object/apply:os.system" in finding.message
+    assert finding.location.span is not None
+    assert (Path(finding.location.span.file).name, finding.location.span.line) == ("f.yaml", 2)
+    assert [r.span.line for r in finding.related if r.span] == [4, 3]
+
+
+def test_ignored_variables_are_one_finding_with_every_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TOKEN", "secret")
+    text = """<xacro:property name="p" value="$(optenv TOKEN 1)"/>
+<xacro:macro name="m" params="n"><link name="l${n}_${p}_$(optenv SIDE left)"/></xacro:macro>
+<xacro:m n="1"/><xacro:m n="2"/>
+"""
+    finding = only(xacro(tmp_path, text, {"XAC016"}))
+    assert finding.severity is Severity.INFO
+    assert finding.data["variables"] == ["SIDE", "TOKEN"]
+    assert "secret" not in str(finding)
+    assert [s.line for s in (finding.location.span, *(r.span for r in finding.related)) if s] == [3, 4]
+    assert "--env SIDE --env TOKEN" in finding.fix.title if finding.fix else False
 
 
 def test_names_of_builtins_are_ordinary_names_of_properties(tmp_path: Path) -> None:

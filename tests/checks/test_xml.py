@@ -8,6 +8,7 @@ import pytest
 from conftest import check, check_text
 
 from urdfcheck.core import Applicability, Finding, Severity
+from urdfcheck.model.dynamics import captured_stderr
 
 ROBOT = '<robot name="r"><link name="a"/><link name="b">{link}</link>{joint}</robot>'
 JOINT = (
@@ -147,6 +148,20 @@ class TestXML003:
         assert not findings(tmp_path, text, "XML003")
 
 
+class TestUtf16:
+    @pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-16-be"])
+    def test_only_xacro_reads_it(self, tmp_path: Path, encoding: str) -> None:
+        pinocchio = pytest.importorskip("pinocchio")
+        path = tmp_path / "robot.urdf"
+        path.write_bytes('<robot name="r"><link name="a"/></robot>'.encode(encoding))
+        with captured_stderr(), pytest.raises(ValueError, match="valid URDF"):
+            pinocchio.buildModelFromUrdf(str(path))
+        (finding,) = check(path, codes={"XML001"}).findings
+        assert (finding.message_id, finding.severity) == ("utf-16", Severity.ERROR)
+        path.rename(tmp_path / "robot.urdf.xacro")
+        assert not check(tmp_path / "robot.urdf.xacro", codes={"XML001"}).findings
+
+
 class TestXML005:
     @pytest.mark.parametrize(
         ("link", "loss"),
@@ -170,6 +185,17 @@ class TestXML005:
         shape = '<visual><geometry><mesh filename=" "/></geometry></visual>'
         (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{shape}</link></robot>', "XML005")
         assert (finding.message_id, finding.consequences["urdfdom"]) == ("file", "loads the file")
+
+    def test_an_axis_without_xyz_is_zero_to_the_reference_parser(self, tmp_path: Path) -> None:
+        pinocchio = pytest.importorskip("pinocchio")
+        inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        text = ROBOT.format(link=inertial, joint=JOINT.format(effort="1", more="<axis/>"))
+        model = pinocchio.buildModelFromXML(text)
+        assert not pinocchio.crba(model, model.createData(), pinocchio.neutral(model)).any()
+        run = check_text(tmp_path, text)
+        assert not run.failures
+        assert [f.message_id for f in run.findings if f.severity is Severity.ERROR] == ["axis"]
+        assert not findings(tmp_path, text.replace("revolute", "fixed"), "XML005")
 
 
 class TestXML007:

@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
+from urdfcheck.facts import mesh_limits
 from urdfcheck.facts.inertia import box_solid, capsule_solid, combine, cylinder_solid, inertia_of, placed, sphere_solid
 from urdfcheck.facts.kinematics import rpy_to_matrix
 from urdfcheck.facts.mesh import MeshError, MeshFacts, mesh_facts, transformed_moments
@@ -467,8 +468,78 @@ def test_a_collada_scene_may_place_its_geometry_often_but_not_without_end() -> N
         return text.replace(place, f"<library_nodes>{nodes}</library_nodes>".encode() + place)
 
     assert mesh_facts(nested(2), "dae").n_triangles == 400
-    with pytest.raises(MeshError, match="more than 100,000 times"):
+    with pytest.raises(MeshError, match="times, more than 100,000"):
         mesh_facts(nested(12), "dae")
+
+
+@pytest.mark.parametrize(
+    ("encoding", "expected"),
+    [
+        ("utf-8", "entities"),
+        ("utf-16", "entities"),
+        ("utf-16-be", "entities"),
+        ("latin-1", "entities"),
+        ("utf-32", "unsupported"),
+        ("utf-32-be", "unsupported"),
+        ("utf-7", "unsupported"),
+        ("cp037", "unsupported"),
+    ],
+)
+def test_collada_entities_are_found_in_every_encoding_that_is_read(encoding: str, expected: str) -> None:
+    head = f'<?xml version="1.0" encoding="{encoding}"?><!DOCTYPE x [<!ENTITY a "b">]>'
+    text = dae(*TETRAHEDRON).decode().replace('<?xml version="1.0"?>', head)
+    assert reason(text.encode(encoding), "dae") == expected
+
+
+def test_triangles_are_counted_before_room_is_made_for_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(mesh_limits, "MOST_TRIANGLES", 4)
+    few, many = TETRAHEDRON, (TETRAHEDRON[0], [*TETRAHEDRON[1], (0, 1, 2)])
+    for kind, write in WRITERS.items():
+        assert mesh_facts(write(*few), kind).n_triangles == 4
+        assert reason(write(*many), kind) == "too-large"
+    polygon = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf" + b" 1 2 3" * 2
+    assert mesh_facts(polygon, "obj").n_triangles == 4
+    assert reason(polygon + b" 1", "obj") == "too-large"
+
+
+def off(vertices: object, faces: object) -> bytes:
+    points, corners = np.asarray(vertices).tolist(), np.asarray(faces).tolist()
+    lines = ["OFF", f"{len(points)} {len(corners)} 0", *(f"{x} {y} {z}" for x, y, z in points)]
+    return "\n".join([*lines, *(f"3 {a} {b} {c}" for a, b, c in corners)]).encode()
+
+
+def ascii_stl(vertices: object, faces: object) -> bytes:
+    corners = np.asarray(vertices)[np.asarray(faces)].tolist()
+    vertex = [" ".join(f"vertex {x} {y} {z}" for x, y, z in facet) for facet in corners]
+    facets = "".join(f"facet normal 0 0 0 outer loop {facet} endloop endfacet\n" for facet in vertex)
+    return f"solid a\n{facets}endsolid a\n".encode()
+
+
+WRITERS: dict[str, Callable[[Any, Any], bytes]] = {
+    "stl": binary_stl,
+    "obj": obj,
+    "off": off,
+    "ply": lambda _, faces: ply(faces),
+    "dae": dae,
+}
+
+
+def test_an_ascii_stl_is_counted_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert mesh_facts(ascii_stl(*TETRAHEDRON), "stl").n_triangles == 4
+    monkeypatch.setattr(mesh_limits, "MOST_TRIANGLES", 3)
+    assert reason(ascii_stl(*TETRAHEDRON), "stl") == "too-large"
+
+
+@pytest.mark.parametrize("count", [10**3, 4 * 10**9, 10**18, 10**30])
+@pytest.mark.parametrize("element", ["vertex", "face"])
+def test_a_ply_file_that_claims_more_than_it_holds_is_truncated(element: str, count: int) -> None:
+    claim = ply(TETRAHEDRON[1]).replace(f"element {element} 4".encode(), f"element {element} {count}".encode())
+    assert reason(claim, "ply") == "truncated"
+
+
+def test_a_ply_file_whose_header_does_not_end_is_refused() -> None:
+    header = b"ply\nformat ascii 1.0\n" + b"comment no end\n" * 9000
+    assert reason(header + ply(TETRAHEDRON[1])[4:], "ply") == "malformed"
 
 
 def test_collada_nodes_place_their_geometry_and_a_mirroring_one_keeps_the_outside_outside() -> None:
@@ -543,7 +614,7 @@ LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c
         pytest.param(DRACO, "gltf", "unsupported", id="glTF compressed"),
         pytest.param(exported(BOX, "ply")[:-20], "ply", "malformed", id="binary PLY cut"),
         pytest.param(BOX.export(file_type="ply", encoding="ascii")[:-40], "ply", "truncated", id="ASCII PLY cut"),
-        pytest.param(exported(BOX, "glb")[:-20], "glb", "malformed", id="GLB cut"),
+        pytest.param(exported(BOX, "glb")[:-20], "glb", "truncated", id="GLB cut"),
         pytest.param(dae(*TETRAHEDRON)[:-40], "dae", "malformed", id="DAE cut"),
         pytest.param(b"<COLLADA/>", "dae", "no-triangles", id="DAE of nothing"),
         pytest.param(dae(*TETRAHEDRON, scene=False), "dae", "no-triangles", id="DAE without scene"),
@@ -592,7 +663,7 @@ def test_what_is_missing_here_is_not_held_against_the_file(
     def fail(*_: object, **__: object) -> None:
         raise kind
 
-    monkeypatch.setattr(trimesh, "load_scene", fail)
+    monkeypatch.setattr(trimesh, "load_mesh", fail)
     parts: dict[str, Mapping[str, NDArray[Any]]] = {}
     with pytest.raises(kind):
         mesh_facts(exported(BOX, "ply"), "ply", parts)

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from urdfcheck.source.discover import ModelTarget, Plan, is_launch, plan
+from urdfcheck.source.reach import Reach
 
 URDF = '<robot name="r"><link name="base"/></robot>'
 XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -206,7 +207,7 @@ def test_a_model_is_recognised_in_any_encoding(workspace: Path, content: bytes) 
     assert models(".") == ["a.urdf"]
 
 
-def test_a_broken_model_is_a_model_and_a_file_that_holds_no_robot_is_none(workspace: Path) -> None:
+def test_what_is_called_a_model_is_one_however_broken(workspace: Path) -> None:
     write(
         workspace,
         {
@@ -215,9 +216,23 @@ def test_a_broken_model_is_a_model_and_a_file_that_holds_no_robot_is_none(worksp
             "latin.urdf": b'<robot name="\xe4"/>',
             "page.urdf": "<html/>",
             "empty.urdf": "",
+            "noise.urdf": b"\0\xff\0",
         },
     )
-    assert models(".") == ["broken.urdf", "broken.xacro", "latin.urdf"]
+    assert models(".") == ["broken.urdf", "broken.xacro", "empty.urdf", "latin.urdf", "noise.urdf", "page.urdf"]
+
+
+def test_a_pattern_of_an_include_is_looked_for_in_reach_only(workspace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A tree of wildcards would walk all of the disk."""
+    import glob
+
+    asked: list[str] = []
+    monkeypatch.setattr(glob, "glob", lambda pattern: asked.append(pattern) or [])
+    include = '<xacro:include filename="{}"/>'
+    names = ["../../../../*/*/*/*", "/*/*/*", "parts/*.xacro", "parts/*/../../../../*"]
+    write(workspace, {"a.xacro": xacro(LINK + "".join(map(include.format, names)))})
+    plan([Path(".")], {}, {}, [], Reach.around([workspace], []))
+    assert {os.path.relpath(pattern, workspace) for pattern in asked if "*" in pattern} == {"parts/*.xacro", "*/*/*"}
 
 
 # -- launch files ------------------------------------------------------------------------------------------------------

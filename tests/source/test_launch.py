@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from pathlib import Path
 
 import pytest
 
-from urdfcheck.source.launch import Description, Launch, Obstacle, load_launch
+from urdfcheck.source import launch_python
+from urdfcheck.source.launch import Description, Launch, Obstacle, is_included, load_launch
 from urdfcheck.source.launch_python import read_python
 from urdfcheck.source.packages import PackageFinder
 
@@ -518,3 +521,29 @@ def test_a_python_launch_file_is_loaded_without_being_run(package: Path) -> None
         [],
     )
     assert loaded.location.span is not None
+
+
+def test_python_more_paths_than_anybody_names_are_not_looked_up(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(launch_python, "MAX_PATHS", 2)
+    path = package / "launch" / "many.launch.py"
+    finder = PackageFinder(path, environment={})
+    path.write_text("x = 'a.urdf'\ny = 'b.urdf'\nz = 'a.urdf'\n")
+    assert [named.path for named in read_python(path, finder).unknown] == ["a.urdf", "b.urdf"]
+    path.write_text("x = 'a.urdf'\ny = 'b.urdf'\nz = 'car.urdf'\n")
+    assert [named.path for named in read_python(path, finder).unknown] == ["a.urdf", "b.urdf"]
+    path.write_text("x = 'a.urdf'\ny = 'car.urdf'\nz = 'wheel.urdf'\n")
+    assert [model.name for model in read_python(path, finder).models] == ["car.urdf"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such files there")
+def test_a_pipe_beside_a_launch_file_is_not_waited_for(package: Path) -> None:
+    loaded = launch(package, "<launch/>")
+    os.mkfifo(loaded.path.parent / "a.launch")
+    assert not is_included(loaded.path)
+    (loaded.path.parent / "b.launch").write_text(f'<launch><include file="{loaded.path.name}"/></launch>')
+    assert is_included(loaded.path)
+
+
+def test_a_launch_file_that_is_nested_too_deeply_is_a_problem_with_what_it_is(package: Path) -> None:
+    (problem,) = launch(package, "<launch>" + "<group>" * 300).problems
+    assert (problem.kind, problem.data["what"]) == ("too-large", "depth")

@@ -460,7 +460,7 @@ def test_a_broken_included_file_is_reported_in_that_file(expand_text: Expand) ->
         ('<!DOCTYPE r [<!ENTITY e "x">]><robot name="&e;"/>', "doctype"),
         ("<robot><xacro:m/></robot>", "prefix"),
         ('<robot xmlns:a="u" xmlns:b="u"><link a:x="1" b:x="2"/></robot>', "malformed"),
-        ("<a>" * 300 + "</a>" * 300, "depth"),
+        ("<a>" * 300 + "</a>" * 300, "too-large"),
     ],
 )
 def test_what_must_not_be_read_is_refused_in_included_files_too(expand_text: Expand, content: str, kind: str) -> None:

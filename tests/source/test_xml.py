@@ -11,6 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from urdfcheck.core import Span
+from urdfcheck.files import read_regular
+from urdfcheck.source import xml
 from urdfcheck.source.xml import MAX_DEPTH, Attribute, Element, SourceFile, XmlError, parse, unbound_prefix
 
 FILE = Path("robot.urdf")
@@ -215,7 +217,7 @@ def test_nesting_ends_at_a_limit() -> None:
     _, root = tree("<a>" * MAX_DEPTH + "</a>" * MAX_DEPTH)
     assert sum(1 for _ in root.walk()) == MAX_DEPTH
     error = refusal("<a>" * (MAX_DEPTH + 1) + "</a>" * (MAX_DEPTH + 1))
-    assert (error.reason, error.span.col) == ("depth", 3 * MAX_DEPTH + 1)
+    assert (error.reason, error.data["what"], error.span.col) == ("too-large", "depth", 3 * MAX_DEPTH + 1)
 
 
 @pytest.mark.parametrize(
@@ -261,3 +263,60 @@ def test_a_prefix_without_declaration_is_found_on_elements_and_attributes() -> N
     assert unbound_prefix(root) is None
     _, root = tree('<robot><a xmlns:xacro="x"/><b xacro:name="n"/></robot>')
     assert unbound_prefix(root) == (root.children[1], "xacro")
+
+
+# -- limits ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("limit", "what", "allowed", "refused", "column"),
+    [
+        ("MAX_PARTS", "parts", '<a b=""/>', "<a><b/><!----></a>", 8),
+        ("MAX_PARTS", "parts", "<a>xyz</a>", '<a><b c=""/></a>', 4),
+        ("MAX_ATTRIBUTES", "attributes", '<a b="" c=""/>', '<a b="" c="" d=""/>', 1),
+        ("MAX_VALUE", "value", '<a b="12"/>', '<a b="123"/>', 1),
+        ("MAX_VALUE", "value", '<ab cd=""/>', '<a bcd=""/>', 1),
+        ("MAX_VALUE", "value", "<ab/>", "<abc/>", 1),
+    ],
+)
+def test_just_the_limit_is_read_and_one_more_is_not(
+    monkeypatch: pytest.MonkeyPatch, limit: str, what: str, allowed: str, refused: str, column: int
+) -> None:
+    monkeypatch.setattr(xml, limit, 2)
+    tree(allowed)
+    error = refusal(refused)
+    assert (error.reason, error.data, error.span.col) == (
+        "too-large",
+        {"what": what, "limit": 2, "found": 3},
+        column,
+    )
+
+
+def test_a_file_with_too_many_bytes_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(read_regular, "__defaults__", (8,))
+    read(tmp_path, b"<robot/>")
+    with pytest.raises(XmlError) as caught:
+        read(tmp_path, b"<robot/>\n")
+    assert caught.value.data == {"what": "bytes", "limit": 8, "found": 9}
+    assert (caught.value.span.line, caught.value.span.col) == (1, 1)
+
+
+def test_text_between_elements_is_kept_with_the_element_that_it_stands_in() -> None:
+    _, root = tree("<a>1<b>2<c/>3</b>4<!-- -->5</a>")
+    assert [e.text for e in root.walk()] == ["145", "23", ""]
+
+
+def test_nameless_elements_are_numbered_among_those_of_their_tag_and_anew_when_one_is_added() -> None:
+    _, root = tree("<robot><link/><joint/><link/></robot>")
+    assert [c.label for c in root.children] == ["link[1]", "joint", "link[2]"]
+    root.children.append(Element("joint", None, root))
+    assert [c.label for c in root.children] == ["link[1]", "joint[1]", "link[2]", "joint[2]"]
+
+
+def test_a_prefix_holds_within_the_element_that_declares_it() -> None:
+    _, sound = tree('<a xmlns:p="u"><p:b/><c xmlns:q="u" q:d=""><p:e/></c></a>')
+    assert unbound_prefix(sound) is None
+    _, broken = tree('<a><b xmlns:p="u"><p:c/></b><p:d/></a>')
+    found = unbound_prefix(broken)
+    assert found is not None
+    assert (found[0].tag, found[1]) == ("p:d", "p")

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 import yaml
 
-from urdfcheck.source.xml import Definition
-from urdfcheck.source.yaml import traced
+from urdfcheck.source.xml import Definition, SourceFile
+from urdfcheck.source.yaml import MAX_CHARACTERS, read_yaml
 
 Expand = Callable[..., Any]
 
@@ -134,7 +134,6 @@ def test_merged_and_repeated_keys_lead_to_the_one_that_counts(expand_text: Expan
         ("a: 1", "c.b", "no key 'b'"),
         ("a: [1, 2]", "c.a[2]", "out of range"),
         ("a: !degrees ninety", "c.a", "name 'ninety' is not defined"),
-        ("a: &a {<<: *a}", "c.a.b", "recursion"),
     ],
 )
 def test_what_is_wrong_in_a_yaml_file_fails_the_expansion_where_it_is_read(
@@ -153,7 +152,11 @@ def test_what_is_wrong_in_a_yaml_file_fails_the_expansion_where_it_is_read(
     ("content", "says", "column"),
     [
         ("a: [1", "expected ',' or ']'", 6),
-        ("a: !python/object/apply:os.system ['true']", "could not determine a constructor", 4),
+        ("a: !unknown 1", "could not determine a constructor", 4),
+        ("a: &a {<<: *a}", "a recursion without end", 4),
+        ("a: &a [*a]", "a recursion without end", 4),
+        ("a: " + "[" * 5000, "nested more than 100 deep", 103),
+        ("a: \x07", "special characters are not allowed", 4),
     ],
 )
 def test_a_yaml_file_that_cannot_be_read_fails_the_expansion_at_its_own_line(
@@ -162,7 +165,9 @@ def test_a_yaml_file_that_cannot_be_read_fails_the_expansion_at_its_own_line(
     x = expand_text(
         """<xacro:property name="c" value="${xacro.load_yaml('f.yaml')}"/>\n<link name="${c.a}"/>""",
         {"f.yaml": content},
+        like_plain="&a" not in content,
     )
+    assert x.problem.kind == "expansion-failed"
     assert says in x.problem.message
     span = x.problem.location.span
     assert span is not None
@@ -180,12 +185,45 @@ def test_an_expression_in_a_yaml_file_is_held_to_the_same_language(expand_text: 
     assert x.problem.kind == "unsafe-expression"
 
 
-def test_a_file_whose_text_cannot_be_located_gives_its_plain_values(tmp_path: Path) -> None:
-    reads: list[Definition] = []
-    value = {"a": 1}
-    (tmp_path / "f.yaml").write_bytes(b"a: \xff")
-    assert traced(value, tmp_path / "f.yaml", "f.yaml", reads.append) is value
-    assert traced(value, tmp_path / "none.yaml", "none.yaml", reads.append) is value
+@pytest.mark.parametrize(
+    "tag", ["!!python/object/apply:os.system", "!!python/name:os.system", "!!python/object/new:subprocess.Popen"]
+)
+def test_a_tag_that_asks_for_python_is_an_unsafe_expression_at_its_own_line(expand_text: Expand, tag: str) -> None:
+    x = expand_text(
+        """<link name="${xacro.load_yaml('f.yaml').a}"/>""",
+        {"f.yaml": f"x: 1\na:\n- {tag} ['touch written']"},
+    )
+    assert x.problem.kind == "unsafe-expression"
+    assert x.problem.data["expression"] == tag
+    span = x.problem.location.span
+    assert span is not None
+    assert (span.file, span.line, span.col) == ("f.yaml", 3, 3)
+    assert x.place(x.problem.data["reader"].span) == "robot.xacro:1 ${xacro.load_yaml('f.yaml').a}"
+
+
+@pytest.mark.parametrize("alias", ["[{a},{a},{a},{a},{a},{a},{a},{a}]", "{{<<: [{a},{a},{a},{a},{a},{a},{a},{a}]}}"])
+def test_what_aliases_multiply_is_counted_before_it_is_built(expand_text: Expand, alias: str) -> None:
+    lines = ["a0: &a0 {k: 1}", *(f"a{i}: &a{i} " + alias.format(a=f"*a{i - 1}") for i in range(1, 30))]
+    x = expand_text(
+        """<link name="${xacro.load_yaml('f.yaml').a29}"/>""", {"f.yaml": "\n".join(lines)}, like_plain=False
+    )
+    assert "with its aliases it has more than 100,000 values" in x.problem.message
+
+
+def test_a_yaml_file_that_is_too_long_is_not_parsed(expand_text: Expand) -> None:
+    x = expand_text(
+        """<link name="${xacro.load_yaml('f.yaml').a}"/>""",
+        {"f.yaml": "a: " + "x" * MAX_CHARACTERS},
+        like_plain=False,
+    )
+    assert "more than 1,000,000" in x.problem.message
+
+
+def test_the_loader_that_everybody_uses_stays_as_it_was(expand_text: Expand, monkeypatch: pytest.MonkeyPatch) -> None:
+    constructors = {tag: c for tag, c in yaml.SafeLoader.yaml_constructors.items() if tag != "!degrees"}
+    monkeypatch.setattr(yaml.SafeLoader, "yaml_constructors", constructors)
+    expand_text("""<link name="${xacro.load_yaml('f.yaml').a}"/>""", {"f.yaml": "a: !degrees 90"}, like_plain=False)
+    assert "!degrees" not in yaml.SafeLoader.yaml_constructors
 
 
 def test_the_wrapped_values_are_equal_to_the_loaded_ones(tmp_path: Path) -> None:
@@ -193,7 +231,7 @@ def test_the_wrapped_values_are_equal_to_the_loaded_ones(tmp_path: Path) -> None
     path = tmp_path / "f.yaml"
     path.write_text("a: {b: [1, 2.5, x]}\nc: null\n")
     value = yaml.safe_load(path.read_text())
-    wrapped = traced(value, path, "f.yaml", reads.append)
+    wrapped = read_yaml(SourceFile.read(path, "f.yaml"), reads.append, float)
     assert wrapped == value
     assert repr(wrapped) == repr(value)
     assert list(wrapped.a.b) == [1, 2.5, "x"]

@@ -28,7 +28,7 @@ class _Pair:
 
 def check(model: Model, rule: Rule, *, light: float, heavy: float) -> Iterator[Finding]:
     pairs = _pairs(model)
-    root = model.tree.body(model.tree.root)
+    root = frozenset(model.tree.body(model.tree.root))
     # 1/1000 itself, in decimals, is not below 1/1000.
     lighter = [pair for pair in pairs if pair.ratio < light * (1 - 1e-9)]
     # The root may be bolted to the world, whatever it weighs.
@@ -42,7 +42,8 @@ def check(model: Model, rule: Rule, *, light: float, heavy: float) -> Iterator[F
 def _pairs(model: Model) -> list[_Pair]:
     """The joints between two bodies with mass."""
     found = bodies(model)
-    mass = {name: body_mass(model, body.links) or 0.0 for body in found for name in body.links}
+    masses = ((body, body_mass(model, body.links) or 0.0) for body in found)
+    mass = {name: own for body, own in masses for name in body.links}
     joints = [model.tree.parent_joint[body.links[0]] for body in found if body.moves]
     return [
         _Pair(joint, mass[joint.parent], mass[joint.child])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.source.launch import Launch, executable
@@ -81,7 +82,7 @@ def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
 
 def _without_value(words: Sequence[Word], tool: _Tool) -> Iterator[tuple[Word, Word | None]]:
     """Each option that another option or the end follows, with the word that follows."""
-    for word, following in zip(words, [*words[1:], None], strict=True):
+    for word, following in zip_longest(words, words[1:]):
         if word.text in tool.values and (following is None or _is_option(following.text)):
             yield word, following
 

@@ -15,14 +15,14 @@ REPAIRS = {
     "entities": "export the mesh again, or write the text of the entities where they are used and delete their declarations",
     "no-triangles": "export the part as a surface of triangles",
 }
-# What another rule tells, without opening meshes at all.
-ELSEWHERE = "lfs-pointer"
+# What other rules tell: PKG009, and URC905.
+ELSEWHERE = {"lfs-pointer", "too-large"}
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for path, uses in model.meshes.by_file().items():
         error = model.meshes.errors.get(path)
-        if error is not None and error.reason_id != ELSEWHERE:
+        if error is not None and error.reason_id not in ELSEWHERE:
             yield rule.finding(
                 "unread" if error.reason_id in OTHER else "unreadable",
                 at=uses[0].filename,

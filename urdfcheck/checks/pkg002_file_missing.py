@@ -42,7 +42,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
 
 def _is_missing(use: ResourceUse, source: Source) -> bool:
     resource = use.resource
-    if resource.path is None or resource.exists or resource.actual is not None:
+    if resource.path is None or resource.exists or resource.actual is not None or not resource.allowed:
         return False
     return machine_part(use, source) is None
 

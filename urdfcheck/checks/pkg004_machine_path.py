@@ -41,7 +41,7 @@ def _finding(place: _Place, source: Source, rule: Rule) -> Finding:
     portable = _portable(first, source)
     files = list(dict.fromkeys(u.resource.text for u in place.uses))
     return rule.finding(
-        "here-only" if first.resource.exists else "nowhere",
+        "unread" if not first.resource.allowed else "here-only" if first.resource.exists else "nowhere",
         at=place.location,
         related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
         edits=_edits(place, source) if portable else [],

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.files import read_start
 from urdfcheck.model.names import listed
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import display_name
@@ -50,8 +51,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
 def _declared_size(path: Path) -> int | None:
     """The size in bytes of the file that a pointer stands for; None when the file is no pointer."""
     try:
-        with path.open("rb") as file:
-            start = file.read(_LONGEST)
+        start = read_start(path, _LONGEST)
     except OSError:
         return None
     if not start.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(POINTER):

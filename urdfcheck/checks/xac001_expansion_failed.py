@@ -214,6 +214,11 @@ def _condition(failure: _Failure, match: re.Match[str]) -> _Verdict:
     return _verdict_at(failure, "condition", failure.problem.location, typed=match.group(1), value=match.group(2))
 
 
+def _environment(failure: _Failure, match: re.Match[str]) -> _Verdict:
+    message = "environment" if match.group(2) == "set" else "environment-unread"
+    return _at_expression(failure, message, name=match.group(1))
+
+
 def _missing_attribute(failure: _Failure, match: re.Match[str]) -> _Verdict:
     return _verdict_at(failure, "attribute-missing", failure.problem.location, tag=match.group(1), name=match.group(2))
 
@@ -239,6 +244,7 @@ _KINDS: tuple[tuple[str, Callable[[_Failure, re.Match[str]], _Verdict]], ...] = 
     (_FOLDER.pattern, _empty_file_name),
     (r"The yaml dictionary has no key '([^']*)'", _no_key),
     (r'Xacro conditional "(.*)" evaluated to "(.*)", which', _condition),
+    (r"environment variable '([^']*)' is not (set|read)", _environment),
     (r"(\S+): missing attribute '([^']+)'", _missing_attribute),
     (r"never ends|circular variable definition|include cycle", _endless),
     (r"\(<(?:expression|string)>, line \d+\)|^invalid expression", _syntax),

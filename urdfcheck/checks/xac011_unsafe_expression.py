@@ -14,6 +14,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         expression = str(problem.data["expression"])
         at = typed_at(source, problem, expression)
         users = [] if at is problem.location else [problem.location]
+        users += [problem.data["reader"]] if "reader" in problem.data else []
         yield rule.finding(
             str(problem.data["refusal"]),
             at=at,

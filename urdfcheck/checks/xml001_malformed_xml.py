@@ -12,11 +12,11 @@ from urdfcheck.source.packages import Package
 from urdfcheck.source.problems import Problem
 from urdfcheck.source.xml import SourceFile, unbound_prefix
 
-_KINDS = ("malformed", "encoding", "doctype", "depth", "prefix", "unreadable")
+_KINDS = ("malformed", "encoding", "utf-16", "doctype", "prefix", "unreadable")
 # How a file that was never XML begins, and what that tells.
 _CAUSES = (("version https://git-lfs", "git_lfs"), ("<!doctype html", "web_page"), ("<html", "web_page"))
 # What we refuse and ROS may read.
-_OUR_CHOICE = ("doctype", "depth")
+_OUR_CHOICE = "doctype"
 
 
 def check(subject: Source | Launch | Package, rule: Rule) -> Iterator[Finding]:
@@ -50,7 +50,7 @@ def _beside(
         if problem.kind not in _KINDS:
             continue
         at, cause = problem.location, _cause(problem, _file(problem, files))
-        if problem.kind in _OUR_CHOICE and cause is None:
+        if problem.kind == _OUR_CHOICE and cause is None:
             yield rule.finding("unread", at=at, severity=Severity.WARNING, error=problem.message)
         else:
             yield rule.finding(message, at=at, cause=cause, error=problem.message)

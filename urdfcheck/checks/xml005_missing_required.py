@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
 from urdfcheck.model.parts import TENSOR
 from urdfcheck.source.grammar import elements, loss
@@ -44,8 +44,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield rule.finding("shape", at=element, owner=_owner(element), loss=loss(element))
         elif element.tag == "dynamics" and not {"damping", "friction"} & set(element.attributes):
             yield rule.finding("dynamics", at=element, owner=_owner(element), loss=loss(element))
-        elif element.tag == "axis" and "xyz" not in element.attributes:
-            yield rule.finding("axis", at=element, severity=Severity.WARNING, owner=_owner(element), loss=loss(element))
+    for joint in model.joints:
+        axis = joint.axis_element
+        if joint.has_axis and axis is not None and "xyz" not in axis.attributes:
+            yield rule.finding("axis", at=axis, owner=_owner(axis), loss=loss(axis))
 
 
 def _children(element: Element, rule: Rule) -> Iterator[Finding]:

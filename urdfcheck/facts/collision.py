@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations, product
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +31,8 @@ _TOLERANCE = 1e-6
 LARGEST_CONVEX = 2000
 # Comparisons of spheres that are made at once, to keep memory flat: 24 bytes each.
 AT_ONCE = 500_000
+# What coal prepares for a pair of shapes is kept for so many of them; each takes KB.
+_MOST_FUNCTIONS = 20_000
 # Directions in which a way out is looked for, besides the axes, in the frame of either shape. Any direction is within 23° of
 # one of them, which lengthens a way by 9 % at most where faces are flat.
 DIRECTIONS = 40
@@ -111,6 +113,7 @@ class Colliders:
         self._radius = np.array([radius for _, _, radius in boxes])
         self._pose = np.array([p.pose for p in self.placed]).reshape(-1, 4, 4)
         self._owner = np.array([p.owner for p in self.placed], dtype=np.int64)
+        self._count = np.bincount(self._owner)
         # coal's tolerances are absolute: it gets lengths of about 1, divided by a power of two and hence exactly.
         self._unit = 2.0 ** round(math.log2(float(np.max(self._radius, initial=0.0)) or 1.0))
         self._geometries: dict[int, Any] = {}
@@ -170,39 +173,56 @@ class Colliders:
         radii = np.array([self.spheres[b][1] for b in bodies.tolist()])
         own = frames[:, bodies]
         at = np.einsum("nbij,bj->bni", own[..., :3, :3], middles) + np.swapaxes(own[..., :3, 3], 0, 1)
-        apart = at[first] - at[second]
-        near = ((radii[first] + radii[second]) ** 2)[:, None] >= np.einsum("kni,kni->kn", apart, apart)
-        return self._near_shapes(frames, pairs, *np.nonzero(near))
+        near = []
+        step = max(1, AT_ONCE // max(1, len(frames)))
+        for start in range(0, max(1, len(pairs)), step):
+            one, other = first[start : start + step], second[start : start + step]
+            apart = at[one] - at[other]
+            touch = ((radii[one] + radii[other]) ** 2)[:, None] >= np.einsum("kni,kni->kn", apart, apart)
+            pair, pose = np.nonzero(touch)
+            near.append((pair + start, pose))
+        pair, pose = (np.concatenate(found) for found in zip(*near, strict=True))
+        return self._near_shapes(frames, pairs, pair, pose)
 
     def _near_shapes(
         self, frames: Array, pairs: NDArray[np.int64], pair: NDArray[np.int64], pose: NDArray[np.int64]
     ) -> Near:
         """The shapes of some pairs, each in one configuration, that spheres and boxes about them cannot tell apart."""
-        pair, pose, one, other = self._shapes(pairs, pair, pose)
-        shapes, place = np.unique(np.concatenate((one, other)), return_inverse=True)
+        shapes = np.flatnonzero(np.isin(self._owner, pairs[pair]))
+        column = np.zeros(len(self.placed), dtype=np.int64)
+        column[shapes] = np.arange(len(shapes))
         placed = frames[:, self._owner[shapes]] @ self._pose[shapes]
         turns, at = placed[..., :3, :3], placed[..., :3, 3]
         centres = np.einsum("nsij,sj->nsi", turns, self._middle[shapes]) + at
-        first, second = place[: len(one)], place[len(one) :]
-        apart = centres[pose, second] - centres[pose, first]
-        kept = np.einsum("mi,mi->m", apart, apart) <= (self._radius[one] + self._radius[other]) ** 2
-        rows = np.flatnonzero(kept)
-        a, b, n = one[rows], other[rows], pose[rows]
-        kept = boxes_overlap(
-            turns[n, first[rows]],
-            self._half[a],
-            turns[n, second[rows]],
-            self._half[b],
-            apart[rows],
-            self._rounding(a, b),
-        )
-        rows = rows[kept]
-        return Near(self, pair[rows], pose[rows], one[rows], other[rows], first[rows], second[rows], turns, at)
+        found = []
+        for part in self._parts(pairs[pair]):
+            k, n, one, other = self._shapes(pairs, pair[part], pose[part])
+            apart = centres[n, column[other]] - centres[n, column[one]]
+            kept = np.einsum("mi,mi->m", apart, apart) <= (self._radius[one] + self._radius[other]) ** 2
+            k, n, one, other, apart = k[kept], n[kept], one[kept], other[kept], apart[kept]
+            kept = boxes_overlap(
+                turns[n, column[one]],
+                self._half[one],
+                turns[n, column[other]],
+                self._half[other],
+                apart,
+                self._rounding(one, other),
+            )
+            found.append((k[kept], n[kept], one[kept], other[kept]))
+        k, n, one, other = (np.concatenate(rows) for rows in zip(*found, strict=True))
+        return Near(self, k, n, one, other, column[one], column[other], turns, at)
+
+    def _parts(self, pairs: NDArray[np.int64]) -> list[slice]:
+        """Runs of pairs of bodies whose shapes make few pairs."""
+        one, other = self._count[pairs].T
+        part = np.cumsum(one * other) // AT_ONCE
+        starts = [0, *(np.flatnonzero(np.diff(part)) + 1).tolist()]
+        return [slice(start, end) for start, end in zip(starts, [*starts[1:], len(pairs)], strict=True)]
 
     def _shapes(self, pairs: NDArray[np.int64], pair: NDArray[np.int64], pose: NDArray[np.int64]) -> tuple[Any, ...]:
         """Pairs of bodies as pairs of shapes: the pair's place, the configuration, the two shapes."""
         order = np.argsort(self._owner, kind="stable")
-        count = np.bincount(self._owner)
+        count = self._count
         first = np.cumsum(count) - count
         one, other = pairs[pair].T
         many = count[one] * count[other]
@@ -214,6 +234,8 @@ class Colliders:
     def _meet(self, one: int, at_one: Any, other: int, at_other: Any) -> bool:
         key = (one, other)
         if key not in self._functions:
+            if len(self._functions) >= _MOST_FUNCTIONS:
+                self._functions.clear()
             self._functions[key] = self._coal.ComputeCollision(self._geometry(one), self._geometry(other))
         self._result.clear()
         return bool(self._functions[key](at_one, at_other, self._request, self._result))
@@ -540,7 +562,7 @@ def least_distance(
 
 def all_pairs(count: int) -> NDArray[np.int64]:
     """All pairs (K, 2) of ``count`` things, the lower first."""
-    return np.array(list(combinations(range(count), 2)), dtype=np.int64).reshape(-1, 2)
+    return np.column_stack(np.triu_indices(count, 1))
 
 
 def _box(geometry: Geometry) -> tuple[Array, Array, float]:

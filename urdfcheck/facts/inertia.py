@@ -150,7 +150,7 @@ def half_units(texts: Sequence[str]) -> list[float]:
 
     :raises ValueError: when a text is no finite number.
     """
-    return [float(Decimal(5).scaleb(_last_place(v) - 1)) if v else 0.0 for v in map(_decimal, texts)]
+    return [float(f"5e{_last_place(v) - 1}") if v else 0.0 for v in map(_decimal, texts)]
 
 
 def _valid_within(typed: Array, half: Array, rel_tol: float) -> bool:
@@ -302,7 +302,7 @@ def _decimal(text: str) -> Decimal:
         raise ValueError(f"{text!r} is no number") from None
     if not value.is_finite():
         raise ValueError(f"{text!r} is not finite")
-    return value
+    return value if float(value) else Decimal(0)  # what no double tells from zero is zero to every program
 
 
 def _last_place(value: Decimal) -> int:

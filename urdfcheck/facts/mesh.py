@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.facts.inertia import Solid, placed
-from urdfcheck.facts.mesh_decode import MeshError, RawMesh, decode
+from urdfcheck.facts.mesh_decode import RawMesh, decode
+from urdfcheck.facts.mesh_limits import MeshError
 from urdfcheck.facts.mesh_moments import moments
 from urdfcheck.facts.mesh_topology import (
     Boundary,

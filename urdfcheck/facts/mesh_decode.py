@@ -1,13 +1,14 @@
 """Mesh files as raw triangles. A file that common loaders would take as silently empty is refused with the reason.
 
 STL, OBJ and OFF are decoded here because trimesh returns an empty or shortened mesh for broken ones without a word;
-COLLADA goes through pycollada, glTF and PLY through trimesh, from memory, so that no other file is ever read.
+glTF because it decodes images and would decompress; COLLADA goes through pycollada and PLY through trimesh, from memory, so
+that no other file is ever read.
 """
 
 from __future__ import annotations
 
+import codecs
 import io
-import json
 import logging
 import math
 import re
@@ -18,6 +19,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from urdfcheck.facts.mesh_gltf import parts_of_glb, parts_of_gltf
+from urdfcheck.facts.mesh_limits import MeshError, ensure_few
 from urdfcheck.facts.mesh_text import BadToken, Text
 
 if TYPE_CHECKING:
@@ -37,26 +40,12 @@ _ENTITY = re.compile(rb"<\0?!\0?E\0?N\0?T\0?I\0?T\0?Y")
 _ZIP_END = b"PK\5\6"
 # pycollada makes 0 of a NaN; a number too large for it stays infinite.
 _NAN = re.compile(rb"(?<=[\s>])[-+]?nan(?=[\s<])", re.IGNORECASE)
-# A scene of a few kilobytes can place its geometry a billion times.
-_MOST_PLACED = 100_000
-_MOST_TRIANGLES = 50_000_000
-_COMPRESSED = {"KHR_draco_mesh_compression": "Draco", "EXT_meshopt_compression": "meshopt"}
-
-
-class MeshError(Exception):
-    """A mesh file that gives no triangles. The text completes "the mesh …" for a person.
-
-    ``reason_id``: empty | lfs-pointer | html | unsupported | truncated | wrong-size | external-buffer | malformed |
-    entities | no-triangles.
-    """
-
-    def __init__(self, reason_id: str, message: str) -> None:
-        super().__init__(message)
-        self.reason_id = reason_id
-        self.message = message
-
-    def __reduce__(self) -> tuple[type[MeshError], tuple[str, str]]:
-        return MeshError, (self.reason_id, self.message)
+# The XML declaration of a COLLADA file, and what must spell the same in the encoding that it names.
+_DECLARED = re.compile(rb"""^<\?xml[^>]{0,300}?encoding\s{0,9}=\s{0,9}["']([A-Za-z0-9._-]{1,40})["']""")
+_ASCII = bytes(range(32, 127))
+# Where the header of a PLY file ends at the latest, and the lines in it that say how many there are.
+_PLY_HEADER = 64 * 1024
+_PLY_ELEMENT = re.compile(rb"^element\s+(\S+)\s+(\d+)\s*$", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,6 +114,7 @@ def _from_stl(data: bytes) -> RawMesh:
     expected = _STL_HEADER + declared * _STL_FACET.itemsize
     solid = data[:512].lstrip()[:5].lower() == b"solid"
     if len(data) >= _STL_HEADER and len(data) == expected:
+        ensure_few(declared)
         corners = np.frombuffer(data, _STL_FACET, count=declared, offset=_STL_HEADER)["corners"]
         return RawMesh("stl-binary", np.ascontiguousarray(corners, dtype=np.float32).reshape(-1, 3), None, solid)
     text = data.rstrip(b"\0")
@@ -161,6 +151,7 @@ def _from_ascii_stl(data: bytes) -> RawMesh:
         )
     if len(begins) != len(ends):
         raise MeshError("malformed", f"has {len(begins):,} times 'outer loop' and {len(ends):,} times 'endloop'")
+    ensure_few(facets)
     counts = np.searchsorted(corners, ends) - np.searchsorted(corners, begins)
     for number in np.flatnonzero(counts != 3)[:1]:
         raise MeshError("malformed", f"has {counts[number]} vertices in facet {number + 1}, where a triangle has 3")
@@ -232,8 +223,13 @@ def _fans(text: Text, first: Indices, counts: Indices, name: str) -> tuple[Indic
 
     ``first`` and ``counts``: the token of each polygon's first corner and how many it has."""
     triangles, owners = [np.empty((0, 3), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
-    for count in np.unique(counts[counts > 2]):
-        polygon = np.flatnonzero(counts == count)
+    # In floats, because what a file claims may be any number.
+    ensure_few(float(np.minimum(np.maximum(counts - 2, 0), len(text)).sum(dtype=np.float64)))
+    by_count = np.argsort(counts, kind="stable")
+    for count, begin, times in zip(*np.unique(counts[by_count], return_index=True, return_counts=True), strict=True):
+        if count < 3:
+            continue
+        polygon = by_count[begin : begin + times]
         if first[polygon[-1]] + count > len(text):
             raise _bad_line(text, first[polygon[-1]] - 1, name)
         corners = _indices(text, first[polygon][:, None] + np.arange(count), name)
@@ -286,10 +282,11 @@ def _from_dae(data: bytes) -> RawMesh:
     from collada import Collada
     from collada.common import DaeError
 
-    if _ENTITY.search(data):
-        raise MeshError("entities", "declares XML entities, which no exporter writes and no loader should expand")
     if _ZIP_END in data:  # pycollada would unpack it, whatever its size
         raise MeshError("malformed", "is a zip archive, not a COLLADA document")
+    _refuse_encoding(data)
+    if _ENTITY.search(data):
+        raise MeshError("entities", "declares XML entities, which no exporter writes and no loader should expand")
     # A broken material or light is no concern here, and other loaders pass over it.
     with _silent("collada"):
         document = Collada(io.BytesIO(_NAN.sub(b"1e999", data) if b"nan" in data.lower() else data), ignore=[DaeError])
@@ -313,6 +310,23 @@ def _from_dae(data: bytes) -> RawMesh:
     return replace(_joined("dae", parts), unit=unit, up_axis=document.assetInfo.upaxis, bad_unit=bad_unit)
 
 
+def _refuse_encoding(data: bytes) -> None:
+    """Refuse text in which the declaration of an entity could be spelled in other bytes than those that are looked for."""
+    start = data[:400].removeprefix(_BOM).lstrip()
+    declared = _DECLARED.match(start)
+    encoding = "utf-8" if declared is None else declared[1].decode("ascii")
+    try:
+        spells = (
+            _ASCII.decode(encoding, "replace") == _ASCII.decode("ascii") and codecs.lookup(encoding).name != "utf-7"
+        )
+    except (LookupError, UnicodeError):
+        spells = False
+    # UTF-16 is looked for by its zero bytes; four bytes for each letter are not.
+    utf_16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE, b"<\0", b"\0<"))
+    if data.startswith((codecs.BOM_UTF32_LE, b"\0\0", b"<\0\0")) or not (utf_16 or (spells and start.startswith(b"<"))):
+        raise MeshError("unsupported", f"is text in an encoding ({encoding[:40]!r} or another) that is not read")
+
+
 def _refuse_bomb(nodes: list[Any]) -> None:
     """Refuse nodes of pycollada that place too much, or geometry that is not all there, before anything is expanded."""
     known: dict[int, NDArray[np.float64]] = {}  # geometries and triangles that a node places
@@ -328,10 +342,7 @@ def _refuse_bomb(nodes: list[Any]) -> None:
         return known[id(node)]
 
     geometries, triangles = sum((placed(node) for node in nodes), np.zeros(2))
-    if geometries > _MOST_PLACED:
-        raise MeshError("malformed", f"places its geometry more than {_MOST_PLACED:,} times")
-    if triangles > _MOST_TRIANGLES:
-        raise MeshError("malformed", f"places more than {_MOST_TRIANGLES:,} triangles")
+    ensure_few(float(triangles), float(geometries))
 
 
 def _triangles(primitive: Any) -> int:
@@ -372,51 +383,36 @@ def _silent(library: str) -> Iterator[None]:
 
 
 def _from_gltf(data: bytes) -> RawMesh:
-    _refuse_unread(json.loads(data))
-    return _from_trimesh(data, "gltf")
+    return _joined("gltf", parts_of_gltf(data))
 
 
 def _from_glb(data: bytes) -> RawMesh:
-    # The first chunk is the JSON text: 12 bytes of header, its length, its type.
-    _refuse_unread(json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")]))
-    return _from_trimesh(data, "glb")
-
-
-def _refuse_unread(scene: Any) -> None:
-    """Refuse a glTF scene whose geometry is somewhere else, or compressed."""
-    outside = [b["uri"] for b in scene.get("buffers", ()) if not b.get("uri", "data:").startswith("data:")]
-    if outside:
-        raise MeshError("external-buffer", f"keeps its geometry in another file ({outside[0]!r}), which is not read")
-    for extension, name in _COMPRESSED.items():
-        if extension in scene.get("extensionsRequired", ()):
-            raise MeshError("unsupported", f"is compressed with {name} ({extension}), which is not read")
+    return _joined("glb", parts_of_glb(data))
 
 
 def _from_ply(data: bytes) -> RawMesh:
-    mesh = _from_trimesh(data, "ply")
-    # trimesh reads as many lines of an ASCII file as there are.
-    declared = re.search(rb"^element\s+face\s+(\d+)", data.partition(b"end_header")[0], re.MULTILINE)
-    if declared and 0 < mesh.n_triangles < int(declared[1]):
-        raise MeshError(
-            "truncated", f"is truncated: it declares {int(declared[1]):,} faces and has {mesh.n_triangles:,}"
-        )
-    return mesh
-
-
-def _from_trimesh(data: bytes, file_type: str) -> RawMesh:
+    header, end, _ = data[:_PLY_HEADER].partition(b"end_header")
+    if not end:
+        raise MeshError("malformed", "cannot be read as ply: its header does not end")
+    declared = {name.lower(): int(count) for name, count in _PLY_ELEMENT.findall(header)}
+    present = len(data) - len(header) - len(end)
+    if sum(declared.values()) > present:  # each takes a byte at least
+        claims = " and ".join(f"{count:,} {name[:20].decode(errors='replace')}" for name, count in declared.items())
+        raise MeshError("truncated", f"is truncated: it declares {claims}, and has {present:,} bytes of them")
+    ensure_few(declared.get(b"face", 0))
     import trimesh  # half a second: only where a format needs it
 
     with _silent("trimesh"):
-        scene = trimesh.load_scene(io.BytesIO(data), file_type=file_type, process=False)
-    parts = []
-    for node in scene.graph.nodes_geometry:
-        matrix, name = scene.graph[node]
-        part = scene.geometry[name]
-        if isinstance(part, trimesh.Trimesh):
-            matrix = np.asarray(matrix, dtype=np.float64)
-            vertices = np.asarray(part.vertices, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
-            parts.append((vertices, np.asarray(part.faces, dtype=np.int64), matrix))
-    return _joined(file_type, parts)
+        # Without materials: an image is decoded by another library.
+        part = trimesh.load_mesh(io.BytesIO(data), file_type="ply", process=False, skip_materials=True)
+    faces = np.asarray(getattr(part, "faces", ()), dtype=np.int64).reshape(-1, 3)
+    mesh = _checked("ply", np.asarray(part.vertices, dtype=np.float64), faces)
+    # trimesh reads as many lines of an ASCII file as there are.
+    if 0 < mesh.n_triangles < declared.get(b"face", 0):
+        raise MeshError(
+            "truncated", f"is truncated: it declares {declared[b'face']:,} faces and has {mesh.n_triangles:,}"
+        )
+    return mesh
 
 
 def _joined(

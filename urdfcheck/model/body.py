@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from urdfcheck.core import Unavailable
 from urdfcheck.model.model import Model
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+_Fact = TypeVar("_Fact")
 
 # A body whose radius of gyration is below a micrometre is a point: its tensor is zero or the residue of an export
 # (published files hold 1e-20 kg m² for 0.1 kg). The lightest part of a watch has 1e-4 m.
@@ -63,7 +64,14 @@ def is_point(inertial: Inertial) -> bool:
 
 
 def body_mass(model: Model, links: Sequence[str]) -> float | None:
-    """Total mass in kg of these links, those without ``<inertial>`` counting nothing; None when one is malformed."""
+    """Total mass in kg of these links, those without ``<inertial>`` counting nothing; None when one is malformed.
+
+    :raises Unavailable: when the tree is broken.
+    """
+    return _once(model, "mass", links, _mass)
+
+
+def _mass(model: Model, links: Sequence[str]) -> float | None:
     masses = [model.link_by_name[name].inertial for name in links]
     known = [inertial.mass for inertial in masses if inertial is not None]
     return None if any(m is None for m in known) else sum(m for m in known if m is not None)
@@ -85,6 +93,10 @@ def body_inertia(model: Model, links: Sequence[str]) -> tuple[float, NDArray[np.
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
     """
+    return _once(model, "inertia", links, _inertia)
+
+
+def _inertia(model: Model, links: Sequence[str]) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
     import numpy as np
 
     inertials = [(model.frames[name], i) for name in links if (i := model.link_by_name[name].inertial) is not None]
@@ -110,19 +122,46 @@ def whole_of(model: Model, link: Link) -> Whole | None:
     """The body that a link with an inertial is part of; None when nothing else in it has mass, or that is not known."""
     try:
         names = model.tree.body(link.name)
-        tensor = body_tensor(model, names)
-        total = body_mass(model, names)
+        moments, total = _once(model, "moments", names, _moments), body_mass(model, names)
     except Unavailable:
         return None
-    masses = {name: i.mass or 0.0 for name in names if (i := model.link_by_name[name].inertial) is not None}
-    own = masses.pop(link.name, 0.0)
-    heaviest = max(masses, key=lambda name: masses[name], default="")
-    if tensor is None or total is None or not masses.get(heaviest, 0.0) > 0:
+    heaviest = next((name for name in _once(model, "heaviest", names, _heaviest) if name != link.name), "")
+    if moments is None or total is None or not heaviest or not _mass_of(model, heaviest) > 0:
         return None
-    from urdfcheck.facts.inertia import principal_moments
-
-    first, second, third = principal_moments(tensor)[0].tolist()
     assert link.inertial is not None
     largest = max(map(abs, link.inertial.six or (0.0,)))
-    negligible = own <= NEGLIGIBLE * total and largest <= NEGLIGIBLE * first
-    return Whole(heaviest, (first, second, third), negligible)
+    negligible = _mass_of(model, link.name) <= NEGLIGIBLE * total and largest <= NEGLIGIBLE * moments[0]
+    return Whole(heaviest, moments, negligible)
+
+
+def _moments(model: Model, links: Sequence[str]) -> tuple[float, float, float] | None:
+    """The principal moments (kg m²) of these links together, ascending; None as `body_tensor`."""
+    from urdfcheck.facts.inertia import principal_moments
+
+    tensor = body_tensor(model, links)
+    if tensor is None:
+        return None
+    first, second, third = principal_moments(tensor)[0].tolist()
+    return first, second, third
+
+
+def _heaviest(model: Model, links: Sequence[str]) -> list[str]:
+    """The two of these links that have the most mass."""
+    known = [name for name in links if model.link_by_name[name].inertial is not None]
+    return sorted(known, key=lambda name: -_mass_of(model, name))[:2]
+
+
+def _mass_of(model: Model, link: str) -> float:
+    inertial = model.link_by_name[link].inertial
+    return 0.0 if inertial is None else inertial.mass or 0.0
+
+
+def _once(model: Model, what: str, links: Sequence[str], compute: Callable[[Model, Sequence[str]], _Fact]) -> _Fact:
+    """What is computed of some links, once where they are a whole body: every link of it asks."""
+    if links is not model.tree.body(links[0]):
+        return compute(model, links)
+    key = (what, links[0])
+    if key not in model.bodies:
+        model.bodies[key] = compute(model, links)
+    found: _Fact = model.bodies[key]
+    return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -240,6 +241,7 @@ class Collisions:
     @cached_property
     def _hits(self) -> NDArray[np.bool_]:
         """(K, N)."""
+        _ = self.poses  # too many joints are told before anything is computed
         found = np.zeros((len(self._fixed), self.samples), dtype=bool)
         found[self.at_rest["met"][self._fixed[self.at_rest["met"]]]] = True
         others = ~self._fixed & ~self.never
@@ -322,7 +324,7 @@ class Bench:
 
     @classmethod
     def of(cls, model: Model) -> Bench:
-        """:raises Unavailable: when the tree is broken."""
+        """:raises Unavailable: when the tree is broken, or there are more pairs of shapes than are compared."""
         links: list[Link] = []
         shapes: list[Shape] = []
         owners: list[int] = []
@@ -335,6 +337,9 @@ class Bench:
                 shapes += usable
                 owners += [len(links)] * len(usable)
                 links.append(link)
+        compared = (len(shapes) ** 2 - sum(count**2 for count in Counter(owners).values())) // 2
+        if compared > MOST_COMPARED:
+            raise Unavailable(f"{compared:,} pairs of shapes may collide, and {MOST_COMPARED:,} are compared at most")
         pairs = all_pairs(len(links))
         relations = tuple(_relations(model, links, pairs))
         return cls(model, tuple(links), tuple(shapes), tuple(owners), tuple(missing), pairs, relations)
@@ -445,6 +450,8 @@ def _colliders(placed: Sequence[Placed]) -> Colliders:
 
 # Configurations whose placements are held at once.
 _AT_ONCE = 500
+# TODO
+MOST_COMPARED = 2_000_000
 # The modules that decide about a result.
 _COMPARING = (
     *MEASURING,
@@ -557,10 +564,12 @@ def reaches(model: Model) -> tuple[Reach, ...]:
     Links of adjacent bodies count where they meet from some value on up to the limit: meshes of a bearing that graze each
     other here and there do not. A collision that lasts less than a step may be missed.
 
-    :raises Unavailable: when coal is not installed, or when the tree, an origin or an axis is broken.
+    :raises Unavailable: when coal is not installed, when the tree, an origin or an axis is broken, or when more joints move
+        than motion is computed for.
     """
     found = model.collisions
     rest = poses.neutral(model)
+    poses.ensure_few(rest.joints)
     try:
         table = found.entry["reach"]["table"]
     except KeyError:
@@ -581,7 +590,7 @@ def _width(joint: Joint) -> float:
 def _reaches(found: Collisions, rest: Poses) -> Array:
     """Rows (R, 4): the joint's place, the pair's, the value where they begin to meet, the limit in that direction."""
     bench = found.bench
-    affected, followed = _affected(bench, rest.joints)
+    below, led = _below_each(bench, rest.joints), _led(rest.joints)
     apart = np.array([not p.by_default and p.relation != "fixed" for p in found.pairs], dtype=bool)
     close = np.array([p.relation == "adjacent" for p in found.pairs], dtype=bool)
     joints, pairs, limits, free, value = [], [], [], [], []
@@ -589,17 +598,17 @@ def _reaches(found: Collisions, rest: Poses) -> Array:
         if joint.mimic is not None or not _width(joint) > 0:
             continue
         start = float(rest.values[0, i])
-        candidates = np.flatnonzero(apart & affected[i])
-        if not followed[i] and len(candidates):
-            candidates = candidates[_in_reach(bench, joint, start, candidates)]
+        candidates = np.flatnonzero(apart & _affected(bench, below[[i, *led[i]]]))
+        if not led[i] and len(candidates):
+            candidates = candidates[_in_reach(bench, joint, below[i], start, candidates)]
         if not len(candidates):
             continue
         for limit in poses.limits(joint):
             way = _way(rest, i, limit)
-            if followed[i]:
+            if led[i]:
                 frames = bench.placements(_alone(rest, np.full(len(way), i), way))
             else:
-                frames = _carried_along(bench, joint, way - start)
+                frames = _carried_along(bench, joint, below[i], way - start)
             met = _first_met(bench, frames[1:], candidates, close[candidates])
             if met is not None:
                 joints.append(i)
@@ -616,23 +625,24 @@ def _reaches(found: Collisions, rest: Poses) -> Array:
     return np.column_stack((joints, pairs, high, limits)).reshape(-1, 4)
 
 
-def _carried_along(bench: Bench, joint: Joint, by: Array) -> Array:
-    """Placements (N, L, 4, 4) of the links where one joint, which nothing follows, is moved ``by`` (N,) from rest."""
+def _carried_along(bench: Bench, joint: Joint, below: NDArray[np.bool_], by: Array) -> Array:
+    """Placements (N, L, 4, 4) of the links where one joint, which nothing follows and on which those ``below`` (L,) hang, is
+    moved ``by`` (N,) from rest."""
     frame = bench.rest_frames[joint.child][0]
     motion = motions(_axis(joint), by, rotates=joint.type != "prismatic")
-    below = _below(bench, joint)
     placed = np.repeat(bench.at_rest[None], len(by), axis=0)
     placed[:, below] = (frame @ motion @ np.linalg.inv(frame))[:, None] @ bench.at_rest[below]
     return placed
 
 
-def _in_reach(bench: Bench, joint: Joint, start: float, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Whether spheres about the links of some pairs come to meet (n,) where one joint, which nothing follows, is moved
-    alone from its value ``start`` at rest."""
+def _in_reach(
+    bench: Bench, joint: Joint, below: NDArray[np.bool_], start: float, pairs: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Whether spheres about the links of some pairs come to meet (n,) where one joint, which nothing follows and on which
+    those ``below`` (L,) hang, is moved alone from its value ``start`` at rest."""
     frame = bench.rest_frames[joint.child][0]
     centres, radii = bench.spheres
     first, second = bench.pairs[pairs].T
-    below = _below(bench, joint)
     moving, staying = np.where(below[first], first, second), np.where(below[first], second, first)
     lower, upper = (limit - start for limit in poses.limits(joint))
     gap = least_distance(
@@ -697,24 +707,28 @@ def _alone(rest: Poses, joints: NDArray[np.int64], values: Array) -> Poses:
     return poses.following(Poses(rest.joints, everything))
 
 
-def _affected(bench: Bench, joints: Sequence[Joint]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """For each joint, the pairs (J, K) whose links it moves against each other, by itself or by its followers; and whether
-    it has followers (J,)."""
-    below = np.array([_below(bench, joint) for joint in joints]).reshape(len(joints), len(bench.links))
-    between = below[:, bench.pairs[:, 0]] != below[:, bench.pairs[:, 1]]
-    affected: NDArray[np.bool_] = between.copy()
-    followed = np.zeros(len(joints), dtype=bool)
+def _below_each(bench: Bench, joints: Sequence[Joint]) -> NDArray[np.bool_]:
+    """Whether each of the links hangs on each joint (J, L)."""
+    below = [[joint.name in names for names in bench.above] for joint in joints]
+    return np.array(below, dtype=bool).reshape(len(joints), len(bench.links))
+
+
+def _affected(bench: Bench, below: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The pairs (K,) whose links some joints that move together move against each other, ``below`` (n, L) as for each."""
+    affected = np.zeros(len(bench.pairs), dtype=bool)
+    for links in below:
+        affected |= links[bench.pairs[:, 0]] != links[bench.pairs[:, 1]]
+    return affected
+
+
+def _led(joints: Sequence[Joint]) -> list[list[int]]:
+    """The places of the followers of each joint."""
+    led: list[list[int]] = [[] for _ in joints]
     for follower, joint in enumerate(joints):
         leader = _leader(joint, joints)
         if leader is not None:
-            affected[leader] |= between[follower]
-            followed[leader] = True
-    return affected, followed
-
-
-def _below(bench: Bench, joint: Joint) -> NDArray[np.bool_]:
-    """Whether each of the links hangs on a joint (L,)."""
-    return np.array([joint.name in names for names in bench.above], dtype=bool)
+            led[leader].append(follower)
+    return led
 
 
 def _leader(joint: Joint, joints: Sequence[Joint]) -> int | None:
@@ -775,6 +789,8 @@ def _proven_apart(bench: Bench) -> NDArray[np.bool_]:
     first, second = bench.pairs[:, 0], bench.pairs[:, 1]
     proven = np.zeros(len(bench.pairs), dtype=bool)
     for name in tree.order:
+        if name != tree.root and tree.parent_joint[name].type == "fixed":  # as its parent sees it
+            continue
         distance = np.linalg.norm(centres[name][first] - centres[name][second], axis=1)
         proven |= distance > (radii[name][first] + radii[name][second]) * (1.0 + ROUNDING)
     return proven

@@ -58,7 +58,8 @@ def diagnoses(model: Model) -> Mapping[str, Judged]:
     A link whose numbers and drawing are those of an earlier run is not judged again.
     """
     numbers = {name: d for name, link in model.link_by_name.items() if (d := declared(link)) is not None}
-    here = hashlib.sha256(f"{model.source.path}\0{model.name}\0{version_of(*_CODE)}".encode()).hexdigest()
+    named = f"{model.source.path}\0{model.name}\0{version_of(*_CODE)}"
+    here = hashlib.sha256(named.encode(errors="surrogatepass")).hexdigest()  # a file name may be no text
     entry = model.cache.entry("diagnosis", here)
     known = _read(entry)
     others = [*(f"{name} {_text(own)}" for name, own in numbers.items()), *map(_joint, model.joints)]

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from urdfcheck.cache import origin_of, version_of
 from urdfcheck.core import Unavailable
@@ -139,6 +139,8 @@ def _ensure_sound(model: Model) -> None:
             raise Unavailable(f"the origin or the axis of joint {joint.name!r} is out of range (XML007)")
         if joint.has_axis and not any(joint.axis):
             raise Unavailable(f"the axis of joint {joint.name!r} is zero (JNT001)")
+        if joint.has_axis and joint.axis_element is not None and "xyz" not in joint.axis_element.attributes:
+            raise Unavailable(f"the <axis> of joint {joint.name!r} has no xyz, which makes it zero (XML005)")
         _ensure_limit(joint)
         _ensure_complete(joint)
     for link in model.links:
@@ -181,7 +183,7 @@ def captured_stderr() -> Iterator[Any]:
     """What C++ writes to file descriptor 2 meanwhile; the yielded function reads it so far."""
     sys.stderr.flush()
     saved = os.dup(2)
-    with tempfile.TemporaryFile() as sink:
+    with _sink() as sink:
         os.dup2(sink.fileno(), 2)
 
         def read() -> str:
@@ -193,6 +195,13 @@ def captured_stderr() -> Iterator[Any]:
         finally:
             os.dup2(saved, 2)
             os.close(saved)
+
+
+def _sink() -> IO[bytes]:
+    """An open file: in memory where the platform can, for a confined process may write nowhere else."""
+    if sys.platform == "linux":
+        return os.fdopen(os.memfd_create("stderr"), "w+b")
+    return tempfile.TemporaryFile()
 
 
 def _lines(text: str) -> Iterator[str]:

@@ -14,6 +14,8 @@ from urdfcheck.model.parts import Joint
 # Similarity (2 x common letters / all letters) of two words that may be one word misspelt: `weel` and `wheel` have 0.89,
 # `left` and `right` 0.44, `front` and `rear` 0.22, `upper` and `lower` 0.6.
 _ALIKE = 0.7
+# Each unknown name is compared with all links, letter by letter. More links, and longer names, were not typed by anybody.
+_MOST_COMPARED, _LONGEST_COMPARED = 1_000, 200
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,22 +31,28 @@ class Graph:
         """:raises Unavailable: when xacro still has to make a part of the links or joints."""
         if any(child.tag.startswith("xacro:") for child in model.robot.children):
             raise Unavailable("the file holds xacro elements that nothing has expanded (XML009)")
-        links = tuple(name for name in model.link_by_name if name)
-        sound = [j for j in model.joints if j.parent in links and j.child in links and j.parent != j.child]
-        return cls(links, tuple(sound), tuple(j for j in model.joints if j not in sound))
+        links = dict.fromkeys(name for name in model.link_by_name if name)
+        edges: list[Joint] = []
+        broken: list[Joint] = []
+        for joint in model.joints:
+            sound = joint.parent in links and joint.child in links and joint.parent != joint.child
+            (edges if sound else broken).append(joint)
+        return cls(tuple(links), tuple(edges), tuple(broken))
 
     def meant(self, role: str, name: str) -> str | None:
         """The link that an unknown ``name`` probably means; for a child first among those that are no joint's child."""
+        if len(self.links) > _MOST_COMPARED or len(name) > _LONGEST_COMPARED:
+            return None
         taken = {joint.child for joint in (*self.edges, *self.broken)}
         free = [link for link in self.links if link not in taken]
         return (_misspelt(name, free) if role == "child" else None) or _misspelt(name, self.links)
 
     def parents(self) -> Mapping[str, tuple[Joint, ...]]:
         """The joints that have each link as their child."""
-        found: dict[str, tuple[Joint, ...]] = dict.fromkeys(self.links, ())
+        found: dict[str, list[Joint]] = {name: [] for name in self.links}
         for joint in self.edges:
-            found[joint.child] += (joint,)
-        return found
+            found[joint.child].append(joint)
+        return {name: tuple(joints) for name, joints in found.items()}
 
     def pieces(self) -> list[list[str]]:
         """The connected pieces, each in document order, the largest first (the first of equals)."""
@@ -101,7 +109,8 @@ class Graph:
 
 def _misspelt(name: str, known: Iterable[str]) -> str | None:
     """The known name of which ``name`` may be a misspelling, word by word: left_wheel is none of right_wheel."""
-    alike = [k for k in known if _letters(name) == _letters(k) or _alike(_words(name), _words(k))]
+    near = [k for k in known if len(k) <= _LONGEST_COMPARED]
+    alike = [k for k in near if _letters(name) == _letters(k) or _alike(_words(name), _words(k))]
     return max(alike, key=lambda k: difflib.SequenceMatcher(None, name, k).ratio(), default=None)
 
 

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 _LOOKED_AT = 32
 # Tops are climbed from so many of the worst samples: from twelve, five robots got none that is higher.
 _STARTS = 3
+# Configurations whose mass matrices are held at once.
+_AT_ONCE = 500
 # A single link is to blame for a condition number that a hundredth more inertia behind its joint makes ten times smaller.
 _RELIEF = 10.0
 # Links of one mass on different branches are one part that was used several times.
@@ -224,8 +226,12 @@ def _mobility(model: Model, poses: Poses) -> Arrays:
     columns = places.velocity
     q = dynamics.configurations(places, poses.values)
     matrices = dynamics.mass_matrices(built, data, q[:_LOOKED_AT])
-    inverses = dynamics.inverse_mass_matrices(built, data, q)
-    felt = dynamics.effective_inertias(inverses)[:, columns]
+    felt = np.concatenate(
+        [
+            dynamics.effective_inertias(dynamics.inverse_mass_matrices(built, data, q[start : start + _AT_ONCE]))
+            for start in range(0, len(q), _AT_ONCE)
+        ]
+    )[:, columns]
     worst = dynamics.conditioning(matrices)
     light, own, moved = -1, 0.0, 0.0
     for i in _mending(model, poses.joints, matrices, columns, worst):
@@ -238,7 +244,8 @@ def _mobility(model: Model, poses: Poses) -> Arrays:
     asked = implicit(model)
     dampings[columns] = [0.0 if joint.name in asked else damping(joint) for joint in poses.joints]
     fastest = int((dampings[columns] / felt).max(axis=1).argmax())
-    rate = dynamics.damping_rate(inverses[fastest], dampings) if dampings.any() else 0.0
+    (inverse,) = dynamics.inverse_mass_matrices(built, data, q[[fastest]])
+    rate = dynamics.damping_rate(inverse, dampings) if dampings.any() else 0.0
     summary = np.array([worst.number, light, own, moved, rate])
     return {"summary": summary, "felt": felt.min(axis=0)}
 

@@ -128,11 +128,14 @@ def _from_geometry(model: Model, link: Link) -> Mending | None:
     inertial, drawn = link.inertial, geometry(model, link)
     if inertial is None or drawn is None or inertial.mass is None or not inertial.mass > 0:
         return None
+    size = float(np.trace(drawn.solid.covariance))
+    if not size > 0.0:  # a surface that is no solid, or numbers that no computer can square
+        return None
     matrix = inertial.origin.matrix
     rotation = np.eye(3) if matrix is None else matrix[:3, :3]  # the axes that the author chose are kept
     tensor = rotation.T @ inertia_of(drawn.solid, inertial.mass) @ rotation
     # What a mesh of single precision leaves of a zero is no number to write.
-    com = np.where(np.abs(drawn.solid.com) > _SAME * np.trace(drawn.solid.covariance) ** 0.5, drawn.solid.com, 0.0)
+    com = np.where(np.abs(drawn.solid.com) > _SAME * size**0.5, drawn.solid.com, 0.0)
     tensor = np.where(np.abs(tensor) > _SAME * np.abs(tensor).max(), tensor, 0.0)
     return mending(inertial, Declared(inertial.mass, com, tensor, rotation))
 

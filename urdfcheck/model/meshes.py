@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.cache import Cache, origin_of, version_of
+from urdfcheck.files import MAX_MESH, TooLarge, read_regular
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import Resource
@@ -20,10 +21,11 @@ if TYPE_CHECKING:
 
 # What the measurements of a mesh depend on beside its content.
 MEASURING = tuple(
-    f"urdfcheck.facts.{name}" for name in ("mesh", "mesh_decode", "mesh_moments", "mesh_text", "mesh_topology")
+    f"urdfcheck.facts.{name}"
+    for name in ("mesh", "mesh_decode", "mesh_gltf", "mesh_limits", "mesh_moments", "mesh_text", "mesh_topology")
 )
 # The libraries that read what is not read by our own.
-READERS = {"dae": "collada", "ply": "trimesh", "glb": "trimesh", "gltf": "trimesh"}
+READERS = {"dae": "collada", "ply": "trimesh"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,18 +124,20 @@ class Meshes:
 def _measure(path: Path, parts: Entry, data: bytes | None = None) -> MeshFacts:
     from urdfcheck.facts.mesh import mesh_facts
 
-    return mesh_facts(path.read_bytes() if data is None else data, _kind(path), parts)
+    return mesh_facts(read_regular(path, MAX_MESH) if data is None else data, _kind(path), parts)
 
 
 def _unread(error: OSError | ImportError | MemoryError) -> MeshError:
     """Why a file could not even be looked at; nothing that another run must find as well."""
     from urdfcheck.facts.mesh import MeshError
 
+    if isinstance(error, TooLarge):
+        return MeshError("too-large", error.message.removeprefix("the file "))
     if isinstance(error, OSError):
         return MeshError("unreadable", error.strerror or str(error))
     if isinstance(error, ImportError):
         return MeshError("unsupported", f"cannot be read here: {error.name} is not installed")
-    return MeshError("unsupported", "does not fit into the memory of this machine")
+    return MeshError("too-large", "does not fit into the memory that the check of one model may take")
 
 
 def _version(kind: str) -> str:

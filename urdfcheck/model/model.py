@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from urdfcheck.cache import Cache
 from urdfcheck.core import Location, Unavailable
@@ -176,6 +176,11 @@ class Model:
     @cached_property
     def geometries(self) -> dict[object, Geometry | None]:
         """What `urdfcheck.model.drawn.geometry` has measured of this model."""
+        return {}
+
+    @cached_property
+    def bodies(self) -> dict[tuple[str, str], Any]:
+        """What `urdfcheck.model.body` has computed of this model's bodies."""
         return {}
 
     @cached_property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -25,6 +25,9 @@ ONE_DEGREE_OF_FREEDOM = frozenset({"revolute", "continuous", "prismatic"})
 TURN = math.pi
 # A slide longer than this is no slide of a robot but "unlimited": it stays where it is.
 LONGEST_SLIDE = 100.0
+# The mass matrices of so many joints in 200 configurations take 2 GB, and time grows with the cube of their number. Published
+# robots have up to 80.
+MOST_MOVING = 250
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,14 +72,21 @@ def neutral(model: Model) -> Poses:
 def sampled(model: Model, count: int) -> Poses:
     """``count`` configurations, the first of them neutral, the others uniform over the ranges; the same in every run.
 
-    :raises Unavailable: when the tree is broken.
+    :raises Unavailable: when the tree is broken, or more joints move than motion is computed for.
     """
     first = neutral(model)
+    ensure_few(first.joints)
     bounds = np.array([limits(joint) for joint in first.joints]).reshape(-1, 2)
     n_others, n_joints = max(count - 1, 0), len(first.joints)
     shares = _shares(n_others * n_joints).reshape(n_others, n_joints)
     values = bounds[:, 0] + shares * (bounds[:, 1] - bounds[:, 0])
     return Poses(first.joints, np.concatenate((first.values, following(Poses(first.joints, values)).values)))
+
+
+def ensure_few(joints: Sequence[Joint]) -> None:
+    """:raises Unavailable: when more joints move than motion is computed for."""
+    if len(joints) > MOST_MOVING:
+        raise Unavailable(f"{len(joints):,} joints move, and motion is computed for {MOST_MOVING:,} at most")
 
 
 def frames(model: Model, poses: Poses) -> Mapping[str, Array]:
@@ -123,13 +133,14 @@ def following(poses: Poses) -> Poses:
     column = {joint.name: i for i, joint in enumerate(poses.joints)}
     values = poses.values.copy()
     followers = {joint.name: mimic for joint in poses.joints if (mimic := joint.mimic) is not None}
-    done = column.keys() - followers.keys()
-    for _ in followers:  # a leader may follow another one; a circle never gets done
-        for name, mimic in followers.items():
-            if name in done or (leader := mimic.get("joint")) not in done:
-                continue
-            multiplier, offset = (attribute_number(mimic, word) for word in ("multiplier", "offset"))
+    behind: dict[str, list[str]] = {}
+    for name, mimic in followers.items():
+        behind.setdefault(mimic.get("joint"), []).append(name)
+    done = [name for name in column if name not in followers]
+    for leader in done:  # and those that follow a follower; a circle never gets done
+        for name in behind.get(leader, ()):
+            multiplier, offset = (attribute_number(followers[name], word) for word in ("multiplier", "offset"))
             factor = 1.0 if multiplier is None else multiplier
             values[:, column[name]] = factor * values[:, column[leader]] + (offset or 0.0)
-            done.add(name)
+            done.append(name)
     return Poses(poses.joints, values)

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
+from functools import cached_property
 
 from urdfcheck.core import Unavailable
 from urdfcheck.model.parts import Joint, Link
 
+# urdfdom and Pinocchio go down a chain of links by calling themselves: on a stack of 8 MiB they come to more than 2,000, and
+# then the process dies. Published robots have up to 40.
+MOST_LEVELS = 1_000
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, eq=False)
 class Tree:
     """``order`` lists the links from the root outwards, each after its parent."""
 
@@ -46,13 +52,16 @@ class Tree:
                 "the links form a cycle (KIN004)" if not roots else f"the model has {len(roots)} roots (KIN005)"
             )
         order: list[str] = []
-        queue = [roots[0]]
+        queue = deque(((roots[0], 1),))
+        level = 0
         while queue:
-            name = queue.pop(0)
+            name, level = queue.popleft()
             order.append(name)
-            queue.extend(joint.child for joint in children[name])
+            queue.extend((joint.child, level + 1) for joint in children[name])
         if len(order) != len(names):
             raise Unavailable("some links form a cycle apart from the root (KIN004)")
+        if level > MOST_LEVELS:
+            raise TooDeep(level, order[-1])
         return cls(roots[0], tuple(order), parent_joint, {k: tuple(v) for k, v in children.items()})
 
     def path(self, link: str) -> tuple[Joint, ...]:
@@ -65,18 +74,32 @@ class Tree:
 
     def body(self, link: str) -> tuple[str, ...]:
         """The links that fixed joints make one rigid body with ``link``, the nearest to the root first."""
-        while link in self.parent_joint and self.parent_joint[link].type == "fixed":
-            link = self.parent_joint[link].parent
-        found, queue = [], [link]
-        while queue:
-            name = queue.pop(0)
-            found.append(name)
-            queue.extend(j.child for j in self.child_joints[name] if j.type == "fixed")
-        return tuple(found)
+        return self._bodies[link]
+
+    @cached_property
+    def _bodies(self) -> Mapping[str, tuple[str, ...]]:
+        """The body of each link, one and the same for all links of it."""
+        members: dict[str, list[str]] = {}
+        for name in self.order:
+            joint = self.parent_joint.get(name)
+            own = [] if joint is None or joint.type != "fixed" else members[joint.parent]
+            own.append(name)
+            members[name] = own
+        wholes = {id(own): tuple(own) for own in members.values()}
+        return {name: wholes[id(own)] for name, own in members.items()}
 
     def moves(self, link: str) -> bool:
         """Whether the link's body hangs on a joint that moves (the root's body does not)."""
         return self.body(link)[0] in self.parent_joint
+
+
+class TooDeep(Unavailable):
+    """``levels`` links hang one below the other, down to ``link``; ``limit`` would be followed."""
+
+    def __init__(self, levels: int, link: str) -> None:
+        super().__init__(f"{levels:,} links hang one below the other, more than {MOST_LEVELS:,} (URC905)")
+        self.levels, self.limit = levels, MOST_LEVELS
+        self.link = link
 
 
 def _ensure_links(joint: Joint, known: Set[str]) -> None:

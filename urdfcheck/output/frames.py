@@ -1,8 +1,7 @@
-"""Code frames: the lines around a span, with the part of each line that the span covers; and text made safe to show."""
+"""Code frames: the lines around a span, with the part of each line that the span covers."""
 
 from __future__ import annotations
 
-import unicodedata
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -10,6 +9,8 @@ from urdfcheck.core import NEWLINE, Span
 
 # A span over many lines (an element) shows its first lines only.
 MAX_LINES = 6
+# A file in one line would be copied for each of its findings: this much of a line is kept on either side of what is marked.
+KEPT = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +24,7 @@ class FrameLine:
 
 def frame(source: str, span: Span, context: int = 1) -> list[FrameLine]:
     """The lines of ``span`` and ``context`` lines around it. Empty when the span lies outside of the text."""
-    lines = _lines(source)
+    lines = lines_of(source)
     if not 1 <= span.line <= len(lines):
         return []
     last = min(span.end_line, span.line + MAX_LINES - 1, len(lines))
@@ -36,22 +37,19 @@ def frame(source: str, span: Span, context: int = 1) -> list[FrameLine]:
             end = span.end_col - 1 if number == span.end_line else len(text.rstrip())
             # An empty span (an empty value, an end of file) still needs something to point at.
             marked = (start, max(end, start + 1))
-        found.append(FrameLine(number, text, marked))
+        found.append(_cropped(FrameLine(number, text, marked)))
     return found
 
 
+def _cropped(line: FrameLine) -> FrameLine:
+    if len(line.text) <= 2 * KEPT:
+        return line
+    start, end = line.marked or (0, 0)
+    low, high = max(0, start - KEPT), min(end, start + KEPT) + KEPT
+    return FrameLine(line.number, line.text[low:high], line.marked and (start - low, min(end, high) - low))
+
+
 @lru_cache(maxsize=16)
-def _lines(source: str) -> tuple[str, ...]:
-    """Split once for all findings in a file."""
+def lines_of(source: str) -> tuple[str, ...]:
+    """The lines of a text, split once for all findings in a file."""
     return tuple(NEWLINE.split(source))
-
-
-def visible(text: str) -> str:
-    """``text`` with control and direction-changing characters spelled out: a name from a file must not act."""
-    return text if text.isprintable() else "".join(_spelled(c) for c in text)
-
-
-def _spelled(character: str) -> str:
-    if character in "\n\t" or unicodedata.category(character) not in {"Cc", "Cf", "Cs", "Co", "Zl", "Zp"}:
-        return character
-    return f"\\x{ord(character):02x}" if ord(character) < 0x100 else f"\\u{ord(character):04x}"

@@ -8,10 +8,11 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from urdfcheck.core import Finding, Fix, ModelInfo, Run, Severity, Span
+from urdfcheck.core import Finding, Fix, ModelInfo, Run, Severity, Skip, Span
+from urdfcheck.output.inert import for_json
 
 SCHEMA = "urdfcheck/1"
-_SUBJECT = re.compile(r"^(?P<kind>[^/\[@]+)\[(?P<name>.*?)\](?=[/@]|$)")
+_SUBJECT = re.compile(r"^(?P<kind>[^/\[@]+)\[(?P<name>.*?)\](?=[/@]|$)", re.DOTALL)
 
 
 def render(run: Run) -> str:
@@ -20,17 +21,19 @@ def render(run: Run) -> str:
         "schema": SCHEMA,
         "version": run.versions["urdfcheck"],
         "targets": list(run.targets),
-        "models": [_model(info) for info in run.models],
-        "findings": [_finding(finding) for finding in run.findings],
-        "skipped": [{"code": s.code, "model": s.model, "reason": s.reason} for s in run.skipped],
+        "models": [model_object(info) for info in run.models],
+        "findings": [finding_object(finding) for finding in run.findings],
+        "skipped": [skip_object(skip) for skip in run.skipped],
         "failures": list(run.failures),
+        "partial": run.partial,
         "summary": {str(s): run.count(s) for s in (Severity.ERROR, Severity.WARNING, Severity.INFO)},
         "seconds": round(run.seconds, 3),
     }
-    return json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return for_json(json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
 
-def _model(info: ModelInfo) -> dict[str, Any]:
+def model_object(info: ModelInfo) -> dict[str, Any]:
+    """A model as the schema describes it."""
     return {
         "path": info.path,
         "robot": info.robot,
@@ -44,7 +47,13 @@ def _model(info: ModelInfo) -> dict[str, Any]:
     }
 
 
-def _finding(finding: Finding) -> dict[str, Any]:
+def skip_object(skip: Skip) -> dict[str, Any]:
+    """A skipped check as the schema describes it."""
+    return {"code": skip.code, "model": skip.model, "reason": skip.reason}
+
+
+def finding_object(finding: Finding) -> dict[str, Any]:
+    """A finding as the schema describes it."""
     location = None
     if finding.location.span is not None:
         location = {**_start(finding.location.span), **_end(finding.location.span)}

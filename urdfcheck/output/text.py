@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, cast
 from rich.text import Text
 
 from urdfcheck.core import Finding, Fix, ModelInfo, Run, Severity, Span
-from urdfcheck.output.frames import frame, visible
+from urdfcheck.output.frames import frame
+from urdfcheck.output.inert import command, one_line, visible
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -25,11 +26,22 @@ FEW = 8
 
 def render(run: Run, *, width: int = WIDTH, color: bool = False) -> str:
     """The report as text of this width in columns, with ANSI colours if wanted."""
-    page = Text("\n").join(_report(run, width))
-    page.expand_tabs(8)
+    page = Text("\n").join(map(_inert, _report(run, width)))
     text = _colored(page) if color else page.plain
     # Lines are wrapped behind blanks; a CI log and a diff are better without.
-    return "".join(f"{line.rstrip()}\n" for line in text.splitlines())
+    return "".join(f"{line.rstrip()}\n" for line in text.split("\n"))
+
+
+def _inert(line: Text) -> Text:
+    """A finished line that is one line and no command of a CI system; what it says was spelled out before it was measured."""
+    plain = one_line(line.plain)
+    if plain != line.plain:  # somebody forgot to spell it: its colours are the least of it
+        line = Text(plain)
+    at = command(line.plain)
+    while at is not None:
+        line = Text.assemble(line[:at], f"\\x{ord(line.plain[at]):02x}", line[at + 1 :])
+        at = command(line.plain, at)
+    return line
 
 
 def _colored(page: Text) -> str:
@@ -79,9 +91,9 @@ def _rule(title: Text, width: int) -> Text:
 
 
 def _heading(info: ModelInfo | None, model: str) -> Text:
-    title = Text(visible(model) or "this run", style="bold")
+    title = Text(one_line(model) or "this run", style="bold")
     if info is not None and info.status == "checked":
-        facts = [f"robot {visible(info.robot)}", _plural(info.links, "link"), _plural(info.joints, "joint")]
+        facts = [f"robot {one_line(info.robot)}", _plural(info.links, "link"), _plural(info.joints, "joint")]
         if info.mass is not None:
             facts.append(f"{info.mass:.4g} kg")
         title.append("  " + " · ".join(facts), style="dim")
@@ -92,26 +104,26 @@ def _heading(info: ModelInfo | None, model: str) -> Text:
 
 def _finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
     span = finding.location.span
-    place = Text("" if span is None else f"{visible(span.file)}:{span.line}:{span.col} ", style="bold")
+    place = Text("" if span is None else f"{one_line(span.file)}:{span.line}:{span.col} ", style="bold")
     head = _title(finding)
     if finding.suppressed is not None:
-        head.append(f" (suppressed: {visible(finding.suppressed)})", "dim")
+        head.append(f" (suppressed: {one_line(finding.suppressed)})", "dim")
     if place.cell_len + head.cell_len > width:  # a long path keeps its line, so that a click on it still works
         yield place
         place = Text("  ")
     yield place + head
     yield from _wrapped(Text(visible(finding.message)), width, Text("  "))
     if len(finding.subjects) > 1:
-        yield from _labelled("for", ", ".join(visible(s) for s in finding.subjects), width)
+        yield from _labelled("for", ", ".join(one_line(s) for s in finding.subjects), width)
     if span is not None:
         yield from _frame(run, span, STYLES[finding.severity], width)
     for call in reversed(finding.location.via):
-        called = f"{visible(call.file)}:{call.line}:{call.col}  {_first_line(run, call)}"
+        called = f"{one_line(call.file)}:{call.line}:{call.col}  {_first_line(run, call)}"
         yield from _labelled("from", called, width)
     shown = [r for r in finding.related if r.span is not None]
     for related in shown[:MAX_RELATED]:
         assert related.span is not None
-        seen = f"{visible(related.span.file)}:{related.span.line}  {visible(related.subject)}"
+        seen = f"{one_line(related.span.file)}:{related.span.line}  {one_line(related.subject)}"
         yield from _labelled("see", seen, width)
     if len(shown) > MAX_RELATED:
         yield from _labelled("see", _more(len(shown) - MAX_RELATED, "place"), width)
@@ -155,7 +167,7 @@ def _repair(finding: Finding, fix: Fix, width: int) -> Iterator[Text]:
     yield from _labelled("fix", visible(fix.title), width)
     here = None if finding.location.span is None else finding.location.span.file
     for edit in fix.edits[:MAX_RELATED]:
-        place = "" if edit.span.file == here else f"{visible(edit.span.file)}:"
+        place = "" if edit.span.file == here else f"{one_line(edit.span.file)}:"
         for sign, typed, style in (("-", edit.expected, "red"), ("+", edit.replacement, "green")):
             for line in typed.strip("\r\n").splitlines():
                 shown = visible(" ".join(line.split()) if sign == "-" else line)
@@ -208,7 +220,7 @@ def _recap(run: Run, width: int) -> Iterator[Text]:
     yield _rule(Text("errors and warnings"), width)
     for finding in sorted(serious, key=lambda f: -f.severity):
         span = finding.location.span
-        place = "" if span is None else f" {visible(span.file)}:{span.line}:{span.col}"
+        place = "" if span is None else f" {one_line(span.file)}:{span.line}:{span.col}"
         yield Text.assemble(_title(finding), (place, "dim"))
     yield Text()
 

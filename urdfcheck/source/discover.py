@@ -11,18 +11,19 @@ import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from pathlib import Path
 
+from urdfcheck.files import read_regular
 from urdfcheck.source.launch import Launch, load_launch
 from urdfcheck.source.launch_python import read_python
 from urdfcheck.source.packages import BUILT, PackageFinder, display_name
+from urdfcheck.source.reach import OUT_OF_REACH, Reach
 from urdfcheck.source.xml import Element, SourceFile, XmlError, parse, unbound_prefix
 
 MESH_SUFFIXES = frozenset({".stl", ".dae", ".obj", ".ply", ".off", ".glb", ".gltf"})
 _SKIPPED = BUILT | {"node_modules", "__pycache__"}
-_INCLUDE = re.compile(r"""<xacro:include\s[^>]*?filename\s*=\s*["']([^"']+)["']""")
-_EXPRESSION = re.compile(r"\$[({][^)}]*[)}]")
+_INCLUDE = re.compile(r"""<xacro:include\s[^<>]*?filename\s*=\s*["']([^"']+)["']""")
+_EXPRESSION = re.compile(r"\$[({][^)}$]*[)}]")
 _ROBOT = re.compile(r"<robot[\s>]")
 _BUILTINS = frozenset(
     f"xacro:{name}" for name in ("macro", "property", "include", "arg", "if", "unless", "insert_block", "attribute")
@@ -59,9 +60,10 @@ def plan(
     arguments: Mapping[str, str],
     packages: Mapping[str, Path],
     package_paths: Sequence[Path],
+    reach: Reach | None = None,
 ) -> Plan:
-    """Everything that the given paths mean, each model once, in a stable order."""
-    planner = _Planner(arguments, packages, package_paths)
+    """Everything that the given paths mean, each model once, in a stable order. ``reach``: which files may be opened."""
+    planner = _Planner(arguments, packages, package_paths, reach)
     for path in paths:
         planner.add(path)
     return planner.plan()
@@ -69,8 +71,13 @@ def plan(
 
 class _Planner:
     def __init__(
-        self, arguments: Mapping[str, str], packages: Mapping[str, Path], package_paths: Sequence[Path]
+        self,
+        arguments: Mapping[str, str],
+        packages: Mapping[str, Path],
+        package_paths: Sequence[Path],
+        reach: Reach | None,
     ) -> None:
+        self.reach = reach
         self.arguments = dict(arguments)
         self.packages = packages
         self.package_paths = package_paths
@@ -81,11 +88,13 @@ class _Planner:
         self.folders: dict[Path, _Folder] = {}
 
     def finder(self, start: Path) -> PackageFinder:
-        return PackageFinder(start.absolute(), self.packages, self.package_paths)
+        return PackageFinder(start.absolute(), self.packages, self.package_paths, reach=self.reach)
 
     def add(self, path: Path) -> None:
         try:
-            if path.is_dir():
+            if self.reach is not None and not self.reach.allows(path):
+                self.missing.append((str(path), OUT_OF_REACH))
+            elif path.is_dir():
                 self.add_folder(path)
             elif path.is_file():
                 self.add_file(path)
@@ -102,6 +111,7 @@ class _Planner:
             self.add_model(ModelTarget(model, self.arguments, tentative=tentative))
         for launch in folder.launches:
             self.add_launch(launch)
+        self.unused += [(display_name(link), OUT_OF_REACH) for link in folder.outside]
 
     def add_file(self, path: Path) -> None:
         if is_launch(path):
@@ -114,9 +124,9 @@ class _Planner:
         elif is_srdf(path):
             users = self.users(path, lambda folder, _: folder.called(path))
             self.add_users(path, users, "no model of its package or repository has the name of its robot")
-        elif path.suffix == ".xacro" and not stands_alone(_read(path).root):
+        elif path.suffix == ".xacro" and not (file := _File(path)).stands_alone:
             users = self.users(path, lambda folder, _: folder.including(path))
-            if users or only_macros(_read(path).root):
+            if users or file.only_macros:
                 self.add_users(
                     path, users, "only defines macros, and no model of its package or repository includes it"
                 )
@@ -211,35 +221,57 @@ class _Planner:
         )
 
 
-@dataclass(frozen=True, eq=False)
 class _File:
-    """A model's or macros' text; ``source`` is None where it could not be decoded."""
+    """What the text of a model or of macros decides. The text itself is not kept, and read again where more is asked."""
 
-    text: str
-    source: SourceFile | None
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        text = self.text
+        self.is_robot = _ROBOT.search(text) is not None
+        self.is_empty = not any(tag in text for tag in ("<link", "<joint", "<xacro:"))
+        # An include in a comment is one that was tried: what it names is a part, unless it can stand alone.
+        self.mentions = _INCLUDE.findall(text)
+        root = (
+            self.root if self.mentions or path.suffix == ".xacro" else None
+        )  # most URDF files need not be parsed here
+        self.includes = [e.get("filename") for e in root.walk() if e.tag == "xacro:include"] if root else self.mentions
+        self.only_macros = only_macros(root)
+        self.has_parts = has_parts(root)
+        self.stands_alone = stands_alone(root)
 
-    @cached_property
+    @property
+    def text(self) -> str:
+        """Its text, as far as it can be read."""
+        source = self._source
+        if source is not None:
+            return source.text
+        try:
+            return read_regular(self.path).decode("utf-8", "replace")
+        except OSError:
+            return ""
+
+    @property
     def root(self) -> Element | None:
         """Its XML, None where it cannot be parsed."""
+        source = self._source
         try:
-            return None if self.source is None else parse(self.source)
+            return None if source is None else parse(source)
         except XmlError:
             return None
 
     @property
-    def includes(self) -> list[str]:
-        """The file names of its includes, as typed."""
-        if not _INCLUDE.search(self.text):  # most URDF files need not be parsed here
-            return []
-        if self.root is None:
-            return _INCLUDE.findall(self.text)
-        return [e.get("filename") for e in self.root.walk() if e.tag == "xacro:include"]
+    def _source(self) -> SourceFile | None:
+        try:
+            return SourceFile.read(self.path, display_name(self.path))
+        except (OSError, XmlError):
+            return None
 
     def names(self, mesh: str) -> bool:
         """Whether a mesh of this name may be meant: spelled out, or with expressions in place of what differs."""
         if mesh in self.text:
             return True
-        typed = [e.get("filename") for e in self.root.walk() if e.tag == "mesh"] if self.root is not None else []
+        root = self.root
+        typed = [e.get("filename") for e in root.walk() if e.tag == "mesh"] if root is not None else []
         last = [_EXPRESSION.sub("\0", name).rpartition("/")[2] for name in typed]
         patterns = ["*".join(map(glob.escape, name.split("\0"))) for name in last if "\0" in name]
         return any(fnmatch.fnmatchcase(mesh, pattern) for pattern in patterns)
@@ -250,13 +282,17 @@ class _Folder:
 
     def __init__(self, path: Path, finder: PackageFinder) -> None:
         self.finder = finder
-        files = sorted(_walk(path))
+        self.outside: list[Path] = []
+        files = sorted(_walk(path, finder, self.outside))
         self.launches = [f for f in files if is_launch(f)]
-        self.files = {f: _read(f) for f in files if f.suffix in {".xacro", ".urdf"} and not is_srdf(f)}
+        self.files = {f: _File(f) for f in files if f.suffix in {".xacro", ".urdf"} and not is_srdf(f)}
         self.by_real = {_real(f): file for f, file in self.files.items()}
-        # An include in a comment is one that was tried: what it names is a part, unless it can stand alone.
-        self.mentions = {_real(f): self._files_named(f, _INCLUDE.findall(t.text)) for f, t in self.files.items()}
+        self.mentions = {_real(f): self._files_named(f, file.mentions) for f, file in self.files.items()}
         self.includes = {_real(f): self._files_named(f, file.includes) for f, file in self.files.items()}
+        self.includers: dict[Path, set[Path]] = {}
+        for by, names in self.includes.items():
+            for name in names:
+                self.includers.setdefault(name, set()).add(by)
 
     def _files_named(self, path: Path, names: Iterable[str]) -> set[Path]:
         """The files that the includes of a file mean."""
@@ -265,25 +301,36 @@ class _Folder:
             tail = _EXPRESSION.sub("", name).lstrip("/")
             package = re.match(r"\$\(find ([^)\s]+)\)", name)
             folder = self.finder.find(package.group(1)) if package else path.parent
-            targets = [] if folder is None else glob.glob(os.path.join(glob.escape(str(folder)), tail))
+            targets = [] if folder is None else self._matching(folder, tail)
             if any(map(os.path.isfile, targets)):
                 found |= {_real(Path(target)) for target in targets}
             else:  # a path with arguments in it: every file of that name may be meant
                 found |= {_real(f) for f in self.files if tail and f.name == Path(tail).name}
         return found - {_real(path)}
 
+    def _matching(self, folder: Path, pattern: str) -> list[str]:
+        """The files that a pattern means, looked for only where files may be opened."""
+        steady = os.path.dirname(re.split(r"[*?[]", pattern, maxsplit=1)[0])
+        if not self.finder.allows(folder / steady) or ".." in Path(pattern[len(steady) :]).parts:
+            return []
+        return glob.glob(os.path.join(glob.escape(str(folder)), pattern))
+
     def models(self) -> Iterator[tuple[Path, bool]]:
         """Each model, and whether only its expansion tells that it is one."""
-        included, mentioned = set().union(*self.includes.values()), set().union(*self.mentions.values())
+        mentioned = set().union(*self.mentions.values())
         for path, file in self.files.items():
             if path.suffix == ".urdf":
-                if _ROBOT.search(file.text):
-                    # An empty robot is a placeholder that others include.
-                    yield path, not any(tag in file.text for tag in ("<link", "<joint", "<xacro:"))
-            elif _real(path) in included or (_real(path) in mentioned and not stands_alone(file.root)):
+                # An empty robot is a placeholder that others include; what is no robot at all is called one.
+                yield path, file.is_robot and file.is_empty
+            elif self._is_part(_real(path)) or (_real(path) in mentioned and not file.stands_alone):
                 continue
-            elif not only_macros(file.root):
-                yield path, not has_parts(file.root)
+            elif not file.only_macros:
+                yield path, not file.has_parts
+
+    def _is_part(self, path: Path) -> bool:
+        """Whether a file includes this one that it does not include itself: of a circle every file is a model."""
+        includers = self.includers.get(path)
+        return includers is not None and bool(includers - self._closure(path))
 
     def including(self, path: Path) -> list[Path]:
         """The models that include a file, directly or through others."""
@@ -291,7 +338,7 @@ class _Folder:
 
     def called(self, srdf: Path) -> list[Path]:
         """The models whose robot has the name of a semantic description's; a name with expressions may be any."""
-        root = _read(srdf).root
+        root = _File(srdf).root
         named = _EXPRESSION.sub("\0", root.get("name").strip()) if root is not None else ""
         users: list[Path] = []
         for model, _ in self.models():
@@ -356,22 +403,12 @@ def _makes_something(element: Element) -> bool:
     return element.tag.startswith("xacro:") and element.tag not in _BUILTINS
 
 
-def _read(path: Path) -> _File:
-    try:
-        source = SourceFile.read(path, display_name(path))
-    except (OSError, XmlError):
-        try:
-            return _File(path.read_text(encoding="utf-8", errors="replace"), None)
-        except OSError:
-            return _File("", None)
-    return _File(source.text, source)
-
-
 def _real(path: Path) -> Path:
     return Path(os.path.realpath(path))
 
 
-def _walk(root: Path) -> Iterable[Path]:
+def _walk(root: Path, finder: PackageFinder, outside: list[Path]) -> Iterable[Path]:
+    """The files below a folder, through links as well; ``outside`` gets what leads to where nothing may be opened."""
     ignored = _ignored_by_git(root)
     seen: set[str] = set()
     for folder, names, files in os.walk(root, followlinks=True):
@@ -380,6 +417,10 @@ def _walk(root: Path) -> Iterable[Path]:
             names.clear()
             continue
         seen.add(real)
+        if os.path.islink(folder) and not finder.allows(Path(folder)):
+            outside.append(Path(folder))
+            names.clear()
+            continue
         names[:] = sorted(
             n for n in names if not n.startswith(".") and n not in _SKIPPED and os.path.join(real, n) not in ignored
         )
@@ -387,7 +428,9 @@ def _walk(root: Path) -> Iterable[Path]:
             path = Path(folder, name)
             if name.startswith(".") or os.path.join(real, name) in ignored:
                 continue
-            if os.path.isfile(path):
+            if os.path.islink(path) and not finder.allows(path):
+                outside.append(path)
+            elif os.path.isfile(path):
                 yield path
 
 

@@ -16,9 +16,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location, Span
+from urdfcheck.files import read_regular
 from urdfcheck.source.launch_python import MAX_LENGTH, PythonLaunch, read_python
 from urdfcheck.source.packages import Package, PackageFinder, display_name
 from urdfcheck.source.problems import Problem
+from urdfcheck.source.reach import OUT_OF_REACH
 from urdfcheck.source.values import number
 from urdfcheck.source.xml import Attribute, Element, SourceFile, XmlError, parse
 
@@ -144,10 +146,17 @@ def is_included(path: Path) -> bool:
     """Whether a launch file beside this one mentions it: then that one is where the arguments come from."""
     try:
         beside = path.absolute().parent.iterdir()
-        others = [p for p in beside if p.name != path.name and "launch" in p.name and p.is_file()]
-        return any(path.name in other.read_text(encoding="utf-8", errors="replace") for other in others)
+        return any(path.name in _text(p) for p in beside if p.name != path.name and "launch" in p.name)
     except OSError:
         return False
+
+
+def _text(path: Path) -> str:
+    """The text of a file, none where it cannot be read."""
+    try:
+        return read_regular(path).decode("utf-8", "replace")
+    except OSError:
+        return ""
 
 
 def load_launch(path: Path, finder: PackageFinder) -> Launch:
@@ -170,7 +179,7 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
         problem = Problem("unreadable", error.strerror or str(error), start)
         return Launch(path, name, "ros1", None, files, (problem,), (), (), finder, package)
     except XmlError as error:
-        problem = Problem(error.reason, str(error), Location("launch", error.span))
+        problem = Problem(error.reason, str(error), Location("launch", error.span), error.data)
         return Launch(path, name, "ros1", None, files, (problem,), (), (), finder, package)
     ros2 = (
         "$(find-pkg-share" in source.text
@@ -178,15 +187,16 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
         or any("exec" in e.attributes for e in root.walk() if e.tag == "node")
     )
     resolver = _Resolver(root, path, finder, {})
-    included = _included(root, resolver, _Including(finder, files, ros2, {(os.path.realpath(path), frozenset())}))
+    including = _Including(finder, files, ros2, {(os.path.realpath(path), frozenset())}, [])
+    descriptions = (*_descriptions(root, resolver), *_included(root, resolver, including))
     return Launch(
         path,
         name,
         "ros2" if ros2 else "ros1",
         root,
         files,
-        (),
-        (*_descriptions(root, resolver), *included),
+        tuple(including.problems),
+        descriptions,
         tuple(_transforms(root, resolver)),
         finder,
         package,
@@ -195,12 +205,14 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
 
 @dataclass(frozen=True, slots=True)
 class _Including:
-    """What all launch files that one includes share: ``seen`` are the files with the arguments they were handed."""
+    """What all launch files that one includes share: ``seen`` are the files with the arguments they were handed, ``problems``
+    the includes that were not followed."""
 
     finder: PackageFinder
     files: dict[str, SourceFile]
     ros2: bool
     seen: set[tuple[str, frozenset[tuple[str, _Value]]]]
+    problems: list[Problem]
 
 
 def _included(root: Element, resolver: _Resolver, including: _Including) -> Iterator[Description]:
@@ -208,8 +220,17 @@ def _included(root: Element, resolver: _Resolver, including: _Including) -> Iter
     for element in root.walk():
         if element.tag != "include" or not resolver.applies(element):
             continue
-        text = resolver.resolve(element.get("file"))
-        if text is None or not os.path.isfile(text):
+        file = element.attributes.get("file")
+        text = None if file is None else resolver.resolve(file.value)
+        if file is None or text is None:
+            continue
+        if not including.finder.allows(Path(text)):
+            shown = display_name(Path(text))
+            including.problems.append(
+                Problem("out-of-reach", f"{shown}: {OUT_OF_REACH}", file.location, {"path": shown})
+            )
+            continue
+        if not os.path.isfile(text):
             continue
         handed = _handed(element, resolver, everything=including.ros2 or element.get("pass_all_args") in {"true", "1"})
         key = (os.path.realpath(text), frozenset(handed.items()))
@@ -389,7 +410,9 @@ def _description(
 ) -> Description:
     resolved, unresolved = resolver.value_of(file)
     path = None if resolved is None else Path(resolved)
-    if path is not None and not os.path.isfile(path):
+    # Whether there is a file out of reach is nobody's to know: reading it is refused later.
+    allowed = path is not None and resolver.finder.allows(path)
+    if path is not None and (allowed or not path.is_absolute()) and not (allowed and os.path.isfile(path)):
         unresolved = Obstacle("file", display_name(path))
         path = None
     return Description(at, words, file, path, dict(arguments), unresolved)

@@ -8,18 +8,23 @@ import os
 import re
 import warnings
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import NEWLINE, Location, Span
+from urdfcheck.files import TooLarge, read_regular
 from urdfcheck.source.packages import BUILT, PackageFinder, display_name, subfolders
 from urdfcheck.source.problems import Problem
-from urdfcheck.source.xml import SourceFile, read_regular
+from urdfcheck.source.xml import SourceFile
 
 MODEL_SUFFIXES = (".urdf", ".xacro")
 # A path that is longer is none: it comes from names that multiply each other.
 MAX_LENGTH = 4000
+# Its syntax tree takes a few hundred times as much memory. This is some 25,000 lines.
+MAX_PYTHON = 1024**2
+# Different paths of models that are looked up; each is looked for in several folders.
+MAX_PATHS = 1_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,12 +61,20 @@ def read_python(path: Path, finder: PackageFinder) -> PythonLaunch:
     name = display_name(path)
     start = Location("launch", Span(name, 1, 1, 1, 1, 0, 0))
     try:
-        file = SourceFile(path, name, read_regular(path).decode("utf-8-sig", "replace"))
+        data = read_regular(path, MAX_PYTHON)
+    except TooLarge as error:
+        limits = {"what": "bytes", "limit": error.limit, "found": error.found}
+        return PythonLaunch(unreadable=Problem("too-large", error.message, start, limits))
     except OSError as error:
         return PythonLaunch(unreadable=Problem("unreadable", error.strerror or str(error), start))
+    file = SourceFile(path, name, data.decode("utf-8-sig", "replace"))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of a stranger's code: nothing for the terminal
+            if (
+                "\ufffd" in file.text or b"coding" in data[:400]
+            ):  # Python may refuse the bytes: no UTF-8, or no such encoding
+                ast.parse(data)
             tree = ast.parse(file.text)
             return _Reader(tree, file, path, finder).read()
     except SyntaxError as error:
@@ -102,9 +115,10 @@ class _Reader:
     def read(self) -> PythonLaunch:
         folders = [self.own, *(f for f in self.named if f is not None)]
         found: dict[Path, None] = {}
-        missing: list[Named] = []
-        unknown: list[Named] = []
+        missing: dict[str, ast.expr] = {}
+        unknown: dict[str, ast.expr] = {}
         joined: set[int] = set()
+        known: dict[str, Path | None] = {}
         parts = _parts_of_texts(self.nodes)
         for node in self.nodes:
             if id(node) in joined:
@@ -114,19 +128,25 @@ class _Reader:
             if exact is not None and os.path.isfile(exact[0]):
                 model: Path | None = exact[0]
             else:
-                model = _model_file("/".join(str(p.value) for p in pieces), folders)
+                literal = "/".join(str(p.value) for p in pieces)
+                if literal not in known and literal.strip().endswith(MODEL_SUFFIXES) and len(known) < MAX_PATHS:
+                    known[literal] = _model_file(literal, folders)
+                model = known.get(literal)
             if model is not None:
                 found[model] = None
                 joined.update(map(id, pieces if exact is None else ast.walk(node)))
             elif exact is not None and isinstance(node, ast.expr):
                 joined.update(map(id, ast.walk(node)))
-                if not _may_be_elsewhere(*exact):
-                    missing.append(Named(str(exact[0]), self.location(node)))
+                if str(exact[0]) in missing or (len(missing) < MAX_PATHS and not _may_be_elsewhere(*exact)):
+                    missing[str(exact[0])] = node
             elif isinstance(node, ast.Constant) and id(node) not in parts and _is_model_path(node.value):
-                unknown.append(Named(str(node.value), self.location(node)))
-        missing = list({named.path: named for named in missing}.values())
-        unknown = [] if found or missing else list({named.path: named for named in unknown}.values())
-        return PythonLaunch(self.file, tuple(found), tuple(missing), tuple(unknown), self.loads())
+                unknown[str(node.value)] = node
+        if found or missing:
+            unknown = {}
+        return PythonLaunch(self.file, tuple(found), self.named_at(missing), self.named_at(unknown), self.loads())
+
+    def named_at(self, paths: Mapping[str, ast.expr]) -> tuple[Named, ...]:
+        return tuple(Named(path, self.location(node)) for path, node in itertools.islice(paths.items(), MAX_PATHS))
 
     def in_package(self, node: ast.AST) -> tuple[Path, Path] | None:
         """A model's path whose package is known, and that package's folder."""

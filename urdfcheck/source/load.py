@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,6 +11,7 @@ from pathlib import Path
 from urdfcheck.core import Location, Span
 from urdfcheck.source.packages import Package, PackageFinder, display_name
 from urdfcheck.source.problems import Problem
+from urdfcheck.source.reach import OUT_OF_REACH
 from urdfcheck.source.xml import Element, SourceFile, XmlError, parse, unbound_prefix
 
 _USES_XACRO = re.compile(r"<xacro:|\$\{|\$\((?:find|arg|eval|env|optenv|dirname)\b")
@@ -21,7 +23,8 @@ class Source:
 
     ``root`` is the expanded ``<robot>`` (or whatever the root element is), None when nothing could be expanded.
     ``files`` and ``trees`` hold each file reached, by display name, as typed; ``main`` is the first of them.
-    ``explicit`` says that the user named this file on the command line.
+    ``explicit`` says that the user named this file on the command line; ``environment`` names the variables that xacro may
+    read beside those of ROS.
     """
 
     path: Path
@@ -36,6 +39,7 @@ class Source:
     package: Package | None
     explicit: bool = True
     arguments_read: frozenset[str] = field(default_factory=frozenset)
+    environment: frozenset[str] = frozenset()
 
     @property
     def main(self) -> Element | None:
@@ -61,10 +65,12 @@ def load(
     *,
     explicit: bool = True,
     xacro: bool = False,
+    environment: frozenset[str] = frozenset(),
 ) -> Source:
     """Read a model. What is wrong with the file becomes a problem of the result, never an exception.
 
-    ``xacro`` says that the file is handed to xacro although its name does not end in ``.xacro``.
+    ``xacro`` says that the file is handed to xacro although its name does not end in ``.xacro``; ``environment`` names the
+    variables that it may read beside those of ROS.
     """
     name = display_name(path)
     package = finder.package_of(path.absolute())
@@ -74,6 +80,8 @@ def load(
     root: Element | None = None
     is_xacro = path.suffix == ".xacro"
     try:
+        if not finder.allows(path):
+            raise OSError(errno.EACCES, OUT_OF_REACH, str(path))
         source = SourceFile.read(path, name)
         files[name] = source
         root = trees[name] = parse(source)
@@ -81,9 +89,11 @@ def load(
         start = Span(name, 1, 1, 1, 1, 0, 0)
         problems.append(Problem("unreadable", error.strerror or str(error), Location("robot", start)))
     except XmlError as error:
-        problems.append(Problem(error.reason, str(error), Location("robot", error.span)))
+        problems.append(Problem(error.reason, str(error), Location("robot", error.span), error.data))
     else:
         is_xacro = is_xacro or ((xacro or path.suffix == "") and bool(_USES_XACRO.search(source.text)))
+        if source.encoding.startswith("utf-16") and not (is_xacro or xacro):
+            problems.append(Problem("utf-16", "the text is UTF-16", root.location))
         prefixed = unbound_prefix(root)
         if prefixed is not None and not is_xacro:
             element, prefix = prefixed
@@ -94,7 +104,7 @@ def load(
     if root is not None and is_xacro:
         from urdfcheck.source.xacro import expand
 
-        expansion = expand(path, arguments, finder)
+        expansion = expand(path, arguments, finder, environment)
         root, problems = expansion.root, [*problems, *expansion.problems]
         files.update(expansion.files)
         trees.update(expansion.trees)
@@ -112,4 +122,5 @@ def load(
         package,
         explicit,
         arguments_read,
+        environment,
     )

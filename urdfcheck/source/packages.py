@@ -10,8 +10,10 @@ from pathlib import Path
 from urllib.parse import unquote
 
 from urdfcheck.core import Location, Span
+from urdfcheck.files import looked_at, read_regular, recorded
 from urdfcheck.source.problems import Problem
-from urdfcheck.source.xml import Element, SourceFile, XmlError, parse, read_regular
+from urdfcheck.source.reach import Reach, is_below, real_path
+from urdfcheck.source.xml import Element, SourceFile, XmlError, parse
 
 # How far up from a model its workspace is looked for, and how many folders are looked into on each level.
 LEVELS_UP = 6
@@ -58,6 +60,7 @@ class Resource:
 
     ``kind``: package | file | absolute | home | relative | other (a scheme that no loader of URDF resolves to a file).
     ``path`` is None when the package is unknown or the kind has no file; ``exists`` is exact in upper and lower case.
+    ``allowed`` is False for a file out of reach: it was not even looked for, and ``exists`` is False.
     """
 
     text: str
@@ -66,11 +69,14 @@ class Resource:
     path: Path | None
     exists: bool
     actual: str | None = None
+    allowed: bool = True
 
 
 class PackageFinder:
     """Finds packages by name, in this order: ``explicit`` folders, folders below ``paths``, package.xml in the folders
-    around ``start``, ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and last a folder of that name around ``start``."""
+    around ``start``, ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and last a folder of that name around ``start``.
+
+    ``reach``: which files may be opened beside those of the packages that were found; None for all."""
 
     def __init__(
         self,
@@ -78,8 +84,10 @@ class PackageFinder:
         explicit: Mapping[str, Path] | None = None,
         paths: Sequence[Path] = (),
         environment: Mapping[str, str] | None = None,
+        reach: Reach | None = None,
     ) -> None:
-        self.start = start if start.is_dir() else start.parent
+        self.reach = reach
+        self.start = start if os.path.isdir(start) else start.parent  # pathlib raises for a name too long
         # Absolute, because xacro takes a relative path for one that starts at the file that names it.
         self.explicit = {name: path.absolute() for name, path in (explicit or {}).items()}
         self.paths = [path.absolute() for path in paths]
@@ -94,8 +102,26 @@ class PackageFinder:
     def find(self, name: str) -> Path | None:
         """The folder of a package, or None."""
         if name not in self._found:
-            self._found[name] = self._look_for(name)
+            self._found[name] = found = self._look_for(name)
+            if found is not None:
+                looked_at(found / "package.xml")
         return self._found[name]
+
+    def allows(self, path: Path) -> bool:
+        """Whether a file may be opened: it is in reach, or in a package that was found and is where its name leads."""
+        if self.reach is None or self.reach.allows(path):
+            return True
+        real = real_path(path)
+        return real is not None and any(is_below(real, str(folder)) for folder in self._honest())
+
+    def _honest(self) -> Iterator[Path]:
+        """The packages found so far, but for those that a link in the workspace of a stranger places elsewhere."""
+        trusted = [*self.explicit.values(), *self.paths, *self._in_ros().values()]
+        for folder in filter(None, self._found.values()):
+            real = os.path.realpath(folder)
+            around = any(is_below(real, os.path.realpath(level)) for level in self.levels())
+            if around or any(is_below(real, os.path.realpath(place)) for place in trusted):
+                yield Path(real)
 
     def _look_for(self, name: str) -> Path | None:
         if not name or name in {".", ".."} or "/" in name or "\\" in name:
@@ -122,12 +148,12 @@ class PackageFinder:
     def _around_start(self) -> dict[str, Path]:
         if self._around is None:
             self._around = {}
-            for level in self._levels():
+            for level in self.levels():
                 for name, folder in _packages(level, LEVELS_DOWN_AROUND):
                     self._around.setdefault(name, folder)
         return self._around
 
-    def _levels(self) -> list[Path]:
+    def levels(self) -> list[Path]:
         """The folders from the start upwards that can belong to the same workspace."""
         levels: list[Path] = []
         home = Path(os.path.expanduser("~"))
@@ -151,18 +177,19 @@ class PackageFinder:
         return self._ros
 
     def _by_folder_name(self, name: str) -> Path | None:
-        for level in self._levels():
+        for level in self.levels():
             if level.name == name:
                 return level
-            if (level / name).is_dir():
+            if os.path.isdir(level / name):  # of a name too long, or with a NUL, pathlib raises
                 return level / name
+            looked_at(level / name)
         return None
 
     def looked_in(self) -> list[str]:
         """Where packages were looked for, for the finding that one was not found."""
         places = [f"--package {name}={display_name(path)}" for name, path in sorted(self.explicit.items())]
         places += [display_name(path) for path in self.paths]
-        levels = self._levels()
+        levels = self.levels()
         if levels:
             places.append(f"package.xml from {display_name(self.start)} up to {display_name(levels[-1])}")
         for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
@@ -190,7 +217,8 @@ class PackageFinder:
         """The package that a file belongs to: the nearest folder above it with a package.xml."""
         for folder in path.parents:
             if folder not in self._packages:
-                self._packages[folder] = load_package(folder)
+                allowed = self.allows(folder / "package.xml")
+                self._packages[folder] = load_package(folder) if allowed else None
             package = self._packages[folder]
             if package is not None:
                 return package
@@ -207,16 +235,30 @@ class PackageFinder:
         if scheme and scheme.group(1) in {"package", "model"}:
             package, _, rest = scheme.group(2).partition("/")
             folder = self.find(package)
-            return _looked_up(text, "package", package, None if folder is None else folder / unquote(rest))
+            return self._looked_up(text, "package", package, None if folder is None else folder / unquote(rest))
         if scheme and scheme.group(1) == "file":
-            return _looked_up(text, "file", None, Path(unquote(scheme.group(2))))
+            return self._looked_up(text, "file", None, Path(unquote(scheme.group(2))))
         if scheme:
             return Resource(text, "other", None, None, False)
         if text.startswith("~"):
-            return _looked_up(text, "home", None, Path(os.path.expanduser(text)))
+            return self._looked_up(text, "home", None, Path(os.path.expanduser(text)))
         if os.path.isabs(text) or re.match(r"^[A-Za-z]:[\\/]", text):
-            return _looked_up(text, "absolute", None, Path(text))
-        return _looked_up(text, "relative", None, base / text)
+            return self._looked_up(text, "absolute", None, Path(text))
+        return self._looked_up(text, "relative", None, base / text)
+
+    def _looked_up(self, text: str, kind: str, package: str | None, path: Path | None) -> Resource:
+        if path is None:
+            return Resource(text, kind, package, None, False)
+        if not self.allows(path):
+            return Resource(text, kind, package, path, False, allowed=False)
+        looked_at(path)
+        try:
+            exists = path.is_file()
+        except (OSError, ValueError):  # a name too long, or with a NUL
+            return Resource(text, kind, package, None, False)
+        actual = _actual_spelling(path)
+        # On a file system that ignores case the file opens, but its name is still another one.
+        return Resource(text, kind, package, path, exists and (actual is None or actual == path.name), actual)
 
 
 def load_package(folder: Path) -> Package | None:
@@ -234,22 +276,10 @@ def load_package(folder: Path) -> Package | None:
         problem = Problem("unreadable", error.strerror or str(error), start)
         return Package(folder.name, folder, None, None, (problem,))
     except XmlError as error:
-        problem = Problem(error.reason, str(error), Location("package", error.span))
+        problem = Problem(error.reason, str(error), Location("package", error.span), error.data)
         return Package(folder.name, folder, None, file, (problem,))
     name = root.child("name")
     return Package(name.text.strip() if name is not None else folder.name, folder, root, file)
-
-
-def _looked_up(text: str, kind: str, package: str | None, path: Path | None) -> Resource:
-    if path is None:
-        return Resource(text, kind, package, None, False)
-    try:
-        exists = path.is_file()
-    except (OSError, ValueError):  # a name too long, or with a NUL
-        return Resource(text, kind, package, None, False)
-    actual = _actual_spelling(path)
-    # On a file system that ignores case the file opens, but its name is still another one.
-    return Resource(text, kind, package, path, exists and (actual is None or actual == path.name), actual)
 
 
 def _actual_spelling(path: Path) -> str | None:
@@ -313,7 +343,8 @@ def subfolders(path: Path) -> list[Path]:
 
 def _manifest_name(folder: Path) -> str | None:
     try:
-        match = _NAME.search(read_regular(folder / "package.xml").decode("utf-8", "replace"))
+        with recorded():  # for itself: of all packages that are looked through only the one that is found decides
+            match = _NAME.search(read_regular(folder / "package.xml").decode("utf-8", "replace"))
     except OSError:
         return None
     return match.group(1) if match else None

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from urdfcheck.errors import TimeUp
 from urdfcheck.source.discover import is_srdf, only_macros
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import BUILT, PackageFinder, display_name, load_package, subfolders
@@ -113,15 +114,26 @@ def srdfs_of(source: Source, robot: str) -> tuple[Srdf, ...]:
     for path in _candidates(source):
         real = Path(os.path.realpath(path))
         if real not in found:
-            srdf = load_srdf(path, source.arguments, source.finder, robot)
+            srdf = load_srdf(path, source.arguments, source.finder, robot, source.environment)
             if srdf is not None:
                 found[real] = srdf
     return tuple(sorted(found.values(), key=lambda srdf: srdf.name))
 
 
-def load_srdf(path: Path, arguments: Mapping[str, str], finder: PackageFinder, robot: str) -> Srdf | None:
-    """The semantic description in a file, None when it is for another robot, or cannot be read or expanded."""
+def load_srdf(
+    path: Path,
+    arguments: Mapping[str, str],
+    finder: PackageFinder,
+    robot: str,
+    environment: frozenset[str] = frozenset(),
+) -> Srdf | None:
+    """The semantic description in a file, None when it is for another robot, or cannot be read or expanded.
+
+    :raises TimeUp: when the model's time is over.
+    """
     name = display_name(path)
+    if not finder.allows(path):
+        return None
     try:
         file = SourceFile.read(path, name)
         root: Element | None = parse(file)
@@ -136,7 +148,9 @@ def load_srdf(path: Path, arguments: Mapping[str, str], finder: PackageFinder, r
             return None
         from urdfcheck.source.xacro import expand
 
-        expansion = expand(path, arguments, finder)
+        expansion = expand(path, arguments, finder, environment)
+        if any(problem.kind == "time-limit" for problem in expansion.problems):
+            raise TimeUp  # it is not the SRDF's own: no time is left for anything
         root, files = expansion.root, expansion.files
     if root is None or root.get("name").strip() != robot:
         return None
@@ -153,6 +167,7 @@ def _candidates(source: Source) -> Iterator[Path]:
         if own is None or folder != own.path:
             files = [file for inner in CONFIGURED for file in _inside(folder / inner)]
             if files and (name.endswith("_moveit_config") or (own is not None and _depends(folder, own.name))):
+                source.finder.find(name)  # now it counts as found, and its files are in reach
                 yield from files
 
 

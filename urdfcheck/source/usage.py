@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import Location
+from urdfcheck.files import read_regular
 from urdfcheck.source.expressions import names_in
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import display_name
+from urdfcheck.source.parameters import next_parameter
 from urdfcheck.source.problems import Problem
 from urdfcheck.source.xml import Attribute, Element
 
@@ -51,13 +53,11 @@ def properties(trees: Mapping[str, Element]) -> dict[str, list[Attribute]]:
 
 def macros(trees: Mapping[str, Element]) -> dict[str, Macro]:
     """The macros by name, each as its last definition makes it."""
-    from xacro import parse_macro_arg
-
     found: dict[str, Macro] = {}
     for element in elements(trees, "xacro:macro"):
         parameters, optional, rest = [], set(), element.get("params")
         while rest.strip():
-            parameter, default, rest = parse_macro_arg(rest)
+            parameter, default, rest = next_parameter(rest)
             parameters.append(parameter.lstrip("*"))
             optional |= {parameter} if default is not None else set()
         name = element.get("name").removeprefix("xacro:")
@@ -97,7 +97,7 @@ def names_read_elsewhere(source: Source) -> set[str]:
         if display_name(path) in source.trees:
             continue
         try:
-            text = path.read_text(encoding="utf-8", errors="replace") if path.stat().st_size <= _LARGEST else ""
+            text = read_regular(path, _LARGEST).decode("utf-8", "replace")
         except OSError:
             continue
         found.update(_BLOCK.findall(text), _FORWARDED.findall(text), _in_expressions(text))

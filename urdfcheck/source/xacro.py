@@ -10,21 +10,28 @@ xacro keeps its state in module globals: one expansion at a time in a process.
 from __future__ import annotations
 
 import builtins
+import fnmatch
 import os
 import re
 import sys
 import warnings
+from collections import ChainMap, Counter
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from glob import has_magic
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from xml.dom import UserDataHandler, minidom
 from xml.parsers import expat
 
 from urdfcheck.core import Location, Span
-from urdfcheck.source.expressions import FORBIDDEN_FUNCTIONS, OUTSIDE, refusal
+from urdfcheck.errors import TimeUp
+from urdfcheck.source.expressions import OUTSIDE, Refused, compiled
+from urdfcheck.source.guards import Guards
 from urdfcheck.source.packages import PackageFinder, display_name
+from urdfcheck.source.parameters import next_parameter
 from urdfcheck.source.problems import Problem
 from urdfcheck.source.xml import (
     Attribute,
@@ -34,7 +41,6 @@ from urdfcheck.source.xml import (
     XmlError,
     nearest_first,
     parse,
-    read_regular,
     unbound_prefix,
 )
 
@@ -43,6 +49,15 @@ _KEY = "urdfcheck"
 _FRAMES = 3
 # A file that is included by what it includes itself is a circle; a few times around, its own conditions may still end it.
 _MAX_INCLUDED = 4
+# Elements, texts and comments that are gone through, those of a macro once for each call: of a hundred robots none has
+# more than 21,000. Reading a file counts for several.
+MAX_NODES = 200_000
+_NODES_OF_FILE = 100
+# How much of an expression that is refused goes into the problem, and how much of xacro's words is looked at.
+_SHOWN = 1_000
+_READ = 20_000
+# What a file may read of the environment: the same for everybody who builds it for one distribution of ROS.
+ENVIRONMENT = frozenset({"ROS_DISTRO", "ROS_PYTHON_VERSION", "ROS_VERSION"})
 
 
 @dataclass(slots=True, eq=False)
@@ -67,22 +82,23 @@ class Expansion:
     arguments: frozenset[str]
 
 
-class _Refused(Exception):
-    """An expression that must not be evaluated. ``kind``: see :class:`~urdfcheck.source.expressions.Refusal`."""
+class _Stopped(Exception):
+    """What ends the expansion as a problem of its own kind, with its data."""
 
-    def __init__(self, kind: str, reason: str, expression: str = "") -> None:
-        super().__init__(reason)
+    def __init__(self, kind: str, message: str, **data: Any) -> None:
+        super().__init__(message)
         self.kind = kind
-        self.expression = expression
+        self.data = data
 
 
 class _YamlError(Exception):
-    """A yaml file that cannot be read, at the place in it that yaml names."""
+    """A yaml file that cannot be read, at the place in it that yaml names; ``tag`` when this asks for Python."""
 
-    def __init__(self, file: str, reason: str, span: Span) -> None:
+    def __init__(self, file: str, reason: str, span: Span, tag: str = "") -> None:
         super().__init__(reason)
         self.file = file
         self.span = span
+        self.tag = tag
 
 
 class _NoPackage(Exception):
@@ -93,9 +109,14 @@ class _NoPackage(Exception):
         self.name = name
 
 
-def expand(path: Path, arguments: Mapping[str, str], finder: PackageFinder) -> Expansion:
-    """Expand a xacro file with the given arguments. Never raises for what the file contains."""
-    tracer = _Tracer(path, finder)
+def expand(
+    path: Path, arguments: Mapping[str, str], finder: PackageFinder, environment: frozenset[str] = frozenset()
+) -> Expansion:
+    """Expand a xacro file with the given arguments. Never raises for what the file contains.
+
+    ``environment`` names the variables that the file may read beside those of ROS.
+    """
+    tracer = _Tracer(path, finder, environment)
     document: minidom.Document | None = None
     root: Element | None = None
     with tracer.installed():
@@ -103,12 +124,13 @@ def expand(path: Path, arguments: Mapping[str, str], finder: PackageFinder) -> E
 
         try:
             document = xacro.process_file(str(path), mappings=_Arguments(arguments, tracer.read_argument))
-        except Exception as error:  # whatever a stranger's expression raises is a finding, not a crash
-            tracer.fail(tracer.explain(error), error)
-        else:
             assert document is not None
             assert document.documentElement is not None
             root = _convert(document.documentElement, None)
+        except TimeUp:
+            tracer.stop("time-limit")
+        except Exception as error:  # whatever a stranger's expression raises is a finding, not a crash
+            tracer.fail(tracer.explain(error), error)
     return Expansion(
         root,
         document if root is not None else None,
@@ -139,9 +161,10 @@ class _Frame:
 class _Tracer:
     """The wrappers around xacro's functions, and what they learn."""
 
-    def __init__(self, path: Path, finder: PackageFinder) -> None:
+    def __init__(self, path: Path, finder: PackageFinder, environment: frozenset[str]) -> None:
         self.path = path
         self.finder = finder
+        self.environment = environment
         self.files: dict[str, SourceFile] = {}
         self.trees: dict[str, Element] = {}
         self.problems: list[Problem] = []
@@ -162,6 +185,11 @@ class _Tracer:
         self.failed_calls: list[_Call] = []
         self.failed_reads: list[Definition] = []
         self.failed_extension = ""
+        self.guards: Guards
+        self.symbols: dict[str, Any]
+        self.nodes = 0
+        self.called: Counter[str] = Counter()
+        self.ignored: set[tuple[str, Location]] = set()
 
     # -- reporting ---------------------------------------------------------------------------------------------
 
@@ -186,6 +214,17 @@ class _Tracer:
             return Location(attribute.location.subject, attribute.span, via)
         return Location(raw.subject, raw.span, via)
 
+    def place(self) -> Location:
+        """Like :meth:`here`, but of a property that is evaluated at its first use: where it is defined."""
+        lazily = self.resolving[-1] if self.resolving else None
+        return self.here() if lazily is None or lazily.span is None else lazily.location
+
+    def stop(self, kind: str) -> None:
+        """Record that the time or the memory for the model was over, and what was going on."""
+        name, times = next(iter(self.called.most_common(1)), ("", 0))
+        doing = f"macro {name} had been called {times:,} times" if times > 1 else "an expression takes that long"
+        self.problem(kind, doing, self.failed_at or self.here(), macros=self.macros())
+
     def fail(self, message: str, error: BaseException) -> None:
         """Record what stopped the expansion, at the place where it was first raised."""
         at = self.failed_at or self.here()
@@ -194,21 +233,30 @@ class _Tracer:
         missing: str | None = None
         cause: BaseException | None = error
         while cause is not None:
-            if isinstance(cause, _Refused):
-                self.problem("unsafe-expression", str(cause), at, expression=cause.expression, refusal=cause.kind)
+            if isinstance(cause, Refused):
+                self.problem(
+                    "unsafe-expression", str(cause), at, expression=cause.expression[:_SHOWN], refusal=cause.kind
+                )
+                return
+            if isinstance(cause, _Stopped):
+                self.problem(cause.kind, str(cause), at, macros=self.macros(), **cause.data)
+                return
+            if isinstance(cause, MemoryError):
+                self.stop("memory-limit")
                 return
             if isinstance(cause, _NoPackage):
                 self.problem("package-not-found", str(cause), at, package=cause.name)
                 return
             if isinstance(cause, XmlError):
                 via = tuple(c.span for c in self.failed_calls if c.span is not None)
-                self.problem(cause.reason, str(cause), Location("", cause.span, via))
+                self.problem(cause.reason, str(cause), Location("", cause.span, via), **cause.data)
                 return
             if isinstance(cause, _YamlError):
                 via = tuple(c.span for c in self.failed_calls if c.span is not None)
-                self.problem(
-                    "expansion-failed", str(cause), Location("yaml", cause.span, via), reader=at, file=cause.file
-                )
+                kind, data = "expansion-failed", {"reader": at, "file": cause.file}
+                if cause.tag:
+                    kind, data = "unsafe-expression", {"reader": at, "expression": cause.tag, "refusal": "tag"}
+                self.problem(kind, str(cause), Location("yaml", cause.span, via), **data)
                 return
             if isinstance(cause, RecursionError):
                 at, message = self.first_repetition(str(cause)) or (at, message)
@@ -242,7 +290,7 @@ class _Tracer:
 
     def explain(self, error: BaseException) -> str:
         """xacro's own words in one line, without what the location already says."""
-        text = " ".join(str(error).split()) or repr(error)
+        text = " ".join(str(error).split())[:_READ] or repr(error)
         match = re.match(r"^<class '[^']+'>: (.*)$", text)
         text = match.group(1) if match else text
         # An exception wrapped in another says everything twice.
@@ -266,6 +314,7 @@ class _Tracer:
                 "parse",
                 "eval_all",
                 "eval_text",
+                "eval_extension",
                 "safe_eval",
                 "handle_macro_call",
                 "process_include",
@@ -275,30 +324,34 @@ class _Tracer:
                 "eval_default_arg",
                 "check_attrs",
                 "reqd_attrs",
-                "load_yaml",
             ):
                 patch(xacro, name, getattr(self, name)(getattr(xacro, name)))
             patch(xacro, "warning", self.warning)
             patch(xacro, "message", _silent("message"))
             patch(xacro, "error", _silent("error"))
             patch(xacro, "print_location", _silent("print_location"))
+            patch(xacro, "load_yaml", self.load_yaml)
+            patch(xacro, "parse_macro_arg", next_parameter)
+            patch(xacro, "is_valid_name", _names_a_property(xacro.is_valid_name))
+            patch(xacro, "glob", SimpleNamespace(glob=self.matching))
             patch(xacro.Table, "_setitem", self.set_item(xacro.Table._setitem))
             patch(xacro.Table, "_resolve_", self.resolve(xacro.Table._resolve_))
             patch(substitution, "_eval_find", self.find)
-            patch(substitution, "_eval", self.evaluate_extension(substitution._eval))
+            patch(substitution, "_eval_env", self.env)
+            patch(substitution, "_eval_optenv", self.optenv)
+            patch(substitution, "_eval", self.evaluate_extension)
             patch(xacro, "root_dir", os.curdir)
             patch(xacro, "filestack", None)
             patch(xacro, "macrostack", None)
             patch(xacro, "all_includes", [])
             # $(dirname) of the file that is being read; plain xacro's command line leaves it unset.
             patch(xacro, "substitution_args_context", _Context(lambda: self.current_file()))
-            symbols = xacro.create_global_symbols()
-            for name in FORBIDDEN_FUNCTIONS:
-                symbols["python"][name] = _refusing(f"python.{name}")
-            symbols["xacro"]["arg"] = self.argument
-            patch(xacro, "_global_symbols", symbols)
-            patch(substitution, "eval", _evaluator({**symbols["python"]}))
             self._xacro = xacro
+            self.guards = Guards(xacro.Table)
+            self.symbols = xacro.create_global_symbols()
+            dict.__setitem__(self.symbols["xacro"], "arg", self.argument)
+            self.guards.protect(self.symbols)
+            patch(xacro, "_global_symbols", self.symbols)
             # What Python thinks of a stranger's expression (`1 is 1`, "\\d") is nothing for the terminal.
             stack.enter_context(warnings.catch_warnings())
             warnings.simplefilter("ignore")
@@ -327,6 +380,8 @@ class _Tracer:
                 return original(inp, filename)
             path = Path(filename)
             name = display_name(path)
+            self.count(_NODES_OF_FILE)
+            self.ensure_reach(path)
             try:
                 source = SourceFile.read(path, name)
             except OSError as error:
@@ -351,38 +406,88 @@ class _Tracer:
 
         return wrapper
 
-    def load_yaml(self, original: Callable[..., Any]) -> Callable[..., Any]:
-        def wrapper(filename: str) -> Any:
-            import yaml
+    def ensure_reach(self, path: Path) -> None:
+        if not self.finder.allows(path):
+            name = display_name(path)
+            raise _Stopped("out-of-reach", f"{name} lies outside of what may be read", path=name)
 
-            from urdfcheck.source.yaml import traced
+    def matching(self, pattern: str) -> list[str]:
+        """The files that a pattern names, as glob finds them; in no folder that is out of reach is looked at all."""
+        found = [""]
+        for part in Path(pattern).parts:
+            inner: list[str] = []
+            for folder in found:
+                if not has_magic(part):
+                    inner.append(os.path.join(folder, part))
+                    continue
+                self.ensure_reach(Path(folder or os.curdir))
+                names = [n for n in _names(folder or os.curdir) if part.startswith(".") or not n.startswith(".")]
+                self.count(len(names))
+                inner += [os.path.join(folder, n) for n in fnmatch.filter(names, part)]
+            found = inner
+        return [path for path in found if os.path.lexists(path)]
 
-            try:
-                read_regular(Path(self._xacro.abs_filename_spec(filename)))
-                value = original(filename)
-            except self._xacro.XacroException:
+    def load_yaml(self, filename: str) -> Any:
+        """A yaml file's content in xacro's wrappers, which report what is read of it."""
+
+        from urdfcheck.source.yaml import YamlProblem, read_yaml
+
+        path = Path(self._xacro.abs_filename_spec(filename))
+        self.count(_NODES_OF_FILE)
+        self.ensure_reach(path)
+        name = display_name(path)
+        self._xacro.filestack.append(filename)
+        try:
+            return read_yaml(SourceFile.read(path, name), self.read, self.yaml_number)
+        except YamlProblem as problem:
+            raise _YamlError(name, str(problem), problem.span, problem.tag) from problem
+        except XmlError as error:
+            if error.reason == "too-large":
                 raise
-            except yaml.MarkedYAMLError as error:
-                path, mark = Path(self._xacro.abs_filename_spec(filename)), error.problem_mark or error.context_mark
-                if mark is None:
-                    raise
-                reason = ", ".join(part for part in (error.context, error.problem) if part)
-                span = SourceFile.read(path, display_name(path)).span(mark.index, mark.index + 1)
-                raise _YamlError(display_name(path), reason, span) from error
-            except Exception as error:
-                # yaml's message names line and column, and spans several lines.
-                text = " ".join(str(error).split())
-                raise self._xacro.XacroException(f"yaml file {filename}: {text}") from error
-            path = Path(self._xacro.abs_filename_spec(filename))
-            return traced(value, path, display_name(path), self.read)
+            raise _YamlError(name, str(error), error.span) from error
+        except (self._xacro.XacroException, Refused):
+            raise
+        except Exception as error:
+            # yaml's message names line and column, and spans several lines.
+            text = " ".join(str(error).split())
+            raise self._xacro.XacroException(f"yaml file {filename}: {text}") from error
+        finally:
+            self._xacro.filestack.pop()
 
-        return wrapper
+    def yaml_number(self, text: str) -> float:
+        """The number of a value with a unit, which may be an expression."""
+        try:
+            return float(self._xacro.safe_eval(text, self.symbols))
+        except SyntaxError:
+            raise self._xacro.XacroException(f"invalid expression: {text}") from None
 
     def find(self, package: str) -> str:
         folder = self.finder.find(package)
         if folder is None:
             raise _NoPackage(package)
         return str(folder)
+
+    # -- environment -------------------------------------------------------------------------------------------
+
+    def env(self, name: str) -> str:
+        """``$(env NAME)``; a variable that a file must not read counts as one that is not set."""
+        import xacro.substitution_args as substitution
+
+        if name not in ENVIRONMENT | self.environment:
+            raise substitution.SubstitutionException(f"environment variable {name!r} is not read")
+        if name not in os.environ:
+            raise substitution.SubstitutionException(f"environment variable {name!r} is not set")
+        return os.environ[name]
+
+    def optenv(self, name: str, default: Any = "") -> Any:
+        """``$(optenv NAME default)``."""
+        if name in ENVIRONMENT | self.environment:
+            return os.environ.get(name, default)
+        at = self.place()
+        if (name, at) not in self.ignored:
+            self.ignored.add((name, at))
+            self.problem("environment-ignored", f"{name} is not read", at, variable=name)
+        return default
 
     # -- evaluation --------------------------------------------------------------------------------------------
 
@@ -392,6 +497,7 @@ class _Tracer:
             own_call = bool(self.calls) and self.calls[-1].node is node
             inner = self.calls.pop() if own_call else None
             origin = _origin(node)
+            self.count(1 + len(node.childNodes))
             if origin is not None and origin.via is None:
                 origin.via = self.via()
             pending = [name for name in node.attributes.keys() if not name.startswith("xacro:")]  # noqa: SIM118
@@ -407,10 +513,31 @@ class _Tracer:
 
         return wrapper
 
+    def count(self, nodes: int) -> None:
+        """Count what is gone through, which a few macros that call each other twice make endless."""
+        self.nodes += nodes
+        if self.nodes > MAX_NODES:
+            name, times = next(iter(self.called.most_common(1)), ("", 0))
+            often = f"; macro {name} alone was called {times:,} times" if times > 1 else ""
+            message = f"the model expands to more than {MAX_NODES:,} elements, texts and comments{often}"
+            raise _Stopped("too-large", message, what="expansion", limit=MAX_NODES, found=self.nodes)
+
     def eval_text(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def bounded(text: Any, symbols: Any) -> Any:
+            try:
+                if isinstance(text, str):  # xacro copies what is left of the text at each of its parts
+                    self.guards.spend(text.count("$") * len(text) // 4096)
+                result = original(text, symbols)
+                if isinstance(result, str):
+                    self.guards.weigh(result)
+            except Refused as refused:
+                refused.expression = refused.expression or str(text)
+                raise
+            return result
+
         def wrapper(text: Any, symbols: Any) -> Any:
             if self.evaluating:
-                return original(text, symbols)
+                return bounded(text, symbols)
             frame = self.frames[-1] if self.frames else None
             own = bool(frame and frame.pending)
             if own and frame is not None:
@@ -421,7 +548,7 @@ class _Tracer:
             self.readers.append([])
             try:
                 with self.failing():
-                    result = original(text, symbols)
+                    result = bounded(text, symbols)
             finally:
                 self.evaluating -= 1
                 self.last_reads = tuple(dict.fromkeys(self.readers.pop()))
@@ -455,36 +582,72 @@ class _Tracer:
             values[0], values[1], parent.raw, typed.span, typed.typed, typed.literal, self.last_reads
         )
 
-    def safe_eval(self, original: Callable[..., Any]) -> Callable[..., Any]:
-        def wrapper(expression: str, symbols: Any, local: Any = None) -> Any:
-            refused = refusal(expression)
-            if refused is not None:
-                raise _Refused(refused.kind, refused.reason, expression)
+    def eval_extension(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(text: str) -> Any:
+            commands = text.count("$(")
+            if commands > 1:  # those that a property brought in: each one's value is put into the text
+                longest = max((len(str(v)) for v in self._xacro.substitution_args_context["arg"].values()), default=0)
+                self.guards.spend(commands * (longest + len(text)))
+            result = original(text)
+            self.guards.weigh(result)
+            return result
+
+        return wrapper
+
+    def safe_eval(self, _original: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapper(expression: str, symbols: Any, _local: Any = None) -> Any:
             try:
-                return original(expression, symbols, local)
+                return self.evaluate(expression, symbols)
             except NameError as error:
                 unknown = re.search(r"name '([^']+)' is not defined", str(error))
                 # Only a call is meant for Python: `${type}` is a property that somebody forgot.
                 if unknown and unknown.group(1) in OUTSIDE and re.search(rf"\b{unknown.group(1)}\s*\(", expression):
-                    raise _Refused("outside", f"{unknown.group(1)} is no function of xacro", expression) from error
+                    raise Refused("outside", f"{unknown.group(1)} is no function of xacro", expression) from error
                 raise
 
         return wrapper
 
-    def evaluate_extension(self, original: Callable[..., Any]) -> Callable[..., Any]:
-        def wrapper(expression: str, context: Any) -> Any:
-            refused = refusal(expression)
-            if refused is not None:
-                raise _Refused(refused.kind, refused.reason, expression)
-            if "__" in expression:  # xacro looks for it in the text, whether or not the text is an expression
-                raise _Refused("outside", "xacro takes no name with two underscores in $(eval …)", expression)
-            try:
-                return original(expression, context)
-            except Exception:
-                self.failed_extension = self.failed_extension or f"$(eval {expression})"
-                raise
+    def evaluate(self, expression: str, symbols: Any) -> Any:
+        """The value of an expression, in which nothing leads out of xacro's language."""
+        try:
+            return self.guards.evaluate(compiled(expression), symbols)
+        except Refused as refused:
+            # What is refused is kept with the code of the expression, and may be raised once more.
+            raise Refused(refused.kind, str(refused), refused.expression or expression) from refused
 
-        return wrapper
+    def evaluate_extension(self, expression: str, context: Mapping[str, Any]) -> str:
+        """``$(eval …)``, in the place of ``substitution_args._eval``."""
+        with suppress(SyntaxError):
+            compiled(expression)
+        if "__" in expression:  # xacro looks for it in the text, whether or not the text is an expression
+            raise Refused("outside", "xacro takes no name with two underscores in $(eval …)", expression)
+        try:
+            return str(self.evaluate(expression, self.names_of_extension(context)))
+        except Exception:
+            self.failed_extension = self.failed_extension or f"$(eval {expression})"
+            raise
+
+    def names_of_extension(self, context: Mapping[str, Any]) -> Mapping[str, Any]:
+        """What an expression in ``$(eval …)`` may name: arguments, some functions, and Python's harmless ones.
+
+        xacro leaves all of Python's builtins in its reach, ``open`` and ``exec`` as well.
+        """
+        import xacro.substitution_args as substitution
+
+        def argument(name: str) -> Any:
+            return substitution.convert_value(substitution._eval_arg(name, context["arg"]), "auto")
+
+        own: dict[str, Callable[..., Any]] = {
+            "arg": argument,
+            "dirname": lambda: substitution._eval_dirname(self.current_file()),
+            "env": self.env,
+            "optenv": self.optenv,
+            "find": self.find,
+        }
+        functions: dict[str, Any] = {"true": True, "false": False, "True": True, "False": False, **self.symbols["math"]}
+        functions |= {name: self.guards.function(name, function) for name, function in own.items()}
+        builtin = {name: self.guards.refusing(name) for name in dir(builtins)} | dict(self.symbols["python"])
+        return ChainMap(functions, _Converted(context["arg"]), builtin)
 
     def handle_macro_call(self, original: Callable[..., Any]) -> Callable[..., Any]:
         def wrapper(node: minidom.Element, macros: Any, symbols: Any) -> Any:
@@ -496,6 +659,7 @@ class _Tracer:
             origin = _origin(node)
             span = None if origin is None else origin.raw.span
             self.calls.append(_Call(node, span, node.tagName[6:]))
+            self.called[node.tagName[6:]] += 1
             self.frames.append(_Frame(node, list(node.attributes.keys())))
             depth = len(self.calls)
             try:
@@ -709,9 +873,7 @@ class _Tracer:
 
     def warning(self, *args: Any, **_: Any) -> None:
         text = " ".join(" ".join(map(str, args)).split())
-        # A property is evaluated when it is first read; the text that xacro warns of stands at its definition.
-        lazily = self.resolving[-1] if self.resolving else None
-        self.problem("xacro-warning", text, self.here() if lazily is None else lazily.location)
+        self.problem("xacro-warning", text, self.place())
 
 
 @contextmanager
@@ -759,15 +921,29 @@ class _Arguments(dict[str, Any]):
         return value
 
 
-def _evaluator(allowed: Mapping[str, Any]) -> Callable[..., Any]:
-    """What ``$(eval …)`` evaluates with: xacro leaves all of Python's builtins in its reach, ``open`` and ``exec`` as well."""
-    known = {name: _refusing(name) for name in dir(builtins)}
-    known.update(allowed)
+class _Converted(dict[str, Any]):
+    """xacro's arguments as ``$(eval …)`` reads them: numbers and truth values where they look like such."""
 
-    def evaluate(expression: str, _symbols: Any, local: Any) -> Any:
-        return eval(expression, {"__builtins__": known}, local)
+    def __init__(self, arguments: Mapping[str, str]) -> None:
+        super().__init__()
+        self.arguments = arguments
 
-    return evaluate
+    def __missing__(self, name: str) -> Any:
+        import xacro.substitution_args as substitution
+
+        return substitution.convert_value(self.arguments[name], "auto")
+
+
+def _names(folder: str) -> list[str]:
+    try:
+        return sorted(os.listdir(folder))
+    except OSError:
+        return []
+
+
+def _names_a_property(original: Callable[[str], bool]) -> Callable[[str], bool]:
+    """xacro parses the name as an expression, however long and nested it is."""
+    return lambda name: str.isidentifier(name) and original(name)
 
 
 def _silent(name: str) -> Callable[..., None]:
@@ -776,13 +952,6 @@ def _silent(name: str) -> Callable[..., None]:
 
     silent.__name__ = name  # xacro exposes these functions to expressions under their own names
     return silent
-
-
-def _refusing(name: str) -> Callable[..., None]:
-    def refuse(*_: Any, **__: Any) -> None:
-        raise _Refused("unsafe", f"{name} leads out of xacro's language")
-
-    return refuse
 
 
 def _definitions(table: Any) -> dict[str, Definition]:

@@ -7,33 +7,45 @@ positions that expat reports for start tags are refined by reading the tag's own
 from __future__ import annotations
 
 import codecs
-import errno
 import re
+from array import array
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
 
 from urdfcheck.core import NEWLINE, Location, Span
+from urdfcheck.files import TooLarge, read_regular
 
+# Of 589 XML files of published robots none has more than 9 levels, 25 attributes of one element, 560 characters in one of
+# them, or 12,000 elements, attributes and comments.
 MAX_DEPTH = 256
+MAX_ATTRIBUTES = 1_000
+MAX_VALUE = 1024**2
+# One of these takes up to 500 bytes of memory.
+MAX_PARTS = 2_000_000
 
-_DECLARED = re.compile(rb"""^\s*<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+_DECLARED = re.compile(rb"""^\s*<\?xml[^>\x80-\xff]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 # Codecs of Python that are no character encoding of a file.
 _NO_CHARSETS = frozenset({"idna", "punycode", "raw-unicode-escape", "undefined", "unicode-escape"})
 _BREAK = re.compile(r"\r\n|[\r\n\t]")
+_TAG = re.compile(r"[^ \t\r\n/>]+")
 _ATTRIBUTE = re.compile(r"""\s+([^\s=/>"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
 _SUBSTITUTION = re.compile(r"\$[({]")
 
 
 class XmlError(Exception):
-    """The text is not XML that may be read. ``reason``: malformed | encoding | doctype | depth."""
+    """The text is not XML that may be read. ``reason``: malformed | encoding | doctype | too-large; of the last, ``data``
+    holds ``what`` there is too much of (bytes | depth | attributes | value | parts), the ``limit`` and what was ``found``.
+    """
 
-    def __init__(self, reason: str, message: str, span: Span) -> None:
+    def __init__(self, reason: str, message: str, span: Span, data: Mapping[str, object] | None = None) -> None:
         super().__init__(message)
         self.reason = reason
         self.span = span
+        self.data = data or {}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,6 +111,7 @@ class Element:
     children: list[Element] = field(default_factory=list)
     text: str = ""
     via: tuple[Span, ...] = ()
+    _numbered: tuple[int, dict[int, str]] | None = field(default=None, repr=False)
 
     def get(self, name: str, default: str = "") -> str:
         """The value of an attribute, or ``default``."""
@@ -130,8 +143,19 @@ class Element:
         name = self.get("name") or (self.get("reference") if self.tag == "gazebo" else "")
         if name:
             return f"{self.tag}[{name}]"
-        siblings = self.parent.all(self.tag) if self.parent else [self]
-        return self.tag if len(siblings) == 1 else f"{self.tag}[{siblings.index(self) + 1}]"
+        return self.tag if self.parent is None else self.parent._labels()[id(self)]
+
+    def _labels(self) -> dict[int, str]:
+        """The labels of the children by their tag and number; computed once for all of them, not by each looking at all."""
+        if self._numbered is None or self._numbered[0] != len(self.children):
+            number: Counter[str] = Counter()
+            labels: dict[int, str] = {}
+            for child in self.children:
+                number[child.tag] += 1
+                labels[id(child)] = f"{child.tag}[{number[child.tag]}]"
+            labels.update({id(child): child.tag for child in self.children if number[child.tag] == 1})
+            self._numbered = len(self.children), labels
+        return self._numbered[1]
 
     @property
     def subject(self) -> str:
@@ -161,36 +185,32 @@ class Comment:
     span: Span
 
 
-def read_regular(path: Path) -> bytes:
-    """The bytes of a file that is one: a pipe or a device could be read for ever.
-
-    :raises OSError: for anything else, and when it cannot be read.
-    """
-    if path.exists() and not path.is_file() and not path.is_dir():
-        raise OSError(errno.EINVAL, "Is no regular file", str(path))
-    return path.read_bytes()
-
-
 class SourceFile:
-    """The decoded text of one file. ``name`` is how findings call it, ``path`` where it is."""
+    """The decoded text of one file. ``name`` is how findings call it, ``path`` where it is, ``encoding`` what its bytes were
+    decoded by."""
 
-    __slots__ = ("_starts", "comments", "name", "path", "text")
+    __slots__ = ("_starts", "comments", "encoding", "name", "path", "text")
 
-    def __init__(self, path: Path, name: str, text: str) -> None:
+    def __init__(self, path: Path, name: str, text: str, encoding: str = "utf-8") -> None:
         self.path = path
         self.name = name
         self.text = text
+        self.encoding = encoding
         self.comments: list[Comment] = []
-        self._starts = [0, *(m.end() for m in NEWLINE.finditer(text))]
+        self._starts = array("q", (0,))  # a list would take forty bytes for each line
+        self._starts.extend(m.end() for m in NEWLINE.finditer(text))
 
     @classmethod
     def read(cls, path: Path, name: str) -> SourceFile:
         """Read and decode a file by its byte order mark or its XML declaration, else UTF-8.
 
         :raises OSError: when it cannot be read.
-        :raises XmlError: when its bytes are not text in the declared encoding.
+        :raises XmlError: when it is too large, or its bytes are not text in the declared encoding.
         """
-        data = read_regular(path)
+        try:
+            data = read_regular(path)
+        except TooLarge as error:
+            raise _too_large("bytes", error.limit, error.found, error.message, cls(path, name, "").span(0, 0)) from None
         encoding = _marked(data)
         declared = _DECLARED.match(data[:400]) if encoding is None else None
         if declared is not None:
@@ -200,7 +220,7 @@ class SourceFile:
                 raise XmlError("encoding", f"the text is not in the encoding {encoding!r} that it declares", at)
         encoding = encoding or "utf-8"
         try:
-            return cls(path, name, data.decode(encoding))
+            return cls(path, name, data.decode(encoding), encoding)
         except UnicodeDecodeError as error:
             # error.object is what was left when the codec had taken off the byte order mark.
             read, wrong = error.object[: error.start], error.object[error.start]
@@ -227,6 +247,10 @@ class SourceFile:
             start,
             end,
         )
+
+
+def _too_large(what: str, limit: int, found: int, message: str, span: Span) -> XmlError:
+    return XmlError("too-large", message, span, {"what": what, "limit": limit, "found": found})
 
 
 def _marked(data: bytes) -> str | None:
@@ -271,6 +295,8 @@ def parse(source: SourceFile) -> Element:
     parser.buffer_text = True
     root: Element | None = None
     stack: list[Element] = []
+    texts: list[list[str]] = []  # of each element on the stack: added up one by one they would be copied each time
+    parts = 0
     counted = (0, 0)  # bytes, code points: the parser only moves forward, so nothing is counted twice
 
     def offset(index: int) -> int:
@@ -280,11 +306,27 @@ def parse(source: SourceFile) -> Element:
         counted = (index, counted[1] + len(data[counted[0] : index].decode("utf-8", "replace")))
         return counted[1]
 
+    def count(some: int, begin: int) -> None:
+        nonlocal parts
+        parts += some
+        if parts > MAX_PARTS:
+            message = f"the file has more than {MAX_PARTS:,} elements, attributes and comments"
+            raise _too_large("parts", MAX_PARTS, parts, message, source.span(begin, begin + 1))
+
     def start(tag: str, values: dict[str, str]) -> None:
         nonlocal root
         begin = offset(parser.CurrentByteIndex)
+        count(1 + len(values), begin)
+        if len(values) > MAX_ATTRIBUTES:
+            message = f"an element has {len(values):,} attributes, more than {MAX_ATTRIBUTES:,}"
+            raise _too_large("attributes", MAX_ATTRIBUTES, len(values), message, source.span(begin, begin + 1))
         end, typed = _read_tag(text, begin)
         element = Element(tag, source.span(begin, end), stack[-1] if stack else None)
+        if end - begin > MAX_VALUE:
+            longest = max(map(len, (tag, *values, *values.values())))
+            if longest > MAX_VALUE:
+                message = f"a name or a value has {longest:,} characters, more than {MAX_VALUE:,}"
+                raise _too_large("value", MAX_VALUE, longest, message, source.span(begin, begin + 1))
         for name, value in values.items():
             span, raw = typed.get(name, (None, value))
             at = None if span is None else source.span(*span)
@@ -296,18 +338,21 @@ def parse(source: SourceFile) -> Element:
         elif root is None:
             root = element
         stack.append(element)
+        texts.append([])
         if len(stack) > MAX_DEPTH:
-            raise XmlError("depth", f"elements are nested more than {MAX_DEPTH} deep", source.span(begin, end))
+            message = f"elements are nested more than {MAX_DEPTH} deep"
+            raise _too_large("depth", MAX_DEPTH, len(stack), message, source.span(begin, end))
 
     def finish(_tag: str) -> None:
-        stack.pop()
+        stack.pop().text = "".join(texts.pop())
 
     def characters(data: str) -> None:
-        if stack:
-            stack[-1].text += data
+        if texts:
+            texts[-1].append(data)
 
     def comment(data: str) -> None:
         begin = offset(parser.CurrentByteIndex)
+        count(1, begin)
         stop = text.find("-->", begin)
         source.comments.append(Comment(data, source.span(begin, stop + 3 if stop >= 0 else len(text))))
 
@@ -350,9 +395,8 @@ def _said(code: int, stack: list[Element], text: str) -> str:
 def _read_tag(text: str, begin: int) -> tuple[int, dict[str, tuple[tuple[int, int], str]]]:
     """The end of the start tag at ``begin`` and, per attribute, the offsets and text of its value."""
     found: dict[str, tuple[tuple[int, int], str]] = {}
-    at = begin + 1
-    while at < len(text) and text[at] not in " \t\r\n/>":
-        at += 1
+    name = _TAG.match(text, begin + 1)
+    at = begin + 1 if name is None else name.end()
     while match := _ATTRIBUTE.match(text, at):
         group = 2 if match.group(2) is not None else 3
         found[match.group(1)] = (match.span(group), match.group(group))
@@ -363,17 +407,24 @@ def _read_tag(text: str, begin: int) -> tuple[int, dict[str, tuple[tuple[int, in
 
 def unbound_prefix(root: Element) -> tuple[Element, str] | None:
     """The first element whose prefix (or whose attribute's) no ``xmlns:`` around it declares, with the prefix."""
-    known: dict[int, set[str]] = {}
+    bound: set[tuple[int, str]] = set()  # what was found to be declared in or around an element
     for element in root.walk():
-        declared = known[id(element.parent)] if element.parent is not None else {"xml", "xmlns"}
-        own = {name[6:] for name in element.attributes if name.startswith("xmlns:")}
-        scope = declared | own if own else declared
-        known[id(element)] = scope
         for name in (element.tag, *element.attributes):
             prefix, colon, _ = name.partition(":")
-            if colon and prefix not in scope:
-                return element, prefix
+            if not colon or prefix in {"xml", "xmlns"} or f"xmlns:{prefix}" in element.attributes:
+                continue
+            if (id(element.parent), prefix) not in bound:
+                if not any(f"xmlns:{prefix}" in around.attributes for around in _around(element)):
+                    return element, prefix
+                bound.add((id(element.parent), prefix))
     return None
+
+
+def _around(element: Element) -> Iterator[Element]:
+    """The elements that this one is in."""
+    while element.parent is not None:
+        element = element.parent
+        yield element
 
 
 _QUOTED = str.maketrans(

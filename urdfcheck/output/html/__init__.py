@@ -13,18 +13,19 @@ from urdfcheck.output.html.glyphs import SYMBOLS
 from urdfcheck.output.html.header import header_html, nav_html, title_of
 from urdfcheck.output.html.model import model_html, parts_of
 from urdfcheck.output.html.text import esc
+from urdfcheck.output.inert import for_html
 
 
 def render(run: Run) -> str:
     """The whole document. Only what stands in ``class="seconds"`` differs between equal runs."""
     parts = parts_of(run)
-    style = _style()
+    style = style_sheet()
     models = "\n".join(model_html(run, part) for part in parts)
-    return f"""<!doctype html>
+    return for_html(f"""<!doctype html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{_policy(style)}">
+<meta http-equiv="Content-Security-Policy" content="{policy(style)}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta name="color-scheme" content="light dark">
 <meta name="referrer" content="no-referrer">
@@ -44,7 +45,7 @@ def render(run: Run) -> str:
 </div>
 </body>
 </html>
-"""
+""")
 
 
 def _failures(run: Run) -> str:
@@ -54,12 +55,17 @@ def _failures(run: Run) -> str:
     return f'<section class="failures"><h2>What failed in urdfcheck</h2><ul>{items}</ul></section>\n'
 
 
-def _policy(style: str) -> str:
-    """Nothing but this one style: names from a file cannot bring scripts, pictures, styles or forms."""
-    digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
-    return f"default-src 'none'; style-src 'sha256-{digest}'; base-uri 'none'; form-action 'none'"
+def policy(style: str, script: str = "") -> str:
+    """Nothing but this one style and script: names from a file cannot bring scripts, pictures, styles or forms."""
+    scripts = f" script-src {_digest(script)};" if script else ""
+    return f"default-src 'none'; style-src {_digest(style)};{scripts} base-uri 'none'; form-action 'none'"
+
+
+def _digest(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
 @cache
-def _style() -> str:
+def style_sheet() -> str:
+    """The style of every page."""
     return files(__package__).joinpath("style.css").read_text(encoding="utf-8")

@@ -8,15 +8,16 @@ from difflib import SequenceMatcher
 from itertools import groupby
 
 from urdfcheck.core import NEWLINE, Edit, Span
-from urdfcheck.output.frames import FrameLine, frame
+from urdfcheck.output.frames import FrameLine, frame, lines_of
 from urdfcheck.output.html.text import esc
 
 # A file in one line must neither flood the report nor hide the span: this much of it is shown on each side.
 MARGIN = 160
 LONGEST = 2 * MARGIN + 80
-# Enough to read XML by: comments, tags, attribute names, attribute values. Other text passes as it is.
+# Enough to read XML by: comments, tags, attribute names, attribute values. Other text passes as it is. A name is tried at its
+# first letter only: to try it at each would take the square of its length.
 _TOKEN = re.compile(
-    r"(?P<c><!--.*?(?:-->|$))|(?P<e></?[A-Za-z_][\w:.-]*|/?>)|(?P<a>[\w:.-]+(?=\s*=\s*[\"']))"
+    r"(?P<c><!--.*?(?:-->|$))|(?P<e></?[A-Za-z_][\w:.-]*|/?>)|(?P<a>(?<![\w:.-])[\w:.-]+(?=\s*=\s*[\"']))"
     r"|(?:(?<==)|(?<== ))(?P<s>\"[^\"<]*\"|'[^'<]*')"
 )
 
@@ -120,11 +121,18 @@ def diff(sources: Mapping[str, str], edits: Sequence[Edit]) -> str:
     for file, group in groupby(ordered, key=lambda e: e.span.file):
         edits_here = list(group)
         text = sources.get(file)
-        if text is None or any(text[e.span.start : e.span.end] != e.expected for e in edits_here):
+        if text is None or any(_is_elsewhere(text, e) for e in edits_here):
             rows += [_diff_row("head", f"{place(e.span)}") + _bare(e) for e in edits_here]
         else:
             rows += [_diff_row("head", f"--- {file}"), _diff_row("head", f"+++ {file}"), *_hunks(text, edits_here)]
     return f'<pre class="diff">{"".join(rows)}</pre>'
+
+
+def _is_elsewhere(text: str, edit: Edit) -> bool:
+    """Whether an edit's text has changed meanwhile, or stands in a line that nobody can compare by eye."""
+    typed = text[edit.span.start : edit.span.end]
+    touched = lines_of(text)[edit.span.line - 1 : edit.span.end_line]
+    return typed != edit.expected or any(len(line) > LONGEST for line in touched)
 
 
 def _bare(edit: Edit) -> str:
@@ -135,16 +143,15 @@ def _bare(edit: Edit) -> str:
 def _hunks(text: str, edits: Sequence[Edit]) -> list[str]:
     """One hunk for the edits of neighbouring lines, with a line of context; ``edits`` are sorted and of one file."""
     rows: list[str] = []
-    lines = NEWLINE.split(text)
+    lines = lines_of(text)
     shift = 0
     for group in _neighbours(edits):
         first, last = group[0].span.line, max(e.span.end_line for e in group)
         before, after = lines[max(0, first - 2) : first - 1], lines[last : last + 1]
         start = group[0].span.start - (group[0].span.col - 1)
-        old = lines[first - 1 : last]
+        old = [*before, *lines[first - 1 : last], *after]
         new = NEWLINE.split(_patched(text, start, group) + lines[last - 1][group[-1].span.end_col - 1 :])
         new = [*before, *new, *after]
-        old = [*before, *old, *after]
         top = first - len(before)
         rows.append(_diff_row("at", f"@@ -{top},{len(old)} +{top + shift},{len(new)} @@"))
         for tag, i, j, k, m in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():

@@ -6,7 +6,7 @@ import html
 import math
 import re
 
-from urdfcheck.output.frames import visible
+from urdfcheck.output.inert import visible
 
 NONE = "—"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -19,7 +19,7 @@ _INLINE = re.compile(r"(`+)(.+?)\1|\*\*(.+?)\*\*|(?<![\w*])\*([^*\s](?:[^*]*[^*\
 
 def esc(text: str) -> str:
     """``text`` safe between tags and in quoted attributes; control and direction-changing characters spelled out."""
-    return html.escape(text if text.isprintable() else visible(text))
+    return html.escape(visible(text))
 
 
 def prose(text: str) -> str:

@@ -1,0 +1,173 @@
+"""Which files may be opened: those that belong to the given paths, wherever links and dots lead."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from conftest import check, check_text
+
+from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.reach import Reach, home_of
+
+BOX = '<robot name="r"><link name="l"><visual><geometry><mesh filename="{}"/></geometry></visual></link></robot>'
+
+
+def codes(path: Path, **request: object) -> list[str]:
+    return [f.code for f in check(path, codes={"PKG002", "PKG004", "PKG012", "MSH001", "XML001"}, **request).findings]
+
+
+def package(folder: Path, name: str) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "package.xml").write_text(f"<package format='2'><name>{name}</name></package>")
+    return folder
+
+
+class TestHome:
+    def test_is_the_repository_around_a_path(self, tmp_path: Path) -> None:
+        (tmp_path / ".git").mkdir()
+        robot = package(tmp_path / "src" / "car", "car") / "urdf" / "car.urdf"
+        assert home_of(robot) == tmp_path
+
+    def test_is_the_package_where_there_is_no_repository(self, tmp_path: Path) -> None:
+        assert home_of(package(tmp_path / "car", "car") / "urdf" / "car.urdf") == tmp_path / "car"
+
+    def test_is_the_folder_itself_otherwise_and_the_one_above_a_folder_of_models(self, tmp_path: Path) -> None:
+        (tmp_path / "robot" / "urdf").mkdir(parents=True)
+        assert home_of(tmp_path / "robot" / "car.urdf") == tmp_path / "robot"
+        assert home_of(tmp_path / "robot" / "urdf" / "car.urdf") == tmp_path / "robot"
+        assert home_of(tmp_path / "robot" / "urdf") == tmp_path / "robot"
+
+    def test_of_a_link_is_where_it_lies(self, tmp_path: Path) -> None:
+        for name in ("in", "out"):
+            (tmp_path / name).mkdir()
+        (tmp_path / "out" / "secret.urdf").write_text('<robot name="password"><link name="l"/></robot>')
+        (tmp_path / "in" / "model.urdf").symlink_to(tmp_path / "out" / "secret.urdf")
+        (tmp_path / "in" / "folder").symlink_to(tmp_path / "out")
+        for link in ("model.urdf", "folder"):
+            assert home_of(tmp_path / "in" / link) == tmp_path / "in"
+            run = check(tmp_path / "in" / link)
+            assert (run.models, len(run.failures)) == ((), 1)
+            assert "may be read" in run.failures[0]
+        assert [m.robot for m in check(tmp_path / "in" / "folder", allowed=(tmp_path / "out",)).models] == ["password"]
+
+    def test_is_never_all_of_the_users_home(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setenv("HOME", str(tmp_path))
+        (tmp_path / ".git").mkdir()  # some keep their settings in a repository
+        (tmp_path / "robots").mkdir()
+        (tmp_path / "downloads").mkdir()
+        assert home_of(tmp_path / "downloads" / "car.urdf") == tmp_path / "downloads"
+
+
+class TestReach:
+    def test_a_link_counts_by_where_it_leads(self, tmp_path: Path) -> None:
+        inside, outside = tmp_path / "in", tmp_path / "out"
+        inside.mkdir()
+        outside.mkdir()
+        (outside / "secret").write_text("s")
+        (inside / "plain").write_text("p")
+        (inside / "link").symlink_to(outside / "secret")
+        (inside / "own").symlink_to(inside / "plain")
+        (inside / "folder").symlink_to(outside)
+        (inside / "circle").symlink_to(inside / "circle")
+        reach = Reach.around([inside], [])
+        allowed = {name: reach.allows(inside / name) for name in ("plain", "own", "link", "folder/secret", "new")}
+        assert allowed == {"plain": True, "own": True, "link": False, "folder/secret": False, "new": True}
+        assert not reach.allows(inside / ".." / "out" / "secret")
+        assert not reach.allows(inside / "a\0b")
+
+    def test_nothing_hidden_is_opened(self, tmp_path: Path) -> None:
+        reach = Reach.around([tmp_path], [])
+        assert not reach.allows(tmp_path / ".git" / "config")
+        assert not reach.allows(tmp_path / "a" / ".env")
+
+    def test_but_what_the_user_names_may_itself_be_hidden(self, tmp_path: Path) -> None:
+        hidden = tmp_path / ".gazebo" / "models"
+        hidden.mkdir(parents=True)
+        assert Reach.around([hidden / "car.urdf"], []).allows(hidden / "mesh.stl")
+
+    def test_a_folder_is_no_prefix(self, tmp_path: Path) -> None:
+        (tmp_path / "car").mkdir()
+        assert not Reach.around([], [tmp_path / "car"]).allows(tmp_path / "car-secret" / "x")
+
+    def test_found_packages_are_in_reach_unless_a_link_places_them_elsewhere(self, tmp_path: Path) -> None:
+        workspace = tmp_path / "ws"
+        car = package(workspace / "car", "car")
+        package(workspace / "wheels", "wheels")
+        (workspace / "planted").symlink_to("/etc")
+        finder = PackageFinder(car, reach=Reach.around([car], []))
+        assert not finder.allows(workspace / "wheels" / "a.stl")  # nobody has asked for it
+        assert finder.find("wheels") == workspace / "wheels"
+        assert finder.allows(workspace / "wheels" / "a.stl")
+        assert finder.find("planted") == workspace / "planted"
+        assert not finder.allows(workspace / "planted" / "passwd")
+
+
+class TestModels:
+    @pytest.mark.parametrize("path", ["../../out/a.stl", "package://car/../../out/a.stl", "link.stl", ".hidden/a.stl"])
+    def test_a_mesh_out_of_reach_is_not_opened_and_said_once(self, tmp_path: Path, path: str) -> None:
+        (tmp_path / "out").mkdir()
+        (tmp_path / "out" / "a.stl").write_text("this would be unreadable")
+        car = package(tmp_path / "ws" / "car", "car")
+        (car / ".hidden").mkdir()
+        (car / ".hidden" / "a.stl").write_text("unreadable as well")
+        (car / "link.stl").symlink_to(tmp_path / "out" / "a.stl")
+        (car / "car.urdf").write_text(BOX.format(path))
+        assert codes(car / "car.urdf") == ["PKG012"]
+
+    def test_the_folder_can_be_allowed(self, tmp_path: Path) -> None:
+        (tmp_path / "out").mkdir()
+        (tmp_path / "out" / "a.stl").write_text("unreadable")
+        car = package(tmp_path / "car", "car")
+        (car / "car.urdf").write_text(BOX.format("../out/a.stl"))
+        assert codes(car / "car.urdf") == ["PKG012"]
+        assert codes(car / "car.urdf", allowed=(tmp_path / "out",)) == ["MSH001"]
+
+    def test_whether_a_file_out_of_reach_exists_is_not_told(self, tmp_path: Path) -> None:
+        there, missing = (check_text(tmp_path / "r", BOX.format(p)) for p in (Path(__file__), "/nowhere/test_reach.py"))
+        told = [[(f.code, f.message_id) for f in run.findings if f.code.startswith("PKG")] for run in (there, missing)]
+        assert told[0] == told[1] == [("PKG004", "unread")]
+
+    def test_a_folder_is_not_followed_out_of_reach(self, tmp_path: Path) -> None:
+        given, other = tmp_path / "given", tmp_path / "other"
+        given.mkdir()
+        other.mkdir()
+        (other / "secret.urdf").write_text('<robot name="secret"/>')
+        (given / "folder").symlink_to(other)
+        (given / "file.urdf").symlink_to(other / "secret.urdf")
+        (given / "own.urdf").write_text('<robot name="own"><link name="l"/></robot>')
+        run = check(given)
+        assert [m.robot for m in run.models] == ["own"]
+        assert {os.path.basename(s.model) for s in run.skipped if "may be read" in s.reason} == {"folder", "file.urdf"}
+
+    def test_a_launch_file_leads_to_no_model_out_of_reach(self, tmp_path: Path) -> None:
+        car = package(tmp_path / "car", "car")
+        (tmp_path / "secret.urdf").write_text('<robot name="secret"><link name="password"/></robot>')
+        (car / "a.launch").write_text(
+            f'<launch><param name="robot_description" textfile="{tmp_path / "secret.urdf"}"/></launch>'
+        )
+        run = check(car / "a.launch")
+        assert not any("password" in text or m.robot for m in run.models for text in run.sources.values())
+
+    def test_a_launch_file_includes_nothing_out_of_reach(self, tmp_path: Path) -> None:
+        car = package(tmp_path / "car", "car")
+        (tmp_path / "secret.launch").write_text('<launch><param name="robot_description" textfile="x.urdf"/></launch>')
+        (car / "a.launch").write_text(f'<launch>\n<include file="{tmp_path / "secret.launch"}"/></launch>')
+        run = check(car / "a.launch")
+        found = [f for f in run.findings if f.code == "PKG012"]
+        assert [(f.message_id, f.location.span.line) for f in found if f.location.span] == [("launch", 2)]
+        assert not any("x.urdf" in text for text in run.sources.values())
+
+
+class TestConfiguration:
+    def test_of_a_stranger_cannot_widen_the_reach(self, tmp_path: Path) -> None:
+        from urdfcheck import config
+        from urdfcheck.core import UrdfcheckError
+
+        (tmp_path / "repository" / ".git").mkdir(parents=True)
+        (tmp_path / "elsewhere").mkdir()
+        toml = tmp_path / "repository" / "urdfcheck.toml"
+        toml.write_text('package-path = ["../elsewhere"]')
+        with pytest.raises(UrdfcheckError, match="name it on the command line"):
+            config.find(tmp_path / "repository")

@@ -1,0 +1,233 @@
+"""Expansions that are ended: by a limit, by the time, by what they may not read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from urdfcheck.errors import TimeUp
+from urdfcheck.source import guards, xacro
+from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.parameters import next_parameter
+from urdfcheck.source.problems import Problem
+from urdfcheck.source.reach import Reach
+from urdfcheck.source.xacro import expand
+
+Expand = Callable[..., Any]
+
+HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+TREE = (
+    "".join(f'<xacro:macro name="m{i}">\n<xacro:m{i + 1}/><xacro:m{i + 1}/></xacro:macro>' for i in range(1, 40))
+    + '<xacro:macro name="m40"><link name="a"/></xacro:macro>\n<xacro:m1/>'
+)
+BLOCKS = (
+    '<xacro:property name="b0"><a/></xacro:property>'
+    + "".join(
+        f'<xacro:property name="b{i}"><xacro:insert_block name="b{i - 1}"/><xacro:insert_block name="b{i - 1}"/>'
+        "</xacro:property>"
+        for i in range(1, 40)
+    )
+    + '<xacro:insert_block name="b39"/>'
+)
+
+
+@pytest.mark.parametrize("body", [TREE, BLOCKS])
+def test_a_tree_of_macros_or_blocks_that_doubles_is_too_large(
+    expand_text: Expand, monkeypatch: pytest.MonkeyPatch, body: str
+) -> None:
+    monkeypatch.setattr(xacro, "MAX_NODES", 2_000)
+    problem = expand_text(body, like_plain=False).problem
+    assert problem.kind == "too-large"
+    assert problem.message.startswith("the model expands to more than 2,000 elements")
+    assert (problem.data["what"], problem.data["limit"]) == ("expansion", 2_000)
+    if body is TREE:
+        assert problem.data["macros"][:3] == ("m1", "m2", "m3")
+        assert "macro m40 alone was called" in problem.message
+
+
+@pytest.mark.parametrize(
+    ("body", "typed"),
+    [
+        ("".join(f'<xacro:property name="p{i}" value="${{p{i - 1}}}${{p{i - 1}}}"/>\n' for i in range(1, 60)), "${p16}${p16}"),
+        ("".join(f'<xacro:property name="p{i}" value="${{[p{i - 1}, p{i - 1}]}}"/>\n' for i in range(1, 60)), "[p15, p15]"),
+    ],
+)  # fmt: skip
+def test_properties_that_double_end_at_the_one_that_is_too_large(expand_text: Expand, body: str, typed: str) -> None:
+    x = expand_text(f'<xacro:property name="p0" value="abcdefghij"/>{body}<link name="${{p59}}"/>', like_plain=False)
+    assert (x.problem.kind, x.problem.data["refusal"]) == ("unsafe-expression", "too_large")
+    assert x.problem.data["expression"] == typed
+
+
+def test_arguments_that_double_end_there_too(expand_text: Expand) -> None:
+    body = "".join(f'<xacro:arg name="p{i}" default="$(arg p{i - 1})$(arg p{i - 1})"/>\n' for i in range(1, 60))
+    x = expand_text(f'<xacro:arg name="p0" default="1234567890"/>\n{body}', like_plain=False)
+    assert x.problem.data["refusal"] == "too_large"
+    assert x.place(x.problem.location.span) == "robot.xacro:18 $(arg p16)$(arg p16)"
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["$a" * 100_000, "${'x' * 999999}${'x' * 999999}", "$(arg ${long})"],
+)
+def test_a_text_that_takes_too_long_to_take_apart_is_refused(expand_text: Expand, text: str) -> None:
+    commands = "${('a) $' + '\\x28arg ') * 99 + 'a'}"
+    body = f"""<xacro:arg name="a" default="{"x" * 100_000}"/><xacro:property name="long" value="{commands}"/>"""
+    x = expand_text(f'{body}<link name="{text}"/>', like_plain=False)
+    assert (x.problem.kind, x.problem.data["refusal"]) == ("unsafe-expression", "too_large")
+
+
+@pytest.mark.parametrize("name", ["-" * 100_000 + "1", "1+" * 50_000 + "1", "(" * 100_000, "a b", "1", "True"])
+def test_a_name_that_is_none_is_told_however_it_is_nested(expand_text: Expand, name: str) -> None:
+    x = expand_text(f'<xacro:property name="{name}" value="1"/>', like_plain=False)
+    assert x.problem.kind == "expansion-failed"
+    assert x.problem.message.startswith("Property names must be valid python identifiers")
+    assert len(x.problem.message) <= 20_000
+
+
+def test_steps_that_many_expressions_take_together_are_counted(
+    expand_text: Expand, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(guards, "MAX_STEPS", 5_000)
+    body = """<xacro:macro name="m"><a b="${len([0 for i in python.range(1000)])}"/></xacro:macro>"""
+    assert expand_text(body + "<xacro:m/>" * 3).expansion.root is not None
+    assert expand_text(body + "<xacro:m/>" * 9, like_plain=False).problem.data["refusal"] == "too_large"
+
+
+@pytest.mark.parametrize("quotes", [1, 43])
+def test_a_quote_that_is_never_closed_takes_no_time(expand_text: Expand, quotes: int) -> None:
+    parameter = "x:=" + "a" * 60 + "'" * quotes
+    assert next_parameter(f"{parameter} y") == (parameter, None, "y")
+    expand_text(f'<xacro:macro name="m" params="{parameter}"/>', like_plain=False)
+
+
+@pytest.mark.parametrize(
+    "params",
+    ["a", "a b:=1 c", "*b **c", "x:=^ y:=^|2 z=${1 + 1} w:='a b' v:=\"q r\" t", "a:= b", "p:=$(arg x) q", "  a   b ",
+     "x:='it' 's y", "x:=a'b c'd e", "y:=${a} }", "x:=$(find p)/q r", "a:=b:=c", "x:='a'b' c", "=1", "x:==2", "x:=^|'a b' c"],
+)  # fmt: skip
+def test_parameters_are_taken_apart_as_xacro_does(params: str) -> None:
+    from xacro import parse_macro_arg
+
+    rest = params
+    while rest.strip():
+        assert next_parameter(rest) == parse_macro_arg(rest)
+        rest = next_parameter(rest)[2]
+
+
+def problem_of(folder: Path, body: str, *, reach: Path) -> Problem:
+    (folder / "robot.xacro").write_text(f"{HEAD}{body}</robot>")
+    finder = PackageFinder(folder, environment={}, reach=Reach((str(reach.resolve()),)))
+    expansion = expand(folder / "robot.xacro", {}, finder)
+    assert expansion.root is None
+    return expansion.problems[-1]
+
+
+@pytest.mark.parametrize(
+    ("body", "line"),
+    [
+        ('\n<xacro:include filename="../secret.xacro"/>', 2),
+        ('\n<xacro:include filename="../*.xacro"/>', 2),
+        ('\n<xacro:include filename="*/../../*"/>', 2),
+        ('\n<xacro:include filename="link/*.xacro"/>', 2),
+        ('\n<xacro:include filename="link/secret.xacro" optional="true"/>', 2),
+        ('\n<xacro:include filename="/etc/host*"/>', 2),
+        ("""\n<link name="${xacro.load_yaml('../secret.yaml')}"/>""", 2),
+        ("""\n<link name="${xacro.load_yaml('/etc/hostname')}"/>""", 2),
+        ("""<xacro:property name="p" value="${xacro.load_yaml('/nowhere/secret')}"/>\n<link name="${p}"/>""", 2),
+    ],
+)
+def test_what_lies_out_of_reach_is_not_opened(tmp_path: Path, body: str, line: int) -> None:
+    inside = tmp_path / "inside"
+    (inside / "folder").mkdir(parents=True)
+    (inside / "link").symlink_to(tmp_path)
+    (tmp_path / "secret.xacro").write_text(f'{HEAD}<link name="secret"/></robot>')
+    (tmp_path / "secret.yaml").write_text("secret")
+    problem = problem_of(inside, body, reach=inside)
+    assert problem.kind == "out-of-reach"
+    assert problem.data["path"]
+    assert problem.location.span is not None
+    assert problem.location.span.line == line
+
+
+def test_a_pattern_within_reach_finds_what_glob_finds(expand_text: Expand, tmp_path: Path) -> None:
+    part = '<robot xmlns:xacro="u"><link name="{}"/></robot>'
+    names = ["a/x.xacro", "a/.hidden.xacro", "b/y.xacro", "b/z.txt", "x.xacro"]
+    x = expand_text(
+        '<xacro:include filename="[ab]/?.xacro"/><xacro:include filename="./*/none*.xacro"/>',
+        {name: part.format(name) for name in names},
+    )
+    assert [e.get("name") for e in x.root.children] == ["a/x.xacro", "b/y.xacro"]
+    from_here = expand(Path("robot.xacro"), {}, PackageFinder(tmp_path, environment={}))
+    assert from_here.root is not None
+    assert len(from_here.root.children) == 2
+
+
+@pytest.mark.parametrize(("error", "kind"), [(TimeUp, "time-limit"), (MemoryError, "memory-limit")])
+def test_when_time_or_memory_is_over_the_place_is_told_and_what_went_on(
+    expand_text: Expand, monkeypatch: pytest.MonkeyPatch, error: type[BaseException], kind: str
+) -> None:
+    class Ends(guards.Guards):
+        def evaluate(self, code: Any, symbols: Any) -> Any:
+            if len(finished) == 3:
+                raise error
+            finished.append(super().evaluate(code, symbols))
+            return finished[-1]
+
+    finished: list[Any] = []
+    monkeypatch.setattr(xacro, "Guards", Ends)
+    x = expand_text(
+        '<xacro:macro name="m" params="n">\n<a b="${n}"/></xacro:macro>' + '\n<xacro:m n="1"/>' * 9, like_plain=False
+    )
+    assert x.problem.kind == kind
+    assert x.problem.message == "macro m had been called 4 times"
+    assert x.place(x.problem.location.span) == "robot.xacro:2 ${n}"
+    assert [span.line for span in x.problem.location.via] == [6]
+    monkeypatch.setattr(xacro, "Guards", guards.Guards)
+    assert expand_text('<link name="${1 + 1}"/>').root.children  # and xacro is as it was
+
+
+# -- the environment ---------------------------------------------------------------------------------------------------
+
+
+def test_variables_count_as_not_set_whether_they_are_or_not(
+    expand_text: Expand, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("URDFCHECK_TOKEN", "secret")
+    x = expand_text(
+        """<xacro:property name="o" value="${'\\x28'}"/><xacro:property name="c" value="${'\\x29'}"/>
+        <xacro:property name="token" value="$(optenv URDFCHECK_TOKEN none)"/>
+        <link name="a" x="${token}" y="$(optenv URDFCHECK_OTHER)" z="$(eval optenv${o}'URDFCHECK_TOKEN', 'no'${c})"/>""",
+        like_plain=False,
+    )
+    link = x.named("a")
+    assert [link.get(n) for n in "xyz"] == ["none", "", "no"]
+    ignored = [p for p in x.expansion.problems if p.kind == "environment-ignored"]
+    assert [(p.data["variable"], p.location.span.line) for p in ignored if p.location.span] == [
+        ("URDFCHECK_TOKEN", 2), ("URDFCHECK_OTHER", 3), ("URDFCHECK_TOKEN", 3)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", ["$(env URDFCHECK_TOKEN)", "$(eval env${o}'URDFCHECK_TOKEN'${c})"])
+def test_a_variable_without_a_default_ends_the_expansion_by_its_name(
+    expand_text: Expand, monkeypatch: pytest.MonkeyPatch, text: str
+) -> None:
+    monkeypatch.setenv("URDFCHECK_TOKEN", "secret")
+    names = """<xacro:property name="o" value="${'\\x28'}"/><xacro:property name="c" value="${'\\x29'}"/>"""
+    x = expand_text(f'{names}\n<link name="{text}"/>', like_plain=False)
+    assert x.problem.message.startswith("environment variable 'URDFCHECK_TOKEN' is not read")
+    assert x.place(x.problem.location.span) == f"robot.xacro:2 {text}"
+
+
+def test_ros_and_what_is_named_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DISTRO", "jazzy")
+    monkeypatch.setenv("NAMED", "1")
+    monkeypatch.delenv("ROS_VERSION", raising=False)
+    path = tmp_path / "robot.xacro"
+    path.write_text(f'{HEAD}<a b="$(env ROS_DISTRO)$(optenv NAMED 0)$(optenv ROS_VERSION 2)$(env NAMED)"/></robot>')
+    expansion = expand(path, {}, PackageFinder(tmp_path, environment={}), frozenset({"NAMED"}))
+    assert expansion.root is not None
+    assert expansion.root.children[0].get("b") == "jazzy121"
+    assert not expansion.problems

@@ -1,0 +1,213 @@
+"""Faults of the machine: killed workers, damaged and full disks, an interrupt, many runs at once. Nothing is lost and nothing
+is wrong: what could be checked is reported as always, and what could not is named."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import FIXTURES
+
+COMMAND = [sys.executable, "-m", "urdfcheck"]
+QUICK = ["--tier", "mesh", "--format", "json", "--fail-on", "never"]
+# As many runs on one cache at the same time; 200 were tried with URDFCHECK_RUNS=200.
+RUNS = int(os.environ.get("URDFCHECK_RUNS", "4"))
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals, mounts and process files are those of POSIX")
+
+
+@pytest.fixture
+def models(tmp_path: Path) -> Path:
+    """Six robots: the real one with its meshes, each with a name of its own."""
+    folder = tmp_path / "models"
+    for index in range(6):
+        one = folder / f"robot_{index:02}"
+        shutil.copytree(FIXTURES / "car-3" / "meshes", one / "meshes")
+        text = (FIXTURES / "car-3" / "urdf" / "car-3.urdf").read_text(encoding="utf-8")
+        text = text.replace("package://car-3/", "").replace('name="car-3"', f'name="car_{index}"')
+        (one / "robot.urdf").write_text(text, encoding="utf-8")
+    return folder
+
+
+def command(*words: object, cache: Path, **options: Any) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*COMMAND, *map(str, words), *QUICK],
+        env=environment(cache),
+        capture_output=True,
+        text=True,
+        timeout=120,
+        **options,
+    )
+
+
+def environment(cache: Path) -> dict[str, str]:
+    return {**os.environ, "URDFCHECK_CACHE_DIR": str(cache), "SOURCE_DATE_EPOCH": "0"}
+
+
+def report(done: subprocess.CompletedProcess[str] | str) -> dict[str, Any]:
+    text = done if isinstance(done, str) else done.stdout
+    assert isinstance(done, str) or "Traceback" not in done.stderr
+    found: dict[str, Any] = json.loads(text)
+    return found
+
+
+def children(pid: int) -> list[int]:
+    try:
+        return [int(word) for word in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+    except OSError:
+        return []
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="the workers of a process are found in /proc")
+@pytest.mark.parametrize("seed", range(2))
+def test_a_worker_that_is_killed_takes_one_model_along_and_no_other(models: Path, tmp_path: Path, seed: int) -> None:
+    whole = report(command(models, "--jobs", 2, cache=tmp_path / "undisturbed"))
+    chance = random.Random(seed)
+    process = subprocess.Popen(
+        [*COMMAND, str(models), "--jobs", "2", *QUICK],
+        env=environment(tmp_path / "cache"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    time.sleep(0.3 + chance.random())
+    killed = [pid for pid in children(process.pid)[-1:] if _kill(pid)]
+    out, said = process.communicate(timeout=120)
+    assert "Traceback" not in said
+    found = report(out)
+    failed = {m["id"] for m in found["models"] if m["status"] == "failed"}
+    assert len(failed) <= len(killed)
+    assert process.returncode == (2 if failed else 0)
+    assert [f for f in found["failures"] if "SIGKILL" not in f] == []
+    # What is said of all others is what is always said.
+    assert [f for f in found["findings"] if f["model"]] == [
+        f for f in whole["findings"] if f["model"] and f["model"] not in failed
+    ]
+    # And the next run finds nothing that the killed one left half done.
+    assert report(command(models, cache=tmp_path / "cache")) == whole
+
+
+def _kill(pid: int) -> bool:
+    try:
+        os.kill(pid, signal.SIGKILL)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def test_an_interrupt_reports_what_was_finished(models: Path, tmp_path: Path) -> None:
+    for index in range(60):
+        shutil.copytree(models / "robot_00", models / f"more_{index:03}", copy_function=os.link)
+    process = subprocess.Popen(
+        [*COMMAND, str(models), "--jobs", "2", "--format", "json"],
+        env=environment(tmp_path / "cache"),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    for _ in range(600):  # until some are finished
+        if len(list((tmp_path / "cache").glob("*/findings/*/*"))) > 3:
+            break
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGINT)
+    out, said = process.communicate(timeout=60)
+    assert process.returncode == 2, said
+    found = report(out)
+    assert found["partial"] is True
+    assert 0 < len(found["models"]) < 66
+    assert {m["status"] for m in found["models"]} == {"checked"}
+    assert f"{len(found['models'])} of 66" in found["failures"][-1]
+
+
+def damage(path: Path, chance: random.Random) -> None:
+    data = path.read_bytes()
+    how = chance.randrange(4)
+    if how == 0:
+        path.write_bytes(data[: chance.randrange(len(data) + 1)])
+    elif how == 1:
+        path.write_bytes(chance.randbytes(len(data)))
+    elif how == 2:
+        place = chance.randrange(max(len(data), 1))
+        path.write_bytes(data[:place] + chance.randbytes(8) + data[place + 8 :])
+    else:
+        path.unlink()
+        path.mkdir()
+
+
+def test_a_damaged_cache_changes_nothing(models: Path, tmp_path: Path) -> None:
+    cache = tmp_path / "cache"
+    whole = report(command(models / "robot_00", models / "robot_01", cache=cache))
+    chance = random.Random(1)
+    for path in sorted(p for p in cache.rglob("*") if p.is_file()):
+        if chance.random() < 0.6:
+            damage(path, chance)
+    assert report(command(models / "robot_00", models / "robot_01", cache=cache)) == whole
+    assert report(command(models / "robot_00", models / "robot_01", cache=cache)) == whole
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A disk of 64 kB."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    made = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", place], capture_output=True, check=False)
+    if made.returncode:
+        pytest.skip("only root may mount a small disk")
+    yield place
+    subprocess.run(["umount", "-l", place], check=True)
+
+
+def test_a_cache_on_a_full_disk_changes_nothing(models: Path, tmp_path: Path, small_disk: Path) -> None:
+    whole = report(command(models / "robot_00", "--no-cache", cache=tmp_path))
+    for _ in range(2):
+        assert report(command(models / "robot_00", cache=small_disk)) == whole
+
+
+def test_a_read_only_cache_changes_nothing(models: Path, tmp_path: Path, small_disk: Path) -> None:
+    whole = report(command(models / "robot_00", cache=small_disk))
+    subprocess.run(["mount", "-o", "remount,ro", small_disk], check=True)
+    assert report(command(models / "robot_00", cache=small_disk)) == whole
+
+
+def test_a_report_is_whole_or_not_there(models: Path, tmp_path: Path, small_disk: Path) -> None:
+    report_file = small_disk / "report.html"
+    report_file.write_text("the report before")
+    done = command(models / "robot_00", "-o", f"html={report_file}", cache=tmp_path / "cache")
+    assert done.returncode == 2
+    assert "No space left on device" in done.stderr
+    assert [p.name for p in small_disk.iterdir()] == ["report.html"]
+    assert report_file.read_text() == "the report before"
+
+
+def test_many_runs_share_one_cache(models: Path, tmp_path: Path) -> None:
+    """All begin at once on an empty cache, while another process keeps deleting from it."""
+    whole = report(command(models / "robot_00", cache=tmp_path / "alone"))
+    cache = tmp_path / "cache"
+    words = [*COMMAND, str(models / "robot_00"), *QUICK]
+    runs = [
+        subprocess.Popen(words, env=environment(cache), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for _ in range(RUNS)
+    ]
+    chance = random.Random(1)
+    while any(run.poll() is None for run in runs[:4]):
+        for path in [p for p in cache.rglob("*.npz") if chance.random() < 0.1]:
+            path.unlink(missing_ok=True)
+        time.sleep(0.05)
+    for run in runs:
+        out, said = run.communicate(timeout=600)
+        assert (run.returncode, said) == (0, "")
+        assert report(out) == whole
+    left = [p.name for p in cache.rglob("*") if p.name.startswith(".")]
+    assert left == []

@@ -1,0 +1,84 @@
+"""Files of strangers: only regular ones are read, never more than may be, and nothing is waited for."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+from pathlib import Path
+
+import pytest
+
+from urdfcheck.files import TooLarge, read_regular, read_start
+
+needs_unix = pytest.mark.skipif(sys.platform == "win32", reason="no such files there")
+
+
+@pytest.mark.parametrize("content", [b"", b"\r\n\0\x1a", b"x" * 5000])
+def test_a_regular_file_is_read_as_it_is(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "file"
+    path.write_bytes(content)
+    assert read_regular(path) == content
+    assert read_start(path, 2) == content[:2]
+
+
+def test_a_file_of_just_the_limit_is_read_and_one_byte_more_is_not(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.write_bytes(b"12345")
+    assert read_regular(path, 5) == b"12345"
+    with pytest.raises(TooLarge) as caught:
+        read_regular(path, 4)
+    assert (caught.value.limit, caught.value.found) == (4, 5)
+    assert caught.value.message == "the file has 5 bytes, more than 4"
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").is_file(), reason="no /proc")
+def test_a_file_that_says_it_is_empty_is_read_up_to_the_limit() -> None:
+    path = Path("/proc/self/status")
+    assert path.stat().st_size == 0
+    assert read_regular(path).startswith(b"Name:")
+    with pytest.raises(TooLarge):
+        read_regular(path, 10)
+
+
+def test_a_file_that_grows_while_it_is_read_is_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "file"
+    path.write_bytes(b"1")
+    status = path.stat()
+    path.write_bytes(b"12345")
+    monkeypatch.setattr(os, "fstat", lambda _: status)
+    assert read_regular(path, 5) == b"12345"
+    with pytest.raises(TooLarge):
+        read_regular(path, 4)
+
+
+@needs_unix
+def test_a_pipe_a_device_and_a_socket_are_refused_at_once(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")  # nobody writes: to open it would wait for ever
+    with socket.socket(socket.AF_UNIX) as server:
+        here = os.getcwd()
+        os.chdir(tmp_path)  # the name of a socket is short
+        server.bind("socket")
+        os.chdir(here)
+        for path in (tmp_path / "pipe", tmp_path / "socket", Path("/dev/zero")):
+            for read in (read_regular, lambda p: read_start(p, 9)):
+                with pytest.raises(OSError, match="Is no regular file"):
+                    read(path)
+
+
+@needs_unix
+def test_what_becomes_a_pipe_after_it_was_looked_at_is_refused_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_bytes(b"1")
+    status = (tmp_path / "file").stat()
+    os.mkfifo(tmp_path / "pipe")
+    monkeypatch.setattr(os, "stat", lambda *_, **__: status)
+    with pytest.raises(OSError, match="Is no regular file"):
+        read_regular(tmp_path / "pipe")
+
+
+@pytest.mark.parametrize("name", ["", "nowhere", "a\0b", "\ud800"])
+def test_a_folder_and_what_is_no_file_are_an_os_error(tmp_path: Path, name: str) -> None:
+    with pytest.raises(OSError, match=r"\[Errno \d+\]"):
+        read_regular(tmp_path / name)

@@ -1,0 +1,200 @@
+"""What a worker gives up, and how a check that will not end is ended. Each thing is tried in a process of its own."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from urdfcheck import sandbox
+from urdfcheck.errors import TimeUp
+from urdfcheck.workers import Died, Overdue, in_workers
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="forks, signals and limits are those of POSIX")
+
+
+def landlock() -> bool:
+    try:
+        from py_landlock import get_abi_version
+    except ImportError:
+        return False
+    try:
+        return bool(get_abi_version() >= 1)
+    except Exception:
+        return False
+
+
+def in_worker(function: Callable[..., object], *arguments: object) -> object:
+    ((_, result),) = in_workers(function, [arguments], 1)
+    return result
+
+
+def attempt(what: str, confined: bool, kernel: bool, inside: str, outside: str, writable: str) -> str:
+    """What comes of one deed in a confined process."""
+    if not kernel:
+        sandbox._restrict_files = lambda readable, writable: False  # as on a platform that has no Landlock
+    if confined:
+        sandbox.confine([inside], [writable], 4096)
+    deeds: dict[str, Callable[[], object]] = {
+        "read inside": lambda: Path(inside, "robot.urdf").read_text(),
+        "read outside": lambda: Path(outside, "secret").read_text(),
+        "read /etc": lambda: Path("/etc/passwd").read_text(),
+        "write inside": lambda: Path(inside, "new").write_text("x"),
+        "write outside": lambda: Path(outside, "new").write_text("x"),
+        "write cache": lambda: Path(writable, "new").write_text("x"),
+        "connect": lambda: socket.create_connection(("127.0.0.1", 9), timeout=1),
+        "program": lambda: subprocess.run(["true"], check=True),
+        "system": lambda: os.system("true"),
+        "import": lambda: __import__("scipy.spatial").__name__,
+    }
+    try:
+        deeds[what]()
+    except PermissionError:
+        return "refused"
+    except OSError as error:
+        return type(error).__name__
+    return "done"
+
+
+@pytest.fixture
+def places(tmp_path: Path) -> tuple[str, str, str]:
+    for name in ("inside", "outside", "cache"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "inside" / "robot.urdf").write_text("<robot/>")
+    (tmp_path / "outside" / "secret").write_text("s")
+    return str(tmp_path / "inside"), str(tmp_path / "outside"), str(tmp_path / "cache")
+
+
+@pytest.mark.parametrize("kernel", [True, False], ids=["kernel", "python alone"])
+@pytest.mark.parametrize(
+    ("deed", "outcome"),
+    [
+        ("read inside", "done"),
+        ("read outside", "refused"),
+        ("read /etc", "refused"),
+        ("write inside", "refused"),
+        ("write outside", "refused"),
+        ("write cache", "done"),
+        ("connect", "refused"),
+        ("program", "refused"),
+        ("system", "refused"),
+        ("import", "done"),
+    ],
+)
+def test_a_confined_process_reads_what_it_checks_and_does_nothing_else(
+    places: tuple[str, str, str], deed: str, outcome: str, kernel: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if kernel and not landlock():
+        pytest.skip("this kernel has no Landlock")
+    # What Python alone may write beside the cache: temporary files. These places lie among them otherwise.
+    monkeypatch.setenv("TMPDIR", places[2])
+    monkeypatch.setattr("tempfile.tempdir", None)
+    assert in_worker(attempt, deed, True, kernel, *places) == outcome
+
+
+@pytest.mark.parametrize("deed", ["read outside", "write outside", "program"])
+def test_and_could_otherwise(places: tuple[str, str, str], deed: str) -> None:
+    assert in_worker(attempt, deed, False, True, *places) == "done"
+
+
+def memory_of(amount: int, limit: int) -> str:
+    sandbox.confine([], [], limit)
+    try:
+        return str(len(bytearray(amount * 1024**2)))
+    except MemoryError:
+        return "refused"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux bounds what a process allocates")
+def test_memory_is_bounded() -> None:
+    assert in_worker(memory_of, 100, 2048) != "refused"
+    assert in_worker(memory_of, 4096, 2048) == "refused"
+
+
+def endless(seconds: float, catches: int) -> str:
+    caught = 0
+    while True:
+        try:
+            with sandbox.deadline(seconds):
+                while True:
+                    try:
+                        time.sleep(0.01)
+                    except Exception:  # a check that handles what it should not
+                        caught += 1
+        except TimeUp:
+            if caught >= catches:
+                return "told"
+
+
+def test_python_that_does_not_end_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert in_worker(endless, 0.1, 0) == "told"
+
+
+def deaf(seconds: float) -> str:
+    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGALRM])  # as compiled code, which hears no signal
+    time.sleep(seconds)
+    return "ended"
+
+
+def test_what_hears_nothing_is_killed_and_the_rest_goes_on() -> None:
+    jobs = [(300.0,), (0.0,), (0.01,)]
+    results = dict(in_workers(deaf, jobs, 2, longest=4.0))
+    assert isinstance(results[0], Overdue)
+    assert (results[1], results[2]) == ("ended", "ended")
+
+
+def aborts(fate: str) -> str:
+    if fate == "signal":
+        os.kill(os.getpid(), signal.SIGUSR1)
+    if fate == "exit":
+        os._exit(3)
+    return fate
+
+
+def test_a_worker_that_dies_is_told_from_its_job_and_the_rest_goes_on() -> None:
+    results = dict(in_workers(aborts, [("signal",), ("one",), ("exit",), ("two",)], 1))
+    assert (results[1], results[3]) == ("one", "two")
+    assert [results[i].exit_code for i in (0, 2)] == [-signal.SIGUSR1, 3]
+    assert not any(isinstance(results[i], Overdue) for i in (0, 2))
+
+
+class Planted:
+    """What a worker that a file has taken over could answer with."""
+
+    def __init__(self, function: object) -> None:
+        self.function = function
+
+    def __reduce__(self) -> tuple[object, tuple[str, ...]]:
+        return self.function, ("touch /tmp/urdfcheck-was-here",)
+
+
+def answer(function: object) -> object:
+    return Planted(function)
+
+
+@pytest.mark.parametrize("function", [os.system, eval, subprocess.check_output], ids=lambda f: f.__name__)
+def test_an_answer_is_data_and_nothing_that_runs(function: object) -> None:
+    result = in_worker(answer, function)
+    assert isinstance(result, Died)
+    assert not Path("/tmp/urdfcheck-was-here").exists()
+
+
+def test_every_report_is_data(tmp_path: Path) -> None:
+    """What the real command sends comes through the same gate: a report with findings, meshes and a scene."""
+    import io
+
+    from conftest import FIXTURES, check
+
+    from urdfcheck.workers import _Answer
+
+    run = check(FIXTURES / "car-3", scene=True)
+    back = _Answer(io.BytesIO(pickle.dumps((run.findings, run.models, run.scenes, run.skipped)))).load()
+    assert back == (run.findings, run.models, run.scenes, run.skipped)

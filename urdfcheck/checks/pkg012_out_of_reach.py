@@ -1,0 +1,40 @@
+"""PKG012: nothing that a model names lies outside of what may be read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model.names import listed
+from urdfcheck.source.launch import Launch
+from urdfcheck.source.load import Source
+from urdfcheck.source.problems import Problem
+from urdfcheck.source.resources import machine_part, resource_uses
+from urdfcheck.source.usage import typed_at
+
+
+def check(subject: Source | Launch, rule: Rule) -> Iterator[Finding]:
+    for problem in subject.problems:
+        if problem.kind == "out-of-reach":
+            yield _unread(problem, subject, rule)
+    if isinstance(subject, Source):
+        uses = [u for u in resource_uses(subject) if not u.resource.allowed and machine_part(u, subject) is None]
+        files = list(dict.fromkeys(u.resource.text for u in uses))
+        if uses:
+            yield rule.finding(
+                "mesh",
+                at=uses[0],
+                related={u.attribute.span: u for u in uses[1:]}.values(),
+                amount="1 file lies" if len(files) == 1 else f"{len(files)} files lie",
+                files=files,
+                listed=listed(files, 3),
+            )
+
+
+def _unread(problem: Problem, subject: Source | Launch, rule: Rule) -> Finding:
+    if isinstance(subject, Launch):
+        return rule.finding("launch", at=problem.location, path=problem.data["path"])
+    at = typed_at(subject, problem, "load_yaml")  # a property is evaluated where it is first read
+    others = [] if at is problem.location else [problem.location]
+    related = [*others, *(r for r in problem.related if r.span != at.span)]
+    return rule.finding("read", at=at, related=related, path=problem.data["path"])

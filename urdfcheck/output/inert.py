@@ -1,0 +1,85 @@
+"""Text of strangers made inert: it is shown wherever it goes, and nothing there obeys it.
+
+A name, a path or a message of a file may hold what a terminal obeys (escape sequences), what shows other text than there is
+(direction controls, characters that cannot be seen) and what a CI system takes out of its log and runs: a line that begins
+with ``::`` (GitHub), and ``##[…]``, ``##vso[…]``, ``##teamcity[…]`` anywhere in a line (GitHub, Azure, TeamCity; the
+sections of GitLab and Travis need control characters). Each output passes what it writes through its function here, last.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Callable
+
+# Controls, format characters, surrogates, private use, the separators of lines and paragraphs.
+_ACTING = frozenset({"Cc", "Cf", "Cs", "Co", "Zl", "Zp"})
+# Letters and marks without a shape: fillers of Hangul and Khmer, the grapheme joiner, what Unicode keeps free for more.
+_INVISIBLE = re.compile(
+    "[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u2065\u3164\uffa0\ufff0-\ufff8\U000e0000-\U000e0fff]"
+)
+_UNUSUAL = re.compile(r"[^\n\t -~]")
+# Ends at the character that is to be spelled. A runner takes the blanks off a line before it looks.
+_COMMAND = re.compile(r"^[^\S\n]*:(?=:)|#(?=#\w*\[)", re.MULTILINE)
+
+
+def visible(text: str) -> str:
+    """``text`` with what acts or cannot be seen spelled out, like ``\\x1b``. Its lines stay lines."""
+    return text if text.isascii() and text.isprintable() else _characters_spelled(text, _backslashed)
+
+
+def one_line(text: str) -> str:
+    """The same for a name or a path: line breaks and tabs in it are spelled out too."""
+    return visible(text).replace("\n", "\\n").replace("\t", "\\t")
+
+
+def command(line: str, start: int = 0) -> int | None:
+    """Where from ``start`` on a line of a CI log has a character that must be spelled, lest it be a command."""
+    match = _COMMAND.search(line, start)
+    return None if match is None else match.end() - 1
+
+
+def for_log(text: str) -> str:
+    """For a terminal and a CI log."""
+    return _commands_spelled(visible(text), _backslashed)
+
+
+def for_json(text: str) -> str:
+    """For a JSON document. Outside of its strings it has nothing that is spelled here."""
+    return _commands_spelled(_characters_spelled(text, _as_json), _as_json)
+
+
+def for_html(text: str) -> str:
+    """For an HTML document whose values are escaped already."""
+    return _commands_spelled(_characters_spelled(text, _backslashed), _as_reference)
+
+
+def for_xml(text: str) -> str:
+    """For an XML document whose values are escaped already; they stay what they are for whoever parses it."""
+    return _commands_spelled(_characters_spelled(text, _as_reference), _as_reference)
+
+
+def _characters_spelled(text: str, spelled: Callable[[str], str]) -> str:
+    return _UNUSUAL.sub(lambda match: match[0] if _is_plain(match[0]) else spelled(match[0]), text)
+
+
+def _commands_spelled(text: str, spelled: Callable[[str], str]) -> str:
+    return _COMMAND.sub(lambda match: match[0][:-1] + spelled(match[0][-1]), text)
+
+
+def _is_plain(character: str) -> bool:
+    return unicodedata.category(character) not in _ACTING and not _INVISIBLE.match(character)
+
+
+def _backslashed(character: str) -> str:
+    code = ord(character)
+    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
+
+
+def _as_json(character: str) -> str:
+    units = character.encode("utf-16-be", "surrogatepass").hex()
+    return "".join(f"\\u{units[i : i + 4]}" for i in range(0, len(units), 4))
+
+
+def _as_reference(character: str) -> str:
+    return f"&#{ord(character)};"
