@@ -159,6 +159,39 @@ class TestConfiguration:
         assert urdfcheck("broken.urdf", cwd=folder).returncode == cli.OK
         assert urdfcheck("broken.urdf", "--fail-on", "error", cwd=folder).returncode == cli.FINDINGS
 
+    def test_a_gate_for_strangers_ignores_their_configuration(self, folder: Path) -> None:
+        for text in (
+            'ignore = ["ALL"]\n',
+            '[severity]\nALL = "info"\n',
+            "[options.INR003]\nrel_tol = 10.0\n",
+            "x = \n",
+        ):
+            (folder / "urdfcheck.toml").write_text(text)
+            assert urdfcheck("broken.urdf", "--isolated", cwd=folder).returncode == cli.FINDINGS
+
+    @pytest.mark.parametrize(
+        "text",
+        [f"a = {'9' * 5000}", f"a = {'[' * 5000}", f"{'a.' * 5000}a = 1", "#" * 5 * 1024**2, "tool = 1\nb = ="],
+        ids=["digits", "depth", "parts", "size", "toml"],
+    )
+    def test_a_hostile_file_is_an_error(self, folder: Path, text: str) -> None:
+        (folder / "urdfcheck.toml").write_text(text)
+        done = urdfcheck("broken.urdf", cwd=folder)
+        assert done.returncode == cli.FAILED
+        assert done.stderr.startswith("urdfcheck: urdfcheck.toml: ")
+        assert "Traceback" not in done.stderr
+
+    def test_a_link_leads_to_no_file_of_somebody_else(self, folder: Path) -> None:
+        (folder.parent / "secret.toml").write_text("password_of_bob = 1\n")
+        (folder / "urdfcheck.toml").symlink_to(folder.parent / "secret.toml")
+        done = urdfcheck("broken.urdf", cwd=folder)
+        assert done.returncode == cli.FAILED
+        assert "bob" not in done.stderr
+
+    def test_a_tool_that_is_no_table_is_none_of_ours(self, folder: Path) -> None:
+        (folder / "pyproject.toml").write_text("tool = 1\n")
+        assert urdfcheck("broken.urdf", cwd=folder).returncode == cli.FINDINGS
+
     def test_severity_and_options_of_a_rule(self, folder: Path) -> None:
         (folder / "urdfcheck.toml").write_text('[severity]\nINR003 = "info"\n')
         assert urdfcheck("broken.urdf", cwd=folder).returncode == cli.OK

@@ -14,6 +14,7 @@ from urdfcheck import catalogue, engine, worker
 from urdfcheck.cli import FAILED, exit_code
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.engine import Request, run
+from urdfcheck.output.json import render
 
 INERTIA = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial>'
 
@@ -88,6 +89,49 @@ def test_hidden_findings_are_named_by_what_hides_them() -> None:
     kept = worker.hide([finding(weaker, at), finding(stronger, at), finding(weaker, elsewhere)], rules)
     assert [(f.code, f.location.subject) for f in kept] == [("INR004", at.subject), ("INR003", elsewhere.subject)]
     assert kept[0].data["hides"] == ["INR003"]
+
+
+def test_a_worker_sees_nothing_around_what_is_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither where a launch file says that a model is, nor beside the package at the top of the repository."""
+    for name in ("outside", "repo/.git"):
+        (tmp_path / name).mkdir(parents=True)
+    (tmp_path / "repo/package.xml").write_text("<package><name>p</name></package>")
+    monkeypatch.chdir(tmp_path / "repo")
+    Path("r.launch").write_text('<launch><param name="robot_description" textfile="../outside/r.urdf"/></launch>')
+    Path("a.launch").write_text('<launch><param name="robot_description" textfile="/etc/r.urdf"/></launch>')
+    request = Request((Path(),), Path(), frozenset())
+    _, units = engine.planned(request)
+    with engine.auditing(request, units) as settings:
+        seen = {folder for folder in settings.around if not folder.endswith("rules")}
+    assert {unit.kind for unit in units} >= {"launch", "package"}
+    assert seen == {str(tmp_path / "repo")}
+
+
+def test_a_thousand_warnings_hide_no_error(tmp_path: Path) -> None:
+    links = "".join(f'<link name="l{i}"><inertial><mass value="1e300"/></inertial></link>\n' for i in range(1_010))
+    wrong = '<link name="z"><inertial><mass value="abc"/></inertial></link>'
+    (tmp_path / "r.urdf").write_text(f'<robot name="r">{links}{wrong}</robot>')
+    run = check(tmp_path / "r.urdf", codes=frozenset({"XML007"}), tier="source")
+    assert [str(f.severity) for f in run.findings].count("warning") == 1_000
+    assert [f.data["word"] for f in run.findings if f.severity == Severity.ERROR] == ["abc"]
+    assert [(s.code, s.reason) for s in run.skipped] == [("XML007", "10 more findings (warning) are not listed")]
+
+
+def test_a_name_with_slashes_hides_nothing_of_another_element(tmp_path: Path) -> None:
+    inertia = '<inertia ixx="{}" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+    body = f'<link name="{{}}"><inertial><mass value="1"/>{inertia}</inertial></link>'
+    (tmp_path / "r.urdf").write_text(f'<robot name="r">{body.format("x/1", 5)}\n{body.format("x/2", -1)}</robot>')
+    run = check(tmp_path / "r.urdf", codes=frozenset({"INR003", "INR004"}), tier="source")
+    assert {f.code for f in run.findings} == {"INR003", "INR004"}
+
+
+def test_a_name_without_end_is_not_repeated_in_each_finding(tmp_path: Path) -> None:
+    parts = '<visual><geometry><box size="1 x 1"/></geometry></visual>\n' * 50
+    (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="{"A" * 100_000}">{parts}</link></robot>')
+    run = check(tmp_path / "r.urdf", codes=frozenset({"XML007"}), tier="source")
+    assert len(run.findings) == 50
+    assert len(render(run)) < 3_000_000
+    assert all(s.endswith("/geometry/box@size") for f in run.findings for s in f.subjects)
 
 
 def test_a_difference_of_two_elements_yields_to_what_explains_either() -> None:

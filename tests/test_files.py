@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import socket
+import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from urdfcheck.files import TooLarge, read_regular, read_start
+from urdfcheck.files import TooLarge, read_regular, read_start, walk
 
 needs_unix = pytest.mark.skipif(sys.platform == "win32", reason="no such files there")
 
@@ -82,3 +83,26 @@ def test_what_becomes_a_pipe_after_it_was_looked_at_is_refused_too(
 def test_a_folder_and_what_is_no_file_are_an_os_error(tmp_path: Path, name: str) -> None:
     with pytest.raises(OSError, match=r"\[Errno \d+\]"):
         read_regular(tmp_path / name)
+
+
+@needs_unix
+def test_folders_are_walked_however_deep_and_through_no_link(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("a", ".b"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "file").touch()
+    (tmp_path / "a" / "up").symlink_to("..")
+    found = list(walk(tmp_path))
+    assert [(os.path.relpath(folder, tmp_path), names, files) for folder, names, files in found] == [
+        (".", [".b", "a"], []),
+        (".b", [], ["file"]),
+        ("a", ["up"], ["file"]),
+    ]
+    monkeypatch.chdir(tmp_path / "a")
+    for _ in range(1_100):
+        os.mkdir("d")
+        os.chdir("d")
+    os.chdir(tmp_path)
+    try:
+        assert len(list(walk(tmp_path))) == 1_103
+    finally:
+        subprocess.run(["rm", "-rf", str(tmp_path / "a" / "d")], check=True)

@@ -29,7 +29,7 @@ ALLOWED = {
     "model": {"model", "source", "facts", "core", "cache", "files"},
     "checks": {"model", "source", "facts", "core", "files", "outline"},
     "catalogue": {"core"},
-    "config": {"catalogue", "core", "source"},
+    "config": {"catalogue", "core", "files", "source"},
     "recall": {"cache", "catalogue", "core", "model"},
     "worker": {
         *("cache", "catalogue", "core", "errors", "files", "limits", "model", "outline", "recall", "scene", "source"),

@@ -107,6 +107,29 @@ def test_a_mesh_that_comes_or_goes_is_noticed(robot: Path) -> None:
     assert any(f.code == "INR009" or f.code == "INR005" for f in outcome(robot).findings)
 
 
+def test_an_element_that_a_value_of_yaml_moves_is_looked_at_anew(robot: Path, calls: list[str]) -> None:
+    """The same text and the same tags in the same order: only what is in what differs."""
+    inertial = ROBOT[ROBOT.index("    <inertial>") : ROBOT.index("    <visual>")].format(ixx="0.0333")
+    path = robot.with_suffix(".urdf.xacro")
+    path.write_text(
+        f"""<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:property name="y" value="${{xacro.load_yaml('y.yaml')}}"/>
+  <link name="part">
+    <visual><geometry><mesh filename="part.stl"/></geometry></visual>
+    <xacro:if value="${{y.inside}}">{inertial}</xacro:if>
+  </link>
+  <xacro:unless value="${{y.inside}}">{inertial}</xacro:unless>
+</robot>""",
+        encoding="utf-8",
+    )
+    (robot.parent / "y.yaml").write_text("inside: true\n")
+    outcome(path)
+    (robot.parent / "y.yaml").write_text("inside: false\n")
+    calls.clear()
+    outcome(path)
+    assert "INR009" in calls
+
+
 def test_a_moved_line_moves_its_finding(robot: Path) -> None:
     before = next(f for f in outcome(robot).findings if f.code.startswith("INR"))
     robot.write_text("<!-- one more line -->\n" + robot.read_text(encoding="utf-8"), encoding="utf-8")

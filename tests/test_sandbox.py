@@ -50,6 +50,18 @@ def attempt(what: str, confined: bool, kernel: bool, inside: str, outside: str, 
         "write inside": lambda: Path(inside, "new").write_text("x"),
         "write outside": lambda: Path(outside, "new").write_text("x"),
         "write cache": lambda: Path(writable, "new").write_text("x"),
+        "remove outside": lambda: os.remove(f"{outside}/secret"),
+        "rename outside": lambda: os.rename(f"{outside}/secret", f"{writable}/secret"),
+        "link outside": lambda: os.symlink("secret", f"{outside}/new"),
+        "truncate outside": lambda: os.truncate(f"{outside}/secret", 0),
+        "rights outside": lambda: os.chmod(f"{outside}/secret", 0),
+        "times outside": lambda: os.utime(f"{outside}/secret", (0, 0)),
+        "rights inside": lambda: os.chmod(f"{inside}/robot.urdf", 0),
+        "rights of what is open": lambda: os.chmod(os.open(f"{inside}/robot.urdf", os.O_RDONLY), 0),
+        "list outside": lambda: os.listdir(outside),
+        "list inside": lambda: os.listdir(inside),
+        "tidy cache": lambda: (os.mkdir(f"{writable}/a"), os.utime(f"{writable}/a"), os.rmdir(f"{writable}/a")),
+        "signal": lambda: os.kill(os.getppid(), 0),
         "connect": lambda: socket.create_connection(("127.0.0.1", 9), timeout=1),
         "program": lambda: subprocess.run(["true"], check=True),
         "system": lambda: os.system("true"),
@@ -83,6 +95,18 @@ def places(tmp_path: Path) -> tuple[str, str, str]:
         ("write inside", "refused"),
         ("write outside", "refused"),
         ("write cache", "done"),
+        ("remove outside", "refused"),
+        ("rename outside", "refused"),
+        ("link outside", "refused"),
+        ("truncate outside", "refused"),
+        ("rights outside", "refused"),
+        ("times outside", "refused"),
+        ("rights inside", "refused"),
+        ("rights of what is open", "refused"),
+        ("list outside", "refused"),
+        ("list inside", "done"),
+        ("tidy cache", "done"),
+        ("signal", "refused"),
         ("connect", "refused"),
         ("program", "refused"),
         ("system", "refused"),
@@ -185,6 +209,50 @@ def test_an_answer_is_data_and_nothing_that_runs(function: object) -> None:
     result = in_worker(answer, function)
     assert isinstance(result, Died)
     assert not Path("/tmp/urdfcheck-was-here").exists()
+
+
+class Opened:
+    """A class of ours that makes files when it is made."""
+
+    def __init__(self, folder: str) -> None:
+        self.folder = folder
+
+    def __reduce__(self) -> tuple[object, tuple[object, ...]]:
+        from urdfcheck.journal import Journal
+
+        return Journal, (Path(self.folder), {}, frozenset())
+
+
+class Astray:
+    """A dtype of numpy with a field far behind the end of its values: to look at one ends the process, or shows its memory."""
+
+    def __reduce__(self) -> tuple[object, tuple[object, ...], tuple[object, ...]]:
+        import numpy as np
+
+        return np.dtype, ("V8", False, True), (3, "|", None, ("x",), {"x": (np.dtype("<i8"), 1 << 40)}, 8, 1, 16)
+
+
+def planted(kind: str, folder: str) -> object:
+    import numpy as np
+
+    others: dict[str, object] = {"numpy": Astray(), "array": np.zeros(3), "code": planted.__code__.replace}
+    return Opened(folder) if kind == "ours" else others[kind]
+
+
+@pytest.mark.parametrize("kind", ["ours", "numpy", "array", "code"])
+def test_an_answer_is_of_no_class_that_does_something(kind: str, tmp_path: Path) -> None:
+    assert isinstance(in_worker(planted, kind, str(tmp_path / "made")), Died)
+    assert not (tmp_path / "made").exists()
+
+
+def numbers() -> object:
+    import numpy as np
+
+    return [np.float64(0.1), np.float32(0.5), np.int64(-3), np.uint8(200), np.bool_(True)]
+
+
+def test_a_number_of_numpy_is_a_number() -> None:
+    assert in_worker(numbers) == [0.1, 0.5, -3, 200, True]
 
 
 def test_every_report_is_data(tmp_path: Path) -> None:

@@ -98,16 +98,16 @@ class Cache:
 
     def trim(self, largest: int = LARGEST) -> None:
         """Drop the entries that were not used for longest until at most ``largest`` bytes are left."""
-        entries: dict[Path, list[tuple[Path, os.stat_result]]] = {}
+        entries: dict[str, tuple[int, int]] = {}  # when it was used last, and its size
         for path, status in self.files():
-            entries.setdefault(path.parent if path.suffix == ".npz" else path, []).append((path, status))
+            entry = str(path.parent if path.suffix == ".npz" else path)
+            used, size = entries.get(entry, (0, 0))
+            entries[entry] = max(used, status.st_mtime_ns), size + status.st_size
         kept = 0
-        for files in sorted(entries.values(), key=lambda found: -max(status.st_mtime_ns for _, status in found)):
-            kept += sum(status.st_size for _, status in files)
-            for path, _ in files if kept > largest else ():
-                with contextlib.suppress(OSError):
-                    path.unlink()
-                    path.parent.rmdir()  # the last of an entry's files takes its folder along
+        for entry in sorted(entries, key=lambda entry: -entries[entry][0]):
+            kept += entries[entry][1]
+            if kept > largest:
+                _remove(Path(entry))
 
     def clear(self) -> None:
         """Drop everything."""
@@ -124,6 +124,17 @@ def default_folder() -> Path | None:
         return user_cache_path("urdfcheck", appauthor=False) / NAME
     except RuntimeError:  # a user without a home, as in some containers
         return None
+
+
+def _remove(entry: Path) -> None:
+    """Delete an entry: a file, or a folder with its files."""
+    with contextlib.suppress(OSError):
+        if not entry.is_dir():
+            entry.unlink()
+            return
+        for path in entry.glob("*.npz"):
+            path.unlink()
+        entry.rmdir()
 
 
 @cache

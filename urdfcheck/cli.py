@@ -137,6 +137,9 @@ def _add_options(p: argparse.ArgumentParser) -> None:
     p.add_argument(
         "--env", action="append", default=[], metavar="NAME", help="environment variable that xacro may read"
     )
+    p.add_argument(
+        "--isolated", action="store_true", help="ignore every configuration file (for gates: it may be a stranger's)"
+    )
     p.add_argument("--target", metavar="NAMES", help="who will read the model: gazebo, mujoco, drake, … (see MSH011)")
     p.add_argument("--thorough", action="store_true", help="look at 5,000 configurations of the joints instead of 200")
     p.add_argument("--no-cache", action="store_true", help="keep no measurements and use none that were kept")
@@ -250,7 +253,8 @@ def _settings(options: argparse.Namespace) -> Config:
     from urdfcheck import config
 
     path = Path(options.paths[0])
-    return config.find(path if path.is_dir() else path.parent)
+    folder = path if path.is_dir() else path.parent
+    return config.without_file(folder) if options.isolated else config.find(folder)
 
 
 def _request(options: argparse.Namespace, settings: Config, *, scene: bool = False) -> Request:

@@ -11,9 +11,12 @@ import tomli
 
 from urdfcheck import catalogue
 from urdfcheck.core import Severity, UrdfcheckError
+from urdfcheck.files import read_regular
 from urdfcheck.source.packages import display_name
-from urdfcheck.source.reach import Reach
+from urdfcheck.source.reach import OUT_OF_REACH, Reach
 
+# The largest pyproject.toml of well-known projects has 60 kB; tomli takes a second for each megabyte.
+MAX_TEXT = 4 * 1024**2
 FAIL_ON = ("error", "warning", "info", "never")
 TIERS = ("source", "mesh", "full")
 TARGETS = ("gazebo", "mujoco", "drake", "bullet", "isaac", "moveit", "rviz", "pinocchio", "ros2_control", "kdl")
@@ -48,27 +51,49 @@ def find(start: Path) -> Config:
     for folder in (start, *start.parents):
         own, project = folder / "urdfcheck.toml", folder / "pyproject.toml"
         if own.is_file():
-            return _read(own, _load(own))
+            text = _text(own)
+            return _read(own, text, _parsed(own, text))
         if project.is_file():
-            table = _load(project).get("tool", {}).get("urdfcheck")
+            text = _text(project)
+            tools = _parsed(project, text).get("tool", {})
+            table = tools.get("urdfcheck") if isinstance(tools, dict) else None
             if table is not None:
-                return _read(project, table)
+                return _read(project, text, table)
+    return without_file(start)
+
+
+def without_file(start: Path) -> Config:
+    """What holds for a path where no file is to say anything."""
+    start = start.absolute()
     for folder in (start, *start.parents):
         if (folder / ".git").exists():
             return Config(folder)
     return Config(Path.cwd())
 
 
-def _load(path: Path) -> dict[str, Any]:
+def _text(path: Path) -> str:
+    """The text of a configuration, which may be a stranger's: of bounded size, and where its name says."""
     try:
-        table: dict[str, Any] = tomli.loads(path.read_text(encoding="utf-8"))
-        return table
-    except (OSError, UnicodeDecodeError, tomli.TOMLDecodeError) as error:
+        if not Reach.around([path], []).allows(path):
+            raise UrdfcheckError(f"{display_name(path)}: {OUT_OF_REACH}")
+        return read_regular(path, MAX_TEXT).decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
         raise UrdfcheckError(f"{display_name(path)}: {error}") from None
 
 
-def _read(path: Path, table: Any) -> Config:
-    reader = _Reader(path)
+def _parsed(path: Path, text: str) -> dict[str, Any]:
+    try:
+        table: dict[str, Any] = tomli.loads(text)
+        return table
+    except (
+        ValueError,
+        RecursionError,
+    ) as error:  # a number of more digits than Python reads is a ValueError of its own
+        raise UrdfcheckError(f"{display_name(path)}: {error}") from None
+
+
+def _read(path: Path, text: str, table: Any) -> Config:
+    reader = _Reader(path, text)
     if not isinstance(table, dict):
         raise reader.wrong("urdfcheck", "a table")
     for key in table:
@@ -113,9 +138,9 @@ def _read(path: Path, table: Any) -> Config:
 class _Reader:
     """Typed access to a table; every complaint names the file and the line."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, text: str) -> None:
         self.path = path
-        self.lines = path.read_text(encoding="utf-8").splitlines()
+        self.lines = text.splitlines()
 
     def at(self, key: str) -> str:
         number = next((i for i, line in enumerate(self.lines, 1) if line.lstrip().lstrip("[").startswith(key)), 1)

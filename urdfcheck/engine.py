@@ -175,7 +175,10 @@ def auditing(request: Request, units: Sequence[Unit]) -> Iterator[Settings]:
 def _around(request: Request, reach: Reach, units: Sequence[Unit]) -> tuple[str, ...]:
     """The folders that a worker must see: those in reach, those in which packages are looked for, and the rules."""
     folders = dict.fromkeys((*reach.roots, str(catalogue.pages_folder())))
-    for start in dict.fromkeys(Path(path).absolute().parent for u in units for path in (u.path, *u.launches)):
+    # A launch file may name a model anywhere: what is out of reach makes nothing around it visible.
+    files = (Path(path) for u in units if u.kind != "package" for path in (u.path, *u.launches))
+    inside = [path.absolute().parent for path in dict.fromkeys(files) if reach.allows(path)]
+    for start in dict.fromkeys((*inside, *(Path(u.path).absolute() for u in units if u.kind == "package"))):
         if not any(os.path.realpath(start).startswith(root + os.sep) for root in folders):
             folders.update(dict.fromkeys(os.path.realpath(level) for level in PackageFinder(start).levels()[-1:]))
     for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):

@@ -74,7 +74,8 @@ def _parts(model: Model) -> Iterator[str]:
     if model.source.is_xacro:
         # What packages, yaml files and the environment put into it.
         for element in model.robot.walk():
-            yield element.tag
+            yield f"{element.tag} {len(element.children)}"
+            yield element.text
             for attribute in element.attributes.values():
                 yield f"{attribute.name} {attribute.value}"
                 yield from (repr(definition.location) for definition in attribute.related())

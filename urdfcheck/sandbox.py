@@ -12,7 +12,7 @@ import errno
 import os
 import signal
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from types import FrameType
 
 from urdfcheck.errors import TimeUp
@@ -31,10 +31,22 @@ _FORBIDDEN = (
     "os.exec",
     "os.posix_spawn",
     "os.fork",
+    "os.kill",
+    "signal.pthread_kill",
     "pty.",
     "ftplib.",
     "urllib.",
 )
+# Events that change files or folders, or what is known of them, with the places of the paths among their arguments and of
+# the folders that these may start at. Landlock has no rule for some of them (rights, owners, times).
+_CHANGES: Mapping[str, tuple[tuple[int, ...], tuple[int, ...]]] = {
+    **dict.fromkeys(("os.chflags", "os.removexattr", "os.setxattr", "os.truncate"), ((0,), ())),
+    **dict.fromkeys(("os.remove", "os.rmdir"), ((0,), (1,))),
+    **dict.fromkeys(("os.chmod", "os.mkdir"), ((0,), (2,))),
+    **dict.fromkeys(("os.chown", "os.utime"), ((0,), (3,))),
+    **dict.fromkeys(("os.link", "os.rename"), ((0, 1), (2, 3))),
+    "os.symlink": ((1,), (2,)),
+}
 # A check that does not end when it is told to is told again after so many seconds; who still goes on is killed.
 AGAIN, PATIENCE = 5.0, 15.0
 
@@ -54,7 +66,9 @@ def confine(readable: Iterable[str], writable: Iterable[str], memory: int) -> No
     libraries = os.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep)
     own = (os.path.dirname(__file__), *sys.path, sys.prefix, sys.base_prefix, *libraries)
     seen = [path for path in dict.fromkeys((*_SYSTEM, *own, *readable)) if os.path.exists(path)]
-    if not _restrict_files(seen, list(writable)):
+    if _restrict_files(seen, list(writable)):
+        _watch_changes(tuple({os.path.realpath(path) for path in writable}))
+    else:
         _watch_files(seen, list(writable))
     sys.addaudithook(_refuse)
 
@@ -72,15 +86,36 @@ def _watch_files(readable: list[str], writable: list[str]) -> None:
     writing = tuple({os.path.realpath(path) for path in (*writable, tempfile.gettempdir())})
 
     def refuse(event: str, arguments: tuple[object, ...]) -> None:
-        if event != "open" or not isinstance(arguments[0], (str, bytes)):
-            return
-        real = os.path.realpath(os.fsdecode(arguments[0]))
-        flags = arguments[2] if isinstance(arguments[2], int) else 0
-        folders = writing if flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT) else reading
-        if not any(real == folder or real.startswith(folder.rstrip(os.sep) + os.sep) for folder in folders):
-            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), real)
+        if event == "open" and isinstance(arguments[0], (str, bytes)):
+            flags = arguments[2] if isinstance(arguments[2], int) else 0
+            changes = flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC)
+            _ensure_below(arguments[0], writing if changes else reading)
+        elif event in {"os.listdir", "os.scandir"} and not isinstance(arguments[0], int):
+            _ensure_below(arguments[0] or os.curdir, reading)
 
     sys.addaudithook(refuse)
+    _watch_changes(writing)
+
+
+def _watch_changes(writing: tuple[str, ...]) -> None:
+    """Have Python look at each path at which it changes something."""
+
+    def refuse(event: str, arguments: tuple[object, ...]) -> None:
+        if event in _CHANGES:
+            paths, folders = _CHANGES[event]
+            for place in paths:
+                _ensure_below(arguments[place], writing)
+            if any(arguments[place] != -1 for place in folders):
+                raise PermissionError(f"the check of a model has no use for {event} in an open folder")
+
+    sys.addaudithook(refuse)
+
+
+def _ensure_below(path: object, folders: tuple[str, ...]) -> None:
+    # What is open already (a number) was opened for reading, or is the parent's.
+    real = os.path.realpath(os.fsdecode(path)) if isinstance(path, (str, bytes, os.PathLike)) else str(path)
+    if not any(real == folder or real.startswith(folder.rstrip(os.sep) + os.sep) for folder in folders):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), real)
 
 
 def bound_memory(memory: int) -> None:

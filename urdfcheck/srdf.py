@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 SAMPLES, THOROUGH = 5_000, 20_000
 # How a file that may be written over begins.
 MARK = "Written by urdfcheck srdf"
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 _TAG = re.compile(r"<([A-Za-z_][\w:.-]*)")
 # Of how many trials without a hit the probability of one is below 3/N, at 95 % confidence (the rule of three).
 _RULE_OF_THREE = 3.0

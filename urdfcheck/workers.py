@@ -14,15 +14,19 @@ import multiprocessing
 import os
 import pickle
 import signal
+import struct
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, is_dataclass
+from enum import Enum
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
 FORKS = "fork" in multiprocessing.get_all_start_methods()
 # So few jobs may be done by the first worker before another has loaded what it needs, which takes about so many seconds.
 _FEW, _PATIENCE = 4, 0.3
+# So many seconds a worker has to end after it closed its pipe.
+_GRACE = 10.0
 
 
 class Died(Exception):
@@ -37,22 +41,57 @@ class Overdue(Died):
     """A worker was ended because its job took too long."""
 
 
+class _Kind:
+    """Stands for a dtype of numpy, which takes any state that it is told, and then reads memory that is not its own."""
+
+    def __init__(self, code: str, *_: object) -> None:
+        self.form = _FORMS[code]
+
+    def __setstate__(self, _: object) -> None:
+        """Numbers that are sent have the order of bytes of this machine."""
+
+
+# How struct calls the numbers that numpy has.
+_FORMS = {"b1": "?", "f4": "f", "f8": "d"}
+_FORMS |= {f"i{1 << n}": "bhiq"[n] for n in range(4)} | {f"u{1 << n}": "BHIQ"[n] for n in range(4)}
+
+
+def _number(kind: _Kind, data: bytes) -> float:
+    """A number of numpy's as one of Python's own."""
+    (number,) = struct.unpack("=" + kind.form, data)
+    value: float = number
+    return value
+
+
 class _Answer(pickle.Unpickler):
-    """Reads what a worker sends. It is plain data: a worker that a hostile file has taken over can send no more than that."""
+    """Reads what a worker sends. It is plain data: a worker that a hostile file has taken over can send no more than that.
+
+    Of our own classes only data classes and enumerations of the modules that reports and plans are made of are found, and
+    under their own name: others open files when they are made.
+    """
 
     _OTHERS = frozenset(
-        {("builtins", name) for name in ("set", "frozenset", "complex", "bytearray", "slice")}
-        | {(f"numpy.{core}.multiarray", name) for core in ("core", "_core") for name in ("_reconstruct", "scalar")}
-        | {("numpy", "ndarray"), ("numpy", "dtype"), ("numpy._core.numeric", "_frombuffer")}
-        | {("collections", "OrderedDict"), ("builtins", "MemoryError")}
+        {("builtins", name) for name in ("set", "frozenset", "complex", "slice", "MemoryError")}
+        | {("collections", "OrderedDict")}
         | {(module, f"{kind}Path") for module in ("pathlib", "pathlib._local") for kind in ("Posix", "Windows")}
     )
+    _NUMBERS: Mapping[tuple[str, str], Any] = {
+        ("numpy", "dtype"): _Kind,
+        **{(f"numpy.{core}.multiarray", "scalar"): _number for core in ("core", "_core")},
+    }
+    _OURS = frozenset(f"urdfcheck.{module}" for module in ("core", "outline", "source.discover", "srdf", "worker"))
 
     def find_class(self, module: str, name: str) -> Any:
+        if (module, name) in self._NUMBERS:
+            return self._NUMBERS[module, name]
         if (module, name) in self._OTHERS:
             return super().find_class(module, name)
-        found = super().find_class(module, name) if module.startswith("urdfcheck.") and "." not in name else None
-        if not isinstance(found, type):
+        found = super().find_class(module, name) if module in self._OURS and "." not in name else None
+        if (
+            not isinstance(found, type)
+            or found.__module__ != module
+            or not (is_dataclass(found) or issubclass(found, Enum))
+        ):
             raise pickle.UnpicklingError(f"a worker sent {module}.{name}, which is no data")
         return found
 
@@ -87,12 +126,16 @@ class Worker:
         :raises Died: when the process ended without an answer.
         """
         try:
-            return _Answer(io.BytesIO(self.pipe.recv_bytes())).load()
+            data = self.pipe.recv_bytes()
         except (EOFError, ConnectionResetError):
             self.pipe.close()
+            self.process.join(_GRACE)
+            self.process.kill()  # one that lives on without its pipe
             self.process.join()
             raise Died(self.process.exitcode) from None
-        except (pickle.UnpicklingError, AttributeError, ImportError, ValueError, TypeError):
+        try:
+            return _Answer(io.BytesIO(data)).load()
+        except Exception:  # whatever a pickle that is none may raise
             self.end()
             raise Died(None) from None
 

@@ -350,3 +350,39 @@ class TestXML014:
         assert {f.code for f in run.findings} == {code}
         (skip,) = run.skipped
         assert code in skip.reason
+
+
+def test_a_semantic_description_that_is_broken_is_told_with_its_package(tmp_path: Path) -> None:
+    package = tmp_path / "arm"
+    (package / "config").mkdir(parents=True)
+    (package / "package.xml").write_text("<package format='2'><name>arm</name></package>")
+    (package / "arm.urdf").write_text('<robot name="arm"><link name="l"/></robot>')
+    (package / "config" / "arm.srdf").write_text('<robot name="arm">\n  <disable_collisions link1="a"\n</robot>')
+    found = [f for f in check(package, codes={"XML001"}).findings if f.location.span]
+    assert [(f.message_id, Path(f.location.span.file).name) for f in found if f.location.span] == [("srdf", "arm.srdf")]
+    run = check(package / "config" / "arm.srdf", codes={"XML001"})
+    assert "no XML" in run.failures[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('<?xml version="1.0"?>\n<?xml-model href="x"?>\n<robot name="r"><link name="l"/></robot>', []),
+        ('<?x?><robot name="r"><link name="l"/></robot>', []),
+        ('<?xml version="1.0"?>\n<!-- c -->\n<?x?>\n<robot name="r"><link name="l"/></robot>', [3]),
+        ('<robot name="r">\n<?x y?><link name="l"/></robot>', [2]),
+        ('<robot name="r"><link name="l"/></robot>\n<?x?>', [2]),
+    ],
+)
+def test_a_processing_instruction_stands_first_as_the_reference_parser_has_it(
+    tmp_path: Path, text: str, said: list[int]
+) -> None:
+    found = check_text(tmp_path, text, codes={"XML001"}).findings
+    assert [f.location.span.line for f in found if f.location.span and f.message_id == "instruction"] == said
+    pinocchio = pytest.importorskip("pinocchio")
+    try:
+        pinocchio.buildModelFromXML(text)
+    except ValueError:
+        assert said
+    else:
+        assert not said

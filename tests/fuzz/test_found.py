@@ -50,6 +50,9 @@ FOUND = {
         },
         tier="mesh",
     ),
+    "a processing instruction inside of the robot, which the reference parser refuses": Case(
+        "model.urdf", {"model.urdf": model('<link name="a"/><?x?>')}
+    ),
     "a letter in the XML declaration that is not ASCII": Case(
         "model.urdf", {"model.urdf": '<?xml vérsion="1.0" encoding="utf-8"?>'.encode() + model("")}
     ),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+import time
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -116,6 +117,30 @@ def test_git_starts_nothing_that_the_repository_asks_for(workspace: Path) -> Non
     assert not (workspace / "started").exists()
 
 
+def test_git_fetches_nothing_that_the_repository_lacks(workspace: Path) -> None:
+    """What is to be ignored git reads from its objects where the file is gone, and one that is gone too from elsewhere."""
+    write(workspace, {"a.urdf": URDF, "sub/.gitignore": "*.tmp\n"})
+    git(workspace, "init", "-q")
+    git(workspace, "add", "-A")
+    listed = subprocess.run(
+        ["git", "rev-parse", ":sub/.gitignore"], cwd=workspace, check=True, capture_output=True, text=True
+    )
+    git(workspace, "update-index", "--skip-worktree", "sub/.gitignore")
+    (workspace / "sub/.gitignore").unlink()
+    (workspace / ".git/objects" / listed.stdout[:2] / listed.stdout[2:].strip()).unlink()
+    for name, value in (
+        ("core.repositoryformatversion", "1"),
+        ("extensions.partialClone", "origin"),
+        ("remote.origin.promisor", "true"),
+        ("remote.origin.url", f"{workspace}/.git"),
+        ("remote.origin.uploadpack", f"touch {workspace}/started; git-upload-pack"),
+        ("protocol.allow", "always"),
+    ):
+        git(workspace, "config", name, value)
+    assert models(".") == ["a.urdf"]
+    assert not (workspace / "started").exists()
+
+
 def test_a_model_reached_by_links_is_checked_once(workspace: Path) -> None:
     write(workspace, {"src/a.urdf": URDF})
     os.symlink("a.urdf", workspace / "src/z.urdf")
@@ -224,15 +249,45 @@ def test_what_is_called_a_model_is_one_however_broken(workspace: Path) -> None:
 
 def test_a_pattern_of_an_include_is_looked_for_in_reach_only(workspace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A tree of wildcards would walk all of the disk."""
-    import glob
-
-    asked: list[str] = []
-    monkeypatch.setattr(glob, "glob", lambda pattern: asked.append(pattern) or [])
+    asked: set[str] = set()
+    listed = os.listdir
+    monkeypatch.setattr(os, "listdir", lambda folder: asked.add(os.path.relpath(folder, workspace)) or listed(folder))
     include = '<xacro:include filename="{}"/>'
     names = ["../../../../*/*/*/*", "/*/*/*", "parts/*.xacro", "parts/*/../../../../*"]
-    write(workspace, {"a.xacro": xacro(LINK + "".join(map(include.format, names)))})
+    write(workspace, {"a.xacro": xacro(LINK + "".join(map(include.format, names))), "parts/b.xacro": xacro("")})
+    os.symlink(workspace.parent, workspace / "outside")
     plan([Path(".")], {}, {}, [], Reach.around([workspace], []))
-    assert {os.path.relpath(pattern, workspace) for pattern in asked if "*" in pattern} == {"parts/*.xacro", "*/*/*"}
+    assert {folder for folder in asked if os.path.isdir(folder)} == {"parts", "."}
+
+
+def test_links_in_a_circle_make_no_pattern_endless(workspace: Path) -> None:
+    write(workspace, {"a.xacro": xacro(f'{LINK}<xacro:include filename="{"*/" * 40}b.xacro"/>')})
+    for name in ("one", "two"):
+        os.symlink(".", workspace / name)
+    assert models(".") == ["a.xacro"]
+
+
+def test_a_file_that_includes_others_endlessly_is_looked_through_once(workspace: Path) -> None:
+    write(workspace, {f"d{i}/b.xacro": xacro(LINK) for i in range(200)})
+    write(
+        workspace,
+        {"a.xacro": xacro(LINK + "".join(f'<xacro:include filename="$(arg x{i})/b.xacro"/>' for i in range(5_000)))},
+    )
+    began = time.monotonic()
+    assert "a.xacro" in models(".")
+    assert time.monotonic() - began < 10
+
+
+def test_folders_may_be_as_deep_as_paths_go(workspace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(workspace, {"a.urdf": URDF})
+    for _ in range(1_200):
+        os.mkdir("d")
+        os.chdir("d")
+    monkeypatch.chdir(workspace)
+    try:
+        assert models(".") == ["a.urdf"]
+    finally:  # shutil calls itself for each level
+        subprocess.run(["rm", "-rf", str(workspace / "d")], check=True)
 
 
 # -- launch files ------------------------------------------------------------------------------------------------------

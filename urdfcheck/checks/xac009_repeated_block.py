@@ -182,8 +182,8 @@ def _common_start(names: Sequence[str]) -> str:
 
 def _common_name(names: Sequence[str]) -> str:
     """What the names have in common: ``wheel`` of wheel_1 and wheel_2, or of left_wheel and right_wheel."""
-    names = [re.sub(r"\$\{[^}]*\}", "", n) for n in names]
+    names = [re.sub(r"\$\{[^$}]*\}", "", n) for n in names]
     prefix = _common_start(names)
     suffix = _common_start([n[::-1] for n in names])[::-1]
-    longest = re.sub(r"\W|^[\d_]+|[\d_]+$", "", max(prefix, suffix, key=len))
+    longest = re.sub(r"\W", "", max(prefix, suffix, key=len).strip("_0123456789"))
     return longest if longest.isidentifier() and longest not in {"link", "joint"} else "part"

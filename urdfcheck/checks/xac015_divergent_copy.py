@@ -10,6 +10,9 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.model.names import listed
 from urdfcheck.outline import Outline
 
+# Of the name of a part, in characters, of which none that was typed has so many.
+_LONGEST = 1_000
+
 
 @dataclass(frozen=True, slots=True)
 class _Difference:
@@ -103,6 +106,8 @@ def _tops(parts: Iterable[str], other: Iterable[str]) -> tuple[str, ...]:
 
 def _prefixes(part: str) -> list[str]:
     """``link[a]``, ``link[a]/inertial``, ``link[a]/inertial/mass``, ``link[a]/inertial/mass@value``."""
+    if len(part) > _LONGEST:  # its prefixes would have more characters than there is memory for
+        return [part]
     return [part[: m.start()] for m in re.finditer(r"[/@](?![^\[]*\])", part)] + [part]
 
 

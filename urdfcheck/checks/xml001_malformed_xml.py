@@ -10,9 +10,10 @@ from urdfcheck.source.launch import Launch
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import Package
 from urdfcheck.source.problems import Problem
+from urdfcheck.source.srdf import broken_srdfs
 from urdfcheck.source.xml import SourceFile, unbound_prefix
 
-_KINDS = ("malformed", "encoding", "utf-16", "doctype", "prefix", "unreadable")
+_KINDS = ("malformed", "encoding", "utf-16", "instruction", "doctype", "prefix", "unreadable")
 # How a file that was never XML begins, and what that tells.
 _CAUSES = (("version https://git-lfs", "git_lfs"), ("<!doctype html", "web_page"), ("<html", "web_page"))
 # What we refuse and ROS may read.
@@ -27,6 +28,8 @@ def check(subject: Source | Launch | Package, rule: Rule) -> Iterator[Finding]:
     else:
         files = {} if subject.file is None else {subject.file.name: subject.file}
         yield from _beside(subject.problems, files, "manifest", rule)
+        for problem, file in broken_srdfs(subject.path):
+            yield from _beside([problem], {} if file is None else {file.name: file}, "srdf", rule)
 
 
 def _model(source: Source, rule: Rule) -> Iterator[Finding]:

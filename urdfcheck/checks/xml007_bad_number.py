@@ -16,8 +16,8 @@ from urdfcheck.source.xml import Attribute
 _NOT_A_NUMBER = re.compile(r"[+-]?nan(\(\w*\))?", re.IGNORECASE)
 _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
 _HEXADECIMAL = re.compile(r"[+-]?0x[0-9a-f.]+(p[+-]?\d+)?", re.IGNORECASE)
-_UNIT = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?) ?([A-Za-zµμ°%\"'][A-Za-z0-9µμ°%·*^/²³]*)")
-_EXPRESSION = re.compile(r"[\w.\s()]*(?:[*/()]|\bpi\b|\bM_PI\b)[\w.\s()*/+-]*", re.IGNORECASE)
+_UNIT = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?) ?([A-Za-zµμ°%\"'][A-Za-z0-9µμ°%·*^/²³]*)")
+_EXPRESSION = re.compile(r"(?=[\w.\s()*/+-]*\Z)[\w.\s()]*(?:[*/()]|\bpi\b|\bM_PI\b).*", re.IGNORECASE | re.DOTALL)
 _UNITS = frozenset({
     "m", "mm", "cm", "dm", "um", "µm", "km", "in", "inch", "inches", "ft", "g", "kg", "t", "lb", "lbs", "oz", "rad",
     "deg", "degree", "degrees", "°", "%", "n", "nm", "mnm", "n*m", "n·m", "nmm", "s", "ms", "rpm", "rad/s", "deg/s",

@@ -31,7 +31,7 @@ _TOLERANCE = 1e-6
 LARGEST_CONVEX = 2000
 # Comparisons of spheres that are made at once, to keep memory flat: 24 bytes each.
 AT_ONCE = 500_000
-# What coal prepares for a pair of shapes is kept for so many of them; each takes KB.
+# What coal prepares for a pair of shapes is kept for so many of them.
 _MOST_FUNCTIONS = 20_000
 # Directions in which a way out is looked for, besides the axes, in the frame of either shape. Any direction is within 23° of
 # one of them, which lengthens a way by 9 % at most where faces are flat.

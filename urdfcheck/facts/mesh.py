@@ -90,7 +90,7 @@ class MeshFacts:
 
     ``unit``: metres per unit as COLLADA declares it, None where it or another format does not. ``up_axis``: COLLADA's
     ``X_UP``, ``Y_UP`` (where it declares none) or ``Z_UP``; None in other formats. ``bad_unit``: COLLADA's unit as written
-    where that is no positive number. ``format`` and ``solid_header``:
+    where that is no length that anybody draws in. ``format`` and ``solid_header``:
     see `urdfcheck.facts.mesh_decode.RawMesh`.
 
     ``parts`` holds the arrays, and what is computed when it is first asked for: hull, components, duplicate faces. Where

@@ -10,7 +10,6 @@ from __future__ import annotations
 import codecs
 import io
 import logging
-import math
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -38,6 +37,8 @@ _SIGNATURES = {"dae": (b"<?xml", b"<COLLADA"), "ply": (b"ply\n", b"ply\r"), "glb
 # In UTF-16 too.
 _ENTITY = re.compile(rb"<\0?!\0?E\0?N\0?T\0?I\0?T\0?Y")
 _ZIP_END = b"PK\5\6"
+# Nobody draws in units of less than a picometre, or of more than a thousand million kilometres. Their squares are numbers.
+_SMALLEST_UNIT = 1e-12
 # pycollada makes 0 of a NaN; a number too large for it stays infinite.
 _NAN = re.compile(rb"(?<=[\s>])[-+]?nan(?=[\s<])", re.IGNORECASE)
 # The XML declaration of a COLLADA file, and what must spell the same in the encoding that it names.
@@ -55,7 +56,7 @@ class RawMesh:
 
     ``format``: the file type, but ``stl-binary`` or ``stl-ascii``. ``solid_header``: a binary STL that begins with
     ``solid`` as an ASCII one must. ``unit`` (metres per file unit) and ``up_axis``: COLLADA's. ``bad_unit``: what it
-    declares as its unit, if that is no positive number; ``unit`` is None then.
+    declares as its unit, if that is no length that anybody draws in; ``unit`` is None then.
     """
 
     format: str
@@ -305,7 +306,7 @@ def _from_dae(data: bytes) -> RawMesh:
         raise MeshError("malformed", f"cannot be read as dae: {' '.join(str(document.errors[0]).split())[:200]}")
     declared = document.xmlnode.find("{*}asset/{*}unit")
     text = None if declared is None else declared.get("meter")
-    unit = None if text is None else _positive(text)
+    unit = None if text is None else _length(text)
     bad_unit = text if unit is None else None
     return replace(_joined("dae", parts), unit=unit, up_axis=document.assetInfo.upaxis, bad_unit=bad_unit)
 
@@ -359,13 +360,13 @@ def _triangles(primitive: Any) -> int:
     return len(primitive.index)
 
 
-def _positive(text: str) -> float | None:
-    """The number that a text is, if that is positive and finite."""
+def _length(text: str) -> float | None:
+    """The number that a text is, if that can be the length of a unit in metres."""
     try:
         value = float(text)
     except ValueError:
         return None
-    return value if 0.0 < value < math.inf else None
+    return value if _SMALLEST_UNIT <= value <= 1 / _SMALLEST_UNIT else None
 
 
 @contextmanager

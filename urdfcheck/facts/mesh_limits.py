@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-# Each triangle takes 120 to 370 bytes of memory on its way from the file to its topology: these fit into 3 GB. MuJoCo loads
-# 200,000 from an STL file; the largest mesh file of a hundred published robots has 2.8 MB.
+# A triangle of a closed binary STL took 140 bytes of memory on its way from the file to its topology and hull: so many fit into
+# 3 GB. Loose ones took up to 730: of those the limit of memory stops the most. MuJoCo loads 200,000 from an STL file; the
+# largest mesh file of a hundred published robots has 2.8 MB.
 MOST_TRIANGLES = 8_000_000
 # A scene of a few kilobytes can place its geometry a billion times.
 MOST_PLACED = 100_000

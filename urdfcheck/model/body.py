@@ -161,7 +161,7 @@ def _once(model: Model, what: str, links: Sequence[str], compute: Callable[[Mode
     if links is not model.tree.body(links[0]):
         return compute(model, links)
     key = (what, links[0])
-    if key not in model.bodies:
-        model.bodies[key] = compute(model, links)
-    found: _Fact = model.bodies[key]
+    if key not in model.computed:
+        model.computed[key] = compute(model, links)
+    found: _Fact = model.computed[key]
     return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import TYPE_CHECKING
@@ -83,14 +83,9 @@ def undone(model: Model, link: Link) -> Mending | None:
     if judged is None or inertial is None or judged.diagnosis.mended is None:
         return None
     change = mending(inertial, judged.diagnosis.mended)
-    mistakes = set()
-    for other in model.links:
-        if other.inertial is not None and other.inertial.element.span == inertial.element.span:
-            verdict = model.diagnoses.get(other.name)
-            mistakes.add(None if verdict is None else (verdict.diagnosis.cause, verdict.diagnosis.detail))
     if not change.text:
         return None
-    return change if len(mistakes) == 1 else replace(change, edits=())
+    return change if _agree(model, inertial, _mistake) else replace(change, edits=())
 
 
 def mending(inertial: Inertial, wanted: Declared) -> Mending:
@@ -112,16 +107,26 @@ def from_geometry(model: Model, link: Link) -> Mending | None:
     change = _from_geometry(model, link)
     if change is None or link.inertial is None:
         return None
-    for other in model.links:
-        if (
-            other is not link
-            and other.inertial is not None
-            and other.inertial.element.span == link.inertial.element.span
-        ):
-            theirs = _from_geometry(model, other)
-            if theirs is None or theirs.text != change.text:
-                return replace(change, edits=())
-    return change
+    return change if _agree(model, link.inertial, _drawn_text) else replace(change, edits=())
+
+
+def _agree(model: Model, inertial: Inertial, told: Callable[[Model, Link], Hashable]) -> bool:
+    """Whether the same is told of all links whose inertials are one text."""
+    place = inertial.element.span
+    key = (told.__name__, place)
+    if key not in model.computed:
+        model.computed[key] = {told(model, link) for link in model.written_alike[place]}
+    return len(model.computed[key]) == 1
+
+
+def _mistake(model: Model, link: Link) -> Hashable:
+    judged = model.diagnoses.get(link.name)
+    return None if judged is None else (judged.diagnosis.cause, judged.diagnosis.detail)
+
+
+def _drawn_text(model: Model, link: Link) -> str | None:
+    change = _from_geometry(model, link)
+    return None if change is None else change.text
 
 
 def _from_geometry(model: Model, link: Link) -> Mending | None:

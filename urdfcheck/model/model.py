@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.cache import Cache
-from urdfcheck.core import Location, Unavailable
+from urdfcheck.core import Location, Span, Unavailable
 from urdfcheck.model.meshes import Meshes
 from urdfcheck.model.parts import Joint, Link, Shape
 from urdfcheck.model.tree import Tree
@@ -81,21 +81,40 @@ class Model:
             found.setdefault(joint.name, joint)
         return found
 
-    @cached_property
+    @property
     def tree(self) -> Tree:
         """The kinematic tree.
 
         :raises Unavailable: when links and joints do not form one tree (the KIN rules say why).
         """
-        return Tree.build(self.links, self.joints)
+        if isinstance(self._tree, Unavailable):
+            raise self._tree.with_traceback(None)
+        return self._tree
 
     @cached_property
+    def _tree(self) -> Tree | Unavailable:
+        """That there is none is found once as well: every link asks."""
+        try:
+            return Tree.build(self.links, self.joints)
+        except Unavailable as reason:
+            return reason
+
+    @property
     def frames(self) -> Mapping[str, NDArray[np.float64]]:
         """4x4 placement of each link's frame in the root link's frame, all joints at zero.
 
         :raises Unavailable: when the tree is broken or an origin is malformed.
         """
+        if isinstance(self._frames, Unavailable):
+            raise self._frames.with_traceback(None)
+        return self._frames
+
+    @cached_property
+    def _frames(self) -> Mapping[str, NDArray[np.float64]] | Unavailable:
         from urdfcheck.facts.kinematics import forward
+
+        if isinstance(self._tree, Unavailable):
+            return self._tree
 
         order = self.tree.order
         index = {name: i for i, name in enumerate(order)}
@@ -106,7 +125,7 @@ class Model:
             joint = self.tree.parent_joint[name]
             matrix = joint.origin.matrix
             if matrix is None:
-                raise Unavailable(f"the origin of joint {joint.name!r} is malformed")
+                return Unavailable(f"the origin of joint {joint.name!r} is malformed")
             parents.append(index[joint.parent])
             placements.append(matrix)
         world = forward(parents, np.array(placements))
@@ -179,9 +198,18 @@ class Model:
         return {}
 
     @cached_property
-    def bodies(self) -> dict[tuple[str, str], Any]:
-        """What `urdfcheck.model.body` has computed of this model's bodies."""
+    def computed(self) -> dict[tuple[str, Hashable], Any]:
+        """What many links share and each of them asks for: by its name, and what it is of."""
         return {}
+
+    @cached_property
+    def written_alike(self) -> Mapping[Span | None, list[Link]]:
+        """The links whose inertials are one text, as a macro makes them."""
+        found: dict[Span | None, list[Link]] = {}
+        for link in self.links:
+            if link.inertial is not None:
+                found.setdefault(link.inertial.element.span, []).append(link)
+        return found
 
     @cached_property
     def siblings(self) -> list[tuple[Joint, ...]]:

@@ -11,7 +11,7 @@ from urdfcheck.core import Unavailable
 from urdfcheck.model.parts import Joint, Link
 
 # urdfdom and Pinocchio go down a chain of links by calling themselves: on a stack of 8 MiB they come to more than 2,000, and
-# then the process dies. Published robots have up to 40.
+# then the process dies. Published robots have up to 22.
 MOST_LEVELS = 1_000
 
 
@@ -79,14 +79,14 @@ class Tree:
     @cached_property
     def _bodies(self) -> Mapping[str, tuple[str, ...]]:
         """The body of each link, one and the same for all links of it."""
+        head: dict[str, str] = {}
         members: dict[str, list[str]] = {}
         for name in self.order:
             joint = self.parent_joint.get(name)
-            own = [] if joint is None or joint.type != "fixed" else members[joint.parent]
-            own.append(name)
-            members[name] = own
-        wholes = {id(own): tuple(own) for own in members.values()}
-        return {name: wholes[id(own)] for name, own in members.items()}
+            head[name] = name if joint is None or joint.type != "fixed" else head[joint.parent]
+            members.setdefault(head[name], []).append(name)
+        wholes = {first: tuple(names) for first, names in members.items()}
+        return {name: wholes[first] for name, first in head.items()}
 
     def moves(self, link: str) -> bool:
         """Whether the link's body hangs on a joint that moves (the root's body does not)."""

@@ -179,6 +179,8 @@ class Guards:
                 size += 8 if type(value) is not int else 2 + value.bit_length() // 3
             elif isinstance(value, str):
                 size += len(value) + 2
+            elif isinstance(value, bytes):  # of which each may be written as \x00
+                size += 4 * len(value) + 3
             elif holds or isinstance(value, range):
                 size += 2 * len(value) + 2
             elif callable(value) and not isinstance(value, Function):
@@ -226,8 +228,9 @@ class Guards:
         if isinstance(left, int) and isinstance(right, int):
             _ensure_bits(left.bit_length() + right.bit_length() if left and right else 0)
         for sequence, times in ((left, right), (right, left)):
-            if isinstance(sequence, (str, list, tuple)) and isinstance(times, int):
-                limit, what = (MAX_CHARACTERS, "characters") if isinstance(sequence, str) else (MAX_ITEMS, "items")
+            if isinstance(sequence, (str, bytes, list, tuple)) and isinstance(times, int):
+                text = isinstance(sequence, (str, bytes))
+                limit, what = (MAX_CHARACTERS, "characters") if text else (MAX_ITEMS, "items")
                 self._make(len(sequence) * times, limit, what)
         return left * right
 
@@ -244,6 +247,8 @@ class Guards:
     def _modulo(self, left: Any, right: Any) -> Any:
         if isinstance(left, str):
             self._ensure_template(left, right)
+        elif isinstance(left, bytes):  # of a yaml value that is tagged !!binary
+            raise Refused("method", "it uses a % format of bytes")
         return left % right
 
     def _on_sets(self, operate: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:

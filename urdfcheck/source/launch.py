@@ -20,7 +20,7 @@ from urdfcheck.files import read_regular
 from urdfcheck.source.launch_python import MAX_LENGTH, PythonLaunch, read_python
 from urdfcheck.source.packages import Package, PackageFinder, display_name
 from urdfcheck.source.problems import Problem
-from urdfcheck.source.reach import OUT_OF_REACH
+from urdfcheck.source.reach import OUT_OF_REACH, Reach
 from urdfcheck.source.values import number
 from urdfcheck.source.xml import Attribute, Element, SourceFile, XmlError, parse
 
@@ -145,8 +145,9 @@ def declared(root: Element) -> list[Element]:
 def is_included(path: Path) -> bool:
     """Whether a launch file beside this one mentions it: then that one is where the arguments come from."""
     try:
-        beside = path.absolute().parent.iterdir()
-        return any(path.name in _text(p) for p in beside if p.name != path.name and "launch" in p.name)
+        reach = Reach.around([path], [])
+        beside = [p for p in path.absolute().parent.iterdir() if p.name != path.name and "launch" in p.name]
+        return any(path.name in _text(p) for p in beside if reach.allows(p))
     except OSError:
         return False
 

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import NEWLINE, Location, Span
-from urdfcheck.files import TooLarge, read_regular
+from urdfcheck.files import TooLarge, read_regular, walk
 from urdfcheck.source.packages import BUILT, PackageFinder, display_name, subfolders
 from urdfcheck.source.problems import Problem
+from urdfcheck.source.reach import Reach
 from urdfcheck.source.xml import SourceFile
 
 MODEL_SUFFIXES = (".urdf", ".xacro")
@@ -125,12 +126,12 @@ class _Reader:
                 continue
             pieces = _pieces(node)
             exact = self.in_package(node)
-            if exact is not None and os.path.isfile(exact[0]):
+            if exact is not None and self.finder.allows(exact[0]) and os.path.isfile(exact[0]):
                 model: Path | None = exact[0]
             else:
                 literal = "/".join(str(p.value) for p in pieces)
                 if literal not in known and literal.strip().endswith(MODEL_SUFFIXES) and len(known) < MAX_PATHS:
-                    known[literal] = _model_file(literal, folders)
+                    known[literal] = _model_file(literal, folders, self.finder)
                 model = known.get(literal)
             if model is not None:
                 found[model] = None
@@ -282,7 +283,7 @@ def _pieces(node: ast.AST) -> list[ast.Constant]:
     return [p for p in texts if isinstance(p, ast.Constant)][::-1]
 
 
-def _model_file(literal: str, folders: Sequence[Path]) -> Path | None:
+def _model_file(literal: str, folders: Sequence[Path], finder: PackageFinder) -> Path | None:
     """The file that a literal path names, below one of these folders or in one of their own folders."""
     tail = literal.strip().lstrip("/")
     if not tail.endswith(MODEL_SUFFIXES) or len(tail) > MAX_LENGTH or any(c in tail for c in "*?[\0"):
@@ -290,7 +291,7 @@ def _model_file(literal: str, folders: Sequence[Path]) -> Path | None:
     for base in folders:
         beside = [folder / Path(tail).name for folder in subfolders(base) if folder.name not in BUILT]
         for candidate in (base / tail, base / "urdf" / tail, *beside):
-            if os.path.isfile(candidate):
+            if finder.allows(candidate) and os.path.isfile(candidate):
                 return candidate
     return None
 
@@ -319,12 +320,14 @@ def _may_be_elsewhere(path: Path, package: Path) -> bool:
     """Whether the package has a file of that name without its suffixes, or its build mentions it: then it may make the
     file or install it there."""
     stem = path.name.partition(".")[0]
-    for _, names, files in os.walk(package):
+    for _, names, files in walk(package):
         names[:] = [n for n in names if not n.startswith(".")]
         models = [file for file in files if any(suffix in file for suffix in MODEL_SUFFIXES)]
         if any(file.partition(".")[0] == stem for file in models):
             return True
-    return any(path.name in _text(package / name) for name in ("CMakeLists.txt", "setup.py"))
+    reach = Reach.around([package], [])
+    builds = [package / name for name in ("CMakeLists.txt", "setup.py")]
+    return any(path.name in _text(build) for build in builds if reach.allows(build))
 
 
 def _text(path: Path) -> str:

@@ -94,6 +94,9 @@ def load(
         is_xacro = is_xacro or ((xacro or path.suffix == "") and bool(_USES_XACRO.search(source.text)))
         if source.encoding.startswith("utf-16") and not (is_xacro or xacro):
             problems.append(Problem("utf-16", "the text is UTF-16", root.location))
+        if source.instruction is not None and not (is_xacro or xacro):
+            at = Location(root.subject, source.instruction)
+            problems.append(Problem("instruction", "a processing instruction (<?…?>) does not stand first", at))
         prefixed = unbound_prefix(root)
         if prefixed is not None and not is_xacro:
             element, prefix = prefixed

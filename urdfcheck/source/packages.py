@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
@@ -123,6 +123,13 @@ class PackageFinder:
             if around or any(is_below(real, os.path.realpath(place)) for place in trusted):
                 yield Path(real)
 
+    def _is_around(self, path: Path) -> bool:
+        """Whether something around the start is there, or is a link to what may be looked at."""
+        if self.reach is None or self.reach.allows(path):
+            return True
+        real = real_path(path)
+        return real is not None and any(is_below(real, os.path.realpath(level)) for level in self.levels())
+
     def _look_for(self, name: str) -> Path | None:
         if not name or name in {".", ".."} or "/" in name or "\\" in name:
             return None
@@ -149,7 +156,7 @@ class PackageFinder:
         if self._around is None:
             self._around = {}
             for level in self.levels():
-                for name, folder in _packages(level, LEVELS_DOWN_AROUND):
+                for name, folder in _packages(level, LEVELS_DOWN_AROUND, self._is_around):
                     self._around.setdefault(name, folder)
         return self._around
 
@@ -180,7 +187,9 @@ class PackageFinder:
         for level in self.levels():
             if level.name == name:
                 return level
-            if os.path.isdir(level / name):  # of a name too long, or with a NUL, pathlib raises
+            if self._is_around(level / name) and os.path.isdir(
+                level / name
+            ):  # of a name too long, or with a NUL, pathlib raises
                 return level / name
             looked_at(level / name)
         return None
@@ -315,19 +324,20 @@ def _stem(name: str) -> tuple[str, str]:
     return (stem, suffix) if stem and suffix in _SUFFIXES else (name, "")
 
 
-def _packages(folder: Path, depth: int) -> Iterator[tuple[str, Path]]:
-    """The packages at a folder and at most ``depth`` levels below it; inside of one below it no other is looked for."""
-    name = _manifest_name(folder)
+def _packages(folder: Path, depth: int, allows: Callable[[Path], bool] = lambda _: True) -> Iterator[tuple[str, Path]]:
+    """The packages at a folder and at most ``depth`` levels below it; inside of one below it no other is looked for.
+    ``allows``: whether a link may be followed."""
+    name = _manifest_name(folder, allows)
     if name:
         yield name, folder
     for inner in subfolders(folder) if depth else ():
-        if inner.name in BUILT:
+        if inner.name in BUILT or (os.path.islink(inner) and not allows(inner)):
             continue
-        name = _manifest_name(inner)
+        name = _manifest_name(inner, allows)
         if name:
             yield name, inner
         else:
-            yield from _packages(inner, depth - 1)
+            yield from _packages(inner, depth - 1, allows)
 
 
 def subfolders(path: Path) -> list[Path]:
@@ -341,10 +351,13 @@ def subfolders(path: Path) -> list[Path]:
     return [path / name for name in sorted(names) if os.path.isdir(path / name)][:MAX_SIBLINGS]
 
 
-def _manifest_name(folder: Path) -> str | None:
+def _manifest_name(folder: Path, allows: Callable[[Path], bool]) -> str | None:
+    manifest = folder / "package.xml"
+    if os.path.islink(manifest) and not allows(manifest):
+        return None
     try:
         with recorded():  # for itself: of all packages that are looked through only the one that is found decides
-            match = _NAME.search(read_regular(folder / "package.xml").decode("utf-8", "replace"))
+            match = _NAME.search(read_regular(manifest).decode("utf-8", "replace"))
     except OSError:
         return None
     return match.group(1) if match else None

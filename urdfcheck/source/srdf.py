@@ -8,10 +8,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from urdfcheck.core import Location, Span
 from urdfcheck.errors import TimeUp
 from urdfcheck.source.discover import is_srdf, only_macros
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import BUILT, PackageFinder, display_name, load_package, subfolders
+from urdfcheck.source.problems import Problem
 from urdfcheck.source.xml import Attribute, Element, SourceFile, XmlError, parse
 
 # Where a semantic description lies in a MoveIt configuration. A description package of several robots may hold one beside
@@ -155,6 +157,20 @@ def load_srdf(
     if root is None or root.get("name").strip() != robot:
         return None
     return Srdf(path, name, root, files)
+
+
+def broken_srdfs(package: Path) -> Iterator[tuple[Problem, SourceFile | None]]:
+    """What is wrong with the semantic descriptions of a package that cannot be read, and the file as far as it is text."""
+    for path in _below(package):
+        name, file = display_name(path), None
+        try:
+            file = SourceFile.read(path, name)
+            parse(file)
+        except OSError as error:
+            start = Span(name, 1, 1, 1, 1, 0, 0)
+            yield Problem("unreadable", error.strerror or str(error), Location("robot", start)), None
+        except XmlError as error:
+            yield Problem(error.reason, str(error), Location("robot", error.span), error.data), file
 
 
 def _candidates(source: Source) -> Iterator[Path]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import Location
-from urdfcheck.files import read_regular
+from urdfcheck.files import read_regular, walk
 from urdfcheck.source.expressions import names_in
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import display_name
@@ -20,9 +20,10 @@ from urdfcheck.source.xml import Attribute, Element
 _INCLUDED = frozenset({".xacro", ".urdf", ".xml", ".gazebo", ".srdf"})
 _LARGEST = 500_000
 
-_EXPRESSION = re.compile(r"\$\{([^}]*)\}|\$\(eval\s+([^)]*)\)")
+# None may look to the end of the text from each of many places: what opens one, or its word, ends the search for its end.
+_EXPRESSION = re.compile(r"\$\{([^$}]*(?:\$(?!\{)[^$}]*)*)\}|\$\(eval\s([^$)]*(?:\$(?!\()[^$)]*)*)\)")
 _BLOCK = re.compile(r"""insert_block\s+name\s*=\s*["']([^"']+)["']""")
-_FORWARDED = re.compile(r"""([^\s:="']+)\s*:?=\s*\^""")
+_FORWARDED = re.compile(r"""(?<![^\s:="'])([^\s:="']+)\s*:?=\s*\^""")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,7 +95,7 @@ def names_read_elsewhere(source: Source) -> set[str]:
     folder = source.path.parent if source.package is None else source.package.path
     found: set[str] = set()
     for path in _files(folder, deep=source.package is not None):
-        if display_name(path) in source.trees:
+        if display_name(path) in source.trees or not source.finder.allows(path):
             continue
         try:
             text = read_regular(path, _LARGEST).decode("utf-8", "replace")
@@ -133,7 +134,9 @@ def typed_at(source: Source, problem: Problem, expression: str) -> Location:
 
 
 def _files(folder: Path, *, deep: bool) -> Iterable[Path]:
-    return (p for p in folder.glob("**/*" if deep else "*") if p.suffix in _INCLUDED and p.is_file())
+    for here, names, files in walk(folder):
+        names[:] = [name for name in names if deep and not name.startswith(".")]
+        yield from (p for name in files if (p := Path(here, name)).suffix in _INCLUDED and p.is_file())
 
 
 def _in_expressions(text: str) -> set[str]:

@@ -9,7 +9,7 @@ from functools import lru_cache
 from urdfcheck.source.xml import Attribute, Element
 
 # What urdfdom's locale-independent conversion takes in full; Python's float() takes more (1_000, infinity, nan).
-DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+DECIMAL = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 # Lengths, masses and inertias beyond this are in no robot, and five of them multiplied (a volume times a squared length)
 # are still a double; so are five of its inverse.

@@ -10,7 +10,7 @@ from urdfcheck.core import Edit, Location, Span
 from urdfcheck.source.xml import Attribute, Element, SourceFile
 
 # A substitution with blanks in it, ``$(find pkg)`` or ``${2 * pi}``, belongs to one word.
-_WORD = re.compile(r"(?:\$\{[^}]*\}|\$\([^()]*(?:\([^()]*\)[^()]*)*\)|\S)+")
+_WORD = re.compile(r"(?:\$\{[^$}]*(?:\$(?!\{)[^$}]*)*\}|\$\([^()]*(?:\([^()]*\)[^()]*)*\)|\S)+")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

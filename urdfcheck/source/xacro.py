@@ -53,6 +53,8 @@ _MAX_INCLUDED = 4
 # more than 21,000. Reading a file counts for several.
 MAX_NODES = 200_000
 _NODES_OF_FILE = 100
+# What ends a name where a document is read again.
+_NO_NAME = re.compile(r"""[\s<>&"'=/]""")
 # How much of an expression that is refused goes into the problem, and how much of xacro's words is looked at.
 _SHOWN = 1_000
 _READ = 20_000
@@ -101,6 +103,14 @@ class _YamlError(Exception):
         self.tag = tag
 
 
+class _NotXml(Exception):
+    """What would be expanded cannot be written as XML."""
+
+    def __init__(self, message: str, location: Location) -> None:
+        super().__init__(message)
+        self.location = location
+
+
 class _NoPackage(Exception):
     """``$(find p)`` of an unknown package."""
 
@@ -129,6 +139,8 @@ def expand(
             root = _convert(document.documentElement, None)
         except TimeUp:
             tracer.stop("time-limit")
+        except _NotXml as error:
+            tracer.problem("expansion-failed", str(error), error.location, macros=(), argument=None, evaluated="")
         except Exception as error:  # whatever a stranger's expression raises is a finding, not a crash
             tracer.fail(tracer.explain(error), error)
     return Expansion(
@@ -222,7 +234,7 @@ class _Tracer:
     def stop(self, kind: str) -> None:
         """Record that the time or the memory for the model was over, and what was going on."""
         name, times = next(iter(self.called.most_common(1)), ("", 0))
-        doing = f"macro {name} had been called {times:,} times" if times > 1 else "an expression takes that long"
+        doing = f"macro {name} was called over and over" if times > 1 else "an expression takes that long"
         self.problem(kind, doing, self.failed_at or self.here(), macros=self.macros())
 
     def fail(self, message: str, error: BaseException) -> None:
@@ -425,6 +437,8 @@ class _Tracer:
                 self.count(len(names))
                 inner += [os.path.join(folder, n) for n in fnmatch.filter(names, part)]
             found = inner
+        for path in found:
+            self.ensure_reach(Path(path))  # before it is looked whether it exists
         return [path for path in found if os.path.lexists(path)]
 
     def load_yaml(self, filename: str) -> Any:
@@ -992,6 +1006,10 @@ def _convert(node: minidom.Element, parent: Element | None) -> Element:
     raw = None if origin is None else origin.raw
     via = (origin.via or ()) if origin is not None else ()
     element = Element(node.tagName, None if raw is None else raw.span, parent, via=via)
+    for name in (node.tagName, *node.attributes.keys()):
+        if _NO_NAME.search(name) or not name:  # of xacro:element and xacro:attribute, which take any text
+            place = Location("robot" if parent is None else parent.subject, element.span, via)
+            raise _NotXml(f"{name!r} is no name of an element or attribute: what xacro writes is no XML", place)
     for name, value in node.attributes.items():
         typed = None if raw is None else raw.attributes.get(name)
         if typed is None and raw is not None and name == "xmlns":

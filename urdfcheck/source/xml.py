@@ -19,8 +19,8 @@ from xml.parsers import expat
 from urdfcheck.core import NEWLINE, Location, Span
 from urdfcheck.files import TooLarge, read_regular
 
-# Of 589 XML files of published robots none has more than 9 levels, 25 attributes of one element, 560 characters in one of
-# them, or 12,000 elements, attributes and comments.
+# Of 366 XML files of published robots none has more than 9 levels, 25 attributes of one element, 557 characters in one of
+# them, or 8,228 elements, attributes and comments.
 MAX_DEPTH = 256
 MAX_ATTRIBUTES = 1_000
 MAX_VALUE = 1024**2
@@ -187,9 +187,9 @@ class Comment:
 
 class SourceFile:
     """The decoded text of one file. ``name`` is how findings call it, ``path`` where it is, ``encoding`` what its bytes were
-    decoded by."""
+    decoded by. ``instruction``: the first processing instruction (``<?…?>``) that does not stand before everything else."""
 
-    __slots__ = ("_starts", "comments", "encoding", "name", "path", "text")
+    __slots__ = ("_starts", "comments", "encoding", "instruction", "name", "path", "text")
 
     def __init__(self, path: Path, name: str, text: str, encoding: str = "utf-8") -> None:
         self.path = path
@@ -197,6 +197,7 @@ class SourceFile:
         self.text = text
         self.encoding = encoding
         self.comments: list[Comment] = []
+        self.instruction: Span | None = None
         self._starts = array("q", (0,))  # a list would take forty bytes for each line
         self._starts.extend(m.end() for m in NEWLINE.finditer(text))
 
@@ -356,6 +357,13 @@ def parse(source: SourceFile) -> Element:
         stop = text.find("-->", begin)
         source.comments.append(Comment(data, source.span(begin, stop + 3 if stop >= 0 else len(text))))
 
+    def instruction(_target: str, _data: str) -> None:
+        begin = offset(parser.CurrentByteIndex)
+        count(1, begin)
+        if source.instruction is None and (root is not None or source.comments):
+            stop = text.find("?>", begin)
+            source.instruction = source.span(begin, stop + 2 if stop >= 0 else len(text))
+
     def doctype(*_: object) -> None:
         # The parser stands behind the name by now.
         begin = text.rfind("<!DOCTYPE", 0, offset(parser.CurrentByteIndex))
@@ -365,6 +373,7 @@ def parse(source: SourceFile) -> Element:
     parser.EndElementHandler = finish
     parser.CharacterDataHandler = characters
     parser.CommentHandler = comment
+    parser.ProcessingInstructionHandler = instruction
     parser.StartDoctypeDeclHandler = doctype
     try:
         parser.Parse(data, True)
