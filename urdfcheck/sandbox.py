@@ -125,7 +125,7 @@ def bound_memory(memory: int) -> None:
     import resource
 
     with contextlib.suppress(ValueError, OSError):  # a stricter limit holds already
-        resource.setrlimit(resource.RLIMIT_DATA, (memory * 1024**2, resource.getrlimit(resource.RLIMIT_DATA)[1]))
+        resource.setrlimit(resource.RLIMIT_DATA, (memory * 1024**2, memory * 1024**2))
     with contextlib.suppress(ValueError, OSError):  # what a process held when it crashed is nobody's to keep
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 

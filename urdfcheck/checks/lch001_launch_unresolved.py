@@ -10,7 +10,7 @@ from urdfcheck.core import Confidence, Finding, Location, Rule, Severity
 from urdfcheck.model.names import hint
 from urdfcheck.source.launch import Description, Launch, Obstacle, declared, is_included
 from urdfcheck.source.launch_python import PythonLaunch
-from urdfcheck.source.packages import display_name
+from urdfcheck.source.packages import PackageFinder, display_name
 from urdfcheck.source.words import part_of
 from urdfcheck.source.xml import Element
 
@@ -20,7 +20,7 @@ _SHOWN = 80
 
 def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
     if launch.python is not None:
-        yield from _python(launch.python, rule)
+        yield from _python(launch.python, launch.finder, rule)
     for description in launch.descriptions:
         if description.unresolved is not None:
             at = part_of(description.at, description.file, launch.files)
@@ -46,7 +46,7 @@ def _unresolved(
         elif not is_included(path):  # one without a default is handed over at launch, or by that other file
             yield _unknown(rule, at, f"argument {obstacle.name!r} has no default")
     elif obstacle.kind == "file":
-        yield rule.finding("file", at=at, path=obstacle.name, near=_near_file(obstacle.name))
+        yield rule.finding("file", at=at, path=obstacle.name, near=_near_file(obstacle.name, launch.finder))
     elif obstacle.kind == "circle":
         yield rule.finding("circle", at=at, file=description.file)
     else:
@@ -58,7 +58,7 @@ def _unknown(rule: Rule, at: Location, reason: str) -> Finding:
     return rule.finding("unknown", at=at, severity=Severity.INFO, reason=reason)
 
 
-def _python(python: PythonLaunch, rule: Rule) -> Iterator[Finding]:
+def _python(python: PythonLaunch, finder: PackageFinder, rule: Rule) -> Iterator[Finding]:
     if python.broken is not None:
         yield rule.finding("syntax", at=python.broken.location, severity=Severity.WARNING, error=python.broken.message)
     for named in python.missing:
@@ -69,7 +69,7 @@ def _python(python: PythonLaunch, rule: Rule) -> Iterator[Finding]:
             severity=Severity.WARNING,
             confidence=Confidence.STRONG,
             path=path,
-            near=_near_file(path),
+            near=_near_file(path, finder),
         )
     for named in python.unknown:
         yield rule.finding("unfound", at=named.location, severity=Severity.INFO, path=named.path)
@@ -94,8 +94,10 @@ def _or(names: list[str]) -> str:
     return f" (did you mean {' or '.join(map(repr, names))}?)" if names else ""
 
 
-def _near_file(path: str) -> str:
+def _near_file(path: str, finder: PackageFinder) -> str:
     folder = Path(path).parent
+    if not finder.allows(folder / "any"):  # what lies there is nobody's to know
+        return ""
     try:
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.files import walk
 from urdfcheck.model.names import listed, nearest
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import display_name
@@ -147,8 +148,8 @@ def _index(roots: Iterable[Path]) -> dict[str, list[Path]]:
     found: dict[str, list[Path]] = {}
     count = 0
     for root in sorted(roots):
-        for folder, folders, files in os.walk(root):
-            folders[:] = sorted(f for f in folders if not f.startswith("."))
+        for folder, folders, files in walk(root):
+            folders[:] = [f for f in folders if not f.startswith(".")]
             count += len(files)
             if count > _MOST_FILES:
                 return found

@@ -184,14 +184,13 @@ class PackageFinder:
         return self._ros
 
     def _by_folder_name(self, name: str) -> Path | None:
+        """A folder without a manifest: one that lies in reach, for nothing else says that it belongs to the model."""
         for level in self.levels():
-            if level.name == name:
-                return level
-            if self._is_around(level / name) and os.path.isdir(
-                level / name
-            ):  # of a name too long, or with a NUL, pathlib raises
-                return level / name
-            looked_at(level / name)
+            for folder in (level,) if level.name == name else (level / name,):
+                # Of a name too long, or with a NUL, pathlib raises.
+                if (self.reach is None or self.reach.allows(folder)) and os.path.isdir(folder):
+                    return folder
+                looked_at(folder)
         return None
 
     def looked_in(self) -> list[str]:
