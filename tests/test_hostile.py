@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+import pickle
 import re
 import secrets
 import shutil
@@ -21,6 +22,7 @@ import hostile_files
 import jsonschema
 import pytest
 from conftest import REPOSITORY
+from filelock import FileLock
 from output.documents import read
 
 from urdfcheck import cli
@@ -61,6 +63,17 @@ def tree(folder: Path) -> set[str]:
 
 @pytest.fixture(scope="module")
 def checked(tmp_path_factory: pytest.TempPathFactory) -> Checked:
+    """One run for all processes of the tests."""
+    base = tmp_path_factory.getbasetemp()
+    kept = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "hostile.pickle"
+    with FileLock(f"{kept}.lock"):
+        if not kept.exists():
+            kept.write_bytes(pickle.dumps(_run(tmp_path_factory)))
+    found: Checked = pickle.loads(kept.read_bytes())
+    return found
+
+
+def _run(tmp_path_factory: pytest.TempPathFactory) -> Checked:
     root = tmp_path_factory.mktemp("pull_request")
     written = tmp_path_factory.mktemp("reports")
     secret = secrets.token_hex(16)

@@ -23,6 +23,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any
 
 FORKS = "fork" in multiprocessing.get_all_start_methods()
+ENDING = (signal.SIGINT, signal.SIGTERM)
 # So few jobs may be done by the first worker before another has loaded what it needs, which takes about so many seconds.
 _FEW, _PATIENCE = 4, 0.3
 # So many seconds a worker has to end after it closed its pipe.
@@ -111,7 +112,8 @@ class Worker:
         ours, its = context.Pipe()
         # A forked process holds a copy of our end: it would never see that we closed it.
         process = context.Process(target=_serve, args=(its, prepare, ours if FORKS else None), daemon=True)
-        process.start()
+        with _undisturbed():
+            process.start()
         its.close()
         return cls(process, ours, prepare)
 
@@ -202,10 +204,25 @@ def in_workers(
             worker.pipe.close()
 
 
+@contextlib.contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Let signals that end us wait: in the middle of starting a process they would leave half of one behind."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _serve(pipe: Connection, prepare: Callable[[], object] | None, inherited: Connection | None) -> None:
     # An interrupt from the keyboard reaches every process of the terminal: it is the parent's to end us.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
     if inherited is not None:
         inherited.close()
     gc.disable()  # what a job needs it needs until its end

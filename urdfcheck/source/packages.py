@@ -323,31 +323,35 @@ def _stem(name: str) -> tuple[str, str]:
     return (stem, suffix) if stem and suffix in _SUFFIXES else (name, "")
 
 
-def _packages(folder: Path, depth: int, allows: Callable[[Path], bool] = lambda _: True) -> Iterator[tuple[str, Path]]:
+def _packages(
+    folder: Path, depth: int, allows: Callable[[Path], bool] = lambda _: True, *, inner: bool = False
+) -> Iterator[tuple[str, Path]]:
     """The packages at a folder and at most ``depth`` levels below it; inside of one below it no other is looked for.
     ``allows``: whether a link may be followed."""
-    name = _manifest_name(folder, allows)
+    name = _manifest_name(folder, allows) if os.path.lexists(f"{folder}/package.xml") else None
     if name:
         yield name, folder
-    for inner in subfolders(folder) if depth else ():
-        if inner.name in BUILT or (os.path.islink(inner) and not allows(inner)):
-            continue
-        name = _manifest_name(inner, allows)
-        if name:
-            yield name, inner
-        else:
-            yield from _packages(inner, depth - 1, allows)
+    if depth and not (name and inner):
+        for below in subfolders(folder):
+            if below.name not in BUILT and (not os.path.islink(below) or allows(below)):
+                yield from _packages(below, depth - 1, allows, inner=True)
 
 
 def subfolders(path: Path) -> list[Path]:
     """The folders in a folder, hidden ones left out; none when it cannot be read."""
     try:
         with os.scandir(path) as entries:
-            names = [entry.name for entry in entries if not entry.name.startswith(".")]
+            names = [entry.name for entry in entries if not entry.name.startswith(".") and _is_folder(entry)]
     except OSError:
         return []
-    # A link in a circle is no folder, and no reason to see none at all.
-    return [path / name for name in sorted(names) if os.path.isdir(path / name)][:MAX_SIBLINGS]
+    return [path / name for name in sorted(names)[:MAX_SIBLINGS]]
+
+
+def _is_folder(entry: os.DirEntry[str]) -> bool:
+    try:
+        return entry.is_dir()
+    except OSError:  # a link in a circle is no folder, and no reason to see none at all
+        return False
 
 
 def _manifest_name(folder: Path, allows: Callable[[Path], bool]) -> str | None:
