@@ -94,6 +94,8 @@ def run(
     kept = [(u, reports[i]) for i, u in enumerate(units) if i in reports and not is_nothing(u, reports[i], found)]
     outcome = _assemble(request, found, kept, time.perf_counter() - began)
     if len(reports) < len(units):
+        if progress is not None:
+            progress(len(units), len(units))  # nothing is on its way any more
         reason = f"interrupted: {len(reports)} of {len(units)} models and files were checked, and nothing is known of the others"
         outcome = replace(outcome, partial=True, failures=(*outcome.failures, reason))
     return reproducible(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
