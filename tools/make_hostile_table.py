@@ -120,7 +120,7 @@ def _cell(text: str, most: int = 160) -> str:
 def run(hostile: Path, secret: str, *words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[bytes]:
     """urdfcheck on hostile files in a process of its own, with a secret in its environment."""
     environment = {**os.environ, "URDFCHECK_HOSTILE_SECRET": secret, "COLUMNS": "40"}
-    limits = ("--timeout", "3", "--memory", "3000", "--no-cache")
+    limits = ("--timeout", "5", "--memory", "3000", "--no-cache")
     words = (*words, *limits, hostile.name)
     return subprocess.run(
         [sys.executable, "-m", "urdfcheck", *words],
