@@ -128,6 +128,15 @@ def _add_options(p: argparse.ArgumentParser) -> None:
     p.add_argument(
         "--fail-on", choices=("error", "warning", "info", "never"), help="exit 1 from here on (default: error)"
     )
+    _add_access(p)
+    p.add_argument("--target", metavar="NAMES", help="who will read the model: gazebo, mujoco, drake, … (see MSH011)")
+    p.add_argument("--thorough", action="store_true", help="look at 5,000 configurations of the joints instead of 200")
+    p.add_argument("--jobs", type=int, metavar="N", help="models checked at the same time (default: the cores)")
+    p.add_argument("--allow-empty", action="store_true", help="exit 0 when there is nothing to check")
+
+
+def _add_access(p: argparse.ArgumentParser) -> None:
+    """The options that decide about what a model is read with, and what that may take."""
     p.add_argument("--arg", action="append", default=[], metavar="NAME:=VALUE", help="xacro argument for all models")
     p.add_argument("--package", action="append", default=[], metavar="NAME=DIR", help="where a ROS package is")
     p.add_argument("--package-path", action="append", default=[], metavar="DIR", help="folder that holds packages")
@@ -140,13 +149,9 @@ def _add_options(p: argparse.ArgumentParser) -> None:
     p.add_argument(
         "--isolated", action="store_true", help="ignore every configuration file (for gates: it may be a stranger's)"
     )
-    p.add_argument("--target", metavar="NAMES", help="who will read the model: gazebo, mujoco, drake, … (see MSH011)")
-    p.add_argument("--thorough", action="store_true", help="look at 5,000 configurations of the joints instead of 200")
     p.add_argument("--no-cache", action="store_true", help="keep no measurements and use none that were kept")
     p.add_argument("--timeout", type=float, metavar="SECONDS", help="for one model (default: 300; 0: none)")
     p.add_argument("--memory", type=int, metavar="MIB", help="for one model (default: 4096)")
-    p.add_argument("--jobs", type=int, metavar="N", help="models checked at the same time (default: the cores)")
-    p.add_argument("--allow-empty", action="store_true", help="exit 0 when there is nothing to check")
 
 
 def check(words: Sequence[str]) -> int:
@@ -163,10 +168,10 @@ def check(words: Sequence[str]) -> int:
     from urdfcheck import libraries, output
     from urdfcheck.engine import run
 
-    settings = _settings(options)
+    request, settings = _request(options, scene="html" in formats)
     libraries.prefer_own()
     outcome = run(
-        _request(options, settings, scene="html" in formats),
+        request,
         first=first,
         meanwhile=lambda: [importlib.import_module(f"urdfcheck.output.{name}") for name in formats],
         progress=_progress(),
@@ -217,9 +222,8 @@ def audit(words: Sequence[str]) -> int:
     from urdfcheck import catalogue, cluster, dataset, engine, libraries
     from urdfcheck.output import summary
 
-    settings = _settings(options)
+    request, settings = _request(options)
     libraries.prefer_own()
-    request = _request(options, settings)
     done = dataset.audit(
         request,
         options.output,
@@ -248,42 +252,55 @@ def _ensure_paths(options: argparse.Namespace) -> None:
         raise UrdfcheckError("a path is empty (urdfcheck . for this folder)")
 
 
-def _settings(options: argparse.Namespace) -> Config:
-    """The configuration that holds for the paths."""
+def _settings(path: Path, options: argparse.Namespace) -> Config:
+    """The configuration that holds for a path."""
     from urdfcheck import config
 
-    path = Path(options.paths[0])
     folder = path if path.is_dir() else path.parent
     return config.without_file(folder) if options.isolated else config.find(folder)
 
 
-def _request(options: argparse.Namespace, settings: Config, *, scene: bool = False) -> Request:
-    """What the options of `_add_options` and the configuration ask for."""
-    from urdfcheck import catalogue
+def _reading(options: argparse.Namespace, settings: Config, paths: tuple[Path, ...], codes: frozenset[str]) -> Request:
+    """What the options of `_add_access` and the configuration ask for."""
     from urdfcheck.cache import default_folder
-    from urdfcheck.engine import SAMPLES, THOROUGH, Request
+    from urdfcheck.engine import Request
 
-    codes = catalogue.select(_words(options.select) or settings.select)
-    codes -= catalogue.select(_words(options.ignore) or settings.ignore)
     return Request(
-        paths=tuple(Path(p) for p in options.paths),
+        paths=paths,
         root=settings.root,
-        codes=frozenset(codes),
-        tier=options.tier or settings.tier,
-        jobs=_jobs(options.jobs),
+        codes=codes,
         arguments=dict(_pair(text, ":=", "--arg") for text in options.arg),
         packages={**settings.packages, **_packages(options.package)},
         package_paths=(*_folders(options.package_path, "--package-path"), *settings.package_path),
-        options=settings.options,
-        severities=settings.severity,
-        targets=_targets(options.target, settings.target),
-        scene=scene,
         cache=None if options.no_cache else default_folder(),
-        samples=THOROUGH if options.thorough else SAMPLES,
         allowed=tuple(_folders(options.allow_read, "--allow-read")),
         environment=tuple(options.env),
         limits=_limits(options.timeout, options.memory),
     )
+
+
+def _request(options: argparse.Namespace, *, scene: bool = False) -> tuple[Request, Config]:
+    """What the options of `_add_options` and the configuration ask for, and the configuration."""
+    from dataclasses import replace
+
+    from urdfcheck import catalogue
+    from urdfcheck.engine import SAMPLES, THOROUGH
+
+    paths = tuple(Path(p) for p in options.paths)
+    settings = _settings(paths[0], options)
+    codes = catalogue.select(_words(options.select) or settings.select)
+    codes -= catalogue.select(_words(options.ignore) or settings.ignore)
+    request = replace(
+        _reading(options, settings, paths, frozenset(codes)),
+        tier=options.tier or settings.tier,
+        jobs=_jobs(options.jobs),
+        options=settings.options,
+        severities=settings.severity,
+        targets=_targets(options.target, settings.target),
+        scene=scene,
+        samples=THOROUGH if options.thorough else SAMPLES,
+    )
+    return request, settings
 
 
 def _prepare() -> None:
@@ -342,18 +359,7 @@ def srdf(words: Sequence[str]) -> int:
     p.add_argument("model", metavar="MODEL", help="a model, or whatever means exactly one")
     p.add_argument("-o", "--output", type=Path, metavar="FILE", help="write to a file instead of standard output")
     p.add_argument("--thorough", action="store_true", help=f"look at {THOROUGH:,} configurations, not at {SAMPLES:,}")
-    p.add_argument("--arg", action="append", default=[], metavar="NAME:=VALUE", help="xacro argument of the model")
-    p.add_argument("--package", action="append", default=[], metavar="NAME=DIR", help="where a ROS package is")
-    p.add_argument("--package-path", action="append", default=[], metavar="DIR", help="folder that holds packages")
-    p.add_argument(
-        "--allow-read", action="append", default=[], metavar="DIR", help="folder whose files may be opened too"
-    )
-    p.add_argument(
-        "--env", action="append", default=[], metavar="NAME", help="environment variable that xacro may read"
-    )
-    p.add_argument("--timeout", type=float, metavar="SECONDS", help="for the model (default: 300; 0: none)")
-    p.add_argument("--memory", type=int, metavar="MIB", help="for the model (default: 4096)")
-    p.add_argument("--no-cache", action="store_true", help="keep no measurements and use none that were kept")
+    _add_access(p)
     options = p.parse_args(words)
     path = Path(options.model)
     if options.output is not None and unlike_ours(options.output):
@@ -361,27 +367,19 @@ def srdf(words: Sequence[str]) -> int:
             f"{options.output} was not written by urdfcheck srdf alone: what else it says would be lost"
         )
 
-    from urdfcheck import catalogue, config, libraries
-    from urdfcheck.cache import default_folder
-    from urdfcheck.engine import Request, run_one
+    from dataclasses import replace
 
-    settings = config.find(path if path.is_dir() else path.parent)
+    from urdfcheck import catalogue, libraries
+    from urdfcheck.engine import run_one
+
+    # What is wrong with the file says why there is no model.
+    codes = frozenset(code for code, rule in catalogue.rules().items() if "file" in rule.scopes)
     libraries.prefer_own()
     report = run_one(
-        Request(
-            paths=(path,),
-            root=settings.root,
-            # What is wrong with the file says why there is no model.
-            codes=frozenset(code for code, rule in catalogue.rules().items() if "file" in rule.scopes),
-            arguments=dict(_pair(text, ":=", "--arg") for text in options.arg),
-            packages={**settings.packages, **_packages(options.package)},
-            package_paths=(*_folders(options.package_path, "--package-path"), *settings.package_path),
-            cache=None if options.no_cache else default_folder(),
+        replace(
+            _reading(options, _settings(path, options), (path,), codes),
             samples=THOROUGH if options.thorough else SAMPLES,
             pairs=True,
-            allowed=tuple(_folders(options.allow_read, "--allow-read")),
-            environment=tuple(options.env),
-            limits=_limits(options.timeout, options.memory),
         )
     )
     if report.pairs is None:

@@ -19,20 +19,8 @@ from urdfcheck.output.inert import for_html
 def render(run: Run) -> str:
     """The whole document. Only what stands in ``class="seconds"`` differs between equal runs."""
     parts = parts_of(run)
-    style = style_sheet()
     models = "\n".join(model_html(run, part) for part in parts)
-    return for_html(f"""<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{policy(style)}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<meta name="referrer" content="no-referrer">
-<title>{esc(title_of(run))} · urdfcheck</title>
-<style>{style}</style>
-</head>
-<body>
+    return for_html(f"""{head(title_of(run), style_sheet())}<body>
 {SYMBOLS}
 <a class="skip" href="#content">Skip to the findings</a>
 {header_html(run)}
@@ -53,6 +41,22 @@ def _failures(run: Run) -> str:
         return ""
     items = "".join(f"<li>{esc(failure)}</li>" for failure in run.failures)
     return f'<section class="failures"><h2>What failed in urdfcheck</h2><ul>{items}</ul></section>\n'
+
+
+def head(title: str, style: str, script: str = "") -> str:
+    """The beginning of a document up to its body; ``script`` is one that stands in it."""
+    return f"""<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{policy(style, script)}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<meta name="referrer" content="no-referrer">
+<title>{esc(title)} · urdfcheck</title>
+<style>{style}</style>
+</head>
+"""
 
 
 def policy(style: str, script: str = "") -> str:

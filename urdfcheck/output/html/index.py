@@ -11,7 +11,7 @@ from functools import cache
 from importlib.resources import files
 
 from urdfcheck.core import Rule, Severity
-from urdfcheck.output.html import policy, style_sheet
+from urdfcheck.output.html import head, style_sheet
 from urdfcheck.output.html.glyphs import ORDER, SYMBOLS, glyph, words
 from urdfcheck.output.html.text import NONE, esc, grouped, inline, number
 from urdfcheck.output.inert import for_html
@@ -31,18 +31,7 @@ def page(summary: Summary, rows: Iterable[Row], rules: Mapping[str, Rule], versi
 def _pieces(summary: Summary, rows: Iterable[Row], rules: Mapping[str, Rule], version: str) -> Iterator[str]:
     title = f"{grouped(summary.kinds['model'])} model{'' if summary.kinds['model'] == 1 else 's'}"
     style, script = style_sheet() + _own("index.css"), _own("index.js")
-    yield f"""<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{policy(style, script)}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<meta name="referrer" content="no-referrer">
-<title>{title} · urdfcheck</title>
-<style>{style}</style>
-</head>
-<body class="index">
+    yield f"""{head(title, style, script)}<body class="index">
 {SYMBOLS}
 <a class="skip" href="#models">Skip to the models</a>
 {_header(summary, title, version)}
