@@ -101,7 +101,7 @@ def test_a_worker_sees_nothing_around_what_is_checked(tmp_path: Path, monkeypatc
     Path("a.launch").write_text('<launch><param name="robot_description" textfile="/etc/r.urdf"/></launch>')
     request = Request((Path(),), Path(), frozenset())
     _, units = engine.planned(request)
-    with engine.auditing(request, units) as settings:
+    with engine.auditing(request, units, request.reach) as settings:
         seen = {folder for folder in settings.around if not folder.endswith("rules")}
     assert {unit.kind for unit in units} >= {"launch", "package"}
     assert seen == {str(tmp_path / "repo")}

@@ -68,7 +68,7 @@ def audit(
         return Outcome(lines.Summary(), 0, 0)
     keys = [_key(unit) for unit in units]
     with (
-        auditing(request, units) as settings,
+        auditing(request, units, found.reach or request.reach) as settings,
         Journal(folder, _about(request, settings), frozenset(keys), restart=restart) as journal,
     ):
         todo = [index for index, key in enumerate(keys) if key not in journal]

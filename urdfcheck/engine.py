@@ -84,7 +84,7 @@ def run(
     began = time.perf_counter()
     found, units = planned(request, here=audit is not None)
     reports: dict[int, Report] = {}
-    with auditing(request, units) as settings:
+    with auditing(request, units, found.reach or request.reach) as settings:
         done = stream(units, settings, request.jobs, audit, first, meanwhile)
         with contextlib.suppress(KeyboardInterrupt), contextlib.closing(done):
             for index, report in done:
@@ -113,7 +113,7 @@ def run_one(request: Request, audit: Callable[[Unit, Settings], Report] | None =
     if len(models) != 1:
         named = f"{len(models)} models, name one of them: {', '.join(m.id for m in models)}" if models else "no model"
         raise UrdfcheckError(f"{', '.join(map(str, request.paths))}: {named}")
-    with auditing(request, models) as settings:
+    with auditing(request, models, found.reach or request.reach) as settings:
         ((_, report),) = stream(models, settings, 1, audit)
     return report
 
@@ -149,11 +149,10 @@ def _plan(memory: int, *words: Any) -> Plan | MemoryError:
 
 
 @contextlib.contextmanager
-def auditing(request: Request, units: Sequence[Unit]) -> Iterator[Settings]:
-    """What holds for the audit of these units, as long as the context lasts."""
+def auditing(request: Request, units: Sequence[Unit], reach: Reach) -> Iterator[Settings]:
+    """What holds for the audit of these units, as long as the context lasts. ``reach``: what may be opened."""
     from urdfcheck.worker import Settings
 
-    reach = request.reach
     with _cache_for(request, units) as folder:
         yield Settings(
             codes=request.codes,

@@ -80,7 +80,9 @@ class _Answer(pickle.Unpickler):
         ("numpy", "dtype"): _Kind,
         **{(f"numpy.{core}.multiarray", "scalar"): _number for core in ("core", "_core")},
     }
-    _OURS = frozenset(f"urdfcheck.{module}" for module in ("core", "outline", "source.discover", "srdf", "worker"))
+    _OURS = frozenset(
+        f"urdfcheck.{module}" for module in ("core", "outline", "source.discover", "source.reach", "srdf", "worker")
+    )
 
     def find_class(self, module: str, name: str) -> Any:
         if (module, name) in self._NUMBERS:

@@ -141,6 +141,17 @@ class TestModels:
         assert [m.robot for m in run.models] == ["own"]
         assert {os.path.basename(s.model) for s in run.skipped if "may be read" in s.reason} == {"folder", "file.urdf"}
 
+    def test_a_launch_file_leads_to_the_model_of_another_package(self, tmp_path: Path) -> None:
+        start = package(tmp_path / "ws" / "start", "start")
+        arm = package(tmp_path / "ws" / "arm", "arm")
+        (arm / "arm.urdf").write_text(BOX.format("package://arm/part.stl"))
+        (arm / "part.stl").write_text("unreadable")
+        (start / "a.launch").write_text(
+            '<launch><param name="robot_description" textfile="$(find arm)/arm.urdf"/></launch>'
+        )
+        run = check(start / "a.launch", codes={"XML001", "PKG012", "MSH001"})
+        assert [(f.code, m.robot) for m in run.models for f in run.findings] == [("MSH001", "r")]
+
     def test_a_launch_file_leads_to_no_model_out_of_reach(self, tmp_path: Path) -> None:
         car = package(tmp_path / "car", "car")
         (tmp_path / "secret.urdf").write_text('<robot name="secret"><link name="password"/></robot>')

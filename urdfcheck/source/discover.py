@@ -50,13 +50,15 @@ class ModelTarget:
 @dataclass(frozen=True, slots=True)
 class Plan:
     """What there is to check. ``missing``: paths that do not exist or are nothing that can be checked, with the reason;
-    ``unused``: macro files and meshes that were named but that no model uses."""
+    ``unused``: macro files and meshes that were named but that no model uses; ``reach``: what may be opened, the packages of
+    the models that launch files lead to included."""
 
     models: tuple[ModelTarget, ...]
     launches: tuple[Path, ...]
     packages: tuple[Path, ...]
     missing: tuple[tuple[str, str], ...]
     unused: tuple[tuple[str, str], ...] = ()
+    reach: Reach | None = None
 
 
 def plan(
@@ -170,15 +172,23 @@ class _Planner:
         finder = self.finder(path)
         if path.suffix == ".py":
             for model in read_python(path, finder).models:
+                self.reach_for(model, finder)
                 self.add_model(ModelTarget(model, self.arguments))
             return
         launch: Launch = load_launch(path, finder)
         for description in launch.descriptions:
             if description.path is not None:
                 model = Path(os.path.relpath(description.path)) if not path.is_absolute() else description.path
+                self.reach_for(model, finder)
                 self.add_model(
                     ModelTarget(model, {**description.arguments, **self.arguments}, (path,), xacro=description.by_xacro)
                 )
+
+    def reach_for(self, model: Path, finder: PackageFinder) -> None:
+        """A model of a package that a launch file has found is checked like any other: its package is in reach."""
+        found = None if self.reach is None or self.reach.allows(model) else finder.found_around(model)
+        if self.reach is not None and found is not None:
+            self.reach = Reach((*self.reach.roots, str(found)))
 
     def folder(self, path: Path) -> _Folder:
         key = _real(path)
@@ -223,7 +233,12 @@ class _Planner:
             if package is not None:
                 packages[package.path] = None
         return Plan(
-            tuple(models), tuple(sorted(alone)), tuple(sorted(packages)), tuple(self.missing), tuple(self.unused)
+            tuple(models),
+            tuple(sorted(alone)),
+            tuple(sorted(packages)),
+            tuple(self.missing),
+            tuple(self.unused),
+            self.reach,
         )
 
 

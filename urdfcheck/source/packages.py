@@ -109,10 +109,12 @@ class PackageFinder:
 
     def allows(self, path: Path) -> bool:
         """Whether a file may be opened: it is in reach, or in a package that was found and is where its name leads."""
-        if self.reach is None or self.reach.allows(path):
-            return True
+        return self.reach is None or self.reach.allows(path) or self.found_around(path) is not None
+
+    def found_around(self, path: Path) -> Path | None:
+        """The real folder of the package that was found by its name and holds this file."""
         real = real_path(path)
-        return real is not None and any(is_below(real, str(folder)) for folder in self._honest())
+        return next((f for f in self._honest() if real is not None and is_below(real, str(f))), None)
 
     def _honest(self) -> Iterator[Path]:
         """The packages found so far, but for those that a link in the workspace of a stranger places elsewhere."""
