@@ -11,6 +11,7 @@ import pytest
 from conftest import REPOSITORY
 
 from urdfcheck import __version__, catalogue, cli
+from urdfcheck.cli.check import parser
 
 
 @pytest.mark.parametrize(
@@ -45,7 +46,7 @@ def test_rules_index_is_current() -> None:
 
 def test_readme_names_every_option_and_exit_code() -> None:
     readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
-    options = {s for action in cli.parser()._actions for s in action.option_strings if s.startswith("--")}
+    options = {s for action in parser()._actions for s in action.option_strings if s.startswith("--")}
     missing = {o for o in options - {"--help", "--version"} if o not in readme}
     assert not missing
     for code in (cli.OK, cli.FINDINGS, cli.FAILED, cli.NOTHING):

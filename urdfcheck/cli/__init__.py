@@ -1,0 +1,52 @@
+"""The command line, a module for each command. Only the standard library is imported before there is something to check."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+from urdfcheck.cli.terminal import FAILED, FINDINGS, NOTHING, OK, exit_code, say, silence_stdout
+from urdfcheck.errors import UrdfcheckError
+
+__all__ = ["FAILED", "FINDINGS", "NOTHING", "OK", "exit_code", "main"]
+
+COMMANDS = ("check", "audit", "rule", "srdf", "cache")
+# Words that later versions use as commands: a file of this name is written ./diff.
+RESERVED = ("baseline", "init", "diff", "lsp", "config", "engines", "drop")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command and return its exit code."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(errors="backslashreplace")
+    try:
+        code = _command(words)
+        sys.stdout.flush()
+        return code
+    except UrdfcheckError as error:
+        say(f"urdfcheck: {error}", sys.stderr)
+    except BrokenPipeError:  # the reader of our output has gone: head, less
+        silence_stdout()
+        return OK
+    except OSError as error:
+        say(f"urdfcheck: cannot write the output: {error.strerror or error}", sys.stderr)
+        silence_stdout()
+    except KeyboardInterrupt:
+        print("urdfcheck: interrupted", file=sys.stderr)
+    return FAILED
+
+
+def _command(words: list[str]) -> int:
+    for word in words[: words.index("--") if "--" in words else None]:
+        # A stranger's file, named by a pattern of the shell or by pre-commit: -ohtml=… would write where its name says.
+        if word.startswith("-") and os.path.lexists(word):
+            raise UrdfcheckError(f"{word} is a file of this name, and would be taken for an option: write ./{word}")
+    name = words[0] if words else ""
+    if name in RESERVED:
+        raise UrdfcheckError(f"the command {name!r} does not exist yet; to check a file of this name write ./{name}")
+    command, rest = (name, words[1:]) if name in COMMANDS else ("check", words)
+    code: int = importlib.import_module(f"urdfcheck.cli.{command}").main(rest)
+    return code
