@@ -10,6 +10,7 @@ import pytest
 
 from urdfcheck.core import Run
 from urdfcheck.engine import Request, run
+from urdfcheck.source.packages import LEVELS_UP
 from urdfcheck.worker import audit
 
 REPOSITORY = Path(__file__).parent.parent
@@ -35,6 +36,14 @@ def check_text(folder: Path, text: str, name: str = "robot.urdf", **request: obj
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--accept", action="store_true", help="write the goldens anew; review them as a diff")
+
+
+@pytest.fixture
+def tmp_path(tmp_path: Path) -> Path:
+    """A folder of the test's own, and deeper than packages are looked for around a model: not among those of other tests."""
+    deep = tmp_path.joinpath(*"abcdefg"[: LEVELS_UP + 1])
+    deep.mkdir(parents=True)
+    return deep
 
 
 @pytest.fixture(autouse=True)

@@ -606,3 +606,20 @@ def test_a_summary_holds_no_more_rows_than_it_shows() -> None:
     assert (summary.units, summary.failed, summary.statuses["failed"]) == (1000, 1000, 1000)
     assert summary.counts[Severity.ERROR] == sum(n % 7 for n in range(1000))
     assert summary.ranked()[0][0] == "INR003"
+
+
+def test_what_is_known_is_known_to_an_audit_and_one_of_its_settings(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = '<robot name="r"><link name="a"><inertial><mass value="-1"/></inertial></link></robot>'
+    (tmp_path / "r.urdf").write_text(text)
+    (tmp_path / "urdfcheck.toml").write_text("")
+    monkeypatch.chdir(tmp_path)
+    words = ["audit", "r.urdf", "-o", str(tmp_path / "out"), "--tier", "source", "--jobs", "1"]
+    assert main(words) == FINDINGS
+    assert main(["baseline", "write", "r.urdf", "--tier", "source"]) == OK
+    assert main(words) == OK
+    (tmp_path / "urdfcheck.toml").write_text('[[suppress]]\ncodes = ["INR"]\nreason = "a dummy"\n')
+    capsys.readouterr()
+    assert main(words) == FAILED
+    assert "other settings (suppress)" in capsys.readouterr().err

@@ -91,6 +91,22 @@ def test_hidden_findings_are_named_by_what_hides_them() -> None:
     assert kept[0].data["hides"] == ["INR003"]
 
 
+def test_a_finding_about_several_is_hidden_where_all_of_them_are() -> None:
+    from urdfcheck.core import Location
+
+    rules = catalogue.rules()
+
+    def finding(code: str, *links: str) -> Finding:
+        rule, subjects = rules[code], tuple(f"link[{link}]/inertial/inertia" for link in links)
+        at = Location(subjects[0], None)
+        return Finding(rule.code, rule.name, rule.severity, rule.confidence, "m", "m", at, subjects)
+
+    some = worker.hide([finding("INR003", "a", "b"), finding("INR004", "a")], rules)
+    assert [f.code for f in some] == ["INR003", "INR004"]
+    every = worker.hide([finding("INR003", "a", "b"), finding("INR004", "a"), finding("INR004", "b")], rules)
+    assert [f.code for f in every] == ["INR004", "INR004"]
+
+
 def test_a_worker_sees_nothing_around_what_is_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither where a launch file says that a model is, nor beside the package at the top of the repository."""
     for name in ("outside", "repo/.git"):

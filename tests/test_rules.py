@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import inspect
 import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +16,7 @@ import pytest
 from conftest import check
 
 from urdfcheck import catalogue, config
-from urdfcheck.core import Rule
+from urdfcheck.core import Applicability, Finding, Rule
 
 FENCE = re.compile(r"^```(\w+)(?: file=(\S+))?[ ]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 EXPECT = re.compile(r"expect: ([A-Z]{3}\d{3})")
@@ -57,32 +58,53 @@ def cases(rule: Rule, heading: str) -> list[Case]:
 
 
 RULES = list(catalogue.rules().values())
+FIXES = [Applicability.DISPLAY, Applicability.UNSAFE, Applicability.SAFE]
+FIXED = [rule for rule in RULES if rule.fix is not Applicability.DISPLAY and catalogue.has_check(rule)]
 CHECKED = [rule for rule in RULES if catalogue.has_check(rule)]
 BAD = [case for rule in CHECKED for case in cases(rule, "Bad")]
 GOOD = [case for rule in CHECKED for case in cases(rule, "Good")]
 
 
-def lines_found(case: Case, folder: Path) -> tuple[set[tuple[str, int]], set[tuple[str, int]]]:
-    """The marked and the found lines of the case's rule."""
-    expected: set[tuple[str, int]] = set()
+def findings_of(case: Case, folder: Path) -> list[Finding]:
+    """What the case's rule finds in it."""
     for name, text in case.files:
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8", newline="")
-        expected |= {
-            (name, number) for number, line in enumerate(text.split("\n"), 1) if case.rule in EXPECT.findall(line)
-        }
     # A single file is named by the user; a tree of files is found in its folder.
     target = folder if len(case.files) > 1 else folder / case.files[0][0]
     # A tree may hold its own urdfcheck.toml.
     targets = config.find(folder).target
-    run = check(target, codes={*catalogue.rules()[case.rule].hidden_by, case.rule}, targets=targets)
+    rule = catalogue.rules()[case.rule]
+    simulated = "simulator" in rule.needs
+    if simulated:
+        pytest.importorskip("mujoco")
+    run = check(target, codes={*rule.hidden_by, case.rule}, targets=targets, drop=simulated)
     assert not run.failures, run.failures
+    return [f for f in run.findings if f.code == case.rule]
+
+
+def offered(finding: Finding) -> Applicability:
+    """What its repair is good for."""
+    return Applicability.DISPLAY if finding.fix is None else finding.fix.applicability
+
+
+def lines_found(case: Case, folder: Path) -> tuple[set[tuple[str, int]], set[tuple[str, int]]]:
+    """The marked and the found lines of the case's rule."""
+    findings = findings_of(case, folder)
+    expected = {
+        (name, number)
+        for name, text in case.files
+        for number, line in enumerate(text.split("\n"), 1)
+        if case.rule in EXPECT.findall(line)
+    }
     found = {
         (Path(f.location.span.file).resolve().relative_to(folder.resolve()).as_posix(), f.location.span.line)
-        for f in run.findings
-        if f.code == case.rule and f.location.span is not None
+        for f in findings
+        if f.location.span is not None
     }
+    promised = FIXES.index(catalogue.rules()[case.rule].fix)
+    assert all(FIXES.index(offered(f)) <= promised for f in findings), "the page's key `fix` promises less"
     return expected, found
 
 
@@ -100,6 +122,18 @@ def test_good_block_does_not(case: Case, tmp_path: Path) -> None:
     assert not found
 
 
+@pytest.mark.parametrize("rule", FIXED, ids=lambda rule: rule.code)
+def test_an_example_gets_the_repair_that_the_page_promises(rule: Rule, tmp_path: Path) -> None:
+    found = [f for number, case in enumerate(cases(rule, "Bad")) for f in findings_of(case, tmp_path / str(number))]
+    assert rule.fix in map(offered, found)
+
+
+def sentences(rule: Rule) -> Iterator[str]:
+    """What the page says of programs."""
+    for value in rule.consumers.values():
+        yield from value.values() if isinstance(value, Mapping) else (value,)
+
+
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.code)
 def test_page_is_complete(rule: Rule) -> None:
     headings = re.findall(r"^## (.+)$", rule.page, re.MULTILINE)
@@ -114,6 +148,8 @@ def test_page_is_complete(rule: Rule) -> None:
     assert rule.needs
     assert set(rule.needs) <= set(catalogue.NEEDS)
     assert set(rule.hidden_by) <= set(catalogue.rules())
+    assert set(rule.concerns) <= set(config.TARGETS)
+    assert not [s for s in sentences(rule) if s.startswith("{")], "what a case decides is the check's `consequences`"
     if catalogue.has_check(rule):
         assert cases(rule, "Bad"), "no Bad block"
         assert cases(rule, "Good"), "no Good block"

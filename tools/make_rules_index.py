@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from urdfcheck import catalogue
+from urdfcheck.consumers import CONSUMERS
+from urdfcheck.core import Applicability, Rule, Verdict
 
 FAMILIES = {
     "XML": "XML and the URDF grammar",
@@ -19,15 +21,22 @@ FAMILIES = {
     "NAM": "names",
     "GZB": "Gazebo extensions",
     "CTL": "control interfaces",
+    "SRD": "semantic descriptions (SRDF) and joint limits of MoveIt",
     "LCH": "launch files",
     "URC": "urdfcheck itself",
 }
+
+FIX = {Applicability.SAFE: "safe", Applicability.UNSAFE: "unsafe", Applicability.DISPLAY: "–"}
 
 INTRODUCTION = """\
 # The rules
 
 One page per rule: its metadata, its documentation and its first test. `urdfcheck rule CODE` prints a page.
 How to add one stands in [CONTRIBUTING](../CONTRIBUTING.md). This index is made by `make reports`.
+
+*fix*: what `--fix` repairs by itself (**safe**), what it repairs when asked (`--unsafe-fixes`: **unsafe**), and what takes a
+person (–). *programs*: what those that read the model do with the defect at worst, if it is more than loading what was typed;
+the page tells it in words.
 """
 
 
@@ -40,14 +49,30 @@ def index() -> str:
         if not members:
             continue
         parts.append(
-            f"\n## {family}: {title}\n\n| code | name | severity | confidence | finds |\n|---|---|---|---|---|\n"
+            f"\n## {family}: {title}\n\n| code | name | severity | confidence | fix | finds | programs |\n"
+            "|---|---|---|---|---|---|---|\n"
         )
         for rule in members:
             page = f"{rule.code}-{rule.name}.md"
             parts.append(
-                f"| [{rule.code}]({page}) | {rule.name} | {rule.severity} | {rule.confidence} | {_cell(rule.summary)} |\n"
+                f"| [{rule.code}]({page}) | {rule.name} | {rule.severity} | {rule.confidence} | {FIX[rule.fix]} "
+                f"| {_cell(rule.summary)} | {_programs(rule)} |\n"
             )
     return "".join(parts)
+
+
+def _programs(rule: Rule) -> str:
+    """What the consumers do at worst, by verdict, the worst first."""
+    worst: dict[str, Verdict] = {}
+    for sentences in (rule.consumers, *(v for v in rule.consumers.values() if isinstance(v, dict))):
+        for name, sentence in sentences.items():
+            if isinstance(sentence, str) and name in CONSUMERS:
+                worst[name] = max(worst.get(name, Verdict.LOADS), Verdict.of(sentence))
+    told = []
+    for verdict in sorted({*worst.values()} - {Verdict.LOADS}, reverse=True):
+        names = [name for name in CONSUMERS if worst.get(name) is verdict]
+        told.append(f"**{verdict}** {', '.join(names)}")
+    return "; ".join(told) or "–"
 
 
 def _cell(text: str) -> str:

@@ -17,12 +17,12 @@ from typing import Any
 
 import tomli
 
-from urdfcheck.core import Confidence, Option, Rule, Severity, UrdfcheckError
+from urdfcheck.core import Applicability, Confidence, Option, Rule, Severity, UrdfcheckError
 
 Check = Callable[..., Iterable[Any]]
 
 SCOPES = ("file", "model", "launch", "package", "run")
-NEEDS = ("source", "mesh", "dynamics", "collision", "package")
+NEEDS = ("source", "mesh", "dynamics", "collision", "simulator", "package")
 _KEYS = {
     "severity",
     "confidence",
@@ -32,6 +32,8 @@ _KEYS = {
     "needs",
     "tags",
     "hidden_by",
+    "concerns",
+    "fix",
     "options",
     "messages",
     "fixes",
@@ -85,6 +87,8 @@ def load_page(path: Path) -> Rule:
             needs=tuple(meta["needs"]),
             tags=tuple(meta["tags"]),
             hidden_by=tuple(meta.get("hidden_by", ())),
+            concerns=tuple(meta.get("concerns", ())),
+            fix=Applicability(meta.get("fix", "display")),
             options={key: Option(key, o["default"], o["unit"], o["doc"]) for key, o in meta.get("options", {}).items()},
             messages=meta["messages"],
             fixes=meta["fixes"],
@@ -106,6 +110,8 @@ def explain(rule: Rule) -> str:
     ]
     if rule.hidden_by:
         facts.append(f"gives way to {', '.join(rule.hidden_by)} on the same element")
+    if rule.concerns:
+        facts.append(f"concerns {', '.join(rule.concerns)} only")
     parts = [f"# {rule.code} {rule.name}", " · ".join(facts)]
     body = _HEADER.sub("", _TITLE.sub("", rule.page)).strip()
     parts.append(body)

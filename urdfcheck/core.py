@@ -6,9 +6,12 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from urdfcheck.errors import Unavailable, UrdfcheckError
+
+if TYPE_CHECKING:
+    from urdfcheck.drop import Drop
 
 __all__ = [
     "NEWLINE",
@@ -33,8 +36,10 @@ __all__ = [
     "Severity",
     "Skip",
     "Span",
+    "Suppression",
     "Unavailable",
     "UrdfcheckError",
+    "Verdict",
 ]
 
 
@@ -79,6 +84,40 @@ class Applicability(str, Enum):
     DISPLAY = "display"
 
     __str__ = str.__str__
+
+
+class Verdict(IntEnum):
+    """What a program does with a defect, the worst last, as the sentences of the pages' ``[consumers]`` begin.
+
+    ``loads``: takes the model as it was typed; ``ignores``, ``replaces``, ``swaps``: what it simulates or plans with is not
+    what was typed; ``computes NaN``: loads it, and has no number to show for it; ``drops``: a link, a joint or a shape is
+    missing, with all below it; ``refuses``: there is no model."""
+
+    LOADS = 0
+    IGNORES = 1
+    REPLACES = 2
+    SWAPS = 3
+    NAN = 4
+    DROPS = 5
+    REFUSES = 6
+
+    def __str__(self) -> str:
+        return "computes NaN" if self is Verdict.NAN else self.name.lower()
+
+    @classmethod
+    def of(cls, sentence: str) -> Verdict:
+        """The verdict that a sentence begins with."""
+        first = sentence.partition(" ")[0].rstrip(",:;")
+        return cls.NAN if sentence.startswith("computes NaN") else _VERDICTS.get(first, cls.LOADS)
+
+
+_VERDICTS = {
+    "ignores": Verdict.IGNORES,
+    "replaces": Verdict.REPLACES,
+    "swaps": Verdict.SWAPS,
+    "drops": Verdict.DROPS,
+    "refuses": Verdict.REFUSES,
+}
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -147,8 +186,22 @@ class Cause:
 
 
 @dataclass(frozen=True, slots=True)
+class Suppression:
+    """Why a finding does not count. ``kind``: source (a comment), configuration or baseline."""
+
+    kind: str
+    reason: str
+
+    def __str__(self) -> str:
+        return "in the baseline" if self.kind == "baseline" else f"suppressed in the {self.kind}: {self.reason}"
+
+
+@dataclass(frozen=True, slots=True)
 class Finding:
-    """One defect at its cause. ``subjects`` has more than one entry when one source text made several elements."""
+    """One defect at its cause. ``subjects`` has more than one entry when one source text made several elements.
+
+    ``variants``: where a xacro was expanded with several sets of arguments, the ids of the models that show it, with its subjects
+    there; ``model`` is then the one with the fewest arguments."""
 
     code: str
     name: str
@@ -164,7 +217,8 @@ class Finding:
     data: Mapping[str, Any] = field(default_factory=dict)
     fix: Fix | None = None
     model: str = ""
-    suppressed: str | None = None
+    suppressed: Suppression | None = None
+    variants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def why(self) -> str | None:
@@ -207,7 +261,8 @@ class Option:
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A rule as its page in ``rules/`` declares it."""
+    """A rule as its page in ``rules/`` declares it. ``concerns``: the only programs that mind such a defect, empty where it is
+    one whoever reads the model. ``fix``: the best that its findings offer; ``display`` is advice."""
 
     code: str
     name: str
@@ -219,6 +274,8 @@ class Rule:
     needs: tuple[str, ...]
     tags: tuple[str, ...]
     hidden_by: tuple[str, ...]
+    concerns: tuple[str, ...]
+    fix: Applicability
     options: Mapping[str, Option]
     messages: Mapping[str, str]
     fixes: Mapping[str, str]
@@ -244,11 +301,13 @@ class Rule:
         related: Iterable[Located | Location] = (),
         severity: Severity | None = None,
         confidence: Confidence | None = None,
+        consequences: Mapping[str, str] | None = None,
         **data: Any,
     ) -> Finding:
         """A finding of this rule: ``message`` is an id of the page's ``[messages]``, ``data`` fills its templates.
 
-        The repair is the page's ``[fixes]`` template of the same id; ``edits`` make it applicable.
+        The repair is the page's ``[fixes]`` template of the same id; ``edits`` make it applicable. ``consequences``: what single
+        programs do where that depends on the case; the others do what the page says.
 
         :raises KeyError: when the page lacks the message, the cause or a value that a template names.
         """
@@ -270,7 +329,7 @@ class Rule:
             subjects=(location.subject,),
             related=tuple({(p.subject, p.span): p for p in places}.values()),
             cause=None if cause is None else Cause(cause, self.causes[cause].format_map(data)),
-            consequences={k: v.format_map(data) for k, v in consumers.items()},
+            consequences={**{k: v.format_map(data) for k, v in consumers.items()}, **(consequences or {})},
             data=data,
             fix=Fix(self.fixes[message].format_map(data), applicability if edits else Applicability.DISPLAY, edits),
         )
@@ -361,8 +420,11 @@ class Scene:
 class Run:
     """The whole outcome, immutable: what every output renders. ``sources`` holds the text of files with findings;
     ``rules`` are those that were selected, ``tier`` how much was computed (source | mesh | full), ``units`` counts the
-    models, launch files and packages that were looked at, ``targets`` names who will read the models, ``partial`` says that
-    the run was interrupted."""
+    models, launch files and packages that were looked at, ``ids`` names them, ``targets`` names who will read the models,
+    ``judged`` has the rules by the id of a unit whose findings this run could not have missed there,
+    ``homes`` how each baseline (its file and the folder of its names; None for the run's own) calls the units, by their ids;
+    ``partial`` says that the run was interrupted, ``fail_on`` from which severity on the findings of a model fail the run, by
+    its id; ``drops``: the drop tests, where they were asked for."""
 
     models: tuple[ModelInfo, ...]
     findings: tuple[Finding, ...]
@@ -371,13 +433,38 @@ class Run:
     versions: Mapping[str, str]
     sources: Mapping[str, str]
     scenes: tuple[Scene, ...] = ()
+    drops: tuple[Drop, ...] = ()
     seconds: float = 0.0
     failures: tuple[str, ...] = ()
     units: int = 0
+    ids: frozenset[str] = frozenset()
+    judged: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    homes: Mapping[tuple[str, str] | None, Mapping[str, str]] = field(default_factory=dict)
     tier: str = "full"
     targets: tuple[str, ...] = ()
     partial: bool = False
+    fail_on: Mapping[str, str] = field(default_factory=dict)
 
     def count(self, severity: Severity) -> int:
         """Findings of exactly this severity that are not suppressed."""
-        return sum(f.severity == severity and f.suppressed is None for f in self.findings)
+        return sum(f.severity == severity for f in self.active)
+
+    def arguments_of(self, finding: Finding) -> Mapping[str, str]:
+        """The arguments that it takes to see a finding of a model with several variants."""
+        if not finding.variants:
+            return {}
+        return next((info.args for info in self.models if info.id == finding.model), {})
+
+    @property
+    def active(self) -> tuple[Finding, ...]:
+        """The findings that nobody knows yet."""
+        return tuple(f for f in self.findings if f.suppressed is None)
+
+    @property
+    def suppressed(self) -> Mapping[str, int]:
+        """How many findings are known, by who says so: source, configuration, baseline."""
+        counts = dict.fromkeys(("source", "configuration", "baseline"), 0)
+        for finding in self.findings:
+            if finding.suppressed is not None:
+                counts[finding.suppressed.kind] += 1
+        return counts

@@ -11,13 +11,14 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from urdfcheck import __version__, catalogue
-from urdfcheck.core import Skip
-from urdfcheck.engine import Request, auditing, foreign_libraries, is_nothing, planned, versions
+from urdfcheck.assembly import foreign_libraries, versions
+from urdfcheck.core import Severity, Skip
+from urdfcheck.engine import Request, auditing, is_nothing, planned
 from urdfcheck.errors import UrdfcheckError
 from urdfcheck.journal import TEMPORARY, Journal, aside, saying
 from urdfcheck.output import lines
@@ -36,11 +37,13 @@ Stream = Callable[[Sequence[Unit], Settings], Generator[tuple[int, Report], None
 @dataclass(frozen=True, slots=True)
 class Outcome:
     """What an audit came to. ``checked`` and ``unchanged`` count the units that were checked now, and those that were not
-    because nothing of them changed since."""
+    because nothing of them changed since. ``worst``: the worst severity of the units whose findings count from each severity on,
+    None for those of which the command decides."""
 
     summary: lines.Summary
     checked: int
     unchanged: int
+    worst: Mapping[str | None, Severity] = field(default_factory=dict)
 
 
 def audit(
@@ -93,8 +96,24 @@ def audit(
             ) from None
         last = _of_the_run(request, found)
         summary = write(folder, lambda: _ordered(journal, keys, last))
+        worst = _worst(units, keys, journal, summary)
         journal.trim()
-    return Outcome(summary, len(todo), len(units) - len(todo))
+    return Outcome(summary, len(todo), len(units) - len(todo), worst)
+
+
+def _worst(
+    units: Sequence[Unit], keys: Sequence[str], journal: Journal, summary: lines.Summary
+) -> dict[str | None, Severity]:
+    if len({unit.fail_on for unit in units}) == 1:  # and what belongs to none of them
+        worst = max((severity for severity, number in summary.counts.items() if number), default=None)
+        return {} if worst is None else {units[0].fail_on: worst}
+    found: dict[str | None, Severity] = {}
+    for unit, key in zip(units, keys, strict=True):
+        counts = lines.row(text).counts if (text := journal.text(key)) else ()
+        for severity, number in zip((Severity.ERROR, Severity.WARNING, Severity.INFO), counts, strict=False):
+            if number:
+                found[unit.fail_on] = max(severity, found.get(unit.fail_on, severity))
+    return found
 
 
 def line_of(unit: Unit, report: Report) -> bytes:
@@ -163,6 +182,8 @@ def _about(request: Request, settings: Settings) -> dict[str, Any]:
         "--package": dict(settings.packages),
         "--package-path": list(settings.package_paths),
         "--target": list(settings.targets),
+        "suppress": [[*sorted(e.codes), e.subject, e.reason] for e in settings.suppress],
+        "comments in the source": settings.comments,
         "--thorough": settings.samples,
         "--timeout, --memory": list(asdict(settings.limits).values()),
         "--env": list(settings.environment),
@@ -172,5 +193,11 @@ def _about(request: Request, settings: Settings) -> dict[str, Any]:
 
 
 def _key(unit: Unit) -> str:
-    facts: Mapping[str, Any] = asdict(unit)
-    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:32]
+    # `fail_on` changes nothing of what is found; what is known has keys that JSON has not.
+    facts: Mapping[str, Any] = asdict(replace(unit, fail_on=None, known={})) | {"known": sorted(unit.known.items())}
+    return hashlib.sha256(json.dumps(facts, sort_keys=True, default=_plain).encode()).hexdigest()[:32]
+
+
+def _plain(value: Any) -> Any:
+    """What JSON has no word for: the codes of a unit's own."""
+    return sorted(value)

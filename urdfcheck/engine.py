@@ -6,26 +6,32 @@ The parent process imports the standard library only.
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
 import signal
-import sys
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck import __version__, catalogue, libraries, sandbox
-from urdfcheck.core import Finding, Location, Run, Skip, UrdfcheckError
+from urdfcheck import catalogue, libraries, sandbox
+from urdfcheck.core import Run, UrdfcheckError
 from urdfcheck.errors import TimeUp
+from urdfcheck.files import overlaid
 from urdfcheck.limits import Limits
 from urdfcheck.source.discover import Plan, plan
 from urdfcheck.source.packages import PackageFinder, display_name
 from urdfcheck.source.reach import Reach
+from urdfcheck.variants import smaller, words
 from urdfcheck.workers import Died, Overdue, Worker, in_workers
 
 if TYPE_CHECKING:
+    from urdfcheck.baseline import Baseline
+    from urdfcheck.config import Config, Configurations
+    from urdfcheck.suppress import Entry
     from urdfcheck.worker import Report, Settings, Unit
 
 # Configurations of the joints that are looked at, and with --thorough.
@@ -33,15 +39,19 @@ SAMPLES, THOROUGH = 200, 5_000
 # How many times longer than the check of one model the search for all of them may take, and how many seconds at least: a
 # model takes about a millisecond.
 PLANNING, LEAST_PLANNING = 10, 600.0
-DISTRIBUTIONS = ("xacro", "numpy", "pin", "coal", "trimesh")
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
     """What a run is asked to do. ``root`` is the configuration's folder: models are named relative to it. ``cache``: the
     folder of results that are kept, None to keep nothing; ``samples``: in how many configurations motion is looked at;
-    ``pairs``: whether the reports judge all pairs of links for an SRDF. ``allowed``: folders below which files may be opened
-    beside those that the paths and packages are in; ``environment``: the variables that a xacro may read beside those of ROS."""
+    ``pairs``: whether the reports judge all pairs of links for an SRDF; ``drop``: whether the models are let go on a plane.
+    ``allowed``: folders below which files may be opened beside those that the paths and packages are in; ``environment``: the
+    variables that a xacro may read beside those of ROS.
+    ``baseline``, ``suppress``: what is known; ``comments``: whether comments in the source may say so as well. ``texts``: see
+    :func:`urdfcheck.files.overlaid`. ``configured`` finds the configuration for each file, which decides about the rules and
+    where packages are; ``packages`` and ``package_paths`` are then the command line's. Without it what stands here holds for all.
+    ``all_arguments``: see :func:`urdfcheck.source.discover.plan`."""
 
     paths: tuple[Path, ...]
     root: Path
@@ -58,14 +68,31 @@ class Request:
     cache: Path | None = None
     samples: int = SAMPLES
     pairs: bool = False
+    drop: bool = False
     allowed: tuple[Path, ...] = ()
     environment: tuple[str, ...] = ()
     limits: Limits = field(default_factory=Limits)
+    baseline: Baseline | None = None
+    suppress: tuple[Entry, ...] = ()
+    comments: bool = True
+    texts: Mapping[str, bytes] = field(default_factory=dict)
+    configured: Configurations | None = None
+    all_arguments: bool = False
 
     @property
     def reach(self) -> Reach:
         """What may be opened."""
         return Reach.around(self.paths, (*self.packages.values(), *self.package_paths, *self.allowed))
+
+
+@dataclass(frozen=True, slots=True)
+class Audited:
+    """A run with what it was made of. ``reports``: by the places of their units."""
+
+    request: Request
+    units: Sequence[Unit]
+    reports: Mapping[int, Report]
+    outcome: Run
 
 
 def run(
@@ -81,24 +108,59 @@ def run(
     that waits already; ``meanwhile`` is called once while the first workers are busy, ``progress`` whenever a model or file
     has been checked, with their number and how many there are. An interrupt ends the run with what was finished until then.
     """
+    return audited(request, audit, first, meanwhile, progress).outcome
+
+
+def audited(
+    request: Request,
+    audit: Callable[[Unit, Settings], Report] | None = None,
+    first: Worker | None = None,
+    meanwhile: Callable[[], object] | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    before: Audited | None = None,
+) -> Audited:
+    """As :func:`run`, for who goes on with it. ``before``: a run of the same request but for its ``texts``, whose reports hold
+    where they rest on no text that differs."""
     began = time.perf_counter()
     found, units = planned(request, here=audit is not None)
-    reports: dict[int, Report] = {}
+    reports = {} if before is None else _still_true(before, units, request.texts)
     with auditing(request, units, found.reach or request.reach) as settings:
-        done = stream(units, settings, request.jobs, audit, first, meanwhile)
-        with contextlib.suppress(KeyboardInterrupt), contextlib.closing(done):
-            for index, report in done:
-                reports[index] = report
-                if progress is not None:
-                    progress(len(reports), len(units))
+        while left := [index for index in range(len(units)) if index not in reports]:
+            done = stream([units[index] for index in left], settings, request.jobs, audit, first, meanwhile)
+            with contextlib.suppress(KeyboardInterrupt), contextlib.closing(done):
+                for place, report in done:
+                    reports[left[place]] = report
+                    if progress is not None:
+                        progress(len(reports), len(units))
+            if len(reports) < len(units) or not request.all_arguments:
+                break
+            units += smaller(units, reports)
+            first = meanwhile = None
     kept = [(u, reports[i]) for i, u in enumerate(units) if i in reports and not is_nothing(u, reports[i], found)]
-    outcome = _assemble(request, found, kept, time.perf_counter() - began)
+    from urdfcheck.assembly import assemble  # loads what a worker has loaded meanwhile
+
+    outcome = assemble(request, found, kept, time.perf_counter() - began)
     if len(reports) < len(units):
         if progress is not None:
             progress(len(units), len(units))  # nothing is on its way any more
         reason = f"interrupted: {len(reports)} of {len(units)} models and files were checked, and nothing is known of the others"
         outcome = replace(outcome, partial=True, failures=(*outcome.failures, reason))
-    return reproducible(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
+    outcome = reproducible(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
+    return Audited(request, units, reports, outcome)
+
+
+def _still_true(before: Audited, units: Sequence[Unit], texts: Mapping[str, bytes]) -> dict[int, Report]:
+    """The reports on units that have not changed, nor any file that was read for them."""
+    old = before.request.texts
+    changed = {path for path in (*old, *texts) if old.get(path) != texts.get(path)}
+    known = {(unit.kind, unit.id): (unit, before.reports.get(place)) for place, unit in enumerate(before.units)}
+    real = functools.cache(os.path.realpath)  # most units read the same files
+    kept = {}
+    for place, unit in enumerate(units):
+        same, report = known.get((unit.kind, unit.id), (None, None))
+        if same == unit and report is not None and report.reads and not changed & set(map(real, report.reads)):
+            kept[place] = report
+    return kept
 
 
 def run_one(request: Request, audit: Callable[[Unit, Settings], Report] | None = None) -> Report:
@@ -124,26 +186,30 @@ def planned(request: Request, *, here: bool = False) -> tuple[Plan, list[Unit]]:
 
     :raises UrdfcheckError: when that process died or did not end.
     """
-    words = (request.paths, request.arguments, request.packages, request.package_paths, request.reach)
+    configured = None if request.configured is None else request.configured.of
+    packages = (request.packages, request.package_paths)
+    asked = (request.paths, request.arguments, *packages, request.reach, configured, request.all_arguments)
     if here:
-        found = plan(*words)
+        with overlaid(request.texts):
+            found = plan(*asked)
     else:
         seconds = request.limits.seconds
         longest = max(PLANNING * seconds, LEAST_PLANNING) if seconds else None
-        ((_, found),) = in_workers(_plan, [(request.limits.memory, *words)], 1, longest=longest)
+        ((_, found),) = in_workers(_plan, [(request.limits.memory, request.texts, *asked)], 1, longest=longest)
         if isinstance(found, Overdue):
             raise UrdfcheckError(f"looking for models took more than {longest:g} s (--timeout)")
         if isinstance(found, Died):
             raise UrdfcheckError(f"the process that looks for models {_ending(found.exit_code)}")
         if isinstance(found, MemoryError):
             raise UrdfcheckError(f"looking for models takes more than {request.limits.memory} MiB (--memory)")
-    return found, _units(found, request.root)
+    return found, _units(found, request)
 
 
-def _plan(memory: int, *words: Any) -> Plan | MemoryError:
+def _plan(memory: int, texts: Mapping[str, bytes], *words: Any) -> Plan | MemoryError:
     sandbox.bound_memory(memory)
     try:
-        return plan(*words)
+        with overlaid(texts):
+            return plan(*words)
     except MemoryError as error:
         return error.with_traceback(None)
 
@@ -166,10 +232,14 @@ def auditing(request: Request, units: Sequence[Unit], reach: Reach) -> Iterator[
             cache=folder,
             samples=request.samples,
             pairs=request.pairs,
+            drop=request.drop,
             reach=reach.roots,
             around=_around(request, reach, units),
             environment=request.environment,
             limits=request.limits,
+            suppress=request.suppress,
+            comments=request.comments,
+            texts=request.texts,
         )
 
 
@@ -215,34 +285,96 @@ def reproducible(outcome: Run) -> Run:
     )
 
 
-def model_id(path: Path, arguments: Mapping[str, str], root: Path) -> str:
-    """A model's name in reports and fingerprints: its path from the configuration's folder, and its arguments."""
+def model_id(path: Path, arguments: Mapping[str, str], root: Path, name: str | None = None) -> str:
+    """A model's name in reports and fingerprints: its path from the configuration's folder, and its arguments, or what the
+    configuration calls these."""
     try:
         relative = Path(os.path.relpath(os.path.realpath(path), os.path.realpath(root))).as_posix()
     except ValueError:  # another drive
         relative = path.as_posix()
-    words = [f"{name}:={value}" for name, value in sorted(arguments.items())]
-    return " ".join((relative, *words))
+    return relative + words({"named": name} if name else arguments)
 
 
-def _units(found: Plan, root: Path) -> list[Unit]:
+def _units(found: Plan, request: Request) -> list[Unit]:
     from urdfcheck.worker import Unit
+
+    def root(path: Path) -> Path:
+        config = found.configured.get(str(path))
+        return request.root if config is None else config.root
 
     units = [
         Unit(
             "model",
             str(t.path),
-            model_id(t.path, t.arguments, root),
+            model_id(t.path, t.arguments, root(t.path), t.name),
             dict(t.arguments),
             tuple(map(str, t.launches)),
             t.explicit,
             t.xacro,
+            varied=t.varied,
         )
         for t in found.models
     ]
-    units += [Unit("launch", str(p), model_id(p, {}, root)) for p in found.launches]
-    units += [Unit("package", str(p), model_id(p / "package.xml", {}, root)) for p in found.packages]
-    return units
+    units += [Unit("launch", str(p), model_id(p, {}, root(p))) for p in found.launches]
+    units += [
+        Unit("package", str(p), model_id(p / "package.xml", {}, root(p)), explicit=p in found.whole)
+        for p in found.packages
+    ]
+    baseline = _baselines(request)
+    number = Counter(unit.id for unit in units)
+    configured = []
+    for unit in units:
+        config = found.configured.get(unit.path)
+        name = unit.id
+        if number[name] > 1 and config is not None and config.root != request.root:
+            # Two folders with a configuration each call a model the same.
+            name = (Path(os.path.relpath(config.root, request.root)) / name).as_posix()
+        # The baseline of the run has the names of a run, and that of a folder those of the folder.
+        home, known = baseline(config)
+        entry = name if home is None else unit.id
+        entries = {} if known is None else known.known(entry)
+        unit = _configured(unit, config, request)
+        configured.append(replace(unit, id=name, known=entries, home=home, entry=entry))
+    return configured
+
+
+def _baselines(request: Request) -> Callable[[Config | None], tuple[tuple[str, str] | None, Baseline | None]]:
+    """The baseline for a configuration: the one that was named, or else its own, with the file and folder of the latter."""
+    from urdfcheck import baseline
+
+    @functools.cache
+    def read(file: Path, root: Path) -> Baseline | None:
+        return baseline.read(file, root) if file.is_file() else None
+
+    def find(config: Config | None) -> tuple[tuple[str, str] | None, Baseline | None]:
+        configured = request.configured
+        if config is None or configured is None or configured.given.baseline is not None or config.root == request.root:
+            return None, request.baseline
+        file = config.baseline or config.root / baseline.DEFAULT
+        return (str(file), str(config.root)), None if configured.isolated else read(file, config.root)
+
+    return find
+
+
+def _configured(unit: Unit, config: Config | None, request: Request) -> Unit:
+    """The unit with the settings that its configuration makes different from those of the request."""
+    if config is None or request.configured is None:
+        return unit
+    holds = request.configured.holds(config, Path(unit.path))
+    settings = {
+        "codes": holds.codes,
+        "tier": holds.tier,
+        "options": holds.options,
+        "severities": holds.severities,
+        "targets": holds.targets,
+        "suppress": holds.suppress,
+    }
+    own = {name: value for name, value in settings.items() if value != getattr(request, name)}
+    if config.packages:
+        own["packages"] = {n: str(p) for n, p in {**config.packages, **request.packages}.items()}
+    if config.package_path:
+        own["package_paths"] = tuple(map(str, (*request.package_paths, *config.package_path)))
+    return replace(unit, own=own, fail_on=holds.fail_on)
 
 
 def is_nothing(unit: Unit, report: Report, found: Plan) -> bool:
@@ -251,69 +383,6 @@ def is_nothing(unit: Unit, report: Report, found: Plan) -> bool:
     if info is None or info.status != "checked" or info.links or info.joints:
         return False
     return any(target.tentative and str(target.path) == unit.path for target in found.models)
-
-
-def _assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]], seconds: float) -> Run:
-    from urdfcheck.worker import merge, order
-
-    findings: list[Finding] = [f for _, r in kept for f in r.findings]
-    skipped: list[Skip] = [s for _, r in kept for s in r.skipped]
-    skipped += [Skip("ALL", path, reason) for path, reason in found.unused]
-    failures = [f"{path}: {reason}" for path, reason in found.missing]
-    failures += [f for _, r in kept for f in r.failures]
-    outlines = [replace(r.outline, model=u.id) for u, r in kept if r.outline is not None]
-    rules = catalogue.rules()
-    for rule in rules.values():
-        if "run" in rule.scopes and rule.code in request.codes and catalogue.has_check(rule):
-            options = {name: o.default for name, o in rule.options.items()}
-            options.update(request.options.get(rule.code, {}))
-            try:
-                findings += catalogue.check_of(rule)(outlines, rule, **options)
-            except Exception as error:
-                failures.append(f"{rule.code} crashed: {type(error).__name__}: {error}")
-    if "URC907" in request.codes:
-        findings += foreign_libraries()
-    sources: dict[str, str] = {}
-    for _, report in kept:
-        sources.update(report.sources)
-    return Run(
-        models=tuple(r.info for _, r in kept if r.info is not None),
-        findings=tuple(sorted(merge(findings), key=order)),
-        skipped=tuple(skipped),
-        rules={code: rule for code, rule in rules.items() if code in request.codes or code == "URC900"},
-        versions=versions(full=request.scene),
-        sources=sources,
-        scenes=tuple(r.scene for _, r in kept if r.scene is not None),
-        seconds=seconds,
-        failures=tuple(failures),
-        units=len(kept),
-        tier=request.tier,
-        targets=request.targets,
-    )
-
-
-def foreign_libraries() -> list[Finding]:
-    """The findings of URC907: libraries that are not taken from our own environment."""
-    rule = catalogue.rules()["URC907"]
-    return [
-        rule.finding("shadowed", at=Location(f"library[{library}]", None), library=library, path=path)
-        for library, path in sorted(libraries.foreign().items())
-    ]
-
-
-def versions(*, full: bool) -> dict[str, str]:
-    """Our own version and Python's; those of the libraries, which take a while to look up, only for a report that shows them."""
-    found = {"urdfcheck": __version__, "python": ".".join(map(str, sys.version_info[:3]))}
-    if not full:
-        return found
-    from importlib.metadata import PackageNotFoundError, version
-
-    for name in DISTRIBUTIONS:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "not installed"
-    return found
 
 
 # -- worker processes ------------------------------------------------------------------------------------------------

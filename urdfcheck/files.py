@@ -9,11 +9,12 @@ from __future__ import annotations
 import errno
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from io import BufferedReader
+from io import BytesIO
 from pathlib import Path
+from typing import BinaryIO
 
 # The largest text of 366 XML files of published robots has 211 kB.
 MAX_TEXT = 64 * 1024**2
@@ -24,6 +25,7 @@ _PIECE = 1024**2
 # Size and time of the last change, in nanoseconds; None for what was looked for and is not there.
 Stamp = tuple[int, int] | None
 _record: ContextVar[dict[str, Stamp] | None] = ContextVar("record", default=None)
+_overlay: ContextVar[Mapping[str, bytes] | None] = ContextVar("overlay", default=None)
 _FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
 
 
@@ -46,6 +48,16 @@ def recorded() -> Iterator[dict[str, Stamp]]:
         yield found
     finally:
         _record.reset(token)
+
+
+@contextmanager
+def overlaid(texts: Mapping[str, bytes]) -> Iterator[None]:
+    """Inside, files of these real paths read as if they held these bytes: how a model would look after an edit."""
+    token = _overlay.set(texts)
+    try:
+        yield
+    finally:
+        _overlay.reset(token)
 
 
 def looked_at(path: Path, status: os.stat_result | None = None) -> None:
@@ -96,7 +108,7 @@ def read_start(path: Path, count: int) -> bytes:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[tuple[BufferedReader, int]]:
+def _opened(path: Path) -> Iterator[tuple[BinaryIO, int]]:
     """A regular file, opened, and its size."""
     try:
         _ensure_regular(os.stat(path), path)
@@ -107,7 +119,12 @@ def _opened(path: Path) -> Iterator[tuple[BufferedReader, int]]:
         status = os.fstat(descriptor)
         _ensure_regular(status, path)
         looked_at(path, status)
-        yield file, status.st_size
+        overlay = _overlay.get()
+        data = overlay.get(os.path.realpath(path)) if overlay else None
+        if data is None:
+            yield file, status.st_size
+        else:
+            yield BytesIO(data), len(data)
 
 
 def walk(root: Path) -> Iterator[tuple[str, list[str], list[str]]]:

@@ -8,14 +8,17 @@ from __future__ import annotations
 import re
 import time
 import traceback
+from bisect import bisect_left
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from urdfcheck import catalogue
 from urdfcheck.cache import Cache
+from urdfcheck.consumers import weighed
 from urdfcheck.core import (
     Applicability,
     Finding,
@@ -28,30 +31,45 @@ from urdfcheck.core import (
     Span,
     Unavailable,
 )
+from urdfcheck.drop import Drop
 from urdfcheck.errors import TimeUp
-from urdfcheck.files import Stamp, read_regular, recorded
+from urdfcheck.files import Stamp, overlaid, read_regular, recorded
 from urdfcheck.limits import Limits
 from urdfcheck.model import Model
 from urdfcheck.outline import Outline, outline_of
 from urdfcheck.recall import Recall, applies
+from urdfcheck.shared import within
 from urdfcheck.source.launch import Launch, load_launch
 from urdfcheck.source.load import Source, load
 from urdfcheck.source.packages import PackageFinder, load_package
 from urdfcheck.source.problems import Problem
 from urdfcheck.source.reach import Reach
+from urdfcheck.source.resources import not_installed
+from urdfcheck.source.suppressions import Ignore, ignores
+from urdfcheck.source.xml import SourceFile
 from urdfcheck.srdf import LinkPairs, pairs_of
+from urdfcheck.suppress import Entry, Judged, Known, judged, suppressed
 
 # Of one rule in one model. The noisiest of 110 robots has 14.
 MOST_FINDINGS = 1_000
 # Characters of a name or a message, and of the edits of a repair. Of a hundred real robots none has half of it.
 LONGEST, MOST_EDITED = 2_000, 100_000
 TIERS = ("source", "mesh", "full")
-_TIER_OF_NEED = {"source": "source", "package": "source", "mesh": "mesh", "dynamics": "full", "collision": "full"}
+_TIER_OF_NEED = {
+    **dict.fromkeys(("source", "package"), "source"),
+    "mesh": "mesh",
+    **dict.fromkeys(("dynamics", "collision", "simulator"), "full"),
+}
 
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """What one worker audits. ``kind``: model | launch | package. ``id`` names it in the report; ``xacro``: see :func:`load`."""
+    """What one worker audits. ``kind``: model | launch | package. ``id`` names it in the report; ``xacro``: see :func:`load`;
+    ``known``: what its baseline knows of it, ``home``: the file and folder of this baseline where it is not the run's, ``entry``:
+    what it is called there; ``own``: the settings that hold for it instead of those of the run, by name;
+    ``fail_on``: from which severity on its findings count for the exit code, None where the run decides;
+    ``varied``: see :class:`~urdfcheck.source.discover.ModelTarget`; ``reduced``: it was made to find out which arguments a
+    finding takes."""
 
     kind: str
     path: str
@@ -60,6 +78,13 @@ class Unit:
     launches: tuple[str, ...] = ()
     explicit: bool = True
     xacro: bool = False
+    known: Known = field(default_factory=dict)
+    home: tuple[str, str] | None = None
+    entry: str = ""
+    own: Mapping[str, Any] = field(default_factory=dict)
+    fail_on: str | None = None
+    varied: tuple[str, ...] = ()
+    reduced: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +92,8 @@ class Settings:
     """What holds for every unit of a run: plain values, because they cross into the worker. ``cache``: the folder of results
     that are kept, None to keep nothing; ``samples``: in how many configurations motion is looked at. ``reach``: the folders
     below which files may be opened, None for all; ``around``: those that a worker process must see at all; ``environment``:
-    the variables that a xacro may read beside those of ROS."""
+    the variables that a xacro may read beside those of ROS. ``suppress``: what the configuration says to be known;
+    ``comments``: whether comments in the source may say so. ``texts``: see :func:`urdfcheck.files.overlaid`."""
 
     codes: frozenset[str]
     tier: str = "full"
@@ -80,26 +106,34 @@ class Settings:
     cache: str | None = None
     samples: int = 200
     pairs: bool = False
+    drop: bool = False
     reach: tuple[str, ...] | None = None
     around: tuple[str, ...] = ()
     environment: tuple[str, ...] = ()
     limits: Limits = field(default_factory=Limits)
+    suppress: tuple[Entry, ...] = ()
+    comments: bool = True
+    texts: Mapping[str, bytes] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
     """What a worker sends back. ``failures`` are urdfcheck's own: they make the exit code 2. ``scene`` and ``pairs`` are there
-    where the settings ask for them. ``reads``: the files that the findings rest on, as they were."""
+    where the settings ask for them. ``reads``: the files that the findings rest on, as they were. ``comments``: those that
+    suppress findings, or would; ``files``: what a model is made of, as findings call them."""
 
     findings: tuple[Finding, ...] = ()
     skipped: tuple[Skip, ...] = ()
     info: ModelInfo | None = None
     scene: Scene | None = None
     pairs: LinkPairs | None = None
+    drop: Drop | None = None
     outline: Outline | None = None
     sources: Mapping[str, str] = field(default_factory=dict)
     failures: tuple[str, ...] = ()
     reads: Mapping[str, Stamp] = field(default_factory=dict)
+    comments: tuple[Judged, ...] = ()
+    files: tuple[str, ...] = ()
 
 
 def audit(unit: Unit, settings: Settings) -> Report:
@@ -107,8 +141,8 @@ def audit(unit: Unit, settings: Settings) -> Report:
     import numpy as np
 
     began = time.perf_counter()
-    run = _Audit(unit, settings)
-    with recorded() as reads, np.errstate(all="ignore"):  # numbers without sense are findings, nothing for the terminal
+    run = _Audit(unit, replace(settings, **unit.own))
+    with recorded() as reads, overlaid(settings.texts), np.errstate(all="ignore"):  # such numbers are findings
         try:
             if unit.kind == "package":
                 run.package()
@@ -145,8 +179,10 @@ class _Audit:
         self.info: ModelInfo | None = None
         self.scene: Scene | None = None
         self.pairs: LinkPairs | None = None
+        self.drop: Drop | None = None
         self.outline: Outline | None = None
         self.recall: Recall | None = None
+        self.source: Source | None = None
         self.rules = {c: r for c, r in catalogue.rules().items() if c in settings.codes and catalogue.has_check(r)}
 
     def finder(self, start: Path) -> PackageFinder:
@@ -170,6 +206,7 @@ class _Audit:
             xacro=unit.xacro,
             environment=frozenset(self.settings.environment),
         )
+        self.source = source
         self.texts.update({name: file.text for name, file in source.files.items()})
         for problem in source.problems_of("time-limit", "memory-limit"):
             message = f"expansion-{problem.kind.partition('-')[0]}"
@@ -179,10 +216,13 @@ class _Audit:
         if source.root is not None and source.root.tag == "robot":
             folder = None if self.settings.cache is None else Path(self.settings.cache)
             tier, targets, samples = self.settings.tier, self.settings.targets, self.settings.samples
-            model = Model(source, source.root, tier, Cache(folder), samples=samples, targets=targets)
+            model = Model(
+                source, source.root, tier, Cache(folder), samples=samples, targets=targets, simulated=self.settings.drop
+            )
             if folder is not None and tier != TIERS[0]:
                 self.recall = Recall(model)
             self.run("model", model)
+            self.skip_meshes(source)
             if self.recall is not None:
                 self.recall.keep()
             self.outline = outline_of(model)
@@ -197,6 +237,14 @@ class _Audit:
             self.scene = self.guard("scene", lambda: scene_of(model, self.unit.id, self.loaded_launches))
         if self.settings.pairs and model is not None:
             self.pairs = self.guard("srdf", lambda: pairs_of(model))
+        if self.settings.drop and model is not None:
+            self.drop = self.guard("drop", lambda: self.dropped(model))
+
+    def dropped(self, model: Model) -> Drop | None:
+        try:
+            return replace(model.drop, model=self.unit.id)
+        except Unavailable:  # DYN005 tells why
+            return None
 
     def launches(self, model: Model | None) -> None:
         paths = (self.unit.path,) if self.unit.kind == "launch" else self.unit.launches
@@ -209,12 +257,13 @@ class _Audit:
             self.run("launch", launch)
 
     def package(self) -> None:
-        package = load_package(Path(self.unit.path))
+        folder = Path(self.unit.path)
+        package = load_package(folder)
         if package is None:
             return
         if package.file is not None:
             self.texts[package.file.name] = package.file.text
-        self.run("package", package)
+        self.run("package", replace(package, finder=self.finder(folder), whole=self.unit.explicit))
 
     # -- running checks ----------------------------------------------------------------------------------------
 
@@ -236,9 +285,8 @@ class _Audit:
 
         recall = self.recall if applies(rule) else None
         for finding in find() if recall is None else recall.findings(rule, options, find):
-            wanted = self.settings.severities.get(rule.code)
-            severity = finding.severity if wanted is None else Severity.parse(wanted)
-            self.findings.append(clipped(replace(finding, severity=severity, model=self.unit.id)))
+            found = weighed(finding, rule, self.settings.targets, self.settings.severities)
+            self.findings.append(clipped(replace(found, model=self.unit.id)))
 
     def guard(self, what: str, work: Callable[[], Any]) -> Any:
         """Run a check; a fact that cannot be had is a skip, any other exception is our own failure."""
@@ -270,6 +318,17 @@ class _Audit:
     def skip(self, code: str, reason: str) -> None:
         self.skipped.append(Skip(code, self.unit.id, reason))
 
+    def skip_meshes(self, source: Source) -> None:
+        """Meshes of a package that is declared and only not installed here are nothing to complain of, and nothing is known
+        of them."""
+        for package, files in not_installed(source).items():
+            number = "a mesh" if len(files) == 1 else f"{len(files)} meshes"
+            for rule in self.rules.values():
+                if "mesh" in rule.needs and not _missing_tier(rule, self.settings.tier):
+                    self.skip(
+                        rule.code, f"nothing is known of {number} in package {package}, which is not installed here"
+                    )
+
     def skip_scope(self, scope: str, reason: str) -> None:
         for rule in self.rules.values():
             if scope in rule.scopes:
@@ -297,25 +356,65 @@ class _Audit:
                 self.skip(code, f"{count - MOST_FINDINGS:,} more findings ({severity}) are not listed")
 
     def report(self, seconds: float) -> Report:
-        findings = tuple(self.first_of_each(sorted(hide(merge(self.findings), self.rules), key=order)))
-        named = {f.location.span.file for f in findings if f.location.span is not None}
-        named |= {s.file for f in findings for s in f.location.via}
-        named |= {r.span.file for f in findings for r in f.related if r.span is not None}
+        named = {f.location.span.file for f in self.findings if f.location.span is not None}
+        named |= {s.file for f in self.findings for s in f.location.via}
+        named |= {r.span.file for f in self.findings for r in f.related if r.span is not None}
         for name in sorted(named - set(self.texts)):
             text = self.read_text(Path(name))
             if text is not None:
                 self.texts[name] = text
+        found, comments = self.suppressed()
+        told = within(hide(merge(found), self.rules), None if self.source is None else self.source.root)
+        findings = tuple(self.first_of_each(sorted(told, key=order)))
         info = None if self.info is None else replace(self.info, seconds=round(seconds, 3))
+        named |= {judgement.comment.span.file for judgement in comments}
         return Report(
             findings,
             tuple(self.skipped),
             info,
             self.scene,
             self.pairs,
+            self.drop,
             self.outline,
             {name: text for name, text in self.texts.items() if name in named},
             tuple(self.failures),
+            comments=comments,
+            files=() if self.source is None else tuple(self.source.files),
         )
+
+    def suppressed(self) -> tuple[list[Finding], tuple[Judged, ...]]:
+        """The findings, those marked that somebody knows, and what is known of the comments that say so."""
+        comments = [c for name, text in self.texts.items() for c in ignores(SourceFile(Path(name), name, text))]
+        heeded = comments if self.settings.comments else []
+        found, used = suppressed(self.findings, heeded, self.settings.suppress, self.unit.known)
+        skipped = {skip.code for skip in self.skipped}
+        judgements = [
+            judged(c, self.texts[c.span.file], c.span in used, self.settings.codes, skipped, self.doubt(c))
+            for c in heeded
+        ]
+        return found, tuple(judgements)
+
+    def doubt(self, comment: Ignore) -> str:
+        """Why a comment that this unit does not need may be needed all the same; empty where there is no reason to think so."""
+        source = self.source
+        if source is None or comment.span.file not in source.files:
+            return ""
+        if self.unit.explicit and comment.span.file != source.name:
+            return "other models may use the file"
+        if not source.is_xacro or any(word.upper().startswith("XAC") for word in comment.words):
+            return ""
+        places = self.reached.get(comment.span.file, [])
+        first = bisect_left(places, comment.start)
+        return "" if first < len(places) and places[first] < comment.end else "these arguments do not reach it"
+
+    @cached_property
+    def reached(self) -> Mapping[str, Sequence[int]]:
+        """By file the offsets of what the elements of the model were made from, in their order."""
+        elements = () if self.source is None or self.source.root is None else self.source.root.walk()
+        places: dict[str, set[int]] = {}
+        for span in (span for e in elements for span in (e.span, *e.via) if span is not None):
+            places.setdefault(span.file, set()).add(span.start)
+        return {file: sorted(starts) for file, starts in places.items()}
 
 
 def clipped(finding: Finding) -> Finding:
@@ -353,7 +452,8 @@ def merge(findings: Iterable[Finding]) -> list[Finding]:
         span = finding.location.span
         numbers = tuple(sorted((k, v) for k, v in finding.data.items() if isinstance(v, (int, float))))
         where = span or finding.location.subject
-        alike.setdefault((finding.code, finding.message_id, finding.model, where, numbers), []).append(finding)
+        known = finding.suppressed
+        alike.setdefault((finding.code, finding.message_id, finding.model, where, numbers, known), []).append(finding)
     return [
         replace(
             group[0],
@@ -367,8 +467,8 @@ def merge(findings: Iterable[Finding]) -> list[Finding]:
 def hide(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
     """Drop findings whose page yields to another rule that fired on the same element; the other one says so.
 
-    The elements of a finding are those of its subjects, and for a difference of two of which it names one, those that its
-    ``data`` lists as ``between``.
+    The elements of a finding are those of its subjects, of which all have to be the other's, and for a difference of two of
+    which it names one, those that its ``data`` lists as ``between``, of which one is enough.
     """
     findings = list(findings)
     fired: dict[tuple[str, str], int] = {}
@@ -379,14 +479,14 @@ def hide(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding
     hides: dict[int, set[str]] = {}
     for index, finding in enumerate(findings):
         rule = rules.get(finding.code)
-        elements = {_element(subject) for subject in (*finding.subjects, *finding.data.get("between", ()))}
-        for stronger in rule.hidden_by if rule is not None else ():
-            by = {fired[stronger, element] for element in elements if (stronger, element) in fired}
-            if by:
-                hidden.add(index)
-                for other in by:
-                    hides.setdefault(other, set()).add(finding.code)
-                break
+        elements = set(map(_element, finding.subjects))
+        between = set(map(_element, finding.data.get("between", ())))
+        stronger = rule.hidden_by if rule is not None else ()
+        by = {e: fired[code, e] for e in elements | between for code in reversed(stronger) if (code, e) in fired}
+        if elements <= by.keys() or between & by.keys():
+            hidden.add(index)
+            for other in by.values():
+                hides.setdefault(other, set()).add(finding.code)
     return [
         replace(f, data={**f.data, "hides": sorted(hides[i])}) if i in hides else f
         for i, f in enumerate(findings)

@@ -81,7 +81,20 @@ class _Answer(pickle.Unpickler):
         **{(f"numpy.{core}.multiarray", "scalar"): _number for core in ("core", "_core")},
     }
     _OURS = frozenset(
-        f"urdfcheck.{module}" for module in ("core", "outline", "source.discover", "source.reach", "srdf", "worker")
+        f"urdfcheck.{module}"
+        for module in (
+            "config",
+            "core",
+            "drop",
+            "engines.outcome",
+            "outline",
+            "source.discover",
+            "source.reach",
+            "source.suppressions",
+            "srdf",
+            "suppress",
+            "worker",
+        )
     )
 
     def find_class(self, module: str, name: str) -> Any:
@@ -114,7 +127,7 @@ class Worker:
         ours, its = context.Pipe()
         # A forked process holds a copy of our end: it would never see that we closed it.
         process = context.Process(target=_serve, args=(its, prepare, ours if FORKS else None), daemon=True)
-        with _undisturbed():
+        with undisturbed():
             process.start()
         its.close()
         return cls(process, ours, prepare)
@@ -207,8 +220,9 @@ def in_workers(
 
 
 @contextlib.contextmanager
-def _undisturbed() -> Iterator[None]:
-    """Let signals that end us wait: in the middle of starting a process they would leave half of one behind."""
+def undisturbed() -> Iterator[None]:
+    """Let signals that end us wait: in the middle of starting a process they would leave half of one behind, and of several
+    files that belong together some."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

@@ -362,6 +362,15 @@ def test_neighbours_that_part_again_on_the_way_do_not_count(tmp_path: Path) -> N
     assert not findings(tmp_path, text, "COL005")
 
 
+@pytest.mark.parametrize(("gap", "reached"), [(0.0, 0), (0.05, 1)])
+def test_neighbours_that_touch_at_rest_do_not_count(tmp_path: Path, gap: float, reached: int) -> None:
+    """A box that stands on a box, as the fingers of Allegro hands are drawn: whichever way it tips, an edge goes in."""
+    box = BOX.format("0.2 0.2 0.2")
+    tips = joint("foot", "leg", f"0 0 {0.1 + gap}", axis="0 1 0", limit="lower='-1' upper='1'")
+    text = f'<robot name="r">{link("foot", box)}{tips}{link("leg", "0 0 0.1|" + box)}</robot>'
+    assert len(findings(tmp_path, text, "COL005")) == reached
+
+
 # -- the collisions themselves -------------------------------------------------------------------------------------------
 
 

@@ -193,3 +193,38 @@ def test_a_tensor_of_another_mass_does_not_say_which_is_wrong(tmp_path: Path) ->
     assert finding.fix is not None
     assert told(tmp_path, edited(text, finding.fix.edits)) == []
     assert told(tmp_path, text.replace('mass value="1.37"', 'mass value="6"')) == []
+
+
+# -- what was copied is wrong once (the Allegro hands, whose three fingers are one) ------------------------------------------
+
+
+def test_copied_links_that_are_wrong_alike_are_one_finding(tmp_path: Path) -> None:
+    wrong = '<inertial><mass value="1"/><inertia ixx="{}" ixy="0" ixz="0" iyy="1" iyz="0" izz="{}"/></inertial>'
+    fingers = "".join(f'<link name="f{i}">{wrong.format(1, 3)}</link>' for i in range(3))
+    thumb = f'<link name="thumb">{wrong.format(1, 4)}</link>'
+    joints = "".join(
+        f'<joint name="j_{name}" type="continuous"><parent link="palm"/><child link="{name}"/></joint>'
+        for name in ("f0", "f1", "f2", "thumb")
+    )
+    alike, other = found(tmp_path, f'<robot name="r"><link name="palm"/>{fingers}{thumb}{joints}</robot>')
+    assert alike.subjects == tuple(f"link[f{i}]/inertial/inertia" for i in range(3))
+    assert alike.message.startswith("link f0, f1, f2: principal moments 1, 1, 3 kg·m² ")
+    assert other.subjects == ("link[thumb]/inertial/inertia",)
+
+
+@pytest.mark.parametrize(("numbers", "told_of"), [((1.0, 1.0), [2]), ((1.0, 3.0), [1, 1])])
+def test_parts_with_one_mistake_and_one_measure_are_one_finding(
+    tmp_path: Path, numbers: tuple[float, float], told_of: list[int]
+) -> None:
+    """Two wheels of one shape, the inertia of each some times too large."""
+    block: tuple[Block, ...] = (((0.1, 0.2, 0.3), (0.0, 0.0, 0.0)),)
+    write_stl(tmp_path / "wheel.stl", block)
+    wheels = "".join(
+        f'<link name="w{i}">{inertial(uniform(combine(pieces(block)), 1.0))}{mesh("wheel.stl")}</link>'.replace(
+            'mass value="1"', f'mass value="{0.01 * factor}"'
+        )
+        + f'<joint name="j{i}" type="continuous"><parent link="base"/><child link="w{i}"/></joint>'
+        for i, factor in enumerate(numbers)
+    )
+    findings = found(tmp_path, f'<robot name="r"><link name="base"/>{wheels}</robot>')
+    assert [len(f.subjects) for f in findings] == told_of

@@ -5,9 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from conftest import check_text
+from conftest import check, check_text
 
 from urdfcheck.core import Finding, Severity
+from urdfcheck.model import Model
+from urdfcheck.model.reduction import reduced
+from urdfcheck.source.load import load
+from urdfcheck.source.packages import PackageFinder
 
 ARM = """<link name="a"/><link name="b"/><link name="c"/>
 <joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>
@@ -32,6 +36,13 @@ def test_one_unknown_name_is_one_finding(tmp_path: Path) -> None:
     assert len(finding.related) == 1
 
 
+def test_references_that_a_script_has_not_filled_in_are_one_finding(tmp_path: Path) -> None:
+    body = "".join(f'<gazebo reference="{name}"><mu1>1</mu1></gazebo>' for name in ("{side}_a", "{side}_b", "nobody"))
+    messages = {f.message_id: f for f in found(tmp_path, body, "GZB001")}
+    assert set(messages) == {"template", "unknown"}
+    assert "2 <gazebo> blocks" in messages["template"].message
+
+
 @pytest.mark.parametrize(
     ("filename", "words"),
     [
@@ -48,6 +59,288 @@ def test_plugins_of_gazebo_classic_have_a_successor(tmp_path: Path, filename: st
     findings = found(tmp_path, f'<gazebo><plugin name="p" filename="{filename}"/></gazebo>', "GZB002")
     assert bool(findings) == (words is not None)
     assert all(f.fix is not None and str(words) in f.fix.title for f in findings)
+
+
+def test_ros2_control_moves_to_the_successor_by_its_names_alone(tmp_path: Path) -> None:
+    body = (
+        '<ros2_control name="c" type="system"><hardware><plugin> gazebo_ros2_control/GazeboSystem\n</plugin></hardware>'
+        '</ros2_control><gazebo><plugin name="c" filename="libgazebo_ros2_control.so"><parameters>c.yaml</parameters>'
+        "</plugin></gazebo>"
+    )
+    edits = {
+        e.expected: e.replacement for f in found(tmp_path, body, "GZB002") if f.fix is not None for e in f.fix.edits
+    }
+    assert edits == {
+        "gazebo_ros2_control/GazeboSystem": "gz_ros2_control/GazeboSimSystem",
+        "libgazebo_ros2_control.so": "gz_ros2_control-system",
+        "c": "gz_ros2_control::GazeboSimROS2ControlPlugin",
+    }
+
+
+def test_a_plugin_with_other_parameters_is_not_renamed(tmp_path: Path) -> None:
+    body = '<gazebo><plugin name="p" filename="libgazebo_ros_diff_drive.so"/></gazebo>'
+    (finding,) = found(tmp_path, body, "GZB002")
+    assert finding.fix is not None
+    assert not finding.fix.edits
+
+
+# -- what Gazebo merges -------------------------------------------------------------------------------------------------
+
+INERTIAL = '<inertial><mass value="{}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+SHAPE = "<geometry><box size='1 1 1'/></geometry>"
+
+
+def link(name: str, mass: float = 1.0, *collisions: str) -> str:
+    """A link with collisions of these names (empty: none)."""
+    shapes = "".join(
+        f'<collision name="{c}">{SHAPE}</collision>' if c else f"<collision>{SHAPE}</collision>" for c in collisions
+    )
+    return f'<link name="{name}">{INERTIAL.format(mass) if mass else ""}{shapes}</link>'
+
+
+def fixed(name: str, parent: str, child: str, type_: str = "fixed") -> str:
+    return f'<joint name="{name}" type="{type_}"><parent link="{parent}"/><child link="{child}"/></joint>'
+
+
+def block(reference: str, *content: str) -> str:
+    return f'<gazebo reference="{reference}">{"".join(content)}</gazebo>'
+
+
+def messages(folder: Path, body: str, code: str) -> list[str]:
+    return [f.message_id for f in found(folder, body, code, arm="")]
+
+
+MERGED = (
+    link("base", 1.0, "", "foot")
+    + link("tip", 1.0, "")
+    + link("base_tip", 0.0, "")
+    + link("named", 0.0, "foo", "base_bar")
+    + link("inner", 0.0, "")
+    + fixed("j", "base", "tip")
+    + fixed("k", "base", "base_tip")
+    + fixed("h", "base", "named")
+    + fixed("l", "named", "inner")
+)
+
+
+def test_the_shapes_are_called_as_sdformat_calls_them(tmp_path: Path) -> None:
+    """What sdformat 12.3 makes of this robot: joints in the order of their names, each branch before the next."""
+    path = tmp_path / "robot.urdf"
+    path.write_text(f'<robot name="r">{MERGED}</robot>', encoding="utf-8")
+    source = load(path, {}, PackageFinder(path))
+    assert source.root is not None
+    assert [shape.name for shape in reduced(Model(source, source.root)).collisions] == [
+        "base_collision",
+        "base_fixed_joint_lump__foot_collision_1",
+        "base_fixed_joint_lump__foo_collision_2",
+        "base_bar_collision_3",
+        "base_fixed_joint_lump__inner_collision_4",
+        "base_fixed_joint_lump__tip_collision_5",
+        "base_tip_collision_6",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("reference", "lost"),
+    [("base", ["named"]), ("tip", []), ("inner", []), ("base_tip", ["prefix"]), ("named", ["named"])],
+)
+def test_friction_finds_its_link_by_the_name_of_the_shape(tmp_path: Path, reference: str, lost: list[str]) -> None:
+    assert messages(tmp_path, MERGED + block(reference, "<mu1>1</mu1>"), "GZB003") == lost
+
+
+def test_how_many_shapes_do_not_get_it_is_said(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, MERGED + block("base", "<mu1>1</mu1>"), "GZB003", arm="")
+    assert "for 1 of 2" in finding.message
+
+
+def test_a_named_shape_loses_its_friction_where_nothing_is_merged_too(tmp_path: Path) -> None:
+    for name, lost in (("", []), ("base_link", []), ("base_link_box", []), ("box", ["named"])):
+        body = link("base_link", 1.0, name) + block("base_link", "<mu1>1</mu1>")
+        assert messages(tmp_path, body, "GZB003") == lost
+
+
+def test_colours_are_worth_knowing(tmp_path: Path) -> None:
+    body = f'<link name="a"><visual name="v">{SHAPE}</visual></link>' + block("a", "<material>Gazebo/Red</material>")
+    (finding,) = found(tmp_path, body, "GZB003", arm="")
+    assert (finding.message_id, finding.severity) == ("named", Severity.INFO)
+
+
+SENSOR = '<sensor name="s" type="force_torque"/>'
+
+
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        (block("j", SENSOR), [("joint", Severity.WARNING)]),
+        (block("j", "<provideFeedback>true</provideFeedback>"), [("joint-settings", Severity.INFO)]),
+        (block("j", SENSOR, "<preserveFixedJoint>true</preserveFixedJoint>"), []),
+        (block("j", SENSOR) + block("j", '<disableFixedJointLumping value="1"/>'), []),
+        (block("j", SENSOR, "<preserveFixedJoint>false</preserveFixedJoint>"), [("joint", Severity.WARNING)]),
+        (block("tip", SENSOR), []),
+        (block("tip", "<preserveFixedJoint>true</preserveFixedJoint>"), [("link", Severity.WARNING)]),
+        (block("l", "<preserveFixedJoint>true</preserveFixedJoint>"), [("dropped", Severity.WARNING)]),
+    ],
+)
+def test_blocks_of_joints(tmp_path: Path, body: str, expected: list[tuple[str, Severity]]) -> None:
+    assert [(f.message_id, f.severity) for f in found(tmp_path, MERGED + body, "GZB003", arm="")] == expected
+
+
+def test_below_the_world_nothing_is_merged(tmp_path: Path) -> None:
+    body = '<link name="world"/>' + link("base") + fixed("j", "world", "base") + block("j", SENSOR)
+    assert not messages(tmp_path, body, "GZB003")
+
+
+def test_joints_that_are_merged_are_one_finding_and_kept_by_edits_where_they_can_be(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, MERGED + block("j", SENSOR) + block("l", SENSOR), "GZB003", arm="")
+    assert finding.fix is not None
+    assert len(finding.subjects) == 2
+    assert [e.expected for e in finding.fix.edits] == ['<gazebo reference="j">']  # the link below the other has no mass
+
+
+def test_what_hangs_on_a_link_that_is_left_out_is_no_finding_of_its_own(tmp_path: Path) -> None:
+    keep = "<preserveFixedJoint>true</preserveFixedJoint>"
+    body = (
+        MERGED
+        + link("last", 1.0)
+        + fixed("m", "inner", "last")
+        + "".join(block(name, keep) for name in ("h", "l", "m"))
+    )
+    (finding,) = found(tmp_path, body, "GZB003", arm="")
+    assert "named" in finding.message
+    assert "(2)" in finding.message
+
+
+OFF = "<turnGravityOff>true</turnGravityOff>"
+
+
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        (link("camera", 0.1) + fixed("c", "base", "camera") + block("camera", OFF), ["gravity"]),
+        (link("camera", 0.1) + fixed("c", "base", "camera", "continuous") + block("camera", OFF), []),
+        (link("camera", 0.1) + fixed("c", "base", "camera") + block("camera", OFF) + block("base", OFF), []),
+        (link("ballast", 9.0) + fixed("c", "base", "ballast") + block("ballast", OFF), []),
+        (
+            link("camera", 0.1) + fixed("c", "base", "camera") + block("camera", OFF.replace("true", "0")),
+            [],
+        ),
+    ],
+)
+def test_gravity_goes_with_the_body(tmp_path: Path, body: str, expected: list[str]) -> None:
+    assert messages(tmp_path, link("base") + body, "GZB003") == expected
+
+
+# -- sensors ------------------------------------------------------------------------------------------------------------
+
+
+def sensor(type_: str, *content: str, name: str = "s") -> str:
+    return f'<sensor name="{name}" type="{type_}">{"".join(content)}</sensor>'
+
+
+RATE = "<update_rate>30</update_rate>"
+NEW = '<gazebo><plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"/></gazebo>'
+
+
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        (block("tip", sensor("imu")), []),
+        (block("tip", sensor("camera", RATE)), []),
+        (block("tip", sensor("camera")), ["rate"]),
+        (block("tip", sensor("gpu_lidar", "<update_rate>0</update_rate>")), ["rate"]),
+        (block("tip", sensor("lidr", RATE)), ["type"]),
+        (block("tip", sensor("ray", RATE)), []),
+        (block("tip", sensor("ray", RATE)) + NEW, ["cpu-lidar"]),
+        (block("tip", sensor("gpu_lidar", RATE)) + NEW, []),
+        (block("tip", sensor("imu", "<gz_frame_id>tip</gz_frame_id>")), []),
+        (block("tip", sensor("imu", "<gz_frame_id>Tip</gz_frame_id>")), ["frame"]),
+        (block("tip", sensor("imu", "<gz_frame_id>tip_link</gz_frame_id>")), ["frame"]),
+        (block("tip", sensor("imu", "<gz_frame_id>somewhere_else</gz_frame_id>")), ["frame-elsewhere"]),
+        (block("tip", sensor("imu", "<gz_frame_id>robot1/tip</gz_frame_id>")), []),
+        (block("tip", sensor("contact", "<plugin filename='p'><frameName>world</frameName></plugin>")), []),
+        (block("tip", sensor("imu")) + block("base", sensor("imu")), ["twice"]),
+        (block("tip", sensor("imu")) + block("base", sensor("imu", name="t")), []),
+    ],
+)
+def test_sensors(tmp_path: Path, body: str, expected: list[str]) -> None:
+    assert messages(tmp_path, MERGED + body, "GZB004") == expected
+
+
+def test_sensors_of_one_name_on_two_bodies(tmp_path: Path) -> None:
+    body = MERGED.replace('"j" type="fixed"', '"j" type="continuous"')
+    assert not messages(tmp_path, body + block("tip", sensor("imu")) + block("base", sensor("imu")), "GZB004")
+
+
+def test_one_topic_for_two_sensors(tmp_path: Path) -> None:
+    topic = "<topic>/scan</topic>"
+    one, other = sensor("gpu_lidar", RATE, topic), sensor("gpu_lidar", RATE, "<topic> scan</topic>", name="t")
+    assert messages(tmp_path, MERGED + block("tip", one) + block("base", other), "GZB004") == ["topic"]
+    imu = sensor("imu", topic, name="t")
+    assert not messages(tmp_path, MERGED + block("tip", one) + block("base", imu), "GZB004")
+
+
+@pytest.mark.parametrize(
+    ("reference", "collision", "edit"),
+    [
+        ("base", "base_collision", None),
+        ("base", "r::base::base_collision", None),
+        ("tip", "base_fixed_joint_lump__tip_collision_5", None),
+        ("tip", "tip_collision", ["base_fixed_joint_lump__tip_collision_5"]),
+        ("named", "foo", []),  # it has two
+    ],
+)
+def test_what_a_contact_sensor_watches(tmp_path: Path, reference: str, collision: str, edit: list[str] | None) -> None:
+    contact = sensor("contact", f"<contact><collision>{collision}</collision></contact>")
+    findings = found(tmp_path, MERGED + block(reference, contact), "GZB004", arm="")
+    assert [[e.replacement for e in f.fix.edits] for f in findings if f.fix is not None] == (
+        [] if edit is None else [edit]
+    )
+
+
+# -- bridges ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("entry", "expected", "edits"),
+    [
+        ("ros_type_name: std_msgs/msg/Bool, gz_type_name: gz.msgs.Boolean", [], []),
+        ("ros_type_name: std_msgs/msg/Bool, gz_type_name: ignition.msgs.Boolean", [], []),
+        ("ros_type_name: mine/msg/Bool2, gz_type_name: gz.msgs.Boolean", [], []),
+        ("ros_type_name: $(var type), gz_type_name: gz.msgs.Boolean", [], []),
+        ("ros_type_name: std_msgs/msg/Bool, gz_type_name: gz.msgs.Bool", ["gz-type"], ["gz.msgs.Boolean"]),
+        ("ros_type_name: std_msgs/msg/Bool, gz_type_name: gz.msgs.Double", ["pair"], ["gz.msgs.Boolean"]),
+        ("ros_type_name: std_msgs/Bool, gz_type_name: gz.msgs.Boolean", ["ros-type"], ["std_msgs/msg/Bool"]),
+        ("ros_type_name: std_msgs/msg/Bool, gz_type_name: Boolean", ["prefix"], ["gz.msgs.Boolean"]),
+        ("ros_type_name: nav_msgs/msg/Odometry, gz_type_name: gz.msgs.Pose", ["pair"], []),
+        ("ros_type_name: std_msgs/msg/Bool", ["missing"], []),
+        ("ros_type_name: std_msgs/msg/Bool, gz_type_name: gz.msgs.Boolean, direction: GZ_TO_ROS", [], []),
+        (
+            "ros_type_name: std_msgs/msg/Bool, gz_type_name: gz.msgs.Boolean, direction: gz_to_ros",
+            ["direction"],
+            ["GZ_TO_ROS"],
+        ),
+        ("ros_type_name: std_msgs/msg/Bool, gz_type_name: gz.msgs.Boolean, ros_topic_name: a", ["both"], []),
+        ("ros_type_name: std_msgs/msg/Bool, gz_type_name: gz.msgs.Boolean, lasy: true", ["key"], ["lazy"]),
+        ("ros_type_name: std_msgs/msg/Bool, gz_type_name: gz.msgs.Boolean, comment: mine", [], []),
+    ],
+)
+def test_bridges(tmp_path: Path, entry: str, expected: list[str], edits: list[str]) -> None:
+    folder = tmp_path / "car"
+    for name, text in {
+        "package.xml": "<package><name>car</name></package>",
+        "car.urdf": '<robot name="car"><link name="base"/></robot>',
+        "bridge.yaml": f"- {{topic_name: t, {entry}}}\n# ros_type_name gz_type_name\n",
+        "other.yaml": "ros_type_name: {gz_type_name: [",
+    }.items():
+        folder.mkdir(exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    run = check(folder, codes={"GZB005"})
+    assert not run.failures
+    assert [f.message_id for f in run.findings] == expected
+    assert [e.replacement for f in run.findings if f.fix is not None for e in f.fix.edits] == edits
+
+
+# -- control ------------------------------------------------------------------------------------------------------------
 
 
 def test_a_transmission_of_the_pr2_may_name_its_joint_anywhere(tmp_path: Path) -> None:
@@ -67,6 +360,10 @@ def test_a_transmission_of_the_pr2_may_name_its_joint_anywhere(tmp_path: Path) -
 )
 def test_any_mention_in_control_counts_as_a_drive(tmp_path: Path, body: str) -> None:
     assert not found(tmp_path, body, "CTL002")
+
+
+def test_a_description_without_a_word_for_a_simulator_is_driven_elsewhere(tmp_path: Path) -> None:
+    assert not found(tmp_path, "", "CTL002")
 
 
 def test_a_gazebo_reference_is_no_drive(tmp_path: Path) -> None:

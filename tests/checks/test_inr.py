@@ -14,6 +14,7 @@ from urdfcheck.source.packages import PackageFinder
 
 SOUND = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
 ZERO = '<inertial><mass value="{}"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
+SOLID = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
 BOX = '<visual><geometry><box size="1 1 1"/></geometry></visual>'
 
 
@@ -58,11 +59,21 @@ def test_what_hangs_behind_a_link_without_inertial_is_counted(tmp_path: Path) ->
     assert finding.consequences["gazebo"].startswith("drops the link and the 2 links behind it")
 
 
-def test_mujoco_refuses_only_where_nothing_is_drawn(tmp_path: Path) -> None:
-    (drawn,) = found(tmp_path / "a", "INR001", arm(BOX))
-    (bare,) = found(tmp_path / "b", "INR001", arm(""))
-    assert "infers" in drawn.consequences["mujoco"]
-    assert "refuses" in bare.consequences["mujoco"]
+def test_mujoco_takes_the_inertia_of_what_collides_and_leaves_out_what_is_drawn(tmp_path: Path) -> None:
+    (solid,) = found(tmp_path / "a", "INR001", arm(SOLID))
+    (drawn,) = found(tmp_path / "b", "INR001", arm(BOX))
+    (bare,) = found(tmp_path / "c", "INR001", arm(""))
+    assert solid.consequences["mujoco"].startswith("replaces what is missing")
+    assert drawn.consequences["mujoco"] == bare.consequences["mujoco"]
+    assert bare.consequences["mujoco"].startswith("refuses")
+
+
+def test_a_joint_that_moves_no_mass_at_all_falls_without_a_number(tmp_path: Path) -> None:
+    (leaf,) = found(tmp_path / "a", "INR001", arm(BOX))
+    hand = '<joint name="k" type="continuous"><parent link="arm"/><child link="hand"/></joint>'
+    (carrier,) = found(tmp_path / "b", "INR001", arm(BOX, more=f'<link name="hand">{SOUND}</link>{hand}'))
+    assert leaf.consequences["pinocchio"].startswith("computes NaN")
+    assert carrier.consequences["pinocchio"].startswith("loads it")
 
 
 def test_a_description_without_any_inertial_is_one_info(tmp_path: Path) -> None:
@@ -75,10 +86,10 @@ def test_a_description_that_cannot_move_needs_no_inertial(tmp_path: Path) -> Non
 
 
 def test_what_a_target_drops_is_an_error(tmp_path: Path) -> None:
-    (drawn,) = check_text(tmp_path / "a", arm(BOX), codes={"INR001"}, targets=("mujoco",)).findings
+    (solid,) = check_text(tmp_path / "a", arm(SOLID), codes={"INR001"}, targets=("mujoco",)).findings
     (dropped,) = check_text(tmp_path / "b", arm(BOX), codes={"INR001"}, targets=("gazebo",)).findings
     (refused,) = check_text(tmp_path / "c", arm(""), codes={"INR001"}, targets=("mujoco",)).findings
-    assert [f.severity for f in (drawn, dropped, refused)] == [Severity.WARNING, Severity.ERROR, Severity.ERROR]
+    assert [f.severity for f in (solid, dropped, refused)] == [Severity.WARNING, Severity.ERROR, Severity.ERROR]
 
 
 def test_bullet_assumes_a_mass_for_frames_too(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from conftest import check_text
 
-from urdfcheck.core import Finding, Severity
+from urdfcheck.core import Applicability, Finding, Severity
 
 
 def joint(inner: str = "", kind: str = "revolute", name: str = "j", child: str = "b") -> str:
@@ -209,6 +209,15 @@ def test_all_spellings_of_a_constant_are_one_finding_at_the_coarsest(tmp_path: P
     ]
 
 
+def test_what_is_hardly_off_is_one_finding_for_the_robot(tmp_path: Path) -> None:
+    text = robot(joint(origin("1.5708 0 -3.1416")), joint(origin("-1.5708 0 0.7854"), name="k", child="c"))
+    (finding,) = found(tmp_path, text, "JNT013")
+    assert (finding.message_id, finding.subjects) == ("several", ("joint[j]/origin@rpy", "joint[k]/origin@rpy"))
+    assert finding.message.startswith("4 angles ")
+    assert finding.fix is not None
+    assert [e.expected for e in finding.fix.edits] == ["1.5708", "-1.5708", "-3.1416", "0.7854"]
+
+
 def test_an_expression_is_a_spelling_with_all_digits(tmp_path: Path) -> None:
     text = robot(joint(origin("1.5708 0 0")), joint(origin("${-pi/2} 0 0"), name="k", child="c"))
     (finding,) = found(tmp_path, text, "JNT013", "robot.xacro")
@@ -345,3 +354,211 @@ def test_the_zero_of_an_endless_joint_matters_where_it_carries_another(tmp_path:
 def test_a_turn_about_a_slider_is_no_shift(tmp_path: Path) -> None:
     text = robot(joint(origin("0 -0.75239 0") + '<axis xyz="0 1 0"/>', "prismatic"))
     assert not found(tmp_path, text, "JNT016")
+
+
+def turns(limit: str, name: str = "j", child: str = "b", kind: str = "revolute") -> str:
+    return joint(f'<axis xyz="0 0 1"/><limit {limit}/>', kind, name, child)
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "degrees"),
+    [
+        ("-90", "90", True),
+        ("0", "135", True),
+        ("-12.5", "90", True),
+        ("-132.31", "132.31", True),
+        ("-62.83", "62.83", False),  # ten turns
+        ("-99", "99", False),
+        ("-12", "12", False),
+        ("-6.2832", "6.2832", False),
+        ("-10", "10", False),
+        ("-100", "100", False),
+        ("-1000", "1000", False),
+        ("-7", "7", False),
+        ("0", "2000", False),
+        ("-1e16", "1e16", False),
+        ("0", "0", False),
+    ],
+)
+def test_a_range_in_degrees_is_told_from_placeholders(tmp_path: Path, lower: str, upper: str, degrees: bool) -> None:
+    text = robot(turns(f'lower="{lower}" upper="{upper}" effort="1" velocity="1"'))
+    assert bool(found(tmp_path, text, "JNT006")) == degrees
+
+
+def test_one_range_in_degrees_tells_the_unit_of_the_others(tmp_path: Path) -> None:
+    text = robot(
+        turns('lower="-170" upper="170" effort="1" velocity="1"'),
+        turns('lower="0" upper="100" effort="1" velocity="1"', "k", "c"),
+    )
+    (finding,) = found(tmp_path, text, "JNT006")
+    assert finding.subjects == ("joint[j]/limit@lower", "joint[j]/limit@upper", "joint[k]/limit@upper")
+    assert finding.fix is not None
+    assert [float(edit.replacement) for edit in finding.fix.edits] == pytest.approx(
+        [math.radians(v) for v in (-170, 170, 100)]
+    )
+
+
+def test_in_a_xacro_the_repair_of_degrees_stays_readable(tmp_path: Path) -> None:
+    text = robot(turns('lower="-90" upper="${180 / 2}" effort="1" velocity="1"'))
+    (finding,) = found(tmp_path, text, "JNT006", "robot.xacro")
+    assert finding.fix is not None
+    assert [edit.replacement for edit in finding.fix.edits] == ["${radians(-90)}"]
+
+
+@pytest.mark.parametrize(
+    ("speeds", "kind", "degrees"),
+    [
+        (["180", "180"], "revolute", True),
+        (["175", "260"], "revolute", True),
+        (["175", "175"], "revolute", False),
+        (["100", "100"], "revolute", False),
+        (["17.4532", "9"], "revolute", False),
+        (["180", "270"], "continuous", False),
+    ],
+)
+def test_a_speed_in_degrees_needs_a_quarter_of_a_turn_or_two_values(
+    tmp_path: Path, speeds: list[str], kind: str, degrees: bool
+) -> None:
+    limit = 'lower="-1" upper="1" effort="1" velocity="{}"'
+    text = robot(turns(limit.format(speeds[0]), kind=kind), turns(limit.format(speeds[1]), "k", "c", kind))
+    assert bool(found(tmp_path, text, "JNT006")) == degrees
+
+
+def test_a_range_in_degrees_is_not_told_again_as_too_wide(tmp_path: Path) -> None:
+    text = robot(turns('lower="-180" upper="180" effort="1" velocity="1"'))
+    run = check_text(tmp_path, text, codes={"JNT006", "JNT008"})
+    assert [f.code for f in run.findings] == ["JNT006"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "lower", "upper", "message"),
+    [
+        ("continuous", "-3", "3", "continuous"),
+        ("continuous", "0", "0", None),
+        ("continuous", "-1e16", "1e16", None),
+        ("fixed", "-1", "1", "fixed"),
+        ("fixed", "0", "0", None),
+        ("revolute", "-9.42477796077", "9.42477796077", None),
+        ("revolute", "-10", "10", "wide"),
+        ("prismatic", "-100", "100", None),
+    ],
+)
+def test_limits_that_are_never_reached(tmp_path: Path, kind: str, lower: str, upper: str, message: str | None) -> None:
+    text = robot(turns(f'lower="{lower}" upper="{upper}" effort="1" velocity="1"', kind=kind))
+    assert [f.message_id for f in found(tmp_path, text, "JNT008")] == ([message] if message else [])
+
+
+@pytest.mark.parametrize(
+    ("angle", "degrees"),
+    [
+        ("90", True),
+        ("-45", True),
+        ("22.5", True),
+        ("6.2831853", False),
+        ("6.2", False),
+        ("7.85", False),
+        ("-9.42478", False),
+        ("1e6", False),
+    ],
+)
+def test_an_angle_beyond_a_turn_is_degrees_unless_it_is_a_sum(tmp_path: Path, angle: str, degrees: bool) -> None:
+    text = robot(joint(f'<origin rpy="0 {angle} 0"/>', "fixed"))
+    assert bool(found(tmp_path, text, "JNT012")) == degrees
+
+
+def test_all_angles_of_an_origin_are_in_the_same_unit(tmp_path: Path) -> None:
+    text = robot(joint('<origin rpy="0 90 -5"/>', "fixed"), joint('<origin rpy="0 1 0"/>', "fixed", "k", "c"))
+    (finding,) = found(tmp_path, text, "JNT012")
+    assert finding.subjects == ("joint[j]/origin@rpy",)
+    assert finding.fix is not None
+    assert [(e.expected, float(e.replacement)) for e in finding.fix.edits] == [
+        ("90", math.radians(90)),
+        ("-5", math.radians(-5)),
+    ]
+
+
+def test_an_origin_that_a_macro_makes_twice_is_mended_once(tmp_path: Path) -> None:
+    made = joint('<origin rpy="0 90 0"/>', "fixed", "${n}", "${c}")
+    text = robot(
+        f'<xacro:macro name="m" params="n c">{made}</xacro:macro><xacro:m n="j" c="b"/><xacro:m n="k" c="c"/>'
+    ).replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ')
+    (finding,) = found(tmp_path, text, "JNT012", "robot.xacro")
+    assert finding.subjects == ("joint[j]/origin@rpy", "joint[k]/origin@rpy")
+    assert finding.fix is not None
+    assert [edit.replacement for edit in finding.fix.edits] == ["${radians(90)}"]
+
+
+@pytest.mark.parametrize(
+    ("soft", "kind", "messages"),
+    [
+        ('soft_lower_limit="-0.9" soft_upper_limit="0.9" k_velocity="1"', "revolute", []),
+        ('soft_lower_limit="-1.0000001" soft_upper_limit="1" k_velocity="1"', "revolute", []),
+        ('soft_lower_limit="-1.1" soft_upper_limit="0.9" k_velocity="1"', "revolute", ["outside"]),
+        ('soft_lower_limit="0.5" k_velocity="1"', "revolute", ["locked"]),
+        ('soft_lower_limit="2" soft_upper_limit="3" k_velocity="1"', "revolute", ["locked"]),
+        ('k_velocity="1"', "prismatic", ["absent"]),
+        ('k_velocity="1"', "continuous", []),
+        ('soft_lower_limit="-0.9" soft_upper_limit="0.9"', "revolute", ["gain"]),
+        ('soft_lower_limit="-0.9" soft_upper_limit="0.9" k_vel="1"', "revolute", ["gain"]),
+        ('soft_lower_limit="-0.9" soft_upper_limit="0.9" k_velocty="1"', "revolute", []),  # XML004
+        ('soft_lower_limit="a" soft_upper_limit="0.9" k_velocity="1"', "revolute", []),  # XML007
+    ],
+)
+def test_soft_limits(tmp_path: Path, soft: str, kind: str, messages: list[str]) -> None:
+    text = robot(joint(f"{LIMIT}<safety_controller {soft}/>", kind))
+    assert [f.message_id for f in found(tmp_path, text, "JNT010")] == messages
+
+
+def test_a_soft_limit_outside_is_pulled_in_on_its_side(tmp_path: Path) -> None:
+    safety = '<safety_controller soft_lower_limit="-3" soft_upper_limit="0.9" k_velocity="1"/>'
+    (finding,) = found(tmp_path, robot(joint(LIMIT + safety)), "JNT010")
+    assert finding.fix is not None
+    assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("-3", "-1")]
+
+
+def test_all_joints_without_an_axis_are_one_finding(tmp_path: Path) -> None:
+    text = robot(joint(kind="continuous"), joint(LIMIT, "prismatic", "k", "c"), joint(kind="fixed", name="l"))
+    (finding,) = found(tmp_path, text, "JNT003")
+    assert finding.subjects == ("joint[j]", "joint[k]")
+
+
+@pytest.mark.parametrize(
+    ("dynamics", "kind", "messages"),
+    [
+        ('damping="-0.1" friction="-1"', "continuous", ["damping", "friction"]),
+        ('damping="0" friction="-0.0"', "continuous", []),
+        ('damping="-0.1"', "fixed", []),
+    ],
+)
+def test_negative_dynamics(tmp_path: Path, dynamics: str, kind: str, messages: list[str]) -> None:
+    findings = found(tmp_path, robot(joint(f"<dynamics {dynamics}/>", kind)), "JNT011")
+    assert [f.message_id for f in findings] == messages
+    assert all(f.fix is not None and f.fix.edits[0].replacement == f.fix.edits[0].expected[1:] for f in findings)
+
+
+@pytest.mark.parametrize(
+    ("edge", "kind", "outside"),
+    [
+        ('rising="1"', "revolute", False),
+        ('falling="-1.01"', "revolute", True),
+        ('rising="9"', "continuous", False),
+        ('rising="0" falling="2"', "prismatic", True),
+    ],
+)
+def test_a_calibration_edge_lies_within_the_limits(tmp_path: Path, edge: str, kind: str, outside: bool) -> None:
+    text = robot(joint(f"{LIMIT}<calibration {edge}/>", kind))
+    assert bool(found(tmp_path, text, "JNT017")) == outside
+
+
+def test_residue_of_an_export_is_set_to_zero_without_asking(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, robot(joint('<origin xyz="1e-18 0 1"/>', "fixed")), "JNT014")
+    assert finding.fix is not None
+    assert finding.fix.applicability is Applicability.SAFE
+
+
+@pytest.mark.parametrize(
+    "attributes", ['lower="-1" upper="1" efort="1" velocity="1"', 'lwer="-1" effort="1" velocity="1"']
+)
+def test_a_misspelt_limit_is_not_told_again_as_a_missing_one(tmp_path: Path, attributes: str) -> None:
+    run = check_text(tmp_path, robot(joint(f"<limit {attributes}/>")), codes={"JNT004", "JNT007", "XML004", "XML005"})
+    assert [f.code for f in run.findings] == ["XML004"]

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from conftest import check_text
 
-from urdfcheck.core import Run, Unavailable
+from urdfcheck.core import Run, Severity, Unavailable
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.tree import Tree
 from urdfcheck.source.xml import SourceFile, parse
@@ -199,3 +199,94 @@ class TestKIN008:
         assert codes(run) == []
         run = check_text(tmp_path, robot("a b c", "a b"), codes={"KIN008"})
         assert [s.code for s in run.skipped] == ["KIN008"]
+
+
+MASS = '<inertial><mass value="{}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+
+
+def typed(attribute: str) -> str:
+    joint = f'<joint name="j" {attribute}><parent link="a"/><child link="b"/></joint>'
+    return f'<robot name="r"><link name="a"/><link name="b"/>{joint}</robot>'
+
+
+@pytest.mark.parametrize(
+    ("attribute", "message", "written"),
+    [
+        ('type="Revolute"', "misspelt", "revolute"),
+        ('type="contineous"', "misspelt", "continuous"),
+        ('type="hinge"', "misspelt", "revolute"),
+        ('type="fixed "', "misspelt", "fixed"),
+        ('type="ball"', "sdf", None),
+        ('type="wobbly"', "unknown", None),
+        ('type=""', "unknown", None),
+        ("", "missing", None),
+    ],
+)
+def test_a_type_that_there_is_not(tmp_path: Path, attribute: str, message: str, written: str | None) -> None:
+    (finding,) = check_text(tmp_path, typed(attribute), codes={"KIN009"}).findings
+    assert (finding.message_id, finding.severity) == (message, Severity.ERROR)
+    assert finding.fix is not None
+    assert [edit.replacement for edit in finding.fix.edits] == ([written] if written else [])
+
+
+def test_a_misspelt_attribute_is_not_a_missing_type(tmp_path: Path) -> None:
+    run = check_text(tmp_path, typed('tpye="fixed"'), codes={"KIN009", "XML004", "XML005"})
+    assert codes(run) == ["XML004"]
+    assert run.findings[0].severity == Severity.ERROR
+
+
+@pytest.mark.parametrize(
+    ("target", "kind", "severity"),
+    [
+        ((), "floating", Severity.INFO),
+        (("mujoco",), "floating", Severity.INFO),
+        (("gazebo",), "floating", Severity.ERROR),
+        (("bullet",), "floating", Severity.WARNING),
+        (("bullet",), "planar", Severity.INFO),
+        (("kdl",), "planar", Severity.WARNING),
+    ],
+)
+def test_a_joint_that_a_target_loses(tmp_path: Path, target: tuple[str, ...], kind: str, severity: Severity) -> None:
+    (finding,) = check_text(tmp_path, typed(f'type="{kind}"'), codes={"KIN009"}, targets=target).findings
+    assert (finding.message_id, finding.severity) == (kind, severity)
+
+
+def moving(root: str, base: str, extra: str = "", kind: str = "continuous") -> str:
+    """A root link with this inertial, and ``base`` on a joint of this kind."""
+    joint = f'<joint name="j" type="{kind}"><parent link="{root}"/><child link="arm"/></joint>'
+    return f'<robot name="r"><link name="{root}">{base}</link><link name="arm">{MASS.format(1)}</link>{joint}{extra}</robot>'
+
+
+PRESERVED = '<gazebo reference="j"><{}>{}</{}></gazebo>'
+
+
+@pytest.mark.parametrize(
+    ("text", "vanishes"),
+    [
+        (moving("base", ""), True),
+        (moving("base", MASS.format("0").replace('="1"', '="0"')), True),
+        (moving("base", MASS.format("0")), False),  # INR002
+        (moving("base", MASS.format("-1")), False),  # INR002
+        (moving("base", MASS.format("1e-9")), True),
+        (moving("base", MASS.format("1e-3")), False),
+        (moving("base", MASS.format("a")), False),
+        (moving("base", "", kind="fixed"), False),
+        (moving("base", "", PRESERVED.format(*["preserveFixedJoint", "true", "preserveFixedJoint"]), "fixed"), True),
+        (moving("base", "", PRESERVED.format(*["preserveFixedJoint", "false", "preserveFixedJoint"]), "fixed"), False),
+        (moving("world", ""), False),
+    ],
+)
+def test_a_root_without_mass_takes_the_whole_model_with_it(tmp_path: Path, text: str, vanishes: bool) -> None:
+    assert codes(check_text(tmp_path, text, codes={"KIN010"})) == (["KIN010"] if vanishes else [])
+
+
+def test_an_empty_model_is_an_error_where_gazebo_is_the_target(tmp_path: Path) -> None:
+    (finding,) = check_text(tmp_path, moving("base", ""), codes={"KIN010"}, targets=("gazebo",)).findings
+    assert finding.severity == Severity.ERROR
+
+
+def test_a_description_without_any_inertial_is_told_once(tmp_path: Path) -> None:
+    moving_parts = robot("a b", "a b").replace("fixed", "continuous")
+    assert codes(check_text(tmp_path, moving_parts, codes={"KIN010", "INR001"})) == ["INR001"]
+    (finding,) = check_text(tmp_path, robot("a b", "a b"), codes={"KIN010", "INR001"}).findings
+    assert (finding.code, finding.severity) == ("KIN010", Severity.INFO)

@@ -51,7 +51,7 @@ def load(path: str) -> str:
     ("body", "message"),
     [
         (load("$(find car)/urdf/cra.urdf"), "file"),
-        (load("$(find cart)/urdf/car.urdf"), "package"),
+        (load("$(find no_such_cart)/urdf/car.urdf"), "package"),
         (load("$(arg model)"), "argument"),
         ('<arg name="a" default="$(arg b)"/><arg name="b" default="$(arg a)"/>' + load("$(arg a)"), "circle"),
         ('<arg name="model"/>' + load("$(arg model)"), "unknown"),
@@ -103,9 +103,61 @@ def test_a_python_launch_file(tmp_path: Path, code: str, message: str | None, se
     findings = only(check(path))
     lch = [(f.message_id, f.severity) for f in findings if f.code == "LCH001"]
     assert lch == ([] if message is None else [(message, severity)])
-    assert not [
-        f for f in findings if f.location.span is not None and f.code != "LCH001" and "launch" in f.location.span.file
-    ]
+    others = [f.location.span for f in findings if f.code != "LCH001"]
+    assert not [span for span in others if span is not None and span.file.endswith(".launch.py")]
+
+
+INCLUDE = '<include file="{}"/>'
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        (INCLUDE.format("$(find car)/launch/arm.launch"), "include-file"),
+        (INCLUDE.format("$(dirname)/arm.launch"), "include-file"),
+        (INCLUDE.format("$(find car)/launch/$(arg name).launch"), "include-argument"),
+        ('<arg name="name"/>' + INCLUDE.format("$(find car)/launch/$(arg name).launch"), None),
+        ('<arg name="name" default="arm"/>' + INCLUDE.format("$(dirname)/$(arg name).launch"), "include-file"),
+        (INCLUDE.format("$(find gazebo_ros)/launch/empty_world.launch"), None),  # whether it is declared is PKG007's
+        (INCLUDE.format("launch/arm.launch"), None),  # from wherever it is launched
+        (f'<group if="false">{INCLUDE.format("$(dirname)/arm.launch")}</group>', None),
+        (f'<group if="$(eval 1 > 0)">{INCLUDE.format("$(dirname)/arm.launch")}</group>', None),
+        (INCLUDE.format("$(find car)/launch/car.launch"), "include-circle"),
+        ('<include if="$(eval 1 > 0)" file="$(find car)/launch/car.launch"/>', None),
+        ('<include file="$(dirname)/car.launch"><arg name="n" value="1"/></include>', "include-circle"),
+    ],
+)
+def test_why_an_include_leads_nowhere(tmp_path: Path, body: str, message: str | None) -> None:
+    assert [f.message_id for f in package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
+
+
+def test_an_include_of_ros_2_may_be_put_there_by_the_build(tmp_path: Path) -> None:
+    body = INCLUDE.format("$(find-pkg-share car)/launch/arm.launch.xml")
+    (finding,) = package(tmp_path, body, "LCH001")
+    assert (finding.message_id, finding.severity) == ("include-file", Severity.ERROR)
+    (tmp_path / "car" / "CMakeLists.txt").write_text("install(FILES arm.launch.xml DESTINATION launch)")
+    assert not package(tmp_path, body, "LCH001")
+
+
+def test_a_circle_through_another_file_closes_in_that_one(tmp_path: Path) -> None:
+    (tmp_path / "car" / "launch").mkdir(parents=True)
+    other = tmp_path / "car" / "launch" / "other.launch"
+    other.write_text(f"<launch>{INCLUDE.format('$(dirname)/car.launch')}</launch>", encoding="utf-8")
+    (finding,) = package(tmp_path, INCLUDE.format("$(dirname)/other.launch"), "LCH001")
+    assert finding.location.span is not None
+    assert Path(finding.location.span.file).name == "other.launch"
+
+
+@pytest.mark.parametrize(
+    ("name", "found"), [("arm.launch.py", True), ("car.launch", False), ("made.launch.py", False), ("arm.rviz", False)]
+)
+def test_a_python_launch_file_includes_another(tmp_path: Path, name: str, found: bool) -> None:
+    package(tmp_path, "", "LCH001")
+    (tmp_path / "car" / "launch" / "made.launch.py.in").write_text("", encoding="utf-8")
+    path = tmp_path / "car" / "launch" / "all.launch.py"
+    path.write_text(f"d = get_package_share_directory('car')\nI(join(d, 'launch', '{name}'))", encoding="utf-8")
+    findings = only(check(path, codes={"LCH001"}))
+    assert [(f.message_id, f.severity) for f in findings] == ([("include-file", Severity.WARNING)] if found else [])
 
 
 def test_the_path_itself_is_pointed_at_and_a_similar_file_named(tmp_path: Path) -> None:
@@ -176,6 +228,9 @@ def test_the_repair_says_what_to_write(tmp_path: Path, args: str, title: str) ->
     [
         ('<node name="n" pkg="robot_state_publisher" type="state_publisher"/>', ["robot_state_publisher"]),
         ('<node pkg="tf" exec="static_transform_publisher"/>', ["tf2_ros"]),
+        ('<node pkg="tf" exec="static_transform_publisher" args="0 0 0 0 0 0 a b"/>', ["tf2_ros"]),
+        ('<node pkg="tf" exec="static_transform_publisher" args="0 0 0 0 0 0 a b 40"/>', []),
+        ('<node pkg="gazebo_ros" exec="spawn_model"/>', []),
         ('<node name="n" pkg="tf" type="static_transform_publisher"/>', []),
         ('<node pkg="rviz" exec="rviz"/>', ["rviz2", "rviz2"]),
     ],
@@ -209,6 +264,37 @@ def test_the_old_xacro_script(tmp_path: Path) -> None:
 )
 def test_arguments(tmp_path: Path, body: str, messages: list[str]) -> None:
     assert [f.message_id for f in found(tmp_path, body, "LCH004")] == messages
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ('<arg name="x" default="1"/><arg name="x" default="2"/>', "ros1"),
+        ('<arg name="x" default="1"/><group><arg name="x" default="2"/></group>', "ros1"),
+        ('<group><arg name="x" default="1"/></group><group><arg name="x" default="2"/></group>', None),
+        ('<arg name="x" default="1"/><include file="f"><arg name="x" value="2"/></include>', None),
+        ('<include file="f"><arg name="x" value="2"/><arg name="x" value="3"/></include>', "ros1"),
+        ('<arg name="x" if="$(arg y)" default="1"/><arg name="x" unless="$(arg y)" default="2"/>', None),
+        ('<node pkg="p" exec="n"/><arg name="x" default="1"/><arg name="x" default="2"/>', "ros2"),
+        ('<node pkg="p" exec="n"/><arg name="x" default="1"/><group><arg name="x" default="2"/></group>', None),
+        (
+            '<node pkg="p" exec="n"/><include file="f"><arg name="x" value="2"/><arg name="x" value="3"/></include>',
+            "handed",
+        ),
+        ("<arg/><arg/>", None),
+    ],
+)
+def test_an_argument_is_declared_once_in_its_scope(tmp_path: Path, body: str, message: str | None) -> None:
+    findings = found(tmp_path, body, "LCH006")
+    assert [f.message_id for f in findings] == ([] if message is None else [message])
+    assert all((f.severity == Severity.ERROR) == (f.message_id == "ros1") for f in findings)
+
+
+def test_only_a_declaration_that_says_the_same_is_deleted(tmp_path: Path) -> None:
+    for value, expected in (("1", ['<arg name="x" default="1"/>']), ("2", [])):
+        (finding,) = found(tmp_path, f'<arg name="x" default="1"/><arg name="x" default="{value}"/>', "LCH006")
+        assert finding.fix is not None
+        assert [e.expected for e in finding.fix.edits] == expected
 
 
 @pytest.mark.parametrize(("node", "read"), [('type="n"', "$(arg x)"), ('exec="n"', "$(var x)")])
@@ -303,7 +389,7 @@ def test_without_the_meshes_only_the_direction_is_known(tmp_path: Path) -> None:
 
 def test_the_launch_file_of_the_first_car() -> None:
     """Everything that is wrong with it, at its line."""
-    codes = {"LCH001", "LCH002", "LCH003", "LCH004", "LCH005", "LCH007"}
+    codes = {"LCH001", "LCH002", "LCH003", "LCH004", "LCH005", "LCH006", "LCH007"}
     run = check(FIXTURES / "car-3" / "launch" / "car.launch", codes=codes)
     lines = {(f.location.span.line, f.code, f.severity) for f in only(run) if f.location.span is not None}
     assert lines == {

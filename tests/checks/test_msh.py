@@ -174,6 +174,17 @@ def test_an_open_mesh_matters_where_it_collides(tmp_path: Path) -> None:
     assert drawn.severity == Severity.INFO
 
 
+def test_all_open_collision_meshes_of_a_robot_are_one_finding(tmp_path: Path) -> None:
+    tmp_path.mkdir(exist_ok=True)
+    (tmp_path / "other.obj").write_text(OPEN.replace("v 1 ", "v 2 "))
+    (finding,) = found(tmp_path, "MSH002", OPEN, shape("collision"), shape("collision", "other.obj"))
+    assert finding.subjects == tuple(f"link[l{i}]/collision/geometry/mesh@filename" for i in range(2))
+    assert finding.message.startswith(
+        "2 collision meshes are open along 6 edges, part.obj (3), other.obj (3), in 2 places"
+    )
+    assert "in the frame of other.obj" in finding.message
+
+
 def test_the_hole_is_measured_in_metres(tmp_path: Path) -> None:
     (finding,) = found(tmp_path, "MSH002", OPEN, shape("collision", scale="0.1 0.1 0.1"))
     (loop,) = finding.data["loops"]
@@ -434,8 +445,11 @@ def test_which_program_loads_what(tmp_path: Path, name: str, content: str | byte
     assert {f.message_id for f in findings} == refused
 
 
-def test_without_a_target_every_format_will_do(tmp_path: Path) -> None:
-    assert not found(tmp_path, "MSH011", OFF, shape("collision", "part.off"), name="part.off")
+def test_without_a_target_it_is_one_info_that_names_who_cannot(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "MSH011", OFF, shape("collision", "part.off"), name="part.off")
+    assert finding.severity is Severity.INFO
+    assert finding.message.startswith("MuJoCo, Drake, PyBullet, Gazebo cannot load")
+    assert set(finding.consequences) == {"mujoco", "drake", "bullet", "gazebo"}
 
 
 @pytest.mark.parametrize(("setting", "reported"), [("", False), ('<compiler discardvisual="false"/>', True)])

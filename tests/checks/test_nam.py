@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from conftest import check, check_text
 
-from urdfcheck.core import Severity
+from urdfcheck.core import Finding, Severity
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 
@@ -88,3 +89,210 @@ class TestNAM003:
     def test_misspelt(self, tmp_path: Path, name: str, file: str, found: bool) -> None:
         run = check_text(tmp_path, f'<robot name="{name}"><link name="a"/></robot>', f"{file}.urdf", codes={"NAM003"})
         assert bool(run.findings) == found
+
+
+def found(folder: Path, body: str, code: str) -> tuple[Finding, ...]:
+    run = check_text(folder, f'<robot name="r">{body}</robot>', codes={code})
+    assert not run.failures
+    return run.findings
+
+
+def links(*names: str) -> str:
+    return "".join(f'<link name="{name}"/>' for name in names)
+
+
+def joint(name: str, parent: str, child: str, origin: str = "", type_: str = "fixed") -> str:
+    return f'<joint name="{name}" type="{type_}"><parent link="{parent}"/><child link="{child}"/><origin {origin}/></joint>'
+
+
+class TestNAM002:
+    LOWER = ("chassis_link", "left_wheel", "right_wheel", "rear_caster", "imu_mount")
+
+    @pytest.mark.parametrize(
+        ("names", "odd"),
+        [
+            ((*LOWER, "Laser_link"), ["Laser_link"]),
+            ((*LOWER, "laserLink"), ["laserLink"]),
+            ((*LOWER[:4], "Laser_link"), []),  # four names are no style yet
+            ((*LOWER, "Laser_link", "Front_laser"), []),  # five of seven are no clear majority
+            ((*LOWER, "base_link", "laser-2", "mast"), []),
+            (("chassisLink", "leftWheel", "rightWheel", "rearCaster", "imuMount", "laser_link"), ["laser_link"]),
+            (("chassisLink", "leftWheel", "rightWheel", "rearCaster", "imuMount", "base_link", "torso"), []),
+            (
+                ("FL_HAA", "FR_HAA", "HL_HAA", "HR_HAA", "FL_KFE", "base_inertia"),
+                [],
+            ),  # capitals are no style to keep to
+        ],
+    )
+    def test_the_style_of_almost_all_names(self, tmp_path: Path, names: tuple[str, ...], odd: list[str]) -> None:
+        findings = found(tmp_path, links(*names), "NAM002")
+        assert [f.subjects for f in findings] == ([tuple(f"link[{name}]@name" for name in odd)] if odd else [])
+
+    def test_one_finding_for_links_and_joints(self, tmp_path: Path) -> None:
+        joints = "".join(joint(f"{name}_mount", "base_link", name) for name in (*self.LOWER, "Laser_link"))
+        (finding,) = found(tmp_path, links("base_link", *self.LOWER, "Laser_link") + joints, "NAM002")
+        assert "Laser_link, Laser_link_mount" in finding.message
+
+
+class TestNAM004:
+    OPTICAL = 'rpy="-1.5707963267948966 0 -1.5707963267948966"'
+
+    @pytest.mark.parametrize(
+        ("parent", "origin", "message"),
+        [
+            ("camera_link", OPTICAL, None),
+            ("camera_link", 'rpy="-1.57 0 -1.57"', None),
+            ("camera_link", 'rpy="-1.59 0 -1.57"', None),  # calibrated
+            ("camera_link", 'quat_xyzw="-0.5 0.5 -0.5 0.5"', None),
+            ("camera_link", "", "optical-unturned"),
+            ("camera_link", 'rpy="1.5707963 0 -1.5707963"', "optical"),
+            ("camera_frame", 'rpy="-1.5707963 0 0"', "optical"),
+            ("head", 'rpy="0.3 0 0"', None),  # how the camera is mounted
+            ("rear_camera_link", "", None),
+            ("camera_depth_optical_frame", "", None),
+        ],
+    )
+    def test_optical_frames(self, tmp_path: Path, parent: str, origin: str, message: str | None) -> None:
+        body = links(parent, "camera_optical_frame") + joint("j", parent, "camera_optical_frame", origin)
+        assert [f.message_id for f in found(tmp_path, body, "NAM004")] == ([] if message is None else [message])
+
+    def test_where_a_wrong_one_looks_and_what_to_write(self, tmp_path: Path) -> None:
+        """x forward turned by +90° about x and -90° about z: z points back, y up."""
+        body = links("camera_link", "camera_optical") + joint(
+            "j", "camera_link", "camera_optical", 'rpy="1.5708 0 -1.5708"'
+        )
+        (finding,) = found(tmp_path, body, "NAM004")
+        assert "looks back, with the top of the picture down" in finding.message
+        assert finding.fix is not None
+        assert [e.expected for e in finding.fix.edits] == ["1.5708 0 -1.5708"]
+
+    @pytest.mark.parametrize(
+        ("chain", "message"),
+        [
+            (("base_link", "base_footprint"), "footprint"),
+            (("base_link", "leg", "base_footprint"), "footprint"),
+            (("base_footprint", "base_link"), None),
+            (("world", "odom", "base_footprint", "base_link"), None),
+            (("pedestal", "base_link"), "base"),
+            (("pedestal", "arm_base_link"), None),
+        ],
+    )
+    def test_the_base(self, tmp_path: Path, chain: tuple[str, ...], message: str | None) -> None:
+        joints = "".join(joint(f"j{i}", a, b) for i, (a, b) in enumerate(pairwise(chain)))
+        findings = found(tmp_path, links(*chain) + joints, "NAM004")
+        assert [f.message_id for f in findings] == ([] if message is None else [message])
+
+    @pytest.mark.parametrize(
+        ("rpy", "right"),
+        [
+            ("1.5707963 0 1.5707963", True),  # Universal Robots
+            ("0 1.5707963 0", True),  # KUKA
+            ("3.1415927 -1.5707963 0", True),  # Fanuc
+            ("0 0 0", False),
+            ("0 -1.5707963 0", False),
+        ],
+    )
+    def test_tool0_points_away_from_the_flange(self, tmp_path: Path, rpy: str, right: bool) -> None:
+        body = links("flange", "tool0") + joint("j", "flange", "tool0", f'rpy="{rpy}"')
+        assert bool(found(tmp_path, body, "NAM004")) != right
+
+
+class TestNAM005:
+    @staticmethod
+    def robot(*pairs: tuple[str, str, float], type_: str = "continuous", rpy: str = "0 0 0") -> str:
+        """Pairs of links beside a base, the first of each ``y`` to the left of the second."""
+        body = links("base_link", *(name for pair in pairs for name in pair[:2]))
+        for left, right, y in pairs:
+            body += joint(f"j_{left}", "base_link", left, f'xyz="0 {y / 2} 0" rpy="{rpy}"', type_)
+            body += joint(f"j_{right}", "base_link", right, f'xyz="0 {-y / 2} 0" rpy="{rpy}"', type_)
+        return body
+
+    USUAL = (("left_wheel", "right_wheel", 0.4), ("l_arm", "r_arm", 0.3))
+
+    @pytest.mark.parametrize(
+        ("pair", "wrong"),
+        [
+            (("left_lidar", "right_lidar", -0.2), True),
+            (("LeftEye", "RightEye", -0.2), True),
+            (("foot_fl", "foot_fr", -0.2), True),
+            (("LShoulder", "RShoulder", -0.2), True),
+            (("left_lidar", "right_lidar", 0.2), False),
+            (("left_lidar", "right_lidar", -0.005), False),  # not apart
+            (("left_lidar", "rear_lidar", -0.2), False),
+        ],
+    )
+    def test_the_majority_tells_which_side_is_left(
+        self, tmp_path: Path, pair: tuple[str, str, float], wrong: bool
+    ) -> None:
+        findings = found(tmp_path, self.robot(*self.USUAL, pair), "NAM005")
+        assert [f.subjects for f in findings] == ([(f"link[{pair[0]}]", f"link[{pair[1]}]")] if wrong else [])
+
+    def test_a_base_that_is_turned_round_is_no_finding(self, tmp_path: Path) -> None:
+        pairs = [(left, right, -y) for left, right, y in self.USUAL]
+        assert not found(tmp_path, self.robot(*pairs, ("left_lidar", "right_lidar", -0.2)), "NAM005")
+        assert found(tmp_path, self.robot(*pairs, ("left_lidar", "right_lidar", 0.2)), "NAM005")
+
+    def test_one_against_one_decides_nothing(self, tmp_path: Path) -> None:
+        assert not found(tmp_path, self.robot(self.USUAL[0], ("left_lidar", "right_lidar", -0.2)), "NAM005")
+
+    @pytest.mark.parametrize(("type_", "rpy"), [("prismatic", "0 0 0"), ("fixed", "0 0 3.14159")])
+    def test_fingers_and_rear_cameras_have_a_left_of_their_own(self, tmp_path: Path, type_: str, rpy: str) -> None:
+        body = self.robot(*self.USUAL) + links("left_part", "right_part")
+        body += joint("a", "base_link", "left_part", f'xyz="0 -0.1 0" rpy="{rpy}"', type_)
+        body += joint("b", "base_link", "right_part", f'xyz="0 0.1 0" rpy="{rpy}"', type_)
+        assert not found(tmp_path, body, "NAM005")
+
+    def test_a_limb_counts_once(self, tmp_path: Path) -> None:
+        """Two pairs of three links each, and one of them is wrong: nobody can tell which."""
+        body = self.robot(("left_arm", "right_arm", 0.4), ("left_leg", "right_leg", -0.4))
+        for side in ("left", "right"):
+            body += links(f"{side}_hand", f"{side}_finger")
+            body += joint(f"h_{side}", f"{side}_arm", f"{side}_hand") + joint(
+                f"f_{side}", f"{side}_hand", f"{side}_finger"
+            )
+        assert not found(tmp_path, body, "NAM005")
+
+    def test_a_name_without_end(self, tmp_path: Path) -> None:
+        assert not found(
+            tmp_path, self.robot(*self.USUAL) + links("l_" * 20_000) + joint("j", "l_arm", "l_" * 20_000), "NAM005"
+        )
+
+
+class TestNAM006:
+    def test_all_spellings_of_a_name_are_one_finding(self, tmp_path: Path) -> None:
+        (finding,) = found(tmp_path, links("wheel", "Wheel", "WHEEL", "arm"), "NAM006")
+        assert "'Wheel' and 'WHEEL'" in finding.message
+
+    def test_a_link_and_a_joint_are_never_confused(self, tmp_path: Path) -> None:
+        assert not found(tmp_path, links("base", "wheel") + joint("Wheel", "base", "wheel"), "NAM006")
+
+
+class TestNAM007:
+    @pytest.mark.parametrize(
+        ("name", "parent", "child", "message"),
+        [
+            ("base_to_arm", "base", "arm", None),
+            ("arm_to_base", "base", "arm", "reversed"),
+            ("arm_link_to_base_link_joint", "base_link", "arm_link", "reversed"),
+            ("wheel_2_to_wheel_1", "wheel_1", "wheel_2", "reversed"),
+            ("base_to_mast", "base", "arm", None),  # an older name, but of whom?
+            ("arm_link", "base", "arm", "link-as-joint"),
+            ("base_to_arm_link", "base", "arm_link", None),
+            ("arm_joint_link", "base", "arm", None),
+            ("link", "base", "arm", None),
+        ],
+    )
+    def test_one_name(self, tmp_path: Path, name: str, parent: str, child: str, message: str | None) -> None:
+        findings = found(tmp_path, links(parent, child) + joint(name, parent, child), "NAM007")
+        assert [f.message_id for f in findings] == ([] if message is None else [message])
+
+    @pytest.mark.parametrize(
+        ("name", "wrong"),
+        [("wheel_4_joint", False), ("wheel_5_joint", False), ("wheel_3_joint", True), ("mast_joint", False)],
+    )
+    def test_another_wheel(self, tmp_path: Path, name: str, wrong: bool) -> None:
+        wheels = [f"wheel_{i}" for i in range(1, 5)]
+        body = links("base", "mast", *wheels) + joint("m", "base", "mast")
+        body += "".join(joint(f"{wheel}_axle_joint", "base", wheel) for wheel in wheels[:3]).replace("_axle", "")
+        findings = found(tmp_path, body + joint(name, "base", "wheel_4"), "NAM007")
+        assert [f.message_id for f in findings] == (["other"] if wrong else [])

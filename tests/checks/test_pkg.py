@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,12 @@ from conftest import check
 from urdfcheck.core import Applicability, Finding, Run, Severity
 
 CODES = {"PKG001", "PKG002", "PKG003", "PKG004"}
+
+
+@pytest.fixture(autouse=True)
+def _repository(tmp_path: Path) -> None:
+    """Packages are looked for up to the repository: those of other tests are none of ours."""
+    (tmp_path / ".git").mkdir()
 
 
 def link(name: str, *filenames: str) -> str:
@@ -99,6 +106,20 @@ def test_visual_and_collision_of_one_missing_file_are_one_finding(tmp_path: Path
     model = package(tmp_path, "meshes/b.stl")
     finding = only(audit(model, link("a", "package://p/meshes/a.stl", "../meshes/a.stl"), link("b", "../meshes/b.stl")))
     assert (finding.code, finding.message_id, len(finding.related)) == ("PKG002", "file", 1)
+
+
+def test_a_path_that_was_put_together_leads_to_its_parts(tmp_path: Path) -> None:
+    model = package(tmp_path, "meshes/b.stl").with_suffix(".xacro")
+    model.with_name("m.yaml").write_text("arm:\n  mesh: ../meshes/a.stl\n", encoding="utf-8")
+    model.write_text(
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        '<xacro:property name="all" value="${xacro.load_yaml(\'m.yaml\')}"/>'
+        + link("a", "${all['arm']['mesh']}")
+        + "</robot>",
+        encoding="utf-8",
+    )
+    finding = only(check(model, codes=CODES))
+    assert [place.subject for place in finding.related] == ["property[all]", "yaml[arm.mesh]"]
 
 
 def test_missing_folder_is_one_finding(tmp_path: Path) -> None:
@@ -203,3 +224,394 @@ def test_package_names(tmp_path: Path, name: str, message: str | None, good: str
     found = audit(model, '<link name="a"/>', codes={"PKG006"}).findings
     assert [(f.message_id, f.data["good"]) for f in found] == ([(message, good)] if message else [])
     assert all(f.location.span is not None and f.location.span.line == 2 for f in found)
+
+
+# -- paths out of the package, and paths that only some systems read -------------------------------------------------------
+
+
+def write(folder: Path, files: Mapping[str, str]) -> Path:
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return folder
+
+
+def neighbour(folder: Path) -> None:
+    """A package ``q`` beside ``p``."""
+    write(folder, {"q/package.xml": "<package><name>q</name></package>", "q/meshes/b.stl": "", "loose/c.stl": ""})
+
+
+@pytest.mark.parametrize(
+    ("path", "message", "edit"),
+    [
+        ("package://p/../q/meshes/b.stl", "package", "package://q/meshes/b.stl"),
+        ("../../q/meshes/b.stl", "package", "package://q/meshes/b.stl"),
+        ("../../loose/c.stl", "nowhere", None),
+        ("package://p/meshes/../../p/meshes/a.stl", None, None),  # comes back
+        ("../meshes/a.stl", None, None),
+        ("package://p/../q/meshes/gone.stl", None, None),  # PKG002's
+    ],
+)
+def test_paths_that_lead_out_of_the_package(tmp_path: Path, path: str, message: str | None, edit: str | None) -> None:
+    model = package(tmp_path, "meshes/a.stl")
+    neighbour(tmp_path)
+    findings = audit(model, link("a", path), codes={"PKG005"}).findings
+    assert [f.message_id for f in findings] == ([message] if message else [])
+    for finding in findings:
+        assert finding.fix is not None
+        assert [e.replacement for e in finding.fix.edits] == ([edit] if edit else [])
+
+
+def test_paths_that_lead_to_one_place_are_one_finding(tmp_path: Path) -> None:
+    model = package(tmp_path, "meshes/a.stl")
+    neighbour(tmp_path)
+    (tmp_path / "q/meshes/d.stl").write_text("")
+    links = [link("a", "package://p/../q/meshes/b.stl", "../../q/meshes/d.stl"), link("b", "../../q/meshes/b.stl")]
+    finding = only(audit(model, *links, codes={"PKG005"}))
+    assert len(finding.related) == 2
+
+
+def test_include_that_leads_out_of_the_package(tmp_path: Path) -> None:
+    model = package(tmp_path)
+    neighbour(tmp_path)
+    head = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    write(tmp_path, {"q/a.xacro": f"{head}<link name='a'/></robot>"})
+    model = model.with_suffix(".urdf.xacro")
+    model.write_text(f'{head}<xacro:include filename="$(find p)/../q/a.xacro"/></robot>', encoding="utf-8")
+    finding = only(check(model, codes={"PKG005"}))
+    assert finding.fix is not None
+    assert [e.replacement for e in finding.fix.edits] == ["$(find q)/a.xacro"]
+
+
+@pytest.mark.parametrize(
+    ("path", "found", "edit"),
+    [
+        ("package://p\\meshes\\a.stl", ("PKG011", "backslash", Severity.ERROR), "package://p/meshes/a.stl"),
+        ("..\\meshes\\a.stl", ("PKG011", "backslash", Severity.ERROR), "../meshes/a.stl"),
+        (" package://p/meshes/a.stl ", ("PKG011", "blank", Severity.ERROR), "package://p/meshes/a.stl"),
+        ("package:/p/meshes/a.stl", ("PKG011", "slashes", Severity.ERROR), "package://p/meshes/a.stl"),
+        ("package:p/meshes/a.stl", ("PKG011", "slashes", Severity.ERROR), "package://p/meshes/a.stl"),
+        ("package://p/my meshes/a.stl", ("PKG011", "blank", Severity.WARNING), None),
+        ("package://p/meshes/größe.stl", ("PKG011", "letters", Severity.WARNING), None),
+        ("pakage://p/meshes/a.stl", ("PKG011", "scheme", Severity.WARNING), "package://p/meshes/a.stl"),
+        ("zip://p/meshes/a.stl", ("PKG011", "scheme", Severity.WARNING), None),
+        ("https://example.org/a.stl", ("PKG011", "remote", Severity.WARNING), None),
+        ("C:\\robots\\a.stl", ("PKG004", "unread", Severity.ERROR), None),
+        ("package://p/meshes/a-b_c.v2.stl", None, None),
+        ("model://p/meshes/a.stl", None, None),
+    ],
+)
+def test_spelling_of_paths(
+    tmp_path: Path, path: str, found: tuple[str, str, Severity] | None, edit: str | None
+) -> None:
+    names = ("meshes/a.stl", "meshes/größe.stl", "my meshes/a.stl", "meshes/a-b_c.v2.stl")
+    findings = audit(package(tmp_path, *names), link("a", path), codes={*CODES, "PKG011"}).findings
+    assert [(f.code, f.message_id, f.severity) for f in findings] == ([found] if found else [])
+    for finding in findings:
+        assert finding.fix is not None
+        assert [e.replacement for e in finding.fix.edits] == ([edit] if edit else [])
+
+
+@pytest.mark.parametrize("path", ["..\\gone.stl", "package://p\\gone.stl", "package://gone\\a.stl"])
+def test_backslashes_come_before_what_they_hide(tmp_path: Path, path: str) -> None:
+    finding = only(audit(package(tmp_path), link("a", path), codes={*CODES, "PKG011", "PKG012"}))
+    assert (finding.code, finding.severity) == ("PKG011", Severity.ERROR)
+    assert "the file is there" not in finding.message
+    assert finding.fix is not None
+    (edit,) = finding.fix.edits
+    finding = only(audit(tmp_path / "p/urdf/r.urdf", link("a", edit.replacement), codes={*CODES, "PKG011", "PKG012"}))
+    assert finding.code == ("PKG001" if "gone/" in edit.replacement else "PKG002")
+
+
+def test_files_of_one_folder_with_a_blank_are_one_finding(tmp_path: Path) -> None:
+    model = package(tmp_path, "my meshes/a.stl", "my meshes/b c.stl", "d e/f.stl")
+    links = [link("a", "../my meshes/a.stl", "../my meshes/b c.stl"), link("b", "../d e/f.stl")]
+    assert [len(f.data["files"]) for f in audit(model, *links, codes={"PKG011"}).findings] == [2, 1]
+
+
+# -- packages that are meant, and packages that are not here ---------------------------------------------------------------
+
+
+def test_the_one_package_that_has_the_files_is_meant(tmp_path: Path) -> None:
+    model = package(tmp_path, "meshes/a.stl", "meshes/b.stl")
+    finding = only(audit(model, link("a", "package://other/meshes/a.stl", "package://other/meshes/b.stl")))
+    assert finding.data["near"] == ["p"]
+    assert "did you mean p, which has these files?" in finding.message
+    assert finding.fix is not None
+    assert [e.replacement for e in finding.fix.edits] == ["package://p/meshes/a.stl", "package://p/meshes/b.stl"]
+
+
+def test_a_slash_too_many_is_taken_away_where_a_package_stands_behind_it(tmp_path: Path) -> None:
+    finding = only(audit(package(tmp_path, "meshes/a.stl"), link("a", "package:///p/meshes/a.stl")))
+    assert finding.message_id == "nameless"
+    assert finding.fix is not None
+    assert [e.replacement for e in finding.fix.edits] == ["package://p/meshes/a.stl"]
+    assert not finding.message.count("//p")
+
+
+def test_what_needs_meshes_that_are_not_installed_is_listed_as_skipped(tmp_path: Path) -> None:
+    model = package(tmp_path, depends="q")
+    run = audit(model, link("a", "package://q/a.stl", "package://q/b.stl"), codes={"PKG001", "MSH001", "KIN001"})
+    assert only(run).severity == Severity.INFO
+    assert [s.code for s in run.skipped if "2 meshes in package q" in s.reason] == ["MSH001"]
+    (tmp_path / "p/package.xml").write_text("<package><name>p</name></package>", encoding="utf-8")
+    run = audit(model, link("a", "package://q/a.stl", "package://q/b.stl"), codes={"PKG001", "MSH001"})
+    assert only(run).severity == Severity.ERROR
+    assert not run.skipped
+
+
+# -- dependencies ----------------------------------------------------------------------------------------------------------
+
+URDF = '<robot name="r"><link name="a"/></robot>'
+
+
+def manifest(*lines: str, name: str = "p", form: str = "3") -> str:
+    return "\n".join(
+        [f'<package format="{form}">', f"  <name>{name}</name>", *(f"  {x}" for x in lines), "</package>\n"]
+    )
+
+
+def findings(folder: Path, code: str) -> list[Finding]:
+    run = check(folder, codes={code})
+    assert not run.failures
+    return list(run.findings)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "told"),
+    [
+        ("launch/a.launch", '<launch><include file="$(find gone)/a.launch"/></launch>', True),
+        ("launch/a.launch.xml", '<launch><include file="$(find-pkg-share gone)/a.launch.xml"/></launch>', True),
+        ("launch/a.launch.py", "share = get_package_share_directory('gone')", True),
+        ("launch/a.launch.py", "FindPackageShare(package='gone')", True),
+        ("launch/a.launch.py", "# FindPackageShare('gone')", False),
+        ("launch/a.launch", '<launch><!-- <include file="$(find gone)/a.launch"/> --></launch>', False),
+        ("launch/a.launch", '<launch><include file="$(find p)/a.launch"/></launch>', False),
+        ("launch/a.launch", '<launch><include file="$(find $(arg robot))/a.launch"/></launch>', False),
+        ("urdf/b.urdf", '<robot name="b"><mesh filename="package://gone/a.stl"/></robot>', False),  # PKG001's
+        ("notes.md", "package://gone/a.stl", False),
+        ("inner/launch/a.launch", '<launch><include file="$(find gone)/a.launch"/></launch>', False),
+    ],
+)
+def test_where_a_dependency_is_named(tmp_path: Path, name: str, text: str, told: bool) -> None:
+    inner = {"inner/package.xml": manifest("<depend>gone</depend>", name="inner")} if name.startswith("inner") else {}
+    write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": URDF, name: text, **inner})
+    assert [f.data["names"] for f in findings(tmp_path, "PKG007")] == ([["gone"]] if told else [])
+
+
+@pytest.mark.parametrize(
+    ("lines", "uses", "told"),
+    [
+        (("<exec_depend>gone</exec_depend>",), "gone", False),
+        (("<test_depend>gone</test_depend>",), "gone", False),
+        (("<exec_depend>ros_gz</exec_depend>",), "ros_gz_sim", False),
+        (("<exec_depend>gazebo_ros_pkgs</exec_depend>",), "gazebo_ros", False),
+        (("<exec_depend>q</exec_depend>",), "gone", False),  # q depends on it
+        (("<exec_depend>ros_gz_sim</exec_depend>",), "ros_gz", True),
+    ],
+)
+def test_what_counts_as_declared(tmp_path: Path, lines: tuple[str, ...], uses: str, told: bool) -> None:
+    launch = f'<launch><include file="$(find {uses})/a.launch"/></launch>'
+    q = manifest("<depend>further</depend>", name="q")
+    further = manifest("<depend>gone</depend>", name="further")
+    files = {"q/package.xml": q, "further/package.xml": further, "p/package.xml": manifest(*lines)}
+    write(tmp_path, {**files, "p/urdf/r.urdf": URDF, "p/launch/a.launch": launch})
+    assert bool(findings(tmp_path, "PKG007")) == told
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        (
+            '<package format="3">\n\t<name>p</name>\n\t<exec_depend>a</exec_depend>\n\n\t<export/>\n</package>\n',
+            "\t<exec_depend>a</exec_depend>\n\t<exec_depend>gone</exec_depend>\n\n",
+        ),
+        (
+            '<package format="2">\n  <name>p</name>\n  <depend>a</depend>\n  <test_depend>b</test_depend>\n</package>\n',
+            "  <depend>a</depend>\n  <exec_depend>gone</exec_depend>\n",
+        ),
+        (
+            "<package>\r\n  <name>p</name>\r\n  <run_depend>a</run_depend>\r\n</package>\r\n",
+            "  <run_depend>a</run_depend>\r\n  <run_depend>gone</run_depend>\r\n",
+        ),
+        ('<package format="3"><name>p</name></package>', "<name>p</name>\n<exec_depend>gone</exec_depend></package>"),
+    ],
+)
+def test_missing_line_is_written_as_its_neighbours_are(tmp_path: Path, before: str, after: str) -> None:
+    launch = '<launch><include file="$(find gone)/a.launch"/></launch>'
+    write(tmp_path, {"urdf/r.urdf": URDF, "launch/a.launch": launch})
+    (tmp_path / "package.xml").write_bytes(before.encode())
+    (finding,) = findings(tmp_path, "PKG007")
+    assert finding.fix is not None
+    (edit,) = finding.fix.edits
+    text = before[: edit.span.start] + edit.replacement + before[edit.span.end :]
+    assert after in text
+    (tmp_path / "package.xml").write_bytes(text.encode())
+    assert not findings(tmp_path, "PKG007")
+
+
+# -- what is installed -----------------------------------------------------------------------------------------------------
+
+AMENT = "<export><build_type>ament_cmake</build_type></export>"
+MESH = link("a", "package://p/meshes/a.stl")
+
+
+@pytest.mark.parametrize(
+    ("cmake", "told"),
+    [
+        ("install(DIRECTORY urdf DESTINATION share/${PROJECT_NAME})", True),
+        ("# install(DIRECTORY meshes DESTINATION share/${PROJECT_NAME})", True),
+        ("set(unused meshes)", True),
+        ("find_package(meshes)", True),
+        ("install(DIRECTORY\n  urdf\n  meshes\n  DESTINATION share/${PROJECT_NAME}/\n)", False),
+        ("install(DIRECTORY meshes/visual DESTINATION share/${PROJECT_NAME}/meshes)", False),
+        ('install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/meshes" DESTINATION share/p)', False),
+        ("install(DIRECTORY parts/ DESTINATION share/${PROJECT_NAME}/meshes)", False),
+        ("install(FILES meshes/a.stl DESTINATION share/${PROJECT_NAME}/meshes)", False),
+        ("install(DIRECTORY . DESTINATION share/${PROJECT_NAME})", False),
+        ("set(D urdf meshes)\ninstall(DIRECTORY ${D} DESTINATION share/p)", False),
+        ("set(D urdf)\nlist(APPEND D meshes)\ninstall(DIRECTORY ${D} DESTINATION share/p)", False),
+        ("foreach(d IN ITEMS urdf meshes)\ninstall(DIRECTORY ${d}/ DESTINATION share/p/${d})\nendforeach()", False),
+        ("set(L meshes)\nforeach(d IN LISTS L)\ninstall(DIRECTORY ${d} DESTINATION share/p)\nendforeach()", False),
+        ("install(DIRECTORY ${FROM_ELSEWHERE} DESTINATION share/p)", False),
+        ("add_subdirectory(parts)", False),
+        ("ament_auto_package(INSTALL_TO_SHARE urdf meshes)", False),
+        ("ament_auto_package(INSTALL_TO_SHARE urdf)", True),
+        ("install_resources(meshes)", False),
+        ('message("install(DIRECTORY meshes', True),  # a text without its end
+    ],
+)
+def test_what_cmake_installs(tmp_path: Path, cmake: str, told: bool) -> None:
+    files = {"package.xml": manifest(AMENT), "urdf/r.urdf": f'<robot name="r">{MESH}</robot>', "meshes/a.stl": ""}
+    write(tmp_path, {**files, "CMakeLists.txt": f"project(p)\n{cmake}\nament_package()\n"})
+    assert [f.data["folders"] for f in findings(tmp_path, "PKG008")] == ([["meshes"]] if told else [])
+
+
+@pytest.mark.parametrize(
+    ("cmake", "after"),
+    [
+        ("install(DIRECTORY urdf DESTINATION share/${PROJECT_NAME})", "(DIRECTORY urdf meshes DESTINATION"),
+        ("install(DIRECTORY\n  urdf\n  DESTINATION share/p/\n)", "  urdf meshes\n  DESTINATION"),
+        ("ament_auto_package(INSTALL_TO_SHARE urdf)", "(INSTALL_TO_SHARE urdf meshes)"),
+        ("", "install(DIRECTORY meshes DESTINATION share/${PROJECT_NAME})\n\nament_package()"),
+    ],
+)
+def test_missing_folder_is_named_where_others_are(tmp_path: Path, cmake: str, after: str) -> None:
+    files = {"package.xml": manifest(AMENT), "urdf/r.urdf": f'<robot name="r">{MESH}</robot>', "meshes/a.stl": ""}
+    write(tmp_path, {**files, "CMakeLists.txt": (text := f"project(p)\n{cmake}\nament_package()\n")})
+    (finding,) = findings(tmp_path, "PKG008")
+    assert finding.fix is not None
+    (edit,) = finding.fix.edits
+    text = text[: edit.span.start] + edit.replacement + text[edit.span.end :]
+    assert after in text
+    (tmp_path / "CMakeLists.txt").write_text(text)
+    assert not findings(tmp_path, "PKG008")
+
+
+@pytest.mark.parametrize(
+    ("setup", "told"),
+    [
+        ("setup(data_files=[('share/p', ['package.xml'])])", True),
+        ("setup(data_files=[('share/p/meshes', glob('meshes/*'))])", False),
+        ("setup(data_files=[(os.path.join('share', name, 'meshes'), ['a.stl'])])", False),
+        ("setup(data_files=[(d, f) for d, f in files('.')])", False),
+        ("setup(data_files=all_of('**/*'))", False),
+        ("setup(data_files=", False),
+    ],
+)
+def test_what_setup_py_installs(tmp_path: Path, setup: str, told: bool) -> None:
+    export = "<export><build_type>ament_python</build_type></export>"
+    files = {"package.xml": manifest(export), "urdf/r.urdf": f'<robot name="r">{MESH}</robot>', "meshes/a.stl": ""}
+    write(tmp_path, {**files, "setup.py": f"import os\n{setup}\n"})
+    assert bool(findings(tmp_path, "PKG008")) == told
+
+
+@pytest.mark.parametrize(
+    ("python", "folders"),
+    [
+        ("os.path.join(get_package_share_directory('p'), 'urdf', 'r.urdf')", ["urdf"]),
+        ("PathJoinSubstitution([FindPackageShare('p'), 'urdf/r.urdf'])", ["urdf"]),
+        ("FindPackageShare(package='p').find('p') + '/urdf/r.urdf'", ["urdf"]),
+        ("share = get_package_share_path('p')\nmodel = share / 'urdf' / 'r.urdf'", ["urdf"]),
+        ("    share = FindPackageShare('p')\n    a = join(share, 'urdf/r.urdf'), join(share, 'config', f)", ["config", "urdf"]),
+        ("os.path.join(get_package_share_directory('p'), 'r.urdf')", []),
+        ("os.path.join(get_package_share_directory('p'), folder, 'urdf')", []),
+        ("os.path.join(get_package_share_directory('p'), 'nothing', 'r.urdf')", []),
+    ],
+)  # fmt: skip
+def test_folders_that_a_python_launch_file_looks_into(tmp_path: Path, python: str, folders: list[str]) -> None:
+    files = {
+        "package.xml": manifest(AMENT),
+        "CMakeLists.txt": "ament_package()",
+        "config/a.yaml": "",
+        "urdf/r.urdf": URDF,
+    }
+    write(tmp_path, {**files, "launch/a.launch.py": python})
+    assert [f.data["folders"] for f in findings(tmp_path, "PKG008")] == ([folders] if folders else [])
+
+
+def test_packages_of_ros_1_and_other_builds_are_left_alone(tmp_path: Path) -> None:
+    write(tmp_path, {"urdf/r.urdf": f'<robot name="r">{MESH}</robot>', "meshes/a.stl": "", "CMakeLists.txt": "x()"})
+    for export in ("<buildtool_depend>catkin</buildtool_depend>", AMENT.replace("ament_cmake", "cmake")):
+        write(tmp_path, {"package.xml": manifest(export)})
+        assert not findings(tmp_path, "PKG008")
+
+
+# -- meshes that nothing names ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "left"),
+    [
+        ("urdf/a.urdf", link("a", "package://p/meshes/b.stl"), ["meshes/c.dae"]),
+        ("urdf/a.xacro", link("a", "package://p/meshes/${kind}.stl"), ["meshes/c.dae"]),
+        ("urdf/a.xacro", link("a", "package://p/meshes/${kind}.${format}"), []),
+        ("urdf/a.xacro", link("a", "$(find p)/meshes/${file}"), []),
+        ("urdf/a.xacro", link("a", "${folder}/b.stl"), ["meshes/c.dae"]),
+        ("urdf/a.xacro", link("a", "package://p/other/${kind}.stl"), ["meshes/b.stl", "meshes/c.dae"]),
+        ("config/a.yaml", "mesh: meshes/b.stl", ["meshes/c.dae"]),
+        ("config/a.yaml", "meshes:\n - b.stl\n - c.dae", []),
+        ("scripts/a.py", 'load("meshes/" + name + ".stl")', ["meshes/c.dae"]),
+        ("scripts/a.py", 'load(f"meshes/{name}.stl")', ["meshes/c.dae"]),
+        ("src/a.cpp", 'load("c.dae");', ["meshes/b.stl"]),
+        ("notes.md", "b.stl and c.dae", ["meshes/b.stl", "meshes/c.dae"]),
+    ],
+)
+def test_what_names_a_mesh(tmp_path: Path, name: str, text: str, left: list[str]) -> None:
+    used = f'<robot name="r">{link("a", "package://p/meshes/a.stl")}</robot>'
+    files = {"package.xml": manifest(), "urdf/r.urdf": used, name: text}
+    write(tmp_path, {**files, "meshes/a.stl": "", "meshes/b.stl": "", "meshes/c.dae": ""})
+    assert [f.data["files"] for f in findings(tmp_path, "PKG010")] == ([left] if left else [])
+
+
+def test_meshes_are_asked_for_in_runs_on_whole_packages_only(tmp_path: Path) -> None:
+    used = f'<robot name="r">{link("a", "package://p/meshes/a.stl")}</robot>'
+    root = write(
+        tmp_path, {"p/package.xml": manifest(), "p/urdf/r.urdf": used, "p/meshes/a.stl": "", "p/meshes/b.stl": ""}
+    )
+    for path in (root, root / "p", root / "p/package.xml"):
+        assert [f.data["files"] for f in findings(path, "PKG010")] == [["meshes/b.stl"]]
+    for path in (root / "p/urdf/r.urdf", root / "p/meshes/a.stl", root / "p/urdf"):
+        assert not findings(path, "PKG010")
+
+
+def test_meshes_for_other_packages_are_left_alone(tmp_path: Path) -> None:
+    files = {"p/package.xml": manifest(), "p/urdf/r.urdf": URDF, "p/meshes/a.stl": "", "p/meshes/b.stl": ""}
+    write(tmp_path, files)
+    assert not findings(tmp_path, "PKG010")  # nothing at hand names any of them
+    text = f'<robot name="q">{link("a", "package://p/meshes/a.stl")}</robot>'
+    write(tmp_path, {"q/package.xml": manifest(name="q"), "q/urdf/q.urdf": text})
+    assert [f.data["files"] for f in findings(tmp_path, "PKG010")] == [["meshes/b.stl"]]
+
+
+def test_mesh_may_be_for_a_package_out_of_reach_that_depends_on_this_one(tmp_path: Path) -> None:
+    used = f'<robot name="r">{link("a", "package://p/meshes/a.stl")}</robot>'
+    other = manifest("<depend>p</depend>", name="q")
+    secret = f'<robot name="q">{link("a", "package://p/meshes/b.stl")}</robot>'
+    files = {"p/package.xml": manifest(), "p/urdf/r.urdf": used, "p/meshes/a.stl": "", "p/meshes/b.stl": ""}
+    write(tmp_path, {**files, "q/package.xml": manifest(name="q"), "q/urdf/q.urdf": secret})
+    (tmp_path / ".git").rmdir()  # nothing says that the two belong together
+    assert findings(tmp_path / "p", "PKG010")
+    write(tmp_path, {"q/package.xml": other})
+    assert not findings(tmp_path / "p", "PKG010")

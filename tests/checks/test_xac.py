@@ -45,7 +45,6 @@ def only(run: Run) -> Finding:
         ("""<link name="${xacro.load_yaml('nothing.yaml')}"/>""", "file-missing", "nothing.yaml does not exist"),
         ('<xacro:if value="maybe"><link name="a"/></xacro:if>', "condition", "neither true nor false"),
         ('<xacro:include file="a.xacro"/>', "attribute-missing", "lacks its attribute filename"),
-        ('<xacro:include filename="robot.urdf.xacro"/>', "endless", "include cycle"),
         ('<xacro:property name="a" value="${b}"/><xacro:property name="b" value="${a}"/><link name="${a}"/>',
          "endless", "a -> b -> a"),
         ('<xacro:macro name="m" params=""><xacro:m/></xacro:macro><xacro:m/>', "endless", "never ends"),
@@ -238,6 +237,17 @@ def test_namespaces(tmp_path: Path, namespace: str, message: str | None) -> None
     findings = check_text(tmp_path, text, "r.urdf.xacro", codes={"XAC006"}).findings
     assert [f.message_id for f in findings] == ([message] if message else [])
     assert all(f.fix is not None and f.fix.applicability is Applicability.SAFE for f in findings)
+
+
+def test_one_address_in_all_files_of_a_package_is_one_finding(tmp_path: Path) -> None:
+    old = 'xmlns:xacro="http://ros.org/wiki/xacro"'
+    (tmp_path / "package.xml").write_text("<package><name>p</name></package>")
+    (tmp_path / "b.xacro").write_text(f'<robot {old}><link name="b"/></robot>')
+    text = f'<robot name="r" {old}><xacro:include filename="b.xacro"/></robot>'
+    (finding,) = check_text(tmp_path, text, "r.urdf.xacro", codes={"XAC006"}).findings
+    assert "in 2 files" in finding.message
+    assert finding.fix is not None
+    assert {Path(e.span.file).name for e in finding.fix.edits} == {"r.urdf.xacro", "b.xacro"}
 
 
 def wheels(*, count: int = 3, mass: str = "1") -> str:
@@ -482,3 +492,339 @@ def test_part_that_one_copy_lacks_counts_once(tmp_path: Path) -> None:
 def test_another_robot_of_the_package_is_no_copy(tmp_path: Path) -> None:
     other = robot("r", "2").replace('"l1"', '"a1"').replace('"l2"', '"a2"')
     assert not package(tmp_path, robot("r", "1"), other).findings
+
+
+# -- what nothing uses -----------------------------------------------------------------------------------------------------
+
+WHEEL = '<xacro:macro name="wheel" params="name"><link name="${name}"/></xacro:macro>\n'
+
+
+def write(folder: Path, files: dict[str, str]) -> Path:
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return folder
+
+
+def found(folder: Path, codes: set[str], **request: object) -> list[Finding]:
+    run = check(folder, codes=codes, **request)
+    assert not run.failures
+    return list(run.findings)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        '<xacro:wheel name="a"/>',
+        '<xacro:call macro="wheel" name="a"/>',
+        '<xacro:if value="${False}"><xacro:wheel name="a"/></xacro:if>',
+        '<xacro:macro name="axle" params="n"><xacro:wheel name="${n}"/></xacro:macro><xacro:axle n="a"/>',
+        '<xacro:property name="kind" value="wheel"/><xacro:call macro="${kind}" name="a"/>',
+    ],
+)
+def test_macro_called_in_any_way_is_used(tmp_path: Path, call: str) -> None:
+    assert not xacro(tmp_path, WHEEL + call, {"XAC003"}).findings
+
+
+def test_macro_that_is_called_by_itself_alone_is_not_used(tmp_path: Path) -> None:
+    text = '<xacro:macro name="chain" params="n"><link name="l${n}"/><xacro:chain n="${n - 1}"/></xacro:macro>'
+    assert only(xacro(tmp_path, text, {"XAC003"})).data["names"] == ["chain"]
+
+
+def test_unused_macros_of_a_file_are_one_finding(tmp_path: Path) -> None:
+    text = WHEEL + WHEEL.replace("wheel", "caster")
+    finding = only(xacro(tmp_path, text, {"XAC003"}))
+    assert (finding.message_id, finding.data["names"], len(finding.related)) == ("several", ["wheel", "caster"], 1)
+
+
+def test_macro_of_an_included_namespace_is_called_by_its_last_name(tmp_path: Path) -> None:
+    write(tmp_path, {"parts.xacro": HEAD + WHEEL + "</robot>", "package.xml": "<package><name>p</name></package>"})
+    text = '<xacro:include filename="parts.xacro" ns="parts"/><xacro:parts.wheel name="a"/>'
+    assert not xacro(tmp_path, text, {"XAC003"}).findings
+
+
+@pytest.mark.parametrize("where", ["src/other/urdf/cell.xacro", "src/arm/test/tool.xacro"])
+@pytest.mark.parametrize(
+    ("definition", "use", "code"),
+    [
+        (WHEEL, '<xacro:wheel name="a"/>', "XAC003"),
+        ('<xacro:arg name="side" default="left"/>', '<link name="$(arg side)"/>', "XAC004"),
+        ('<xacro:arg name="side" default="left"/>', '<xacro:arg name="side" default="right"/>', "XAC004"),
+        ('<xacro:property name="size" value="1"/>', '<link name="l${size}"/>', "XAC002"),
+    ],
+)
+def test_what_another_file_of_the_workspace_uses_is_used(
+    tmp_path: Path, where: str, definition: str, use: str, code: str
+) -> None:
+    files = {
+        "src/arm/package.xml": "<package><name>arm</name></package>",
+        "src/arm/urdf/arm.urdf.xacro": HEAD + BASE + definition + "</robot>",
+        "src/other/package.xml": "<package><name>other</name><depend>arm</depend></package>",
+    }
+    model = write(tmp_path, files) / "src/arm/urdf/arm.urdf.xacro"
+    (tmp_path / ".git").mkdir()
+    assert [f.code for f in found(model, {code})] == [code]
+    include = '<xacro:include filename="$(find arm)/urdf/arm.urdf.xacro"/>'
+    write(tmp_path, {where: HEAD + include + use + "</robot>"})
+    assert not found(model, {code})
+
+
+def test_package_out_of_reach_that_depends_on_this_one_may_use_everything(tmp_path: Path) -> None:
+    definitions = WHEEL + '<xacro:arg name="side" default="left"/><xacro:property name="size" value="1"/>'
+    files = {
+        "src/arm/package.xml": "<package><name>arm</name></package>",
+        "src/arm/urdf/arm.urdf.xacro": HEAD + BASE + definitions + "</robot>",
+        "src/other/package.xml": "<package><name>other</name></package>",
+    }
+    model = write(tmp_path, files) / "src/arm/urdf/arm.urdf.xacro"
+    codes = {"XAC002", "XAC003", "XAC004"}
+    assert {f.code for f in found(model, codes)} == codes
+    write(tmp_path, {"src/other/package.xml": "<package><name>other</name><depend>arm</depend></package>"})
+    assert not found(model, codes)
+
+
+def test_nothing_is_known_of_macros_where_an_include_was_not_followed(tmp_path: Path) -> None:
+    include = '<xacro:include filename="$(find not_installed)/a.xacro" optional="true"/>'
+    text = f'{WHEEL}<xacro:arg name="a" default="1"/><xacro:if value="${{False}}">{include}</xacro:if>'
+    assert not xacro(tmp_path, text, {"XAC003", "XAC004"}).findings
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        '<link name="$(arg side)"/>',
+        "<link name=\"${xacro.arg('side')}\"/>",
+        "<link name=\"$(eval 'a' + side)\"/>",
+        "<link name=\"$(eval arg('side'))\"/>",
+        '<xacro:if value="${False}"><link name="$(arg side)"/></xacro:if>',
+        "<gazebo><mu1>$(arg side)</mu1></gazebo>",
+    ],
+)
+def test_argument_read_in_any_way_is_used(tmp_path: Path, use: str) -> None:
+    declared = '<xacro:arg name="side" default="left"/>\n'
+    assert only(xacro(tmp_path, declared, {"XAC004"})).data["names"] == ["side"]
+    assert not xacro(tmp_path, declared + use, {"XAC004"}).findings
+
+
+def test_argument_that_is_given_counts_as_used(tmp_path: Path) -> None:
+    declared = '<xacro:arg name="side" default="left"/>\n'
+    assert not xacro(tmp_path, declared, {"XAC004"}, arguments={"side": "right"}).findings
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("launch/a.launch", '<launch><param name="d" command="xacro r.urdf.xacro side:=left"/></launch>'),
+        ("launch/a.launch.py", "Command(['xacro ', path, ' side:=', side])"),
+        ("launch/b.launch.py", "xacro.process_file(path, mappings={'side': 'left'})"),
+        ("CMakeLists.txt", "xacro_add_xacro_file(r.urdf.xacro r.urdf side:=left)"),
+    ],
+)
+def test_argument_that_something_of_the_package_hands_over_is_used(tmp_path: Path, name: str, text: str) -> None:
+    files = {"package.xml": "<package><name>p</name></package>", name: text}
+    model = write(tmp_path, files) / "robot.urdf.xacro"
+    model.write_text(HEAD + BASE + '<xacro:arg name="side" default="left"/></robot>', encoding="utf-8")
+    assert not found(model, {"XAC004"})
+    (tmp_path / name).unlink()
+    assert found(model, {"XAC004"})
+
+
+def test_unread_arguments_are_deleted_with_their_lines(tmp_path: Path) -> None:
+    text = '  <xacro:arg name="a" default="1"/>\n  <xacro:arg name="b" default="1"/>\n'
+    finding = only(xacro(tmp_path, text, {"XAC004"}))
+    assert finding.message_id == "several"
+    assert finding.fix is not None
+    assert "".join(e.expected for e in finding.fix.edits) == text
+
+
+# -- tags without the prefix -----------------------------------------------------------------------------------------------
+
+
+def edited(text: str, finding: Finding) -> str:
+    assert finding.fix is not None
+    for edit in sorted(finding.fix.edits, key=lambda e: e.span.start, reverse=True):
+        assert text[edit.span.start : edit.span.end] == edit.expected
+        text = text[: edit.span.start] + edit.replacement + text[edit.span.end :]
+    return text
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        ('<property name="a" value="1"/><link name="l${a}"/>',
+         '<xacro:property name="a" value="1"/><link name="l${a}"/>'),
+        ('<macro name="m" params="n"><link name="${n}"/></macro ><xacro:m n="a"/>',
+         '<xacro:macro name="m" params="n"><link name="${n}"/></xacro:macro ><xacro:m n="a"/>'),
+        ('<if value="true"><link name="a"/></if>', '<xacro:if value="true"><link name="a"/></xacro:if>'),
+        ('<arg name="a" default="1"/><link name="l$(arg a)"/>', '<xacro:arg name="a" default="1"/><link name="l$(arg a)"/>'),
+        (WHEEL + '<wheel name="a"/>', WHEEL + '<xacro:wheel name="a"/>'),
+    ],
+)  # fmt: skip
+def test_missing_prefix_is_one_finding_that_mends_the_file(tmp_path: Path, wrong: str, right: str) -> None:
+    codes = {"XAC001", "XAC007", "XAC010", "XML003"}
+    finding = only(xacro(tmp_path, wrong, codes))
+    assert finding.code == "XAC007"
+    text = HEAD + BASE + wrong + "</robot>\n"
+    assert edited(text, finding) == HEAD + BASE + right + "</robot>\n"
+    assert not xacro(tmp_path, right, codes).findings
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '<gazebo><plugin name="p" filename="x"><property name="a" value="1"/><include filename="b"/></plugin></gazebo>',
+        '<ros2_control name="c" type="system"><if value="1"/></ros2_control>',
+        "<link name='l'><visual><geometry><box size='1 1 1'/></geometry></visual></link>"
+        '<xacro:macro name="box" params="size:=1"><link name="b"/></xacro:macro>',
+        '<macro/><include uri="model://a"/>',  # what xacro could not carry out is somebody else's
+    ],
+)
+def test_tags_of_others_are_left_alone(tmp_path: Path, text: str) -> None:
+    assert not xacro(tmp_path, text, {"XAC007"}).findings
+
+
+def test_an_end_tag_that_cannot_be_told_leaves_the_file_as_it_is(tmp_path: Path) -> None:
+    text = '<if value="true"><if value="true"><link name="a"/></if></if>'
+    finding = only(xacro(tmp_path, text, {"XAC007"}))
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert finding.subjects == ("if", "if/if")
+
+
+def test_xacro_tags_in_a_plain_urdf_are_a_warning(tmp_path: Path) -> None:
+    text = '<robot name="r"><link name="a"/><property name="b" value="1"/></robot>'
+    finding = only(check_text(tmp_path, text, codes={"XAC007", "XML003"}))
+    assert (finding.code, finding.message_id, finding.severity) == ("XAC007", "plain", Severity.WARNING)
+
+
+# -- properties that are lost ----------------------------------------------------------------------------------------------
+
+
+def prop(name: str, value: str, more: str = "") -> str:
+    return f'<xacro:property name="{name}" value="{value}"{more}/>\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "lines"),
+    [
+        (prop("a", "1") + prop("a", "2"), [4]),
+        (prop("a", "1") + prop("a", "1.0"), []),
+        (prop("a", "1") + '<link name="l${a}"/>\n' + prop("a", "2"), []),
+        (prop("a", "1") + prop("a", "${a + 1}", ' lazy_eval="false"'), []),
+        (prop("a", "1") + prop("b", "${a}") + prop("a", "2"), [5]),  # b is evaluated when it is read, and gets 2
+        (prop("a", "1") + f'<xacro:if value="true">{prop("a", "2")}</xacro:if>', []),
+        (prop("a", "1") + '<xacro:property name="a" default="2"/>', []),
+        ('<xacro:macro name="m" params="">' + prop("a", "1") + '</xacro:macro>\n<xacro:m/><xacro:m/>' + prop("a", "2"), []),
+        ('<xacro:macro name="m" params="n">' + prop("a", "${n}", ' scope="global"') + "</xacro:macro>"
+         '<xacro:m n="1"/><xacro:m n="2"/>', []),
+        ('<xacro:macro name="m" params="">\n' + prop("y", "0") + prop("y", "1") + '<link name="l${y}"/>'
+         "</xacro:macro><xacro:m/>", [5]),
+        (prop("a", "1") + '<xacro:property name="a" remove="true"/>' + prop("a", "2"), []),
+    ],
+)  # fmt: skip
+def test_value_that_is_replaced_before_anything_reads_it(tmp_path: Path, text: str, lines: list[int]) -> None:
+    findings = xacro(tmp_path, text + "<link name=\"l_${python.len('a')}\"/>", {"XAC008"}).findings
+    assert [f.location.span.line for f in findings if f.location.span] == lines
+
+
+@pytest.mark.parametrize(
+    ("main", "message"),
+    [
+        (prop("a", "1") + '<xacro:include filename="a.xacro"/>', "included"),
+        ('<xacro:include filename="a.xacro"/>' + prop("a", "3"), None),  # its defaults, and what is meant
+        ('<xacro:include filename="a.xacro"/><xacro:include filename="b.xacro"/>', "clash"),
+        ('<xacro:include filename="a.xacro"/><xacro:if value="true"><xacro:include filename="b.xacro"/></xacro:if>', None),
+        ('<xacro:arg name="f" default="b"/><xacro:include filename="a.xacro"/><xacro:include filename="$(arg f).xacro"/>', None),
+    ],
+)  # fmt: skip
+def test_value_that_another_file_replaces(tmp_path: Path, main: str, message: str | None) -> None:
+    package = "<package><name>p</name></package>"
+    files = {f"{n}.xacro": HEAD + prop("a", v) + "</robot>" for n, v in (("a", "2"), ("b", "4"))}
+    write(tmp_path, {**files, "package.xml": package})
+    findings = xacro(tmp_path, main + '<link name="l${a}"/>', {"XAC008"}).findings
+    assert [f.message_id for f in findings] == ([message] if message else [])
+
+
+# -- what an include loses -------------------------------------------------------------------------------------------------
+
+HAND = """<robot version="{version}" xmlns:xacro="http://www.ros.org/wiki/xacro" xmlns:drake="{drake}">
+<link name="hand"/><joint name="j" type="fixed"><parent link="base"/><child link="hand"/>{origin}</joint></robot>"""
+
+
+@pytest.mark.parametrize(
+    ("main", "included", "origin", "told"),
+    [
+        ("", "1.1", '<origin quat_xyzw="0 0 1 0"/>', True),
+        ("", "1.2", '<origin quat_xyzw="0 0 1 0"/>', True),
+        ('version="1.0"', "1.1", '<origin quat_xyzw="0 0 1 0"/>', True),
+        ('version="1.1"', "1.1", '<origin quat_xyzw="0 0 1 0"/>', False),
+        ("", "1.1", '<origin rpy="0 0 1"/>', False),
+        ("", "1.0", '<origin quat_xyzw="0 0 1 0"/>', False),  # lost in that file as well
+        ("", "new", '<origin quat_xyzw="0 0 1 0"/>', False),
+    ],
+)
+def test_version_of_an_included_file(tmp_path: Path, main: str, included: str, origin: str, told: bool) -> None:
+    write(tmp_path, {"hand.xacro": HAND.format(version=included, drake="http://drake.mit.edu/", origin=origin)})
+    text = HEAD.replace("<robot", f"<robot {main}") + BASE + '<xacro:include filename="hand.xacro"/></robot>'
+    findings = check_text(tmp_path, text, "robot.urdf.xacro", codes={"XAC012"}).findings
+    assert [(f.message_id, f.severity) for f in findings] == ([("version", Severity.ERROR)] if told else [])
+    assert all(f.location.span is not None and f.location.span.file.endswith("hand.xacro") for f in findings)
+
+
+def test_feature_of_a_lost_version_is_not_told_again(tmp_path: Path) -> None:
+    origin = '<origin quat_xyzw="0 0 1 0"/>'
+    write(tmp_path, {"hand.xacro": HAND.format(version="1.1", drake="http://drake.mit.edu/", origin=origin)})
+    finding = only(xacro(tmp_path, '<xacro:include filename="hand.xacro"/>', {"XAC012", "XML010"}))
+    assert (finding.code, finding.data["hides"]) == ("XAC012", ["XML010"])
+
+
+def test_prefix_with_two_addresses_is_one_info(tmp_path: Path) -> None:
+    write(tmp_path, {"hand.xacro": HAND.format(version="1.0", drake="http://drake.mit.edu/old", origin="")})
+    head = HEAD.replace("<robot", '<robot xmlns:drake="http://drake.mit.edu/"')
+    text = head + BASE + '<xacro:include filename="hand.xacro"/></robot>'
+    finding = only(check_text(tmp_path, text, "robot.urdf.xacro", codes={"XAC012"}))
+    assert (finding.message_id, finding.severity) == ("prefix", Severity.INFO)
+    assert [r.span.file.endswith("robot.urdf.xacro") for r in finding.related if r.span] == [True]
+
+
+# -- circles ---------------------------------------------------------------------------------------------------------------
+
+
+def including(*names: str) -> str:
+    return HEAD + "".join(f'<xacro:include filename="{name}"/>\n' for name in names) + "</robot>"
+
+
+def test_file_that_includes_itself(tmp_path: Path) -> None:
+    finding = only(xacro(tmp_path, '<xacro:include filename="robot.urdf.xacro"/>', {"XAC001", "XAC013"}))
+    assert (finding.code, finding.message_id) == ("XAC013", "itself")
+    assert finding.location.span is not None
+    assert finding.location.span.line == 3
+
+
+@pytest.mark.parametrize(("first", "last"), [("a", "a"), ("lead", "a"), ("a", "robot.urdf")])
+def test_circle_is_told_at_the_include_that_closes_it(tmp_path: Path, first: str, last: str) -> None:
+    write(tmp_path, {
+        "lead.xacro": including("a.xacro"), "a.xacro": including("b.xacro"), "b.xacro": including(f"{last}.xacro")
+    })  # fmt: skip
+    finding = only(xacro(tmp_path, f'<xacro:include filename="{first}.xacro"/>', {"XAC001", "XAC013"}))
+    assert (finding.code, finding.message_id) == ("XAC013", "circle")
+    circle = ["a", "b"] if last == "a" else ["robot.urdf", "a", "b"]
+    assert [Path(name).name for name in finding.data["files"]] == [f"{name}.xacro" for name in circle]
+    assert finding.location.span is not None
+    assert finding.location.span.file.endswith("b.xacro")
+
+
+def test_a_folder_that_is_not_there_is_told_with_those_beside_it(tmp_path: Path) -> None:
+    write(tmp_path, {"config/ur10/a.yaml": "", "config/ur20/a.yaml": ""})
+    finding = only(xacro(tmp_path, """<link name="${xacro.load_yaml('config/ur5/a.yaml')}"/>""", {"XAC001"}))
+    assert finding.message.endswith("ur5/a.yaml does not exist; nor does its folder (beside it: ur10, ur20)")
+
+
+def test_circle_that_a_condition_ends_is_none(tmp_path: Path) -> None:
+    once = '<xacro:property name="n" value="${n + 1}" lazy_eval="false"/>'
+    again = '<xacro:if value="${n &lt; 3}"><xacro:include filename="a.xacro"/></xacro:if>'
+    write(tmp_path, {"a.xacro": f"{HEAD}{once}{again}</robot>"})
+    run = xacro(tmp_path, prop("n", "0") + '<xacro:include filename="a.xacro"/>', {"XAC001", "XAC013"})
+    assert not run.findings
+    assert run.models[0].status == "checked"

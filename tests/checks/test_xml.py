@@ -322,9 +322,11 @@ class TestXML014:
 
     def test_refusal_of_urdfdom_is_told_apart_from_pinocchios(self, tmp_path: Path) -> None:
         limit = '<limit lower="0" upper="1" effort="1" velocity="1"/>'
-        (urdfdom,) = findings(tmp_path, self.robot(limit + "<safety_controller/>"), "XML014")
+        newer = self.robot(limit.replace("/>", ' jerk="-1"/>'), name=' name="r" version="1.2"')
+        (urdfdom,) = findings(tmp_path, newer, "XML014")
         assert (urdfdom.message_id, urdfdom.severity) == ("refused", Severity.ERROR)
-        (pinocchio,) = findings(tmp_path, self.robot(limit + '<dynamics friction="-1"/>'), "XML014")
+        follower = limit.replace('effort="1"', 'effort="-1"') + '<mimic joint="j"/>'
+        (pinocchio,) = findings(tmp_path, self.robot(follower), "XML014")
         assert (pinocchio.message_id, pinocchio.severity) == ("pinocchio", Severity.WARNING)
         assert pinocchio.consequences.keys() == {"pinocchio"}
 
@@ -341,6 +343,11 @@ class TestXML014:
             ('<calibration rising="a"/>', "fixed", ' name="r"', "XML007"),
             ("<dynamics/>", "continuous", ' name="r"', "XML005"),
             ("<mimic/>", "continuous", ' name="r"', "XML005"),
+            ("<safety_controller/>", "continuous", ' name="r"', "JNT010"),
+            ('<dynamics friction="-1"/>', "continuous", ' name="r"', "JNT011"),
+            ("", "hinge", ' name="r"', "KIN009"),
+            ("", "continuous", ' name="r" version="2.0"', "XML010"),
+            ('<origin rpy="0 0 0" quat_xyzw="0 0 0 1"/>', "continuous", ' name="r" version="1.1"', "XML010"),
         ],
     )
     def test_what_another_rule_explains_is_not_told_again(
@@ -350,6 +357,225 @@ class TestXML014:
         assert {f.code for f in run.findings} == {code}
         (skip,) = run.skipped
         assert code in skip.reason
+
+
+LINK = '<robot name="r">{robot}<link name="a">{link}</link></robot>'
+SHAPE = '<visual><geometry><sphere radius="1"/></geometry>{}</visual>'
+
+
+class TestXML004:
+    @pytest.mark.parametrize(
+        ("element", "message", "near"),
+        [
+            ('<origin xzy="0 0 1"/>', "misspelt", "xyz"),
+            ('<origin XYZ="0 0 1"/>', "misspelt", "xyz"),
+            ('<origin rotation="0 0 1"/>', "ignored", None),
+            ('<limit lowr="-1" upper="1" effort="1" velocity="1"/>', "misspelt", "lower"),
+            ('<limit min="-1" max="1" effort="1" velocity="1"/>', "misspelt", "lower"),
+            ('<limit upper="1" Upper="2" effort="1" velocity="1"/>', "ignored", None),
+            ('<limit upper="1" efort="1" velocity="1"/>', "required", "effort"),
+            ('<dynamics damping="1" radius="2"/>', "misplaced", None),
+            ('<safety_controller k_velocty="1"/>', "required", "k_velocity"),
+        ],
+    )
+    def test_tells_what_was_meant(self, tmp_path: Path, element: str, message: str, near: str | None) -> None:
+        found = findings(tmp_path, ROBOT.format(link="", joint=JOINT.format(effort="1", more=element)), "XML004")
+        assert found[0].message_id == message
+        assert found[0].data.get("near") == near
+
+    @pytest.mark.parametrize(
+        "element",
+        [
+            '<origin xyz="0 0 1" name="up" id="3"/>',
+            '<axis xyz="0 0 1" rpy="0 0 0"/>',
+            '<dynamics damping="1" drake:acceleration="3"/>',
+            '<gazebo mu="3"/>',
+        ],
+    )
+    def test_leaves_labels_extensions_and_zeros_alone(self, tmp_path: Path, element: str) -> None:
+        text = ROBOT.format(link="", joint=JOINT.format(effort="1", more=element))
+        assert not findings(tmp_path, text.replace("<robot", '<robot xmlns:drake="d"'), "XML004")
+
+    def test_what_a_misspelt_element_holds_is_looked_at(self, tmp_path: Path) -> None:
+        inner = '<mass values="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+        (slip,) = findings(tmp_path, ROBOT.format(link=f"<intertial>{inner}</intertial>", joint=""), "XML004")
+        assert (slip.message_id, slip.data["near"], slip.data["around"]) == ("inside", "value", "intertial")
+        assert not findings(tmp_path, ROBOT.format(link=f"<mine>{inner}</mine>", joint=""), "XML004")
+
+    def test_the_axis_of_a_fixed_joint_is_read_by_nobody(self, tmp_path: Path) -> None:
+        text = ROBOT.format(link="", joint=JOINT.format(effort="1", more='<axis xzy="1 0 0"/>'))
+        assert findings(tmp_path, text, "XML004")
+        assert not findings(tmp_path, text.replace("revolute", "fixed"), "XML004")
+
+    def test_a_misspelt_attribute_is_not_told_again_as_a_missing_one(self, tmp_path: Path) -> None:
+        inertial = '<inertial><mass values="1"/><inertia Ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        joint = JOINT.format(effort="1", more='<axis xzy="0 0 1"/>').replace("link=", "lnk=", 1)
+        run = check_text(tmp_path, ROBOT.format(link=inertial, joint=joint), codes={"XML004", "XML005"})
+        assert [(f.code, f.severity) for f in run.findings] == [("XML004", Severity.ERROR)] * 4
+        assert run.findings[0].consequences["urdfdom"].startswith("drops the inertial")
+
+    def test_renames_the_attribute_where_it_is_typed(self, tmp_path: Path) -> None:
+        (finding,) = findings(
+            tmp_path, LINK.format(robot="", link='<inertial>\n<mass\n values = "2"/></inertial>'), "XML004"
+        )
+        assert finding.location.span is not None
+        assert (finding.location.span.line, finding.location.span.col) == (3, 2)
+        assert finding.fix is not None
+        assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("values", "value")]
+
+    def test_one_slip_in_many_places_is_one_finding(self, tmp_path: Path) -> None:
+        links = "".join(f'<link name="l{i}" colour="red" weight="{i}"/>' for i in range(3))
+        (finding,) = findings(tmp_path, f'<robot name="r">{links}</robot>', "XML004")
+        assert "(3 times)" in finding.message
+        assert "`colour`, `weight`" in finding.message
+
+
+class TestXML006:
+    @pytest.mark.parametrize(
+        ("link", "messages"),
+        [
+            (SHAPE.format("") * 2, []),
+            (SHAPE.format('<origin xyz="0 0 1"/><origin xyz="0 0 2"/>'), ["repeated"]),
+            (SHAPE.format('<origin xyz="0 0 1"/><origin  xyz="0  0 1" />'), ["identical"]),
+            ('<visual><geometry><sphere radius="1"/><box size="1 1 1"/></geometry></visual>', ["shapes"]),
+            (SHAPE.format('<material name="x"/><material name="y"/>'), ["repeated"]),
+            (SHAPE.format("<verbose/><verbose/>"), []),
+            ("<inertial/>" * 3, ["identical"]),
+        ],
+    )
+    def test_what_there_may_be_one_of(self, tmp_path: Path, link: str, messages: list[str]) -> None:
+        found = findings(tmp_path, LINK.format(robot="", link=link), "XML006")
+        assert [f.message_id for f in found] == messages
+        assert all((f.severity == Severity.WARNING) == (f.message_id == "identical") for f in found)
+
+    def test_mujoco_looks_at_some_of_them_only(self, tmp_path: Path) -> None:
+        twice = '<calibration rising="1"/><calibration rising="2"/><axis xyz="1 0 0"/><axis xyz="0 1 0"/>'
+        found = findings(tmp_path, ROBOT.format(link="", joint=JOINT.format(effort="1", more=twice)), "XML006")
+        assert {f.data["tag"]: f.consequences["mujoco"].split()[0] for f in found} == {
+            "calibration": "ignores",
+            "axis": "refuses",
+        }
+
+    def test_the_first_is_taken_as_everything_else_here_takes_it(self, tmp_path: Path) -> None:
+        pinocchio = pytest.importorskip("pinocchio")
+        inertial = '<inertial><mass value="{}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        text = ROBOT.format(link=inertial.format(2) + inertial.format(3), joint=JOINT.format(effort="1", more=""))
+        assert pinocchio.buildModelFromXML(text).inertias[1].mass == 2
+        assert check_text(tmp_path, text, codes={"XML006"}).models[0].mass == 2
+
+
+class TestXML010:
+    CAPSULE = '<collision><geometry><capsule radius="0.1" length="1"/></geometry></collision>'
+
+    @pytest.mark.parametrize(
+        ("version", "messages"),
+        [
+            ("", ["capsule", "quaternion", "limit"]),
+            ("1.0", ["capsule", "quaternion", "limit"]),
+            ("1.1", ["limit", "newer"]),
+            ("1.2", ["newer"]),
+            ("1", ["version"]),
+            ("1.3", ["version"]),
+            ("one", ["version"]),
+            ("01.00", ["capsule", "quaternion", "limit"]),
+            ("1.0 ", ["version"]),
+        ],
+    )
+    def test_features_by_version(self, tmp_path: Path, version: str, messages: list[str]) -> None:
+        more = '<origin quat_xyzw="0 0 0 1"/>'
+        text = ROBOT.format(link=self.CAPSULE, joint=JOINT.format(effort="1", more=more)).replace(
+            'velocity="1"', 'velocity="1" jerk="1"'
+        )
+        text = text.replace('name="r"', f'name="r" version="{version}"' if version else 'name="r"')
+        assert sorted(f.message_id for f in findings(tmp_path, text, "XML010")) == sorted(messages)
+
+    @pytest.mark.parametrize(
+        ("origin", "message"),
+        [
+            ('quat_xyzw="0 0 0 1" rpy="0 0 0"', "both"),
+            ('quat_xyzw="0 0 0 0"', "zero"),
+            ('quat_xyzw="0 0 1 1"', "length"),
+            ('quat_xyzw="0 0 0.7071 0.7071"', None),
+            ('quat_xyzw="0 0 1"', None),  # XML008
+        ],
+    )
+    def test_orientations(self, tmp_path: Path, origin: str, message: str | None) -> None:
+        text = LINK.format(robot="", link=SHAPE.format(f"<origin {origin}/>")).replace('"r"', '"r" version="1.1"')
+        found = [f.message_id for f in findings(tmp_path, text, "XML010") if f.message_id != "newer"]
+        assert found == ([message] if message else [])
+
+    @pytest.mark.parametrize(("version", "counts"), [("1.0", False), ("1.1", True), ("1.2", True)])
+    def test_urdfdom_reads_a_quaternion_from_1_1_on(self, version: str, counts: bool) -> None:
+        pinocchio = pytest.importorskip("pinocchio")
+        text = ROBOT.format(link="", joint=JOINT.format(effort="1", more='<origin quat_xyzw="0 0 1 0"/>'))
+        model = pinocchio.buildModelFromXML(text.replace('name="r"', f'name="r" version="{version}"'))
+        assert (model.jointPlacements[1].rotation[0, 0] < 0) == counts
+
+
+class TestXML011:
+    GREY = '<material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>'
+    REFERENCE = SHAPE.format('<material name="grey"/>')
+
+    @pytest.mark.parametrize(
+        ("robot", "link", "message"),
+        [
+            (GREY, REFERENCE, None),
+            ("", SHAPE.format(GREY) + REFERENCE, None),
+            ("", REFERENCE + SHAPE.format(GREY), "later"),
+            ("", REFERENCE, "undefined"),
+            ('<material name="grey"/>', REFERENCE, "undefined"),
+            (GREY.replace("grey", "gray"), REFERENCE, "undefined"),
+            ("", SHAPE.format('<material name=""/>'), None),
+        ],
+    )
+    def test_order_counts_inside_of_links_only(
+        self, tmp_path: Path, robot: str, link: str, message: str | None
+    ) -> None:
+        found = findings(tmp_path, LINK.format(robot=robot, link=link), "XML011")
+        assert [f.message_id for f in found] == ([message] if message else [])
+
+    def test_all_shapes_of_one_name_are_one_finding_with_the_nearest(self, tmp_path: Path) -> None:
+        text = LINK.format(
+            robot=self.GREY.replace("grey", "light_grey"), link=self.REFERENCE.replace("grey", "lite_grey") * 2
+        )
+        (finding,) = findings(tmp_path, text, "XML011")
+        assert len(finding.subjects) == 2
+        assert "did you mean 'light_grey'?" in finding.message
+
+    def test_a_texture_that_is_there(self, tmp_path: Path) -> None:
+        text = LINK.format(
+            robot="", link=SHAPE.format('<material name="wood"><texture filename="wood.png"/></material>')
+        )
+        (finding,) = findings(tmp_path, text, "XML011")
+        assert finding.message_id == "texture"
+        (tmp_path / "wood.png").write_bytes(b"")
+        assert not findings(tmp_path, text, "XML011")
+
+
+class TestXML013:
+    @pytest.mark.parametrize(
+        ("rgba", "written"),
+        [
+            ("255 128 0 1", "1 0.502 0 1"),
+            ("255 128 0 255", "1 0.502 0 1"),
+            ("1.001 1 0 1", "1 1 0 1"),
+            ("1.4 0 0 1", None),
+            ("-0.2 0 0 1", None),
+            ("256 0 0 1", None),
+            ("0 0 0 2", None),
+        ],
+    )
+    def test_what_was_meant(self, tmp_path: Path, rgba: str, written: str | None) -> None:
+        text = LINK.format(robot=f'<material name="m"><color rgba="{rgba}"/></material>', link="")
+        (finding,) = findings(tmp_path, text, "XML013")
+        assert finding.fix is not None
+        assert [edit.replacement for edit in finding.fix.edits] == ([written] if written else [])
+
+    @pytest.mark.parametrize("rgba", ["0 0 0 0", "1 1 1 1", "1 1 1", "a 0 0 1"])
+    def test_within_the_range(self, tmp_path: Path, rgba: str) -> None:
+        assert not findings(
+            tmp_path, LINK.format(robot=f'<material name="m"><color rgba="{rgba}"/></material>', link=""), "XML013"
+        )
 
 
 def test_a_semantic_description_that_is_broken_is_told_with_its_package(tmp_path: Path) -> None:

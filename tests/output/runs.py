@@ -91,6 +91,8 @@ def rule(code: str = "INR003", name: str = "triangle-inequality", page: str = PA
         needs=("source",),
         tags=(),
         hidden_by=(),
+        concerns=(),
+        fix=Applicability.DISPLAY,
         options={},
         messages={},
         fixes={},

@@ -13,7 +13,19 @@ import pytest
 from output.documents import Document, read
 from output.runs import FILE, SOURCE, a_run, chain, finding, info, joint, link, rule, scene, span, span_of, star
 
-from urdfcheck.core import Applicability, Edit, Finding, Fix, Location, Run, SceneFrame, Severity, Skip, Span
+from urdfcheck.core import (
+    Applicability,
+    Edit,
+    Finding,
+    Fix,
+    Location,
+    Run,
+    SceneFrame,
+    Severity,
+    Skip,
+    Span,
+    Suppression,
+)
 from urdfcheck.output.html import render
 from urdfcheck.output.html.code import code_frame, diff
 from urdfcheck.output.html.graph import forest
@@ -130,7 +142,7 @@ def test_lone_surrogates_of_undecodable_file_names_can_be_written() -> None:
         (a_run(), "1 error to repair"),
         (a_run(finding(severity=Severity.WARNING)), "No errors, 1 warning to look at"),
         (a_run(finding(severity=Severity.INFO)), "No errors and no warnings"),
-        (a_run(finding(suppressed="known")), "No errors and no warnings"),
+        (a_run(finding(suppressed=Suppression("source", "known"))), "No errors and no warnings"),
         (a_run(finding(severity=Severity.INFO), models=(info(status="failed"),)), "1 model of 1 could not be checked"),
         (replace(a_run(), models=(), findings=(), scenes=()), "Nothing was checked"),
         (a_run(failures=("INR003 crashed",)), "Not finished"),
@@ -332,10 +344,10 @@ def test_every_fingerprint_is_an_anchor_even_when_two_findings_share_one() -> No
 
 
 def test_suppressed_findings_are_set_apart_with_their_reason() -> None:
-    html = render(a_run(finding(suppressed="the wheel is a dummy")))
+    html = render(a_run(finding(suppressed=Suppression("source", "the wheel is a dummy"))))
     set_apart = html.split('<details class="suppressed">')[1]
     assert "the wheel is a dummy" in set_apart
-    assert "1 suppressed in the source" in set_apart
+    assert "1 known: 1 in the source" in set_apart
 
 
 def test_many_related_places_are_named_but_not_all_quoted() -> None:
@@ -514,7 +526,7 @@ def test_tree_marks_no_transform_for_a_finding_elsewhere(elsewhere: Span | None)
 
 
 def test_suppressed_findings_do_not_colour_the_tree() -> None:
-    assert document(a_run(finding(suppressed="known"))).classes("node", "error") == []
+    assert document(a_run(finding(suppressed=Suppression("source", "known")))).classes("node", "error") == []
 
 
 @pytest.mark.parametrize("drawn", [chain(300), star(200), scene()], ids=["chain of 300", "star of 200", "small"])
@@ -581,7 +593,8 @@ def test_links_table_measures() -> None:
 
 def test_links_table_tells_unknown_from_zero() -> None:
     bare = link("bare", mass=None, com=None, principal=None, density=None, shapes=())
-    row = render(a_run(scenes=(scene(links=(bare,), joints=(), frames=()),))).split("<tbody><tr>")[1].split("</tr>")[0]
+    html = render(a_run(scenes=(scene(links=(bare,), joints=(), frames=()),)))
+    row = html.split('class="links"')[1].split("<tbody><tr>")[1].split("</tr>")[0]
     assert row.count("—") == 11
     assert "0" not in plain(f"<p>{row}</p>")
 
@@ -593,7 +606,7 @@ def test_limits_are_told_in_degrees_too() -> None:
 
 def test_tables_have_captions_and_scopes() -> None:
     found = document(a_run())
-    assert len(found.all("caption")) == len(found.all("table")) == 4
+    assert len(found.all("caption")) == len(found.all("table")) == 5
     assert all("scope" in attributes for attributes in found.all("th"))
 
 
@@ -689,5 +702,5 @@ def test_names_in_other_scripts_stay_as_they_are() -> None:
 def test_finding_type_is_the_contract() -> None:
     """Every field of a finding reaches the page: a new field must be shown or left out on purpose."""
     shown = {"code", "name", "severity", "confidence", "message", "location", "subjects", "related", "cause"}
-    shown |= {"consequences", "data", "fix", "model", "suppressed"}
+    shown |= {"consequences", "data", "fix", "model", "suppressed", "variants"}
     assert set(Finding.__dataclass_fields__) - shown == {"message_id"}

@@ -101,3 +101,9 @@ def test_the_last_line_counts() -> None:
 
 def test_no_line_ends_in_blanks() -> None:
     assert not [line for line in render(a_run()).splitlines() if line != line.rstrip()]
+
+
+def test_a_run_without_rules_is_not_called_clean() -> None:
+    text = render(replace(a_run(), findings=(), rules={}))
+    assert "✔" not in text
+    assert "no rule is selected" in text

@@ -9,9 +9,9 @@ from urdfcheck.model import Model
 from urdfcheck.model.collisions import Pair as Contacting
 from urdfcheck.model.collisions import ensure_all_read
 from urdfcheck.model.moveit import judged
-from urdfcheck.model.names import hint, listed
+from urdfcheck.model.names import SLIP, hint, listed, only_near
 from urdfcheck.source.srdf import Pair, Srdf
-from urdfcheck.source.words import removal
+from urdfcheck.source.words import removal, replacing
 from urdfcheck.source.xml import Attribute
 
 # What Setup Assistant writes; of any other word the author knows why.
@@ -37,10 +37,12 @@ def _unknown(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Finding]:
                 uses.setdefault(name, []).append(attribute)
     named = {name for pair in srdf.disabled for name in pair.links}
     for name, attributes in uses.items():
+        near = only_near(name, model.link_by_name.keys() - named, SLIP)
         yield rule.finding(
             "unknown",
             at=attributes[0],
             related=attributes[1:],
+            edits=replacing(attributes, near) if near is not None else (),
             link=name,
             count="1 pair" if len(attributes) == 1 else f"{len(attributes)} pairs",
             near=hint(name, model.link_by_name.keys() - named),

@@ -23,8 +23,9 @@ def _undriven(model: Model, rule: Rule) -> Iterator[Finding]:
     driven = _words_of_control(model)
     drivable = [joint for joint in model.joints if _has_motor(joint)]
     without = [joint for joint in drivable if joint.name not in driven]
-    if without:
-        none = len(without) == len(drivable)
+    none = len(without) == len(drivable)
+    # A description without a word for a simulator is controlled elsewhere, if at all.
+    if without and (not none or any(model.robot.all("gazebo"))):
         yield rule.finding(
             "none" if none else "some",
             at=model if none else without[0],

@@ -19,6 +19,11 @@ _DIMENSIONS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "mesh": {"scale": ("x", "y", "z")},
 }
 
+# What MuJoCo does with a shape that collides, and with one that is drawn.
+REFUSED = "refuses to compile: size must be positive in geom"
+FLAT = "refuses to compile: mesh volume is too small"
+DRAWN = "loads it: it leaves out what is only drawn"
+
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for link in model.links:
@@ -42,6 +47,7 @@ def _judge(rule: Rule, link: str, shape: Shape, attribute: Attribute, values: di
         "kind": shape.kind,
         "dimension": attribute.name,
         "value": attribute.value,
+        "consequences": {"mujoco": DRAWN if shape.role == "visual" else FLAT if mesh else REFUSED},
     }
     if negative:
         yield rule.finding("negative", at=attribute, edits=_edits(attribute), **data)

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.names import hint
+from urdfcheck.model.names import SLIP, hint, listed, only_near
+from urdfcheck.source.words import replacing
 from urdfcheck.source.xml import Attribute
+
+# What is left of ``${side}`` when its dollar sign is lost; with it, it is XML that nothing has expanded.
+_TEMPLATE = re.compile(r"(?<!\$)\{[^{}]*\}")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -17,13 +23,37 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         reference = element.attributes.get("reference")
         if reference is not None and reference.value and reference.value not in known:
             unknown.setdefault(reference.value, []).append(reference)
+    templates = [use for name, uses in unknown.items() if _TEMPLATE.search(name) for use in uses]
+    if templates:
+        yield _unfilled(rule, templates)
     for name, uses in unknown.items():
-        content = dict.fromkeys(child.tag for use in uses for child in use.owner.children)
-        yield rule.finding(
-            "unknown",
-            at=uses[0],
-            related=[*uses[0].related(), *uses[1:]],
-            reference=name,
-            near=hint(name, known),
-            content=", ".join(content) or "content",
-        )
+        if not _TEMPLATE.search(name):
+            near = only_near(name, known, SLIP)
+            yield rule.finding(
+                "unknown",
+                at=uses[0],
+                related=[*uses[0].related(), *uses[1:]],
+                edits=replacing(uses, near) if near is not None else (),
+                reference=name,
+                near=hint(name, known),
+                content=_content(uses),
+            )
+
+
+def _unfilled(rule: Rule, uses: list[Attribute]) -> Finding:
+    """One finding for all references that one script has left as it found them."""
+    finding = rule.finding(
+        "template",
+        at=uses[0],
+        related=uses[1:10],
+        names=listed(dict.fromkeys(use.value for use in uses)),
+        which="1 <gazebo> block refers" if len(uses) == 1 else f"{len(uses)} <gazebo> blocks refer",
+        example=_TEMPLATE.findall(uses[0].value)[0],
+        content=_content(uses),
+    )
+    return replace(finding, subjects=tuple(dict.fromkeys(use.location.subject for use in uses)))
+
+
+def _content(uses: list[Attribute]) -> str:
+    """What the blocks would set."""
+    return ", ".join(dict.fromkeys(child.tag for use in uses for child in use.owner.children)) or "content"

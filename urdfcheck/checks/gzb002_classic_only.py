@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model import Model
 from urdfcheck.model.names import listed
+from urdfcheck.source.words import content_of, replacing
 from urdfcheck.source.xml import Attribute, Element
 
 # Libraries of gazebo_ros_pkgs, gazebo_ros2_control, gazebo_ros_control and hector_gazebo: all are built for Classic.
@@ -15,8 +17,7 @@ _CLASSIC = re.compile(r"^(?:lib)?(gazebo_ros\w*|hector_gazebo_ros\w*)(?:\.so)?$"
 _SYSTEMS = "the sensor itself: gz-sim-sensors-system renders it and ros_gz_bridge brings it to ROS"
 _REPLACEMENTS = {
     "gazebo_ros_control": "gz_ros2_control (ROS 2): filename gz_ros2_control-system",
-    "gazebo_ros2_control": "gz_ros2_control: filename gz_ros2_control-system, "
-    "name gz_ros2_control::GazeboSimROS2ControlPlugin",
+    "gazebo_ros2_control": "gz_ros2_control: filename gz_ros2_control-system, name {name}",
     "gazebo_ros_diff_drive": "gz-sim-diff-drive-system, or a diff_drive_controller under gz_ros2_control",
     "gazebo_ros_skid_steer_drive": "gz-sim-diff-drive-system with two <left_joint> and two <right_joint>",
     "gazebo_ros_planar_move": "gz-sim-velocity-control-system",
@@ -39,60 +40,84 @@ _REPLACEMENTS = {
     "hector_gazebo_ros_magnetic": "gz-sim-magnetometer-system with a magnetometer sensor",
     "hector_gazebo_ros_sonar": _SYSTEMS,
 }
+# Its successor reads the same parameters: only the names change.
+_SUCCEEDED = "gazebo_ros2_control"
+_CONTROL = {"filename": "gz_ros2_control-system", "name": "gz_ros2_control::GazeboSimROS2ControlPlugin"}
+_HARDWARE = "gz_ros2_control/GazeboSimSystem"
 _SENSORS = re.compile(r"camera|kinect|laser|ray|range|prosilica|velodyne")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     gazebo = [e for extension in model.robot.all("gazebo") for e in extension.walk()]
-    materials: dict[str, list[Element]] = {}
-    for element in gazebo:
-        if element.text.strip().startswith("Gazebo/") and element.span is not None:
-            materials.setdefault(element.span.file, []).append(element)
-    for group in materials.values():
-        yield _materials(rule, group)
+    materials = [e for e in gazebo if e.text.strip().startswith("Gazebo/") and e.span is not None]
+    if materials:
+        yield _materials(rule, materials)
     plugins: dict[str, list[Attribute]] = {}
     for element in gazebo:
         filename = element.attributes.get("filename")
         match = _CLASSIC.match(filename.value.strip()) if element.tag == "plugin" and filename is not None else None
         if match and filename is not None:
             plugins.setdefault(match.group(1), []).append(filename)
-    for library, uses in plugins.items():
-        yield _plugin(rule, library, uses)
+    if _SUCCEEDED in plugins:
+        yield _plugins(rule, {_SUCCEEDED: plugins.pop(_SUCCEEDED)})
+    if plugins:
+        yield _plugins(rule, plugins)
     yield from _hardware(model, rule)
 
 
 def _materials(rule: Rule, elements: list[Element]) -> Finding:
     places = list({element.span: element for element in elements}.values())
-    return rule.finding(
+    finding = rule.finding(
         "material",
         at=places[0],
         related=places[1:],
         which="1 material has a name" if len(elements) == 1 else f"{len(elements)} materials have names",
         names=listed(dict.fromkeys(element.text.strip() for element in elements)),
     )
+    return replace(finding, subjects=tuple(dict.fromkeys(element.subject for element in elements)))
 
 
-def _plugin(rule: Rule, library: str, uses: list[Attribute]) -> Finding:
-    places = list({use.span: use for use in uses}.values())
-    return rule.finding(
+def _plugins(rule: Rule, plugins: Mapping[str, list[Attribute]]) -> Finding:
+    """One finding for all libraries: the robot was written for Classic."""
+    places = list({use.span: use for uses in plugins.values() for use in uses}.values())
+    finding = rule.finding(
         "plugin",
         at=places[0],
         related=places[1:],
-        library=uses[0].value.strip(),
-        times="" if len(uses) == 1 else f" (used {len(uses)} times)",
-        replacement=_replacement(library),
+        edits=_renamed(plugins[_SUCCEEDED]) if _SUCCEEDED in plugins else (),
+        which="1 plugin is" if len(places) == 1 else f"{len(places)} plugins are",
+        libraries=listed(uses[0].value.strip() for uses in plugins.values()),
+        replacement="; ".join(_replacement(library, len(plugins) > 1) for library in plugins),
     )
+    return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
 
 
-def _replacement(library: str) -> str:
+def _replacement(library: str, named: bool) -> str:
     known = _REPLACEMENTS.get(library)
-    if known is not None:
-        return known
-    return _SYSTEMS if _SENSORS.search(library) else "a gz-sim system that does the same; there is none of that name"
+    if known is None:
+        known = (
+            _SYSTEMS if _SENSORS.search(library) else "a gz-sim system that does the same, there is none of that name"
+        )
+    return (f"for {library} " if named else "") + known.format_map(_CONTROL)
+
+
+def _renamed(uses: list[Attribute]) -> tuple[Edit, ...]:
+    """The edits that name the successor's library and class; none where one of them is not typed."""
+    found: list[Edit] = []
+    for name, successor in _CONTROL.items():
+        attributes = [use.owner.attributes[name] for use in uses if name in use.owner.attributes]
+        edits = replacing(attributes, successor)
+        if len(attributes) < len(uses) or not edits:
+            return ()
+        found += edits
+    return tuple(found)
 
 
 def _hardware(model: Model, rule: Rule) -> Iterator[Finding]:
     for control in model.robot.all("ros2_control"):
         for plugin in (e for e in control.walk() if e.tag == "plugin"):
-            if plugin.text.strip().startswith("gazebo_ros2_control/"):
-                yield rule.finding("hardware", at=plugin, plugin=plugin.text.strip(), control=control.get("name"))
+            typed = plugin.text.strip()
+            if typed.startswith("gazebo_ros2_control/"):
+                span = content_of(plugin, model.source.files)
+                edits = [Edit(span, typed, _HARDWARE)] if span is not None and typed.endswith("/GazeboSystem") else []
+                yield rule.finding("hardware", at=plugin, edits=edits, plugin=typed, control=control.get("name"))

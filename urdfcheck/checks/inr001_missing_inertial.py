@@ -9,8 +9,11 @@ from urdfcheck.model import Link, Model
 from urdfcheck.model.body import Body, bodies
 from urdfcheck.model.names import listed
 
-# What a declared target drops, or refuses the whole file for, is an error.
-LOST = {"missing": frozenset({"gazebo"}), "frame": frozenset({"gazebo", "mujoco"})}
+# What MuJoCo does with a body that has no mass, and what Pinocchio and Drake do where it has to hold something, or nothing.
+INFERS = "replaces what is missing by mass and inertia of the collision geometry at 1000 kg/m³"
+REFUSES = "refuses to compile: mass and inertia of moving bodies must be larger than mjMINVAL"
+LIGHT = "loads it without mass"
+NAN = "computes NaN accelerations: a joint moves what has no mass (Drake stops with an error)"
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -20,7 +23,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if all(link.inertial is None for link in model.links):
         name = model.robot.attributes.get("name")
         at = model.location if name is None else name.location
-        yield rule.finding("kinematic", at=at, severity=Severity.INFO, robot=model.name, links=len(model.links))
+        solid = all(_solid(model, body) for body in moving)
+        told = {"mujoco": INFERS if solid else REFUSES}
+        yield rule.finding(
+            "kinematic", at=at, severity=Severity.INFO, consequences=told, robot=model.name, links=len(model.links)
+        )
         return
     if "bullet" in model.targets:
         yield from _assumed(rule, moving, model)
@@ -29,14 +36,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if any(link.inertial is not None for link in links):
             continue
         head = links[0]
+        behind, heavy = _behind(model, body)
         message = "missing" if any(link.visuals or link.collisions for link in links) else "frame"
         yield rule.finding(
             message,
             at=head,
-            severity=Severity.ERROR if LOST[message].intersection(model.targets) else None,
+            consequences={
+                "mujoco": INFERS if _solid(model, body) else REFUSES,
+                **dict.fromkeys(("pinocchio", "drake"), LIGHT if heavy else NAN),
+            },
             link=head.name,
             joint=model.tree.parent_joint[head.name].name,
-            behind=_behind(model, body),
+            behind=behind,
         )
 
 
@@ -59,10 +70,17 @@ def _assumed(rule: Rule, moving: list[Body], model: Model) -> Iterator[Finding]:
         )
 
 
-def _behind(model: Model, body: Body) -> int:
-    """How many links hang on the body's first link."""
-    queue, count = [body.links[0]], -1
+def _solid(model: Model, body: Body) -> bool:
+    """Whether the body has geometry that MuJoCo takes: it leaves out what is only drawn."""
+    return any(model.link_by_name[name].collisions for name in body.links)
+
+
+def _behind(model: Model, body: Body) -> tuple[int, bool]:
+    """How many links hang on the body's first link, and whether any of them has a mass."""
+    queue, count, heavy = [body.links[0]], -1, False
     while queue:
         count += 1
+        inertial = model.link_by_name[queue[-1]].inertial
+        heavy = heavy or (inertial is not None and bool(inertial.mass))
         queue.extend(joint.child for joint in model.tree.child_joints[queue.pop()])
-    return count
+    return count, heavy

@@ -4,12 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Located, Rule, Severity
+from urdfcheck.core import Finding, Located, Rule, Severity, Unavailable
 from urdfcheck.model import Link, Model
 from urdfcheck.model.body import body_mass
 
 # MuJoCo's mjMINVAL: what a consumer takes for zero.
 ZERO = 1e-15
+# What becomes of an inertia without mass, of a link that moves and of one that a fixed joint merges with a mass.
+ALONE = {
+    "gazebo": "drops the link and everything behind it, without a message",
+    "mujoco": "refuses to compile: mass and inertia of moving bodies must be larger than mjMINVAL",
+}
+FUSED = {
+    "gazebo": "loads it, merged into the link that it is fixed to",
+    "mujoco": "ignores the inertia",
+}
+# What Pinocchio and Drake do with a body without mass that has a mass to carry, and with one that has none.
+LIGHT = "loads it without mass"
+NAN = "computes NaN accelerations: a joint moves what has no mass (Drake stops with an error)"
 SEVERITIES = {"root": Severity.INFO, "loose": Severity.WARNING}
 
 
@@ -22,14 +34,20 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if mass < 0:
             yield rule.finding("negative", at=_place(link), link=link.name, mass=mass)
         elif largest > ZERO:
-            yield rule.finding("inertia_without_mass", at=_place(link), link=link.name, largest=largest)
+            told = ALONE if _is_alone(model, link) else FUSED
+            yield rule.finding(
+                "inertia_without_mass", at=_place(link), consequences=told, link=link.name, largest=largest
+            )
         else:
             massless.append(link)
     # Only these need the tree: whether a link of no mass matters is decided by what it is fixed to.
     kinds = [(link, _kind(model, link)) for link in massless]
+    carrying = _carrying(model) if massless else set()
     for link, kind in kinds:
         if kind != "helper":
-            yield rule.finding(kind, at=_place(link), severity=SEVERITIES.get(kind), link=link.name)
+            without = LIGHT if model.tree.body(link.name)[0] in carrying else NAN
+            told = {} if kind == "root" else dict.fromkeys(("pinocchio", "drake"), without)
+            yield rule.finding(kind, at=_place(link), severity=SEVERITIES.get(kind), consequences=told, link=link.name)
     helpers = [link for link, kind in kinds if kind == "helper"]
     if helpers and "bullet" not in model.targets:  # it assumes 1 kg for a link without <inertial>
         yield rule.finding(
@@ -59,3 +77,23 @@ def _kind(model: Model, link: Link) -> str:
     if model.tree.moves(link.name):
         return "zero" if drawn or carries else "loose"
     return "root" if drawn or carries else "helper"
+
+
+def _is_alone(model: Model, link: Link) -> bool:
+    """Whether nothing that is fixed to the link has a mass; so it seems where the tree is broken."""
+    try:
+        body = model.tree.body(link.name)
+    except Unavailable:
+        return True
+    return not (body_mass(model, body) or 0.0) > 0.0
+
+
+def _carrying(model: Model) -> set[str]:
+    """The links that have a mass, or on which something hangs that has one."""
+    found: set[str] = set()
+    for name in reversed(model.tree.order):
+        inertial = model.link_by_name[name].inertial
+        behind = (joint.child for joint in model.tree.child_joints[name])
+        if (inertial is not None and inertial.mass) or any(child in found for child in behind):
+            found.add(name)
+    return found

@@ -8,6 +8,7 @@ from typing import Any
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.facts.inertia import Rounding, digits_needed, principal_moments, triangle_excess
 from urdfcheck.model import Link, Model
+from urdfcheck.model.alike import alike
 from urdfcheck.model.body import is_point, whole_of
 from urdfcheck.model.mending import proposal
 from urdfcheck.model.names import listed
@@ -16,6 +17,11 @@ from urdfcheck.source.xml import Element
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:
+    """A finger that was copied is one finding."""
+    yield from alike(rule, _each(model, rule, rel_tol, rounding), "link", "other")
+
+
+def _each(model: Model, rule: Rule, rel_tol: float, rounding: float) -> Iterator[Finding]:
     helpers: list[tuple[Link, Element]] = []
     for link in model.links:
         inertial = link.inertial

@@ -15,6 +15,10 @@ from urdfcheck.model.parts import TENSOR
 
 DIAGONAL = (0, 3, 5)
 PRODUCTS = {1: (0, 3), 2: (0, 5), 4: (3, 5)}
+# Gazebo judges the sum of what fixed joints join.
+REFUSED = "refuses the model: the link has an invalid inertia (sdformat error 18)"
+MERGED = "loads it: it merges what fixed joints join, and judges the sum"
+NAN = "computes NaN accelerations: the point lies on the axis, and nothing resists (Drake stops with an error)"
 FUSED = "; only together with {} and whatever else is fixed to it is the body a possible one"
 
 
@@ -36,7 +40,7 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
             fused = FUSED.format(whole.heaviest) if whole is not None and possible else ""
             typed = _typed(inertial, rel_tol)
             if smallest > -rounding * largest and typed.explained:
-                yield _rounded(rule, link, typed, -smallest / largest)
+                yield _rounded(rule, link, typed, -smallest / largest, fused)
             elif whole is not None and possible and whole.negligible:
                 helpers.append(link)
             elif negative:
@@ -74,11 +78,12 @@ def _typed(inertial: Inertial, rel_tol: float) -> Rounding:
     return digits_needed([element.get(name) for name in TENSOR], rel_tol)
 
 
-def _rounded(rule: Rule, link: Link, typed: Rounding, excess: float) -> Finding:
+def _rounded(rule: Rule, link: Link, typed: Rounding, excess: float, fused: str) -> Finding:
     return rule.finding(
         "rounded",
         at=_tensor_place(link),
         severity=Severity.WARNING,
+        consequences={"gazebo": MERGED if fused else REFUSED},
         link=link.name,
         excess=excess,
         typed=typed.typed_digits,
@@ -99,6 +104,7 @@ def _negative(rule: Rule, link: Link, negative: Sequence[int], fused: str, repai
         at=_place(inertial, TENSOR[negative[0]]),
         cause="sign" if _valid(mended) else _cause(six),
         edits=_without_minus(inertial, negative) if sign else repair.edits,
+        consequences={"gazebo": MERGED if fused else REFUSED},
         link=link.name,
         fused=fused,
         found=repair.found,
@@ -129,6 +135,7 @@ def _products(rule: Rule, link: Link, smallest: float, fused: str, repair: Propo
     data: dict[str, Any] = {
         "link": link.name,
         "fused": fused,
+        "consequences": {"gazebo": MERGED if fused else REFUSED},
         "found": repair.found,
         "remedy": repair.remedy,
         "smallest": smallest,
@@ -174,7 +181,11 @@ def _singular(rule: Rule, model: Model, message: str, links: Sequence[Link], rel
         singular = model.tree.moves(link.name) and moments[0] <= rel_tol * moments[2]
         (alone if singular else harmless).append(link)
     for link in alone:
-        yield rule.finding(message, at=_tensor_place(link), severity=Severity.WARNING, links=_names([link]))
+        point = NAN if message == "point" and _on_its_axis(model, link) else "loads it as a point mass"
+        told = dict.fromkeys(("pinocchio", "drake"), point) if message == "point" else None
+        yield rule.finding(
+            message, at=_tensor_place(link), severity=Severity.WARNING, consequences=told, links=_names([link])
+        )
     if harmless:
         yield rule.finding(
             f"{message}_fixed",
@@ -183,6 +194,17 @@ def _singular(rule: Rule, model: Model, message: str, links: Sequence[Link], rel
             severity=Severity.INFO,
             links=_names(harmless),
         )
+
+
+def _on_its_axis(model: Model, link: Link) -> bool:
+    """Whether the joint that moves a point turns it about itself, and nothing that hangs on it."""
+    joint, inertial = model.tree.parent_joint[model.tree.body(link.name)[0]], link.inertial
+    alone = len(model.tree.body(link.name)) == 1 and not model.tree.child_joints[link.name]
+    centre = None if inertial is None else inertial.origin.xyz
+    if not alone or joint.type == "prismatic" or joint.axis is None or centre is None:
+        return False
+    (x, y, z), (a, b, c) = centre, joint.axis
+    return not any((y * c - z * b, z * a - x * c, x * b - y * a))
 
 
 def _names(links: Sequence[Link]) -> str:

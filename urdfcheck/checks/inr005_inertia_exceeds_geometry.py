@@ -12,6 +12,7 @@ from urdfcheck.facts.hulls import outside, reach, spread_ratios
 from urdfcheck.facts.inertia import half_units
 from urdfcheck.facts.placeholders import placeholder
 from urdfcheck.model import Model
+from urdfcheck.model.alike import alike
 from urdfcheck.model.drawn import draws
 from urdfcheck.model.enclosed import LITTLE, Enclosed
 from urdfcheck.model.mending import from_geometry
@@ -22,6 +23,11 @@ if TYPE_CHECKING:
 
 
 def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
+    """Wheels with one inertia are one finding."""
+    yield from alike(rule, _each(model, rule, ratio, margin), "link", each=("computed",))
+
+
+def _each(model: Model, rule: Rule, ratio: float, margin: float) -> Iterator[Finding]:
     for part in model.enclosed:
         if part.moment_share < LITTLE:
             continue

@@ -11,6 +11,7 @@ from urdfcheck.core import Confidence, Finding, Located, Rule, Severity, Unavail
 from urdfcheck.facts.diagnosis import EXACT
 from urdfcheck.facts.inertia import half_units, inertia_of, principal_moments, validity
 from urdfcheck.model import Link, Model
+from urdfcheck.model.alike import alike
 from urdfcheck.model.body import body_mass
 from urdfcheck.model.diagnoses import Judged
 from urdfcheck.model.drawn import geometry
@@ -36,11 +37,18 @@ MILD = frozenset({"shell", "convex_hull", "bounding_box", "one_piece"})
 EITHER = frozenset({"other_mass", "one_piece"})
 # A tenth of a radius of gyration, or of a second moment, is worth saying; so are moments that differ by a third in size.
 NOTABLE, SIMILAR = 0.1, 1.33
+# What links may differ in that have one mistake: numbers and the repair that go beyond what the message measures.
+OF_EACH = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out")
 # What `urdfcheck.model.twins` knows better, because it compares the two sides' drawings.
 MIRRORED = frozenset({"unmirrored"})
 
 
 def check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
+    """Legs that were exported alike are one finding."""
+    yield from alike(rule, _each(model, rule, far, concentrated), "link", each=OF_EACH)
+
+
+def _each(model: Model, rule: Rule, far: float, concentrated: float) -> Iterator[Finding]:
     doubtful: list[Link] = []
     contradicted_links = contradicted(model)
     for name, judged in model.diagnoses.items():

@@ -11,6 +11,10 @@ from urdfcheck.facts.inertia import principal_moments, triangle_excess
 from urdfcheck.model import Link, Model
 from urdfcheck.model.body import bodies, body_inertia
 
+# MuJoCo's mjMINVAL, in kg and kg m², and what it says.
+LEAST = 1e-15
+REFUSED = "refuses to compile: mass and inertia of moving bodies must be larger than mjMINVAL"
+
 
 def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: float) -> Iterator[Finding]:
     for body in bodies(model):
@@ -21,13 +25,15 @@ def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: 
         link = _heaviest(model, body.links)
         first, _, third = principal_moments(tensor)[0].tolist()
         data: dict[str, Any] = {"link": link.name, "mass": total, "smallest": first, "largest": third}
+        told = {"mujoco": REFUSED if min(total, first) < LEAST else "loads it"}
         if total <= mass:
-            yield rule.finding("mass", at=_mass_place(link), cause="unit", **data)
+            yield rule.finding("mass", at=_mass_place(link), cause="unit", consequences=told, **data)
         elif not (third > 0 and first > 1e-9 * third and triangle_excess(tensor) >= -1e-9):
             continue  # INR003, INR004
         elif math.sqrt(third / total) < gyration:
             radius = math.sqrt(third / total) * 1e6
-            yield rule.finding("point", at=_tensor_place(link), cause="unit", radius=radius, **data)
+            at = _tensor_place(link)
+            yield rule.finding("point", at=at, cause="unit", consequences=told, radius=radius, **data)
         elif first < condition * third:
             yield rule.finding("condition", at=_tensor_place(link), ratio=first / third, **data)
 

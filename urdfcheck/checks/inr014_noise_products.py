@@ -4,29 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core import Applicability, Finding, Rule
 from urdfcheck.facts.inertia import principal_moments
 from urdfcheck.facts.literals import product_noise
 from urdfcheck.model import Link, Model
 from urdfcheck.model.body import is_point
+from urdfcheck.source.words import replacing
 from urdfcheck.source.xml import Attribute
 
 PRODUCTS = {"ixy": 1, "ixz": 2, "iyz": 4}
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    found = {link.name: noise for link in model.links if (noise := _noise(link))}
-    attributes = [attribute for noise in found.values() for attribute in noise]
-    if attributes:
-        largest = max((abs(float(a.value)) for a in attributes), default=0.0)
+    # What is computed is another mistake than what is typed, and each file is edited for itself.
+    found: dict[tuple[str, bool], list[tuple[Link, Attribute]]] = {}
+    for link in model.links:
+        for attribute in _noise(link):
+            file = "" if attribute.span is None else attribute.span.file
+            found.setdefault((file, attribute.literal), []).append((link, attribute))
+    for places in found.values():
+        attributes = [attribute for _, attribute in places]
         yield rule.finding(
             "noise",
             at=attributes[0],
             related=attributes[1:],
-            edits=[Edit(a.span, a.typed, "0") for a in attributes if a.literal and a.span is not None],
+            edits=replacing(attributes, "0"),
+            applicability=Applicability.SAFE,  # it turns the principal axes by less than the last digit of a moment
             count=len(attributes),
-            links=", ".join(found),
-            largest=largest,
+            links=", ".join(dict.fromkeys(link.name for link, _ in places)),
+            largest=max(abs(float(a.value)) for a in attributes),
         )
 
 

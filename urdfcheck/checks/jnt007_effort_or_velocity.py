@@ -9,12 +9,13 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.model.names import listed
 from urdfcheck.model.parts import Joint
+from urdfcheck.source.grammar import lacks
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for joint in model.joints:
         limit = joint.limit
-        missing = [] if limit is None else [n for n in ("effort", "velocity") if n not in limit.attributes]
+        missing = [] if limit is None else [n for n in ("effort", "velocity") if lacks(limit, n)]
         if limit is not None and missing:
             yield rule.finding(
                 "missing", at=limit, severity=Severity.ERROR, joint=joint.name, names=" and ".join(missing)

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.model.names import hint
+from urdfcheck.model.names import SLIP, hint, only_near
 from urdfcheck.model.parts import Joint
 from urdfcheck.source.values import attribute_number
+from urdfcheck.source.words import replacing
 from urdfcheck.source.xml import Element
 
 _BOUNDED = frozenset({"revolute", "prismatic"})
@@ -23,8 +24,11 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
         leader = model.joint_by_name.get(at.value)
         loop = _loop(model, joint)
         if leader is None:
-            near = hint(at.value, model.joint_by_name)
-            yield rule.finding("unknown", at=at, joint=joint.name, leader=at.value, near=near)
+            known = model.joint_by_name.keys() - {joint.name}
+            near = only_near(at.value, known, SLIP)
+            edits = replacing([at], near) if near is not None else ()
+            told = hint(at.value, known)
+            yield rule.finding("unknown", at=at, edits=edits, joint=joint.name, leader=at.value, near=told)
         elif leader.name == joint.name:
             yield rule.finding("itself", at=at, joint=joint.name)
         elif loop:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.facts.literals import NearMiss, constant_of, near_miss
 from urdfcheck.model import Model
+from urdfcheck.model.names import listed
 from urdfcheck.source.values import number
 from urdfcheck.source.words import Word, words_of
 
@@ -30,9 +31,28 @@ def check(model: Model, rule: Rule, *, negligible: float, harmful: float) -> Ite
             continue
         spellings = found.setdefault((word.span.file, constant), _Spellings())
         (spellings.exact if miss is None else spellings.short.setdefault(abs(value), [])).append(word)
-    for (_, constant), spellings in found.items():
-        if spellings.short:
-            yield _finding(model, rule, constant, spellings, harmful)
+    every = [_finding(model, rule, constant, spelt, harmful) for (_, constant), spelt in found.items() if spelt.short]
+    mild = [finding for finding in every if finding.severity is Severity.INFO]
+    yield from (finding for finding in every if finding.severity is not Severity.INFO)
+    yield from mild if len(mild) < 2 else [_together(rule, mild)]
+
+
+def _together(rule: Rule, findings: list[Finding]) -> Finding:
+    """Several constants, or files, of a robot: they were typed by one hand, or one exporter."""
+    counts: dict[str, int] = {}
+    for finding in findings:
+        spelling = "`{spelled}` for {constant} (off by {lever})".format_map(finding.data)
+        counts[spelling] = counts.get(spelling, 0) + finding.data["count"]
+    finding = rule.finding(
+        "several",
+        at=findings[0].location,
+        related=[place for f in findings for place in (f.location, *f.related)][1:],
+        edits=[edit for f in findings if f.fix is not None for edit in f.fix.edits],
+        spellings=listed(counts),
+        count=sum(counts.values()),
+        correct=listed(dict.fromkeys(f.data["correct"].lstrip("-").replace("{-", "{") for f in findings)),
+    )
+    return replace(finding, subjects=tuple(dict.fromkeys(subject for f in findings for subject in f.subjects)))
 
 
 def _finding(model: Model, rule: Rule, constant: str, spellings: _Spellings, harmful: float) -> Finding:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Applicability, Finding, Rule
 from urdfcheck.facts.literals import is_noise_angle, is_noise_length
 from urdfcheck.model import Model
 from urdfcheck.model.names import listed
@@ -30,6 +30,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             at=words[0],
             related=words[1:],
             edits=[word.replaced("0") for word in words],
+            applicability=Applicability.SAFE,  # of no length or angle that anything can tell from zero
             count=f"{len(words)} numbers are" if len(words) > 1 else "one number is",
             parts=listed(dict.fromkeys(_part(word) for word in words)),
             largest=largest.text,

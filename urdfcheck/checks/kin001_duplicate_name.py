@@ -9,6 +9,9 @@ from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.names import listed
 
+# It needs no names of joints, but for what refers to them.
+MUJOCO = {"link": "refuses the file: repeated name", "joint": "replaces the name of the second by none"}
+
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     yield from _repeated(model.links, "link", rule)
@@ -34,8 +37,10 @@ def _repeated(parts: Sequence[Link] | Sequence[Joint], kind: str, rule: Rule) ->
     first: dict[str, Link | Joint] = {}
     for part in parts:
         if part.name and first.setdefault(part.name, part) is not part:
-            related = [_name(first[part.name])]
-            yield rule.finding("repeated", at=_name(part), related=related, kind=kind, called=part.name)
+            related, told = [_name(first[part.name])], {"mujoco": MUJOCO[kind]}
+            yield rule.finding(
+                "repeated", at=_name(part), related=related, consequences=told, kind=kind, called=part.name
+            )
 
 
 def _name(part: Link | Joint) -> Location:

@@ -12,6 +12,9 @@ _SHOWN = 12
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    children = {joint.child for joint in model.joints}
+    rooted = any(link.name not in children for link in model.links)
+    loss = "drops the loop, without a message" if rooted else "refuses the file: no root link found"
     for loop in Graph.of(model).loops():
         closing = loop[-1]
         links = [joint.parent for joint in loop]
@@ -22,6 +25,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             "loop",
             at=child.attributes["link"],
             related=loop[:-1][:_SHOWN],
+            consequences={"urdfdom": loss, "bullet": loss},
             joint=closing.name,
             loop=" → ".join([*shown, links[0]]),
             links=links,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from urdfcheck.core import Confidence, Finding, Location, Rule, Severity
 from urdfcheck.model.names import hint
-from urdfcheck.source.launch import Description, Launch, Obstacle, declared, is_included
+from urdfcheck.source.launch import Description, Include, Launch, Obstacle, declared, is_included
 from urdfcheck.source.launch_python import PythonLaunch
 from urdfcheck.source.packages import PackageFinder, display_name
 from urdfcheck.source.words import part_of
@@ -25,6 +25,21 @@ def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
         if description.unresolved is not None:
             at = part_of(description.at, description.file, launch.files)
             yield from _unresolved(launch, description, description.unresolved, at, rule)
+    for include in launch.broken:
+        yield from _broken(launch, include, rule)
+
+
+def _broken(launch: Launch, include: Include, rule: Rule) -> Iterator[Finding]:
+    """An include that leads nowhere."""
+    at, name = include.at, include.obstacle.name
+    if include.obstacle.kind == "file":
+        yield rule.finding("include-file", at=at, path=name, near=_near_file(name, launch.finder))
+    elif include.obstacle.kind == "circle":
+        yield rule.finding("include-circle", at=at, path=name)
+    else:
+        names = [argument.get("name") for argument in declared(_root(at.owner))]
+        if name not in names:  # one without a default is handed over at launch
+            yield rule.finding("include-argument", at=at, file=at.value, argument=name, near=hint(name, names))
 
 
 def _unresolved(
@@ -65,6 +80,16 @@ def _python(python: PythonLaunch, finder: PackageFinder, rule: Rule) -> Iterator
         path = display_name(Path(named.path))
         yield rule.finding(
             "named",
+            at=named.location,
+            severity=Severity.WARNING,
+            confidence=Confidence.STRONG,
+            path=path,
+            near=_near_file(path, finder),
+        )
+    for named in python.includes:
+        path = display_name(Path(named.path))
+        yield rule.finding(
+            "include-file",
             at=named.location,
             severity=Severity.WARNING,
             confidence=Confidence.STRONG,

@@ -7,15 +7,19 @@ from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.source.launch import Launch, executable
+from urdfcheck.source.values import number
 from urdfcheck.source.words import part_of
 from urdfcheck.source.xml import Attribute, Element
 
 
 @dataclass(frozen=True, slots=True)
 class _Successor:
+    """What is started instead. ``drop_in``: it reads the same arguments."""
+
     package: str
     executable: str
     since: str
+    drop_in: bool = True
 
 
 _SUCCESSORS = {
@@ -31,7 +35,7 @@ _SUCCESSORS = {
             "robot_state_publisher", "robot_state_publisher", "ROS 2"
         ),
         ("gazebo_ros", "spawn_model"): _Successor(
-            "ros_gz_sim", "create", "ROS 2 (spawn_entity.py with Gazebo Classic)"
+            "ros_gz_sim", "create", "ROS 2 (spawn_entity.py with Gazebo Classic)", drop_in=False
         ),
         ("tf", "static_transform_publisher"): _Successor("tf2_ros", "static_transform_publisher", "ROS 2"),
         ("rviz", "rviz"): _Successor("rviz2", "rviz2", "ROS 2"),
@@ -51,7 +55,7 @@ def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
             yield rule.finding(
                 "removed",
                 at=attribute,
-                edits=_edits(node, attribute, successor),
+                edits=_edits(node, attribute, successor) if successor.drop_in and not _has_period(node) else [],
                 old=f"{node.get('pkg')}/{attribute.value}",
                 new=f"{successor.package}/{successor.executable}",
                 since=successor.since,
@@ -65,6 +69,12 @@ def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
             yield rule.finding(
                 "removed", at=at, edits=edits, old="xacro/xacro.py", new="xacro/xacro", since=successor.since
             )
+
+
+def _has_period(node: Element) -> bool:
+    """Whether a static transform ends in the period of tf: tf2_ros would take nine words for a quaternion."""
+    words = node.get("args").split()
+    return node.get("pkg") == "tf" and len(words) in {9, 10} and number(words[-1]) is not None
 
 
 def _edits(node: Element, attribute: Attribute, successor: _Successor) -> list[Edit]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
+from urdfcheck.source.roles import opened
 
 # A format that we cannot read, and geometry kept in a second file, need not be broken.
 OTHER = {"unsupported": Severity.WARNING, "external-buffer": Severity.INFO}
@@ -23,12 +24,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for path, uses in model.meshes.by_file().items():
         error = model.meshes.errors.get(path)
         if error is not None and error.reason_id not in ELSEWHERE:
+            other = error.reason_id in OTHER
             yield rule.finding(
-                "unread" if error.reason_id in OTHER else "unreadable",
+                "unread" if other else "unreadable",
                 at=uses[0].filename,
                 related=[use.filename for use in uses[1:]],
                 cause=CAUSES.get(error.reason_id),
                 severity=OTHER.get(error.reason_id),
+                consequences=None if other else opened(use.shape.element for use in uses),
                 mesh=uses[0].filename.value,
                 reason=str(error),
                 repair=REPAIRS.get(error.reason_id, "export or download the file again"),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,29 +21,19 @@ LOOPS, POINTS = 16, 64
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     drawn: list[MeshUse] = []
+    colliding: list[Sequence[MeshUse]] = []
     for uses, facts in model.meshes.measured():
         # Where a corner is nowhere, its triangles are missing: MSH007 says so.
         if not facts.open_edges or facts.non_finite_vertices:
             continue
         if uses[0].shape.role != "collision":
             drawn.append(uses[0])
-            continue
-        loops = [_loop(model, uses[0], boundary) for boundary in facts.boundaries]
-        loops.sort(key=lambda loop: -loop["length"])
-        yield rule.finding(
-            "collision",
-            at=uses[0].filename,
-            related=[use.filename for use in uses[1:]],
-            mesh=uses[0].filename.value,
-            open_edges=facts.open_edges,
-            edges=f"{facts.open_edges:,} edge" + "s" * (facts.open_edges > 1),
-            places=f"{len(loops):,} place" + "s" * (len(loops) > 1),
-            length=loops[0]["length"],
-            centre=" ".join(f"{v:g}" for v in loops[0]["centre"]),
-            loops=loops[:LOOPS],
-        )
+        else:
+            colliding.append(uses)
+    if colliding:
+        yield _colliding(model, rule, colliding)
     if drawn:
-        counts = [model.meshes.facts[use.resource.path].open_edges for use in drawn if use.resource.path]
+        counts = [_open_edges(model, use) for use in drawn]
         yield rule.finding(
             "drawn",
             at=drawn[0].filename,
@@ -51,6 +42,42 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             count=len(drawn),
             meshes=listed([f"{use.name} ({n:,})" for use, n in zip(drawn, counts, strict=True)]),
         )
+
+
+def _colliding(model: Model, rule: Rule, meshes: list[Sequence[MeshUse]]) -> Finding:
+    """One finding for all of a robot: they come from one exporter, or one program that made them coarser."""
+    holes = {uses[0]: _loops(model, uses[0]) for uses in meshes}
+    worst = max(holes, key=lambda use: holes[use][0]["length"])
+    counts = [_open_edges(model, use) for use in holes]
+    names = listed(f"{use.name} ({n:,})" for use, n in zip(holes, counts, strict=True))
+    several = len(meshes) > 1
+    places = sum(map(len, holes.values()))
+    first, *rest = (use.filename for uses in meshes for use in uses)
+    finding = rule.finding(
+        "collision",
+        at=first,
+        related=rest,
+        meshes=f"{len(meshes)} collision meshes are" if several else f"collision mesh {worst.filename.value} is",
+        edges=f"{sum(counts):,} edge" + "s" * (sum(counts) > 1) + (f", {names}," if several else ""),
+        open_edges=sum(counts),
+        places=f"{places:,} place" + "s" * (places > 1),
+        length=holes[worst][0]["length"],
+        centre=" ".join(f"{v:g}" for v in holes[worst][0]["centre"]),
+        whose=f"the frame of {worst.name}" if several else "the mesh's frame",
+        loops=[loop for loops in holes.values() for loop in loops[:LOOPS]],
+    )
+    return replace(finding, subjects=tuple(dict.fromkeys(use.filename.location.subject for use in holes)))
+
+
+def _open_edges(model: Model, use: MeshUse) -> int:
+    assert use.resource.path is not None, "its file was measured"
+    return model.meshes.facts[use.resource.path].open_edges
+
+
+def _loops(model: Model, use: MeshUse) -> list[dict[str, Any]]:
+    assert use.resource.path is not None, "its file was measured"
+    loops = [_loop(model, use, boundary) for boundary in model.meshes.facts[use.resource.path].boundaries]
+    return sorted(loops, key=lambda loop: -loop["length"])
 
 
 def _loop(model: Model, use: MeshUse, boundary: Boundary) -> dict[str, Any]:

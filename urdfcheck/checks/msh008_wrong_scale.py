@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from urdfcheck.core import Finding, Rule, Unavailable
+from urdfcheck.core import Edit, Finding, Rule, Unavailable
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.names import listed
@@ -40,10 +41,12 @@ def check(model: Model, rule: Rule, *, largest: float, ratio: float, smallest: f
         yield _declared(model, rule, sizes, unit, uses)
     for (message, mesh), found in by_file.items():
         use, size = found[0]
+        units = [unit for unit in UNITS.values() if sizes.plausible(size * unit)]
         finding = rule.finding(
             message,
             at=use.filename,
             related=[other.filename for other, _ in found[1:]],
+            edits=_rescaled(model, [u for u, _ in found], None if message == "small" else units),
             mesh=mesh,
             size=size,
             in_file=_in_file(model, use),
@@ -54,6 +57,26 @@ def check(model: Model, rule: Rule, *, largest: float, ratio: float, smallest: f
             ),
         )
         yield _of_all(finding, (other for other, _ in found))
+
+
+def _rescaled(model: Model, uses: list[MeshUse], units: list[float] | None) -> list[Edit]:
+    """Edits that give meshes the scale of the one unit that is plausible, or of the metre (None); none where one of them
+    cannot be edited. A scale may mirror a mesh, and goes on to."""
+    edits: dict[Edit, None] = {}
+    for use in uses:
+        filename, scale, files = use.filename, use.shape.size, model.source.files
+        place, typed = filename.span, filename.owner.attributes.get("scale")
+        if scale is None or place is None or place.file not in files or (units is not None and len(units) != 1):
+            return []
+        new = " ".join(f"{math.copysign(1, s) if units is None else s * units[0]:g}" for s in scale)
+        if typed is None:
+            end = place.end + 1  # behind the quotation mark
+            edits[Edit(files[place.file].span(end, end), "", f' scale="{new}"')] = None
+        elif typed.literal and typed.span is not None:
+            edits[Edit(typed.span, typed.typed, new)] = None
+        else:
+            return []
+    return list(edits)
 
 
 def _of_all(finding: Finding, uses: Iterable[MeshUse]) -> Finding:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.facts.mesh import MeshFacts
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
@@ -19,23 +19,41 @@ FORMATS = {
     "bullet": frozenset({"stl", "obj", "dae"}),
     "gazebo": frozenset({"stl", "obj", "dae", "gltf", "glb"}),
 }
+NAMES = {"mujoco": "MuJoCo", "drake": "Drake", "bullet": "PyBullet", "gazebo": "Gazebo"}
 # These refuse the model for a mesh that it collides with; the others leave out whatever they cannot load.
 COLLISION_ONLY = frozenset({"mujoco", "drake"})
 MUJOCO_STL_FACES = 200_000
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for target in model.targets:
-        if target not in FORMATS:
+    unable: dict[str, list[tuple[MeshUse, MeshFacts]]] = {}
+    for program, formats in FORMATS.items():
+        if model.targets and program not in model.targets:
             continue
-        loaded = _loaded(model, target)
-        refused = [(use, facts) for use, facts in loaded if _format(facts) not in FORMATS[target]]
-        if refused:
-            yield _finding(rule, target, refused, loads=" or ".join(sorted(FORMATS[target])))
+        loaded = _loaded(model, program)
+        refused = [(use, facts) for use, facts in loaded if _format(facts) not in formats]
         heavy = [(u, f) for u, f in loaded if _format(f) == "stl" and f.n_triangles > MUJOCO_STL_FACES]
-        if target == "mujoco" and heavy:
+        if model.targets and refused:
+            yield _finding(rule, program, refused, loads=" or ".join(sorted(formats)))
+        if model.targets and program == "mujoco" and heavy:
             most = max(facts.n_triangles for _, facts in heavy)
             yield _finding(rule, "faces", heavy, triangles=most, limit=MUJOCO_STL_FACES)
+        found = [*refused, *(heavy if program == "mujoco" else ())]
+        if found:
+            unable[program] = found
+    if not model.targets and unable:
+        yield _any(rule, unable)
+
+
+def _any(rule: Rule, unable: Mapping[str, list[tuple[MeshUse, MeshFacts]]]) -> Finding:
+    """Nobody said who will read the model: worth knowing, once."""
+    meshes = list({use.name: (use, facts) for found in unable.values() for use, facts in found}.values())
+    told = {program: str(rule.consumers[program][program]) for program in unable}
+    heavy = [f for _, f in unable.get("mujoco", ()) if _format(f) in FORMATS["mujoco"]]
+    if heavy:
+        told["mujoco"] = str(rule.consumers["faces"]["mujoco"])
+    names = listed([NAMES[program] for program in unable])
+    return _finding(rule, "any", meshes, consequences=told, severity=Severity.INFO, programs=names)
 
 
 def _loaded(model: Model, target: str) -> list[tuple[MeshUse, MeshFacts]]:

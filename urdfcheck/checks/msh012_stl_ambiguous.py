@@ -8,6 +8,7 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.names import listed
+from urdfcheck.source.roles import compiled
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -23,6 +24,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             message,
             at=uses_of[0].filename,
             related=[use.filename for use in uses_of[1:]],
+            consequences=compiled(use.shape.element for use in uses_of) if message == "text" else None,
             count=len(names),
             meshes=f"STL file {names[0]} is" if len(names) == 1 else f"{len(names)} STL files ({listed(names)}) are",
             header="its header begins" if len(names) == 1 else "their headers begin",

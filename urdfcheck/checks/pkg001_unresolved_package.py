@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.model.names import listed
 from urdfcheck.source.load import Source
-from urdfcheck.source.resources import ResourceUse, resource_uses
+from urdfcheck.source.resources import ResourceUse, is_misspelt, resource_uses
+from urdfcheck.source.roles import compiled
 from urdfcheck.source.words import part_of
+
+# Files that are looked for in other packages, to see which one is meant.
+_MOST_FILES = 50
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -16,7 +21,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         yield _finding(source, rule, str(problem.data["package"]), problem.location, problem.related, [])
     missing: dict[str, list[ResourceUse]] = {}
     for use in resource_uses(source):
-        if use.resource.package is not None and use.resource.path is None:
+        if use.resource.package is not None and use.resource.path is None and not is_misspelt(use):
             missing.setdefault(use.resource.package, []).append(use)
     for package, uses in missing.items():
         first = part_of(uses[0].attribute, package, source.files)
@@ -34,25 +39,54 @@ def _finding(
 ) -> Finding:
     own = source.package
     declared = own is not None and package in own.dependencies
-    near = source.finder.near(package)
+    holding = _holding(uses, source)
+    near = [] if declared else holding or source.finder.near(package)
     files = list(dict.fromkeys(u.resource.text for u in uses))
     others: list[Located | Location] = [*related]
     kind = "files" if uses else "expansion"
+    amount = "1 file" if len(files) == 1 else f"{len(files)} files"
+    evidence = f", which has {'this file' if len(files) == 1 else 'these files'}" if holding and package else ""
+    message = "nameless" if not package else f"{kind}-declared" if declared else kind
+    # Where the package is declared, the meshes are missing only as long as it is not installed.
+    lost = message in {"files", "nameless"}
     return rule.finding(
-        "nameless" if not package else f"{kind}-declared" if declared else kind,
+        message,
         at=at,
         related=others,
         edits=_edits(uses, package, near),
         severity=Severity.INFO if declared and (uses or not source.explicit) else None,
+        consequences=compiled(use.attribute.owner for use in uses) if lost else None,
         package=package,
         files=files,
-        amount="1 file" if len(files) == 1 else f"{len(files)} files",
-        listed=listed([f.partition(f"{package}/")[2] or f for f in files], 3),
+        amount=amount,
+        listed=listed([_inside(f, package) for f in files], 3),
         looked=source.finder.looked_in(),
         places="; ".join(source.finder.looked_in()),
         near=near,
-        hint=f" (did you mean {listed(near)}?)" if near else "",
+        hint=f" (did you mean {listed(near)}{evidence}?)" if near else "",
     )
+
+
+def _inside(text: str, package: str) -> str:
+    """What follows the package's name in a path."""
+    return text.partition("://")[2].removeprefix(package).lstrip("/")
+
+
+def _holding(uses: list[ResourceUse], source: Source) -> list[str]:
+    """The package in reach that has all these files, if only one has: then its name was meant. Where the path names none, it
+    may stand behind the slashes that are too many."""
+    inside = list(dict.fromkeys(_inside(use.resource.text, use.resource.package or "") for use in uses))[:_MOST_FILES]
+    if not inside:
+        return []
+    if not uses[0].resource.package:
+        names = {path.partition("/")[0] for path in inside}
+        return sorted(names) if len(names) == 1 and all(map(source.finder.find, names)) else []
+    found = [name for name, folder in source.finder.in_reach().items() if _has(folder, inside, source)]
+    return found if len(found) == 1 else []
+
+
+def _has(folder: Path, files: list[str], source: Source) -> bool:
+    return all(source.finder.allows(folder / name) and (folder / name).is_file() for name in files)
 
 
 def _edits(uses: list[ResourceUse], package: str, near: list[str]) -> list[Edit]:
@@ -61,9 +95,9 @@ def _edits(uses: list[ResourceUse], package: str, near: list[str]) -> list[Edit]
         return []
     edits = {}
     for use in uses:
-        span = use.attribute.span
+        span, typed = use.attribute.span, use.attribute.typed
         if span is not None:
-            scheme = use.attribute.typed.partition("://")[0]
-            old = f"{scheme}://{package}"
-            edits[span] = Edit(span, use.attribute.typed, use.attribute.typed.replace(old, f"{scheme}://{near[0]}", 1))
+            scheme = typed.partition("://")[0]
+            old = f"{scheme}://{package}" if package else f"{scheme}:///{near[0]}"
+            edits[span] = Edit(span, typed, typed.replace(old, f"{scheme}://{near[0]}", 1))
     return list(edits.values())

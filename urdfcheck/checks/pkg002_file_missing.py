@@ -12,7 +12,8 @@ from urdfcheck.files import walk
 from urdfcheck.model.names import listed, nearest
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import display_name
-from urdfcheck.source.resources import ResourceUse, machine_part, resource_uses
+from urdfcheck.source.resources import ResourceUse, is_misspelt, machine_part, resource_uses
+from urdfcheck.source.roles import compiled
 
 # Files beyond this many are not looked through for one of the same name: a suggestion is not worth seconds.
 _MOST_FILES = 20_000
@@ -32,7 +33,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     there = [use for use in meshes if _exists(use)]
     for path, uses in _by_path(there).items():
         what = "a folder" if path.is_dir() else "no regular file (a pipe, a socket or a device)"
-        yield rule.finding("kind", at=uses[0], related=uses[1:], path=display_name(path), what=what)
+        told = compiled(use.attribute.owner for use in uses)
+        yield rule.finding("kind", at=uses[0], related=uses[1:], consequences=told, path=display_name(path), what=what)
     missing = [use for use in meshes if use not in there]
     if not missing:
         return
@@ -45,7 +47,7 @@ def _is_missing(use: ResourceUse, source: Source) -> bool:
     resource = use.resource
     if resource.path is None or resource.exists or resource.actual is not None or not resource.allowed:
         return False
-    return machine_part(use, source) is None
+    return machine_part(use, source) is None and not is_misspelt(use)
 
 
 def _exists(use: ResourceUse) -> bool:
@@ -111,6 +113,7 @@ def _finding(gap: _Gap, index: dict[str, list[Path]], source: Source, rule: Rule
         message,
         at=first,
         related=list(related.values()),
+        consequences=compiled(use.attribute.owner for use in gap.uses),
         **data,  # type: ignore[arg-type]
     )
 

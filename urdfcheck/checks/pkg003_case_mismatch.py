@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from urdfcheck.core import Applicability, Edit, Finding, Location, Rule
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import ResourceUse, machine_part, resource_uses
+from urdfcheck.source.roles import compiled
 from urdfcheck.source.xml import SourceFile
 
 
@@ -19,16 +20,17 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     for uses in found.values():
         first = uses[0]
         actual = first.resource.actual or ""
-        edits = {u.attribute.span: e for u in uses for e in _edits(u, actual, source.files)}
+        edits = [_edit(use, actual, source.files) for use in uses]
         yield rule.finding(
             "case",
             at=_place(first, actual, source.files),
             related=[u for u in uses if u.attribute.span != first.attribute.span],
-            edits=edits.values(),
+            edits=dict.fromkeys(edit for edit in edits if edit is not None) if all(edits) else (),
             applicability=Applicability.SAFE if all(u.attribute.literal for u in uses) else Applicability.UNSAFE,
             written=_written(first, actual),
             actual=actual,
             file=first.resource.text,
+            consequences=compiled(use.attribute.owner for use in uses),
         )
 
 
@@ -37,15 +39,17 @@ def _written(use: ResourceUse, actual: str) -> str:
     return "/".join(use.resource.text.replace("\\", "/").split("/")[-len(actual.split("/")) :])
 
 
-def _edits(use: ResourceUse, actual: str, files: Mapping[str, SourceFile]) -> list[Edit]:
-    """Replace the end of the typed path, which must be typed out there and not computed."""
+def _edit(use: ResourceUse, actual: str, files: Mapping[str, SourceFile]) -> Edit | None:
+    """Replace the end of the typed path, which must be typed out there and not computed, and differ in nothing else."""
     span, written = use.attribute.span, _written(use, actual)
     if span is None or span.file not in files or not use.attribute.typed.endswith(written):
-        return []
-    return [Edit(files[span.file].span(span.end - len(written), span.end), written, actual)]
+        return None
+    if written.casefold() != actual.casefold():  # a blank that is typed as %20
+        return None
+    return Edit(files[span.file].span(span.end - len(written), span.end), written, actual)
 
 
 def _place(use: ResourceUse, actual: str, files: Mapping[str, SourceFile]) -> Location:
-    edits = _edits(use, actual, files)
+    edit = _edit(use, actual, files)
     whole = use.location
-    return Location(whole.subject, edits[0].span, whole.via) if edits else whole
+    return whole if edit is None else Location(whole.subject, edit.span, whole.via)

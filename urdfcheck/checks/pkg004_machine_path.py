@@ -9,6 +9,7 @@ from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.model.names import listed
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import ResourceUse, machine_part, resource_uses
+from urdfcheck.source.roles import compiled
 
 
 @dataclass(slots=True, eq=False)
@@ -40,11 +41,13 @@ def _finding(place: _Place, source: Source, rule: Rule) -> Finding:
     first = place.uses[0]
     portable = _portable(first, source)
     files = list(dict.fromkeys(u.resource.text for u in place.uses))
+    message = "unread" if not first.resource.allowed else "here-only" if first.resource.exists else "nowhere"
     return rule.finding(
-        "unread" if not first.resource.allowed else "here-only" if first.resource.exists else "nowhere",
+        message,
         at=place.location,
         related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
         edits=_edits(place, source) if portable else [],
+        consequences=compiled(use.attribute.owner for use in place.uses) if message == "nowhere" else None,
         file=first.resource.text,
         files=files,
         listed=listed(files, 2),

@@ -12,6 +12,7 @@ from urdfcheck.model.names import listed
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import display_name
 from urdfcheck.source.resources import ResourceUse, resource_uses
+from urdfcheck.source.roles import opened
 
 POINTER = b"version https://git-lfs.github.com/spec/"
 _SIZE = re.compile(rb"^size (\d+)$", re.MULTILINE)
@@ -42,6 +43,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             count=len(paths),
             listed=listed([path.name for path in paths], 4),
             files=[display_name(path) for path in paths],
+            consequences=opened(use.attribute.owner for use in uses),
             bytes=sum(sizes[path] or 0 for path in paths),
             repository=None if repository is None else display_name(repository),
             where="a clone of the repository" if repository is None else display_name(repository),

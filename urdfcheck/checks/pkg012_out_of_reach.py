@@ -9,7 +9,7 @@ from urdfcheck.model.names import listed
 from urdfcheck.source.launch import Launch
 from urdfcheck.source.load import Source
 from urdfcheck.source.problems import Problem
-from urdfcheck.source.resources import machine_part, resource_uses
+from urdfcheck.source.resources import ResourceUse, is_misspelt, machine_part, resource_uses
 from urdfcheck.source.usage import typed_at
 
 
@@ -18,7 +18,7 @@ def check(subject: Source | Launch, rule: Rule) -> Iterator[Finding]:
         if problem.kind == "out-of-reach":
             yield _unread(problem, subject, rule)
     if isinstance(subject, Source):
-        uses = [u for u in resource_uses(subject) if not u.resource.allowed and machine_part(u, subject) is None]
+        uses = [u for u in resource_uses(subject) if _is_outside(u, subject)]
         files = list(dict.fromkeys(u.resource.text for u in uses))
         if uses:
             yield rule.finding(
@@ -29,6 +29,10 @@ def check(subject: Source | Launch, rule: Rule) -> Iterator[Finding]:
                 files=files,
                 listed=listed(files, 3),
             )
+
+
+def _is_outside(use: ResourceUse, source: Source) -> bool:
+    return not use.resource.allowed and not is_misspelt(use) and machine_part(use, source) is None
 
 
 def _unread(problem: Problem, subject: Source | Launch, rule: Rule) -> Finding:

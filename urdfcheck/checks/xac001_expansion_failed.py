@@ -14,7 +14,7 @@ from urdfcheck.model.names import hint, listed, nearest
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import display_name
 from urdfcheck.source.problems import Problem
-from urdfcheck.source.usage import elements, macros, properties, typed_at
+from urdfcheck.source.usage import elements, macros, properties, typed_at, unprefixed
 from urdfcheck.source.xml import Element
 
 _EXPRESSIONS = " when evaluating expression '"
@@ -58,8 +58,17 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             at=verdict.at,
             related=verdict.related,
             macros=list(problem.data.get("macros") or ()),
+            between=_without_prefix(failure, verdict),
             **verdict.data,
         )
+
+
+def _without_prefix(failure: _Failure, verdict: _Verdict) -> list[str]:
+    """The tags that would define what is missing if they had xacro's prefix: then that is the cause, and told by its rule."""
+    if verdict.message not in {"undefined-name", "unknown-macro", "undefined-block"}:
+        return []
+    found = unprefixed(failure.source.trees)
+    return [e.subject for e in found if e.tag == "include" or e.get("name") == verdict.data["name"]]
 
 
 def _verdict(failure: _Failure) -> _Verdict:
@@ -191,11 +200,21 @@ def _missing_file(failure: _Failure, match: re.Match[str]) -> _Verdict:
         beside = [p.name for p in path.parent.iterdir()]
     except OSError:
         beside = []
-    near = hint(path.name, beside) if beside else "; nor does its folder"
+    near = hint(path.name, beside) if beside else f"; nor does its folder{_folders_beside(failure.source, path)}"
     data: dict[str, Any] = {"file": display_name(path), "hint": near}
     if failure.expression:
         return _at_expression(failure, "file-missing", **data)
     return _verdict_at(failure, "file-missing", failure.problem.location, **data)
+
+
+def _folders_beside(source: Source, path: Path) -> str:
+    """The folders beside the outermost one of a path that is not there: often a part of its name came from an argument."""
+    missing = next((folder for folder in reversed(path.parents) if not folder.is_dir()), path)
+    try:
+        names = sorted(f.name for f in missing.parent.iterdir() if f.is_dir()) if source.finder.allows(missing) else []
+    except OSError:
+        names = []
+    return f" (beside it: {listed(names, 4)})" if names else ""
 
 
 def _empty_file_name(failure: _Failure, match: re.Match[str]) -> _Verdict:
@@ -246,7 +265,7 @@ _KINDS: tuple[tuple[str, Callable[[_Failure, re.Match[str]], _Verdict]], ...] = 
     (r'Xacro conditional "(.*)" evaluated to "(.*)", which', _condition),
     (r"environment variable '([^']*)' is not (set|read)", _environment),
     (r"(\S+): missing attribute '([^']+)'", _missing_attribute),
-    (r"never ends|circular variable definition|include cycle", _endless),
+    (r"never ends|circular variable definition", _endless),
     (r"\(<(?:expression|string)>, line \d+\)|^invalid expression", _syntax),
 )
 

@@ -11,8 +11,8 @@ from urdfcheck.model.extent import size_of
 from urdfcheck.model.names import listed
 from urdfcheck.source.load import Source
 from urdfcheck.source.usage import (
+    mentioned_elsewhere,
     names_read,
-    names_read_elsewhere,
     own_trees,
     properties,
     reads_unseen_files,
@@ -49,8 +49,10 @@ def _unread(source: Source) -> list[list[Attribute]]:
         for name, definitions in properties(own_trees(source)).items()
         if name not in read and not any("scope" in d.owner.attributes for d in definitions)
     }
-    elsewhere = names_read_elsewhere(source) if unread else set()
-    return [definitions for name, definitions in unread.items() if name not in elsewhere]
+    elsewhere = mentioned_elsewhere(source) if unread else None
+    if elsewhere is None or not elsewhere.complete:
+        return []
+    return [definitions for name, definitions in unread.items() if name not in elsewhere.names]
 
 
 def _one(definitions: Sequence[Attribute], model: Model, rule: Rule, near: float) -> Finding:

@@ -12,7 +12,7 @@ from typing import Any
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.facts.literals import near_miss
 from urdfcheck.source.load import Source
-from urdfcheck.source.usage import names_read, names_read_elsewhere, own_trees, properties, reads_unseen_files
+from urdfcheck.source.usage import Mentions, mentioned_elsewhere, names_read, own_trees, properties, reads_unseen_files
 from urdfcheck.source.values import number
 from urdfcheck.source.words import removal
 from urdfcheck.source.xml import Attribute
@@ -41,11 +41,12 @@ class _Read:
         self.unknown = source.root is None or reads_unseen_files(source)
 
     @cached_property
-    def elsewhere(self) -> set[str]:
-        return names_read_elsewhere(self.source)
+    def elsewhere(self) -> Mentions:
+        return mentioned_elsewhere(self.source)
 
     def maybe(self, name: str) -> bool:
-        return self.unknown or name in self.here or name in self.elsewhere
+        known = self.unknown or name in self.here
+        return known or not self.elsewhere.complete or name in self.elsewhere.names
 
 
 def check(source: Source, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator
+from dataclasses import replace
 
-from urdfcheck.core import Applicability, Edit, Finding, Rule
+from urdfcheck.core import Applicability, Finding, Rule
 from urdfcheck.source.load import Source
 from urdfcheck.source.usage import own_trees
+from urdfcheck.source.words import replacing
 from urdfcheck.source.xml import Attribute
 
 CURRENT = "http://www.ros.org/wiki/xacro"
@@ -21,19 +23,26 @@ _ALIKE = 0.9
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     if not source.is_xacro:
         return
+    typed: dict[str, list[Attribute]] = {}
     for tree in own_trees(source).values():
         for element in tree.walk():
             namespace = element.attributes.get("xmlns:xacro")
-            message = None if namespace is None else _message(namespace.value.strip())
-            if namespace is not None and message is not None:
-                yield rule.finding(
-                    message,
-                    at=namespace,
-                    edits=_edits(namespace),
-                    applicability=Applicability.SAFE,
-                    namespace=namespace.value,
-                    current=CURRENT,
-                )
+            if namespace is not None:
+                typed.setdefault(namespace.value.strip(), []).append(namespace)
+    for address, places in typed.items():
+        message = _message(address)
+        if message is not None:
+            finding = rule.finding(
+                message,
+                at=places[0],
+                related=places[1:],
+                edits=[edit for place in places for edit in replacing([place], CURRENT)],
+                applicability=Applicability.SAFE,
+                namespace=address,
+                files="" if len(places) == 1 else f" in {len(places)} files",
+                current=CURRENT,
+            )
+            yield replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
 
 
 def _message(namespace: str) -> str | None:
@@ -42,7 +51,3 @@ def _message(namespace: str) -> str | None:
     if namespace.startswith(_LEGACY):
         return "legacy"
     return "misspelt" if difflib.SequenceMatcher(None, namespace, CURRENT).ratio() >= _ALIKE else None
-
-
-def _edits(namespace: Attribute) -> list[Edit]:
-    return [] if namespace.span is None else [Edit(namespace.span, namespace.typed, CURRENT)]

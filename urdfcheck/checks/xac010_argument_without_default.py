@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.source.load import Source
-from urdfcheck.source.usage import elements, typed_at
+from urdfcheck.source.usage import elements, typed_at, unprefixed
 
 _READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 
@@ -27,6 +27,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             missing=missing,
             options=" ".join(f"--arg {n}:=…" for n in missing),
             default=declared[0].get("default") if declared else "",
+            between=[e.subject for e in unprefixed(source.trees) if e.tag == "include" or e.get("name") == name],
         )
 
 

@@ -8,6 +8,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.source.launch import Launch
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import Package
+from urdfcheck.source.words import renaming
 
 _FORMATS = {
     "sdf": "an SDF model",
@@ -41,7 +42,9 @@ def _model(source: Source, rule: Rule) -> Iterator[Finding]:
         if known is None:
             yield rule.finding("root", at=root, tag=root.tag)
         else:
-            yield rule.finding("format", at=root, tag=root.tag, format=known)
+            edits = renaming([root], "robot", source.files) if root.tag == "Robot" else ()
+            told = _readers(root.tag)
+            yield rule.finding("format", at=root, edits=edits, consequences=told, tag=root.tag, format=known)
         return
     name = root.attributes.get("name")
     if name is None:
@@ -50,3 +53,9 @@ def _model(source: Source, rule: Rule) -> Iterator[Finding]:
             yield rule.finding("unnamed", at=root)
     elif not name.value.strip():
         yield rule.finding("empty", at=name, severity=Severity.WARNING)
+
+
+def _readers(tag: str) -> dict[str, str]:
+    """What MuJoCo and Gazebo do with a file of this kind: each has a format of its own."""
+    own = {"mujoco": tag == "mujoco", "gazebo": tag == "sdf"}
+    return {name: "loads it: this is its own format" if reads else "refuses the file" for name, reads in own.items()}

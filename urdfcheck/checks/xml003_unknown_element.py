@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.grammar import CHILDREN, NUMBERS, elements
+from urdfcheck.source.grammar import CHILDREN, elements, meant_element
+from urdfcheck.source.roles import collides
+from urdfcheck.source.words import renaming
 from urdfcheck.source.xml import Element
 
 # Elements that a program other than urdfdom reads where they stand, or that name an extension of their own.
@@ -50,9 +51,6 @@ _SDF = frozenset({
 })  # fmt: skip
 # Unprefixed xacro has a rule of its own (XAC007).
 _XACRO = frozenset(["macro", "property", "include", "arg", "if", "unless", "insert_block"])
-# <joint_properties damping= friction=> was the name of <dynamics> before URDF 1.0.
-_RENAMED = {"joint_properties": "dynamics", "colour": "color"}
-_CUTOFF = 0.75
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -67,8 +65,29 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             continue
         message, severity, data = judged
         data = {"tag": tag, "parent": parent_tag, "times": _times(len(places)), **data}
-        finding = rule.finding(message, at=places[0], severity=severity, related=places[1:10], **data)
+        finding = rule.finding(
+            message,
+            at=places[0],
+            severity=severity,
+            related=places[1:10],
+            edits=renaming(places, data["near"], model.source.files) if "near" in data else (),
+            consequences=_readers(parent_tag, places),
+            **data,
+        )
         yield replace(finding, subjects=tuple(place.subject for place in places))
+
+
+def _readers(parent: str, places: list[Element]) -> dict[str, str]:
+    """What urdfdom, MuJoCo, Drake and Bullet do with it: where a shape should be, they find none."""
+    if parent != "geometry":
+        return dict.fromkeys(("urdfdom", "mujoco", "drake", "bullet"), "ignores it without a message")
+    drawn = not any(map(collides, places))
+    return {
+        "urdfdom": "drops the shape, and every visual and collision of the link that it has not read yet",
+        "mujoco": "loads it: it leaves out what is only drawn" if drawn else "refuses the file",
+        "drake": "refuses the file",
+        "bullet": "refuses the file",
+    }
 
 
 def _unknown(parent: str, child: Element) -> bool:
@@ -78,7 +97,7 @@ def _unknown(parent: str, child: Element) -> bool:
 
 def _judge(parent: str, child: Element) -> tuple[str, Severity, dict[str, Any]] | None:
     """Which message an unknown element deserves, None when it is somebody's own extension of the robot."""
-    near = _nearest(parent, child)
+    near = meant_element(parent, child)
     if near is not None:
         return "misspelt", Severity.ERROR if parent == "geometry" else Severity.WARNING, {"near": near}
     homes = [home for home, children in CHILDREN.items() if child.tag in children and home != "robot"]
@@ -92,20 +111,6 @@ def _judge(parent: str, child: Element) -> tuple[str, Severity, dict[str, Any]] 
     if child.tag in _SDF:
         return "sdf", Severity.WARNING, {}
     return "ignored", Severity.INFO, {}
-
-
-def _nearest(parent: str, child: Element) -> str | None:
-    """The element of this parent that is probably meant."""
-    allowed = sorted(CHILDREN.get(parent, frozenset()))
-    if _RENAMED.get(child.tag) in allowed:
-        return _RENAMED[child.tag]
-    close = difflib.get_close_matches(child.tag.lower(), allowed, n=1, cutoff=_CUTOFF)
-    if not close:
-        return None
-    # <inertia ixx=…> in a link is no misspelt <inertial>: it carries what belongs to <inertia>.
-    own = CHILDREN.get(child.tag) or frozenset(NUMBERS.get(child.tag, ()))
-    carried = {c.tag for c in child.children} | set(child.attributes)
-    return None if own & carried else close[0]
 
 
 def _times(count: int) -> str:

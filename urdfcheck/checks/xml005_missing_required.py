@@ -7,8 +7,7 @@ from typing import Any
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.parts import TENSOR
-from urdfcheck.source.grammar import elements, loss
+from urdfcheck.source.grammar import REQUIRED, elements, lacks, loss, without
 from urdfcheck.source.xml import Element
 
 # A limit's effort and velocity, a joint's type and a safety controller's k_velocity have rules of their own.
@@ -18,22 +17,11 @@ _CHILDREN = {
     "visual": ("geometry",),
     "collision": ("geometry",),
 }
-_ATTRIBUTES = {
-    "link": ("name",),
-    "joint": ("name",),
-    "parent": ("link",),
-    "child": ("link",),
-    "mass": ("value",),
-    "inertia": TENSOR,
-    "mesh": ("filename",),
-    "box": ("size",),
-    "cylinder": ("radius", "length"),
-    "capsule": ("radius", "length"),
-    "sphere": ("radius",),
-    "mimic": ("joint",),
-    "material": ("name",),
-    "color": ("rgba",),
-}
+# The tags whose attributes are told here.
+_OWN = frozenset({
+    "link", "parent", "child", "mass", "inertia", "mesh", "box", "cylinder", "capsule", "sphere", "mimic", "material",
+    "color",
+})  # fmt: skip
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -41,34 +29,41 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield from _children(element, rule)
         yield from _attributes(element, rule)
         if element.tag == "geometry" and not element.children:
-            yield rule.finding("shape", at=element, owner=_owner(element), loss=loss(element))
-        elif element.tag == "dynamics" and not {"damping", "friction"} & set(element.attributes):
-            yield rule.finding("dynamics", at=element, owner=_owner(element), loss=loss(element))
+            yield rule.finding("shape", at=element, consequences=_lost(element), owner=_owner(element))
+        elif element.tag == "dynamics" and lacks(element, "damping") and lacks(element, "friction"):
+            yield rule.finding("dynamics", at=element, consequences=_lost(element), owner=_owner(element))
     for joint in model.joints:
         axis = joint.axis_element
-        if joint.has_axis and axis is not None and "xyz" not in axis.attributes:
-            yield rule.finding("axis", at=axis, owner=_owner(axis), loss=loss(axis))
+        if joint.has_axis and axis is not None and lacks(axis, "xyz"):
+            yield rule.finding("axis", at=axis, owner=_owner(axis))
 
 
 def _children(element: Element, rule: Rule) -> Iterator[Finding]:
     missing = [tag for tag in _CHILDREN.get(element.tag, ()) if element.child(tag) is None]
     if missing:
         listed = " and no ".join(f"<{tag}>" for tag in missing)
+        told = _lost(element)
         yield rule.finding(
-            "child", at=element, tag=element.tag, missing=listed, owner=_owner(element), loss=loss(element)
+            "child", at=element, consequences=told, tag=element.tag, missing=listed, owner=_owner(element)
         )
 
 
 def _attributes(element: Element, rule: Rule) -> Iterator[Finding]:
-    wanted = _ATTRIBUTES.get(element.tag, ())
-    missing = [name for name in wanted if name not in element.attributes]
-    data: dict[str, Any] = {"tag": element.tag, "owner": _owner(element), "loss": loss(element)}
+    wanted = REQUIRED[element.tag] if element.tag in _OWN else ("name",) if element.tag == "joint" else ()
+    missing = [name for name in wanted if lacks(element, name)]
+    data: dict[str, Any] = {"tag": element.tag, "owner": _owner(element)}
     if missing:
-        yield rule.finding("attribute", at=element, missing=", ".join(missing), **data)
-    elif element.tag in {"parent", "child"} and not element.get("link"):
-        yield rule.finding("empty", at=element.attributes["link"], missing="link", **data)
-    elif element.tag == "mesh" and not element.get("filename").strip():
+        told = {**_lost(element), **without(element, missing)}
+        yield rule.finding("attribute", at=element, consequences=told, missing=", ".join(missing), **data)
+    elif element.tag in {"parent", "child"} and "link" in element.attributes and not element.get("link"):
+        at = element.attributes["link"]
+        yield rule.finding("empty", at=at, consequences=_lost(element), missing="link", **data)
+    elif element.tag == "mesh" and "filename" in element.attributes and not element.get("filename").strip():
         yield rule.finding("file", at=element.attributes["filename"], **data)
+
+
+def _lost(element: Element) -> dict[str, str]:
+    return {"urdfdom": loss(element)}
 
 
 def _owner(element: Element) -> str:

@@ -39,14 +39,25 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 message, word, better = judged
                 edits = _edits(attribute, word, better)
                 yield rule.finding(
-                    message, at=attribute, edits=edits, related=attribute.related(), **_data(attribute, word)
+                    message,
+                    at=attribute,
+                    edits=edits,
+                    related=attribute.related(),
+                    consequences={"urdfdom": loss(element)},
+                    **_data(attribute, word),
                 )
             elif (extreme := _extreme(attribute)) is not None:
                 yield rule.finding("extreme", at=attribute, severity=Severity.WARNING, **_data(attribute, extreme))
             elif _has_blank(attribute, count, plain=not model.source.is_xacro):
                 edits = _edits(attribute, attribute.typed, " ".join(attribute.typed.split()))
-                data = _data(attribute, attribute.value)
-                yield rule.finding("blank", at=attribute, edits=edits, applicability=Applicability.SAFE, **data)
+                yield rule.finding(
+                    "blank",
+                    at=attribute,
+                    edits=edits,
+                    applicability=Applicability.SAFE,
+                    consequences={"urdfdom": loss(element)},
+                    **_data(attribute, attribute.value),
+                )
 
 
 def _data(attribute: Attribute, word: str) -> dict[str, Any]:
@@ -57,7 +68,6 @@ def _data(attribute: Attribute, word: str) -> dict[str, Any]:
         "attribute": attribute.name,
         "word": shown,
         "character": names[0] if names else "",
-        "loss": loss(attribute.owner),
     }
 
 

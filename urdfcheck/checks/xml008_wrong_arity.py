@@ -28,11 +28,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 at=attribute,
                 edits=_edits(attribute, words),
                 related=attribute.related(),
+                consequences={"urdfdom": loss(element)} if message == "count" else None,
                 where=f"{element.subject}@{name}",
                 value=" ".join(words) if len(words) <= 8 else " ".join(words[:8]) + " …",
                 found=len(words),
                 expected=count,
-                loss=loss(element),
             )
 
 

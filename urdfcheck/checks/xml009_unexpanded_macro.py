@@ -6,11 +6,17 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Location, Rule
-from urdfcheck.source.grammar import elements, is_unexpanded
+from urdfcheck.source.grammar import NUMBERS, elements, is_unexpanded
 from urdfcheck.source.load import Source
 from urdfcheck.source.xml import Element
 
 _SUBSTITUTION = re.compile(r"\$\{[^}]*\}?|\$\([^)]*\)?")
+
+# What Drake and Bullet do with the file, and with one in which a number is missing.
+READERS = {
+    False: {"drake": "loads it", "bullet": "loads it"},
+    True: {"drake": "refuses the file", "bullet": "replaces the number by 0, or refuses the file"},
+}
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -19,24 +25,33 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         return
     if source.is_xacro:
         for element in elements(root):
-            for where, text in _left(element):
-                yield rule.finding("left", at=where, text=text)
+            for where, text, number in _left(element):
+                yield rule.finding("left", at=where, consequences=READERS[number], text=text)
         return
     found = [place for element in root.walk() for place in _left(element)]
     if found:
-        tags = sum(text.startswith("<") for _, text in found)
-        yield rule.finding("not_expanded", at=found[0][0], text=found[0][1], elements=tags, values=len(found) - tags)
+        tags = sum(text.startswith("<") for _, text, _ in found)
+        told = READERS[any(number for *_, number in found)]
+        yield rule.finding(
+            "not_expanded",
+            at=found[0][0],
+            consequences=told,
+            text=found[0][1],
+            elements=tags,
+            values=len(found) - tags,
+        )
 
 
-def _left(element: Element) -> Iterator[tuple[Location, str]]:
-    """What is left of xacro in one element, with the text that shows it."""
+def _left(element: Element) -> Iterator[tuple[Location, str, bool]]:
+    """What is left of xacro in one element, with the text that shows it, and whether a number should be there."""
+    numbers = NUMBERS.get(element.tag, {})
     if element.tag.startswith("xacro:"):
-        yield element.location, f"<{element.tag}>"
+        yield element.location, f"<{element.tag}>", False
     for attribute in element.attributes.values():
         if is_unexpanded(attribute.value):
-            yield attribute.location, _shown(attribute.value)
+            yield attribute.location, _shown(attribute.value), attribute.name in numbers
     if is_unexpanded(element.text):
-        yield element.location, _shown(element.text)
+        yield element.location, _shown(element.text), False
 
 
 def _shown(text: str) -> str:

@@ -12,9 +12,9 @@ from urdfcheck.errors import UrdfcheckError
 
 __all__ = ["FAILED", "FINDINGS", "NOTHING", "OK", "exit_code", "main"]
 
-COMMANDS = ("check", "audit", "rule", "srdf", "cache")
+COMMANDS = ("check", "audit", "rule", "srdf", "cache", "baseline", "engines", "drop", "config", "init")
 # Words that later versions use as commands: a file of this name is written ./diff.
-RESERVED = ("baseline", "init", "diff", "lsp", "config", "engines", "drop")
+RESERVED = ("diff", "lsp")
 
 
 def main(argv: Sequence[str] | None = None) -> int:

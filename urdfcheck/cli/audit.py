@@ -72,5 +72,6 @@ def main(words: Sequence[str]) -> int:
     sys.stdout.write(summary.render(done.summary, catalogue.rules()))
     known = f"{done.unchanged:,} unchanged, " if done.unchanged else ""
     say(f"{known}{done.checked:,} checked; {options.output / dataset.LINES}, {options.output / dataset.INDEX}")
-    worst = max((severity for severity, number in done.summary.counts.items() if number), default=None)
-    return code_of(bool(done.summary.failed), worst, options.fail_on or settings.fail_on)
+    fail_on = options.fail_on or settings.fail_on
+    codes = [code_of(False, worst, level or fail_on) for level, worst in done.worst.items()]
+    return max((code_of(bool(done.summary.failed), None, fail_on), *codes))

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, NoReturn
 from urdfcheck.errors import UrdfcheckError
 
 if TYPE_CHECKING:
-    from urdfcheck.config import Config
+    from urdfcheck.baseline import Baseline
+    from urdfcheck.config import Config, Configurations, Given
     from urdfcheck.engine import Request
     from urdfcheck.limits import Limits
 
@@ -40,7 +41,15 @@ def add_options(p: argparse.ArgumentParser) -> None:
         "--fail-on", choices=("error", "warning", "info", "never"), help="exit 1 from here on (default: error)"
     )
     add_access(p)
-    p.add_argument("--target", metavar="NAMES", help="who will read the model: gazebo, mujoco, drake, … (see MSH011)")
+    p.add_argument(
+        "--all-args", action="store_true", help="each xacro with all values that its text has for its arguments"
+    )
+    p.add_argument(
+        "--target",
+        metavar="NAMES",
+        help="who will read the model: gazebo, mujoco, drake, …; what one of them refuses is an error",
+    )
+    p.add_argument("--baseline", type=Path, metavar="FILE", help="findings that are known (see urdfcheck baseline)")
     p.add_argument("--thorough", action="store_true", help="look at 5,000 configurations of the joints instead of 200")
     p.add_argument("--jobs", type=int, metavar="N", help="models checked at the same time (default: the cores)")
     p.add_argument("--allow-empty", action="store_true", help="exit 0 when there is nothing to check")
@@ -58,7 +67,9 @@ def add_access(p: argparse.ArgumentParser) -> None:
         "--env", action="append", default=[], metavar="NAME", help="environment variable that xacro may read"
     )
     p.add_argument(
-        "--isolated", action="store_true", help="ignore every configuration file (for gates: it may be a stranger's)"
+        "--isolated",
+        action="store_true",
+        help="heed no configuration, comment or baseline of the repository (for gates: they may be a stranger's)",
     )
     p.add_argument("--no-cache", action="store_true", help="keep no measurements and use none that were kept")
     p.add_argument("--timeout", type=float, metavar="SECONDS", help="for one model (default: 300; 0: none)")
@@ -72,12 +83,21 @@ def ensure_paths(options: argparse.Namespace) -> None:
         raise UrdfcheckError("a path is empty (urdfcheck . for this folder)")
 
 
+def output_file(text: str) -> tuple[str, Path]:
+    """The format and the file of an ``--output``."""
+    from urdfcheck.output import FORMATS
+
+    output_format, assigned, file = text.partition("=")
+    if not assigned or not file or output_format not in FORMATS:
+        raise UrdfcheckError(f"--output {text}: write FORMAT=FILE with one of the formats {', '.join(FORMATS)}")
+    return output_format, Path(file)
+
+
 def configuration(path: Path, options: argparse.Namespace) -> Config:
     """The configuration that holds for a path."""
-    from urdfcheck import config
+    from urdfcheck.config import Configurations
 
-    folder = path if path.is_dir() else path.parent
-    return config.without_file(folder) if options.isolated else config.find(folder)
+    return Configurations(isolated=options.isolated).of(path)
 
 
 def reading(options: argparse.Namespace, settings: Config, paths: tuple[Path, ...], codes: frozenset[str]) -> Request:
@@ -100,27 +120,87 @@ def reading(options: argparse.Namespace, settings: Config, paths: tuple[Path, ..
 
 
 def requested(options: argparse.Namespace, *, scene: bool = False) -> tuple[Request, Config]:
-    """What the options of `add_options` and the configuration ask for, and the configuration."""
+    """What the options of `add_options` and the configurations ask for, and the configuration for the first path: it holds for
+    what belongs to no file."""
     from dataclasses import replace
 
-    from urdfcheck import catalogue
     from urdfcheck.engine import SAMPLES, THOROUGH
 
     paths = tuple(Path(p) for p in options.paths)
-    settings = configuration(paths[0], options)
-    codes = catalogue.select(_words(options.select) or settings.select)
-    codes -= catalogue.select(_words(options.ignore) or settings.ignore)
+    configured = configurations(options, paths)
+    configs = [configured.of(path) for path in paths]
+    settings = configs[0]
+    holds = configured.holds(settings, settings.root)
     request = replace(
-        reading(options, settings, paths, frozenset(codes)),
-        tier=options.tier or settings.tier,
+        reading(options, settings, paths, holds.codes),
+        packages=_packages(options.package),
+        package_paths=tuple(_folders(options.package_path, "--package-path")),
+        # The folders that the configurations for the given paths name are in reach, and not those of files found below.
+        allowed=(
+            *_folders(options.allow_read, "--allow-read"),
+            *(folder for config in configs for folder in (*config.packages.values(), *config.package_path)),
+        ),
+        tier=holds.tier,
         jobs=_jobs(options.jobs),
-        options=settings.options,
-        severities=settings.severity,
-        targets=_targets(options.target, settings.target),
+        options=holds.options,
+        severities=holds.severities,
+        targets=holds.targets,
         scene=scene,
         samples=THOROUGH if options.thorough else SAMPLES,
+        baseline=known(options, settings),
+        suppress=holds.suppress,
+        comments=not options.isolated,
+        configured=configured,
+        all_arguments=options.all_args,
     )
     return request, settings
+
+
+def configurations(options: argparse.Namespace, paths: tuple[Path, ...]) -> Configurations:
+    """The configurations of a run, and what the options of `add_options` say that wins over them."""
+    from urdfcheck.config import Configurations
+
+    return Configurations(given(options), options.isolated, paths)
+
+
+def given(options: argparse.Namespace) -> Given:
+    """What the options of `add_options` say about the rules."""
+    from urdfcheck import catalogue
+    from urdfcheck.config import Given
+
+    def codes(values: Sequence[str] | None) -> frozenset[str] | None:
+        words = _words(values)
+        return frozenset(catalogue.select(words)) if words else None
+
+    return Given(
+        codes(options.select),
+        codes(options.ignore),
+        options.fail_on,
+        options.tier,
+        None if options.target is None else _targets(options.target),
+        options.baseline,
+    )
+
+
+def known(options: argparse.Namespace, settings: Config) -> Baseline | None:
+    """The baseline that was named, or else the one that stands beside the configuration."""
+    from urdfcheck import baseline
+
+    file = baseline_file(options, settings)
+    to_be_made = getattr(options, "action", "") == "write"  # urdfcheck baseline write --baseline FILE
+    if not file.is_file() and (options.baseline is None or to_be_made):
+        return None
+    if options.baseline is None and options.isolated:
+        return None
+    return baseline.read(file, settings.root)
+
+
+def baseline_file(options: argparse.Namespace, settings: Config) -> Path:
+    """Where the baseline is, or will be."""
+    from urdfcheck.baseline import DEFAULT
+
+    named: Path | None = options.baseline or settings.baseline
+    return settings.root / DEFAULT if named is None else named
 
 
 def _words(values: Sequence[str] | None) -> tuple[str, ...]:
@@ -151,13 +231,13 @@ def _folders(values: Sequence[str], option: str) -> list[Path]:
     return [Path(folder) for folder in values]
 
 
-def _targets(given: str | None, configured: tuple[str, ...]) -> tuple[str, ...]:
-    from urdfcheck.config import TARGETS
+def _targets(text: str) -> tuple[str, ...]:
+    from urdfcheck.config import unknown_target
 
-    names = _words([given]) if given is not None else configured
-    unknown = [n for n in names if n not in TARGETS]
-    if unknown:
-        raise UrdfcheckError(f"--target {unknown[0]}: known targets are {', '.join(TARGETS)}")
+    names = _words([text])
+    for name in names:
+        if (wrong := unknown_target(name)) is not None:
+            raise UrdfcheckError(f"--target: {wrong}")
     return names
 
 

@@ -30,6 +30,26 @@ def silence_stdout() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+def show(run: Run, output_format: str, color: str) -> None:
+    """Print a run in this format; ``color``: auto | always | never."""
+    from urdfcheck import output
+
+    if output_format != "text":
+        show_document(output.render(run, output_format))
+        return
+    from urdfcheck.output import text
+
+    width, colored = text.WIDTH, color == "always"  # a CI log has no width of its own
+    if sys.stdout.isatty() or os.environ.keys() & {"COLUMNS", "FORCE_COLOR", "TTY_COMPATIBLE"}:
+        from rich.console import Console
+
+        # rich knows terminals, NO_COLOR and the window's width.
+        terminal = Console()
+        colored = colored or (color == "auto" and terminal.is_terminal and not terminal.no_color)
+        width = terminal.width if terminal.is_terminal or "COLUMNS" in os.environ else width
+    sys.stdout.write(text.render(run, width=width, color=colored))
+
+
 def show_document(text: str) -> None:
     """JSON, HTML and XML are UTF-8 wherever they go; text has the terminal's encoding."""
     if hasattr(sys.stdout, "reconfigure"):
@@ -38,10 +58,14 @@ def show_document(text: str) -> None:
 
 
 def write(text: str, file: Path) -> None:
-    """Write a file whole or not at all."""
+    """Write a file whole or not at all; what is no file (``/dev/null``, a pipe) is written to, and not put in the place of."""
     import tempfile
 
     try:
+        if file.exists() and not file.is_file() and not file.is_dir():
+            with open(file, "w", encoding="utf-8", newline="\n") as out:
+                out.write(text)
+            return
         file.parent.mkdir(parents=True, exist_ok=True)
         handle, temporary = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
         try:
@@ -85,9 +109,11 @@ def progress() -> Callable[[int, int], None] | None:
 
 
 def exit_code(run: Run, fail_on: str, *, allow_empty: bool = False) -> int:
-    """Our own failures weigh more than findings, findings more than having had nothing to check."""
-    worst = max((f.severity for f in run.findings if f.suppressed is None), default=None)
-    code = code_of(bool(run.failures), worst, fail_on)
+    """Our own failures weigh more than findings, findings more than having had nothing to check. ``fail_on`` holds for what
+    belongs to no model whose configuration says otherwise."""
+    codes = {code_of(bool(run.failures), None, fail_on)}
+    codes |= {code_of(False, f.severity, run.fail_on.get(f.model, fail_on)) for f in run.active}
+    code = max(codes)
     return NOTHING if code == OK and not run.units and not allow_empty else code
 
 

@@ -7,7 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -562,7 +562,7 @@ def reaches(model: Model) -> tuple[Reach, ...]:
     """What each joint runs into when it moves alone, with its followers: at most one entry per joint and direction.
 
     Links of adjacent bodies count where they meet from some value on up to the limit: meshes of a bearing that graze each
-    other here and there do not. A collision that lasts less than a step may be missed.
+    other here and there do not, nor do shapes that touch at rest. A collision that lasts less than a step may be missed.
 
     :raises Unavailable: when coal is not installed, when the tree, an origin or an axis is broken, or when more joints move
         than motion is computed for.
@@ -603,12 +603,14 @@ def _reaches(found: Collisions, rest: Poses) -> Array:
             candidates = candidates[_in_reach(bench, joint, below[i], start, candidates)]
         if not len(candidates):
             continue
+        move = (
+            partial(_alone_placed, bench, rest, i) if led[i] else partial(_carried_along, bench, joint, below[i], start)
+        )
+        neighbours = candidates[close[candidates]]
+        candidates = np.setdiff1d(candidates, neighbours[_touching(bench, joint, start, move, neighbours)])
         for limit in poses.limits(joint):
             way = _way(rest, i, limit)
-            if led[i]:
-                frames = bench.placements(_alone(rest, np.full(len(way), i), way))
-            else:
-                frames = _carried_along(bench, joint, below[i], way - start)
+            frames = move(way)
             met = _first_met(bench, frames[1:], candidates, close[candidates])
             if met is not None:
                 joints.append(i)
@@ -625,12 +627,32 @@ def _reaches(found: Collisions, rest: Poses) -> Array:
     return np.column_stack((joints, pairs, high, limits)).reshape(-1, 4)
 
 
-def _carried_along(bench: Bench, joint: Joint, below: NDArray[np.bool_], by: Array) -> Array:
-    """Placements (N, L, 4, 4) of the links where one joint, which nothing follows and on which those ``below`` (L,) hang, is
-    moved ``by`` (N,) from rest."""
+def _touching(
+    bench: Bench, joint: Joint, start: float, move: Callable[[Array], Array], pairs: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Whether the shapes of some pairs touch at rest (n,): they meet as soon as one joint turns, whichever way."""
+    lower, upper = poses.limits(joint)
+    least = _width(joint) / STEPS / 2**_HALVINGS
+    if not lower <= start - least < start + least <= upper:
+        return np.zeros(len(pairs), dtype=bool)
+    back, forth = (
+        np.repeat(frame[None], len(pairs), axis=0) for frame in move(np.array([start - least, start + least]))
+    )
+    either: NDArray[np.bool_] = bench.colliders.hits_each(back, bench.pairs[pairs])
+    return either & bench.colliders.hits_each(forth, bench.pairs[pairs])
+
+
+def _alone_placed(bench: Bench, rest: Poses, joint: int, values: Array) -> Array:
+    """Placements (N, L, 4, 4) of the links where one joint stands at some values (N,), with what follows it."""
+    return bench.placements(_alone(rest, np.full(len(values), joint), values))
+
+
+def _carried_along(bench: Bench, joint: Joint, below: NDArray[np.bool_], start: float, values: Array) -> Array:
+    """Placements (N, L, 4, 4) of the links where one joint, which nothing follows and on which those ``below`` (L,) hang,
+    stands at some values (N,) and not at ``start``."""
     frame = bench.rest_frames[joint.child][0]
-    motion = motions(_axis(joint), by, rotates=joint.type != "prismatic")
-    placed = np.repeat(bench.at_rest[None], len(by), axis=0)
+    motion = motions(_axis(joint), values - start, rotates=joint.type != "prismatic")
+    placed = np.repeat(bench.at_rest[None], len(values), axis=0)
     placed[:, below] = (frame @ motion @ np.linalg.inv(frame))[:, None] @ bench.at_rest[below]
     return placed
 

@@ -21,8 +21,8 @@ from typing import IO, TYPE_CHECKING, Any
 from urdfcheck.cache import origin_of, version_of
 from urdfcheck.core import Unavailable
 from urdfcheck.model.parts import Joint
-from urdfcheck.source.grammar import NUMBERS, elements
-from urdfcheck.source.values import numbers
+from urdfcheck.source.grammar import JOINT_TYPES, NUMBERS, elements, lacks, version_of_urdf
+from urdfcheck.source.values import attribute_number, numbers
 from urdfcheck.source.xml import Element, quoted
 
 if TYPE_CHECKING:
@@ -134,7 +134,10 @@ def _ensure_sound(model: Model) -> None:
     for part in (*(joint.element for joint in model.joints), *inertials):
         for element in elements(part):
             _ensure_numbers(element)
+    _ensure_version(model.robot)
     for joint in model.joints:
+        if joint.type not in JOINT_TYPES:
+            raise Unavailable(f"joint {joint.name!r} has no type that there is (KIN009)")
         if joint.origin.xyz is None or joint.origin.rpy is None or joint.axis is None:
             raise Unavailable(f"the origin or the axis of joint {joint.name!r} is out of range (XML007)")
         if joint.has_axis and not any(joint.axis):
@@ -165,17 +168,35 @@ def _ensure_limit(joint: Joint) -> None:
         raise Unavailable(f"joint {joint.name!r} has no <limit> (JNT004)")
     for name in ("effort", "velocity") if limit is not None else ():
         value = joint.limit_value(name)
-        if value is None:
-            raise Unavailable(f"the <limit> of joint {joint.name!r} has no {name} (JNT007)")
-        if value < 0 and joint.is_driven:
+        if limit is not None and value is None:
+            code = "JNT007" if lacks(limit, name) else "XML004"
+            raise Unavailable(f"the <limit> of joint {joint.name!r} has no {name} ({code})")
+        if value is not None and value < 0 and joint.is_driven:
             raise Unavailable(f"the {name} limit of joint {joint.name!r} is negative (JNT007)")
 
 
 def _ensure_complete(joint: Joint) -> None:
-    for tag, wanted in (("dynamics", {"damping", "friction"}), ("mimic", {"joint"})):
+    for tag, wanted, code in (
+        ("dynamics", {"damping", "friction"}, "XML005"),
+        ("mimic", {"joint"}, "XML005"),
+        ("safety_controller", {"k_velocity"}, "JNT010"),
+    ):
         element = joint.element.child(tag)
         if element is not None and not wanted & set(element.attributes):
-            raise Unavailable(f"the <{tag}> of joint {joint.name!r} is incomplete (XML005)")
+            told = code if all(lacks(element, name) for name in wanted) else "XML004"
+            raise Unavailable(f"the <{tag}> of joint {joint.name!r} is incomplete ({told})")
+    if joint.moves and (attribute_number(joint.element.child("dynamics"), "friction") or 0) < 0:
+        raise Unavailable(f"the friction of joint {joint.name!r} is negative (JNT011)")
+
+
+def _ensure_version(robot: Element) -> None:
+    """:raises Unavailable: when urdfdom reads no such version, or an orientation that is given twice in this one."""
+    version = version_of_urdf(robot)
+    if version is None:
+        raise Unavailable(f"there is no version {robot.get('version')!r} of URDF (XML010)")
+    for element in elements(robot) if version > (1, 0) else ():
+        if element.tag == "origin" and {"rpy", "quat_xyzw"} <= set(element.attributes):
+            raise Unavailable(f"{element.subject} has two orientations (XML010)")
 
 
 @contextmanager

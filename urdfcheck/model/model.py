@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from urdfcheck.drop import Drop
     from urdfcheck.facts.diagnosis import Geometry
     from urdfcheck.facts.inertia import Solid
     from urdfcheck.model.collisions import Collisions
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 class Model:
     """A robot. ``robot`` is its expanded root element; ``tier`` says which facts may be computed, ``samples`` in how many
     configurations facts about motion are looked for, ``cache`` keeps what took long, and ``targets`` are the programs that
-    the model is declared to be for."""
+    the model is declared to be for; ``simulated``: whether a simulator may be started."""
 
     source: Source
     robot: Element
@@ -44,6 +45,7 @@ class Model:
     cache: Cache = field(default_factory=Cache)
     samples: int = 200
     targets: tuple[str, ...] = ()
+    simulated: bool = False
 
     @property
     def name(self) -> str:
@@ -191,6 +193,27 @@ class Model:
         from urdfcheck.model.collisions import build
 
         return build(self)
+
+    @property
+    def drop(self) -> Drop:
+        """What comes of the robot when it is set on a plane and let go.
+
+        :raises Unavailable: where no simulator may be started, or as `urdfcheck.model.drop.dropped`.
+        """
+        if not self.simulated:
+            raise Unavailable("needs a simulator: urdfcheck drop")
+        if isinstance(self._drop, Unavailable):
+            raise self._drop.with_traceback(None)
+        return self._drop
+
+    @cached_property
+    def _drop(self) -> Drop | Unavailable:
+        from urdfcheck.model.drop import dropped
+
+        try:
+            return dropped(self)
+        except Unavailable as reason:
+            return reason
 
     @cached_property
     def geometries(self) -> dict[object, Geometry | None]:

@@ -6,7 +6,11 @@ import difflib
 import re
 from collections.abc import Iterable
 
+# How alike a name is to one that it is a slip of. `leftThumbMotorRoll` may mean `leftThumbRoll`, which is worth a question;
+# they are 0.84 alike, and of parts of one robot many are.
+SLIP = 0.85
 _DIGITS = re.compile(r"\d")
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 
 
 def nearest(name: str, known: Iterable[str], likeness: float = 0.75) -> str | None:
@@ -20,6 +24,12 @@ def nearest(name: str, known: Iterable[str], likeness: float = 0.75) -> str | No
     return close[0] if close else None
 
 
+def only_near(name: str, known: Iterable[str], likeness: float = 0.75) -> str | None:
+    """The known name that is spelled like ``name`` where it is the only one: what an edit may write."""
+    near = nearest(name, known, likeness)
+    return None if near is None or nearest(name, set(known) - {near}, likeness) else near
+
+
 def hint(name: str, known: Iterable[str]) -> str:
     """`` (did you mean 'x'?)`` for the end of a message, or nothing."""
     close = nearest(name, known)
@@ -31,3 +41,8 @@ def listed(names: Iterable[str], most: int = 6) -> str:
     names = list(names)
     shown = ", ".join(names[:most])
     return f"{shown} and {len(names) - most} more" if len(names) > most else shown
+
+
+def words(name: str) -> list[str]:
+    """``LShoulder_pitch2`` as L, Shoulder, pitch, 2: camel case, digits and punctuation part them."""
+    return _WORD.findall(name)

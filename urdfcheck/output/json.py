@@ -8,10 +8,13 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from urdfcheck.consumers import outcomes
 from urdfcheck.core import Finding, Fix, ModelInfo, Run, Severity, Skip, Span
+from urdfcheck.output.drops import drop_object
 from urdfcheck.output.inert import for_json
 
 SCHEMA = "urdfcheck/1"
+_NONE: Mapping[str, str] = {}
 _SUBJECT = re.compile(r"^(?P<kind>[^/\[@]+)\[(?P<name>.*?)\](?=[/@]|$)", re.DOTALL)
 
 
@@ -22,11 +25,16 @@ def render(run: Run) -> str:
         "version": run.versions["urdfcheck"],
         "targets": list(run.targets),
         "models": [model_object(info) for info in run.models],
-        "findings": [finding_object(finding) for finding in run.findings],
+        "consumers": {info.id: _outcomes(run, info) for info in run.models if info.status == "checked"},
+        "findings": [finding_object(finding, run.arguments_of(finding)) for finding in run.findings],
         "skipped": [skip_object(skip) for skip in run.skipped],
+        **({"drops": [plain(drop_object(drop)) for drop in run.drops]} if run.drops else {}),
         "failures": list(run.failures),
         "partial": run.partial,
-        "summary": {str(s): run.count(s) for s in (Severity.ERROR, Severity.WARNING, Severity.INFO)},
+        "summary": {
+            **{str(s): run.count(s) for s in (Severity.ERROR, Severity.WARNING, Severity.INFO)},
+            "suppressed": sum(run.suppressed.values()),
+        },
         "seconds": round(run.seconds, 3),
     }
     return for_json(json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
@@ -47,13 +55,18 @@ def model_object(info: ModelInfo) -> dict[str, Any]:
     }
 
 
+def _outcomes(run: Run, info: ModelInfo) -> dict[str, Any]:
+    found = outcomes(f for f in run.findings if f.model == info.id)
+    return {name: {"verdict": str(o.verdict), "codes": list(o.codes)} for name, o in found.items()}
+
+
 def skip_object(skip: Skip) -> dict[str, Any]:
     """A skipped check as the schema describes it."""
     return {"code": skip.code, "model": skip.model, "reason": skip.reason}
 
 
-def finding_object(finding: Finding) -> dict[str, Any]:
-    """A finding as the schema describes it."""
+def finding_object(finding: Finding, arguments: Mapping[str, str] = _NONE) -> dict[str, Any]:
+    """A finding as the schema describes it. ``arguments``: those that it takes to see it."""
     location = None
     if finding.location.span is not None:
         location = {**_start(finding.location.span), **_end(finding.location.span)}
@@ -65,6 +78,8 @@ def finding_object(finding: Finding) -> dict[str, Any]:
         "message_id": finding.message_id,
         "message": finding.message,
         "model": finding.model,
+        "arguments": dict(arguments),
+        "variants": list(finding.variants),
         "fingerprints": list(finding.fingerprints),
         "subjects": [_subject(s) for s in finding.subjects],
         "location": location,
@@ -74,7 +89,9 @@ def finding_object(finding: Finding) -> dict[str, Any]:
         "consequences": dict(finding.consequences),
         "data": plain(finding.data),
         "fix": None if finding.fix is None else _fix(finding.fix),
-        "suppressed": finding.suppressed,
+        "suppressed": None
+        if finding.suppressed is None
+        else {"kind": finding.suppressed.kind, "reason": finding.suppressed.reason},
     }
 
 

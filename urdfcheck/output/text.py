@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, cast
 
 from rich.text import Text
 
-from urdfcheck.core import Finding, Fix, ModelInfo, Run, Severity, Span
+from urdfcheck.core import Applicability, Finding, Fix, ModelInfo, Run, Severity, Span
+from urdfcheck.output.drops import lines as drop_lines
 from urdfcheck.output.frames import frame
 from urdfcheck.output.inert import command, one_line, visible
 
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "bold yellow", Severity.INFO: "bold cyan"}
 GLYPHS = {Severity.ERROR: "✖", Severity.WARNING: "▲", Severity.INFO: "i"}
+# The options that apply a fix.
+HOW = {Applicability.SAFE: "--fix", Applicability.UNSAFE: "--fix --unsafe-fixes"}
 WIDTH = 100
 NOTHING = Text()
 MAX_RELATED = 4
@@ -57,7 +60,10 @@ def _colored(page: Text) -> str:
 
 def _report(run: Run, width: int) -> Iterator[Text]:
     infos = {info.id: info for info in run.models}
-    for model, group in groupby(run.findings, key=lambda f: f.model):
+    for drop in run.drops:
+        yield _rule(_heading(infos.get(drop.model), drop.model), width)
+        yield from (piece for line in drop_lines(drop) for piece in _wrapped(line, width, Text("  ")))
+    for model, group in groupby(run.active, key=lambda f: f.model):
         yield _rule(_heading(infos.get(model), model), width)
         for finding in group:
             yield from _finding(run, finding, width)
@@ -65,6 +71,8 @@ def _report(run: Run, width: int) -> Iterator[Text]:
     yield from _recap(run, width)
     for failure in run.failures:
         yield from _wrapped(Text.assemble(("urdfcheck failed: ", "bold red"), visible(failure)), width)
+    if fixable := _fixable(run):
+        yield from _wrapped(Text(fixable, "dim"), width)
     yield from _wrapped(_summary(run), width)
 
 
@@ -106,13 +114,14 @@ def _finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
     span = finding.location.span
     place = Text("" if span is None else f"{one_line(span.file)}:{span.line}:{span.col} ", style="bold")
     head = _title(finding)
-    if finding.suppressed is not None:
-        head.append(f" (suppressed: {one_line(finding.suppressed)})", "dim")
     if place.cell_len + head.cell_len > width:  # a long path keeps its line, so that a click on it still works
         yield place
         place = Text("  ")
     yield place + head
     yield from _wrapped(Text(visible(finding.message)), width, Text("  "))
+    if given := run.arguments_of(finding):
+        shown_with = " ".join(f"{one_line(name)}:={one_line(value)}" for name, value in sorted(given.items()))
+        yield from _labelled("with", shown_with, width)
     if len(finding.subjects) > 1:
         yield from _labelled("for", ", ".join(one_line(s) for s in finding.subjects), width)
     if span is not None:
@@ -164,7 +173,8 @@ def _window(text: str, start: int, end: int, room: int) -> tuple[str, int]:
 
 
 def _repair(finding: Finding, fix: Fix, width: int) -> Iterator[Text]:
-    yield from _labelled("fix", visible(fix.title), width)
+    how = HOW.get(fix.applicability) if fix.edits and finding.suppressed is None else None
+    yield from _labelled("fix", Text.assemble(visible(fix.title), (f" [{how}]" if how else "", "dim")), width)
     here = None if finding.location.span is None else finding.location.span.file
     for edit in fix.edits[:MAX_RELATED]:
         place = "" if edit.span.file == here else f"{one_line(edit.span.file)}:"
@@ -214,8 +224,8 @@ def _title(finding: Finding) -> Text:
 
 def _recap(run: Run, width: int) -> Iterator[Text]:
     """After a long report: its errors and warnings once more, a line each, where the reader's eye is."""
-    serious = [f for f in run.findings if f.severity > Severity.INFO and f.suppressed is None]
-    if not serious or len(run.findings) <= FEW:
+    serious = [f for f in run.active if f.severity > Severity.INFO]
+    if not serious or len(run.active) <= FEW:
         return
     yield _rule(Text("errors and warnings"), width)
     for finding in sorted(serious, key=lambda f: -f.severity):
@@ -228,8 +238,12 @@ def _recap(run: Run, width: int) -> Iterator[Text]:
 def _summary(run: Run) -> Text:
     if not run.units and not run.failures:
         return Text("nothing to check: no model, launch file or package was found there", "bold")
-    if not run.findings and not run.failures:
-        return Text(f"✔ no findings in {_plural(len(run.models), 'model')}{_states(run.models)}", "bold green")
+    if not run.active and not run.failures and all(info.status != "failed" for info in run.models):
+        where = f"in {_plural(len(run.models), 'model')}{_states(run.models)}"
+        if not set(run.rules) - {"URC900"}:  # that one tells of crashes, whatever is selected
+            return Text(f"nothing was looked for {where}: no rule is selected (urdfcheck config says by what)", "bold")
+        text = Text(f"✔ no findings {where}", "bold green")
+        return text.append(_known(run), "dim")
     counts = [(s, run.count(s)) for s in (Severity.ERROR, Severity.WARNING, Severity.INFO)]
     text = Text()
     for severity, count in counts:
@@ -237,8 +251,29 @@ def _summary(run: Run) -> Text:
         text.append("  ")
     states = _states(run.models)
     took = f", {run.seconds:.1f} s" if run.seconds else ""  # a reproducible report tells no time
-    text.append(f"in {_plural(len(run.models), 'model')}{states}{took}", "dim")
+    text.append(f"in {_plural(len(run.models), 'model')}{states}{took}{_known(run)}", "dim")
     return text
+
+
+def _fixable(run: Run) -> str:
+    """How many findings can be repaired by which option; empty where none can."""
+    fixes = [f.fix for f in run.active if f.fix is not None and f.fix.edits]
+    kinds = [fix.applicability for fix in fixes if fix.applicability in HOW]
+    safe, unsafe = kinds.count(Applicability.SAFE), kinds.count(Applicability.UNSAFE)
+    if safe and unsafe:
+        return f"{safe} fixable with --fix, {unsafe} more with --unsafe-fixes"
+    return f"{safe or unsafe} fixable with {HOW[kinds[0]]}" if kinds else ""
+
+
+def _known(run: Run) -> str:
+    """How many findings are not shown, and why."""
+    where = {
+        "source": "suppressed in the source",
+        "configuration": "by the configuration",
+        "baseline": "in the baseline",
+    }
+    counted = [f"{count} {where[kind]}" for kind, count in run.suppressed.items() if count]
+    return f"; not shown: {', '.join(counted)}" if counted else ""
 
 
 def _states(models: Iterable[ModelInfo]) -> str:

@@ -12,7 +12,9 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any, Protocol
 
+from urdfcheck.errors import UrdfcheckError
 from urdfcheck.files import read_regular
 from urdfcheck.source.launch import Launch, load_launch
 from urdfcheck.source.launch_python import read_python
@@ -34,10 +36,35 @@ _BUILTINS = frozenset(
 )
 
 
+class Named(Protocol):
+    """A model that a configuration names, with its arguments."""
+
+    @property
+    def path(self) -> Path: ...
+    @property
+    def name(self) -> str | None: ...
+    @property
+    def arguments(self) -> Mapping[str, str]: ...
+
+
+class Configured(Protocol):
+    """What a configuration says about where things are."""
+
+    @property
+    def packages(self) -> Mapping[str, Path]: ...
+    @property
+    def package_path(self) -> Sequence[Path]: ...
+    @property
+    def models(self) -> Sequence[Named]: ...
+    def excludes(self, path: Path) -> bool: ...
+
+
 @dataclass(frozen=True, slots=True)
 class ModelTarget:
     """A model to check. ``explicit``: the user named the file; ``tentative``: only its expansion shows whether it is one;
-    ``xacro``: a launch file hands it to xacro, whatever its name."""
+    ``xacro``: a launch file hands it to xacro, whatever its name; ``name``: what the configuration calls it with these
+    arguments, empty where it names the arguments only; ``varied``: the arguments that are given to see what they change, and that
+    may be left out."""
 
     path: Path
     arguments: Mapping[str, str] = field(default_factory=dict)
@@ -45,13 +72,17 @@ class ModelTarget:
     explicit: bool = False
     tentative: bool = False
     xacro: bool = False
+    name: str | None = None
+    varied: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
     """What there is to check. ``missing``: paths that do not exist or are nothing that can be checked, with the reason;
     ``unused``: macro files and meshes that were named but that no model uses; ``reach``: what may be opened, the packages of
-    the models that launch files lead to included."""
+    the models that launch files lead to included; ``configured``: the configuration of each model, launch file and package that
+    has one, by its path; ``whole``: the packages that lie in a folder that was given, with all their files; ``wrong``: what is
+    wrong with configurations, each text beginning with its place."""
 
     models: tuple[ModelTarget, ...]
     launches: tuple[Path, ...]
@@ -59,6 +90,9 @@ class Plan:
     missing: tuple[tuple[str, str], ...]
     unused: tuple[tuple[str, str], ...] = ()
     reach: Reach | None = None
+    configured: Mapping[str, Any] = field(default_factory=dict)
+    whole: frozenset[Path] = frozenset()
+    wrong: tuple[str, ...] = ()
 
 
 def plan(
@@ -67,9 +101,13 @@ def plan(
     packages: Mapping[str, Path],
     package_paths: Sequence[Path],
     reach: Reach | None = None,
+    configured: Callable[[Path], Configured] | None = None,
+    all_arguments: bool = False,
 ) -> Plan:
-    """Everything that the given paths mean, each model once, in a stable order. ``reach``: which files may be opened."""
-    planner = _Planner(arguments, packages, package_paths, reach)
+    """Everything that the given paths mean, each model once, in a stable order. ``reach``: which files may be opened;
+    ``configured`` finds the configuration for a path, which the other arguments win over; ``all_arguments``: each xacro with all
+    values of its arguments that are known (:mod:`urdfcheck.source.variants`)."""
+    planner = _Planner(arguments, packages, package_paths, reach, configured, all_arguments)
     for path in paths:
         planner.add(path)
     return planner.plan()
@@ -82,19 +120,48 @@ class _Planner:
         packages: Mapping[str, Path],
         package_paths: Sequence[Path],
         reach: Reach | None,
+        configured: Callable[[Path], Configured] | None,
+        all_arguments: bool,
     ) -> None:
         self.reach = reach
+        self.configured = configured
+        self.all_arguments = all_arguments
         self.arguments = dict(arguments)
         self.packages = packages
         self.package_paths = package_paths
         self.models: dict[Path, list[ModelTarget]] = {}
         self.launches: dict[Path, Path] = {}
         self.missing: list[tuple[str, str]] = []
+        self.wrong: dict[str, None] = {}
         self.unused: list[tuple[str, str]] = []
         self.folders: dict[Path, _Folder] = {}
+        self.given: list[Path] = []
 
     def finder(self, start: Path) -> PackageFinder:
-        return PackageFinder(start.absolute(), self.packages, self.package_paths, reach=self.reach)
+        local = self.local(start)
+        packages = {**local.packages, **self.packages} if local else self.packages
+        paths = (*self.package_paths, *local.package_path) if local else self.package_paths
+        return PackageFinder(start.absolute(), packages, paths, reach=self.reach)
+
+    def local(self, path: Path) -> Configured | None:
+        """The configuration for a path; none is looked for around a file that may not be opened.
+
+        :raises UrdfcheckError: when it is wrong.
+        """
+        if self.configured is None or (self.reach is not None and not self.reach.allows(path)):
+            return None
+        return self.configured(path)
+
+    def usable(self, path: Path, *, named: bool = True) -> bool:
+        """Whether the configuration for a path is right, and wants it to be checked unless the user ``named`` it."""
+        try:
+            local = self.local(path)
+        except UrdfcheckError as error:
+            if str(error) not in self.wrong:
+                self.wrong[str(error)] = None
+                self.missing.append((display_name(path), f"is not checked, its configuration is wrong: {error}"))
+            return False
+        return named or local is None or not local.excludes(path)
 
     def add(self, path: Path) -> None:
         try:
@@ -110,13 +177,22 @@ class _Planner:
                 self.missing.append((str(path), "does not exist"))
         except OSError as error:
             self.missing.append((str(path), error.strerror or str(error)))
+        except UrdfcheckError as error:
+            self.wrong[str(error)] = None
+            self.missing.append((str(path), f"is not checked, its configuration is wrong: {error}"))
 
     def add_folder(self, path: Path) -> None:
         folder = self.folder(path)
+        self.given.append(_real(path))
         for model, tentative in folder.models():
-            self.add_model(ModelTarget(model, self.arguments, tentative=tentative))
+            if self.usable(model, named=False):
+                self.add_model(ModelTarget(model, self.arguments, tentative=tentative))
         for launch in folder.launches:
-            self.add_launch(launch)
+            if self.usable(launch, named=False):
+                self.add_launch(launch)
+        for named in self.named_in(folder):
+            if _real(named) not in self.models:
+                self.add_model(ModelTarget(named, self.arguments))
         self.unused += [(display_name(link), OUT_OF_REACH) for link in sorted(folder.outside)]
 
     def add_file(self, path: Path) -> None:
@@ -145,13 +221,33 @@ class _Planner:
         else:
             self.missing.append((str(path), "is no model, launch file, mesh or folder"))
 
+    def named_in(self, folder: _Folder) -> list[Path]:
+        """The files in a folder that the configurations for its files call models."""
+        locals_ = {id(c): c for f in folder.files if self.usable(f) and (c := self.local(f)) is not None}
+        mine = {_real(f): f for f in folder.files}
+        return [mine[real] for c in locals_.values() for m in c.models if (real := _real(m.path)) in mine]
+
     def add_users(self, path: Path, users: Sequence[Path], otherwise: str) -> None:
         for user in users:
-            self.add_model(ModelTarget(user, self.arguments))
+            if self.usable(user, named=False):
+                self.add_model(ModelTarget(user, self.arguments))
         if not users:
             self.unused.append((display_name(path), otherwise))
 
     def add_model(self, target: ModelTarget) -> None:
+        """A model; for one that the configuration names, with the arguments that this says."""
+        if not self.usable(target.path):
+            return
+        local = self.local(target.path)
+        real = _real(target.path)
+        entries = [m for m in local.models if _real(m.path) == real] if local and not target.launches else []
+        for entry in entries:
+            name = "" if self.arguments else entry.name or ""  # with other arguments it is another model
+            self.add_target(replace(target, arguments={**entry.arguments, **self.arguments}, name=name))
+        if not entries:
+            self.add_target(target)
+
+    def add_target(self, target: ModelTarget) -> None:
         known = self.models.setdefault(_real(target.path), [])
         for index, other in enumerate(known):
             if dict(other.arguments) == dict(target.arguments):
@@ -161,12 +257,13 @@ class _Planner:
                     explicit=other.explicit or target.explicit,
                     tentative=other.tentative and target.tentative,
                     xacro=other.xacro or target.xacro,
+                    name=other.name or target.name,
                 )
                 return
         known.append(target)
 
     def add_launch(self, path: Path) -> None:
-        if _real(path) in self.launches:
+        if _real(path) in self.launches or not self.usable(path):
             return
         self.launches[_real(path)] = path
         finder = self.finder(path)
@@ -212,13 +309,42 @@ class _Planner:
                 return found
         return []
 
+    def variants(self, targets: Sequence[ModelTarget]) -> list[ModelTarget]:
+        """A file with the sets of arguments that nobody gives to it yet."""
+        first = targets[0]
+        if not self.all_arguments or not (first.path.suffix == ".xacro" or any(t.xacro for t in targets)):
+            return []
+        from urdfcheck.source.variants import MOST_ARGUMENTS, choices, sets
+
+        free = [c for c in choices(first.path, self.finder(first.path)) if c.name not in self.arguments]
+        if len(free) > MOST_ARGUMENTS:
+            reason = f"has {len(free)} arguments to vary: the first {MOST_ARGUMENTS} of them are"
+            self.unused.append((display_name(first.path), reason))
+        varied = {c.name for c in free if c.default is not None}
+        # What the configuration gives and the text has no other value for: a model may need it to be one.
+        configured = next((t.arguments for t in targets if not t.launches), {})
+        given_anyway = {name: value for name, value in configured.items() if name not in {c.name for c in free}}
+        found = [
+            replace(
+                first,
+                arguments={**given_anyway, **self.arguments, **given},
+                launches=(),
+                name=None,
+                varied=tuple(name for name in given if name in varied),
+            )
+            for given in sets(free[:MOST_ARGUMENTS])
+        ]
+        defaults = {c.name: c.default for c in free}
+        known = [{name: value for name, value in t.arguments.items() if value != defaults.get(name)} for t in targets]
+        return [target for target in found if target.arguments not in known]
+
     def plan(self) -> Plan:
         models: list[ModelTarget] = []
         for targets in self.models.values():
             # A launch file says with which arguments the model is used: the bare one adds nothing.
             launched = [t for t in targets if t.launches]
-            bare = [t for t in targets if not t.launches and (t.explicit or not launched)]
-            models += [*bare, *launched]
+            bare = [t for t in targets if not t.launches and (t.explicit or t.name is not None or not launched)]
+            models += [*bare, *launched, *self.variants(targets)]
         models.sort(key=lambda t: (display_name(t.path), sorted(t.arguments.items())))
         reached: set[Path] = set()
         for index, target in enumerate(models):
@@ -239,6 +365,13 @@ class _Planner:
             tuple(self.missing),
             tuple(self.unused),
             self.reach,
+            {
+                str(path): local
+                for path in (*(t.path for t in models), *alone, *packages)
+                if (local := self.local(path)) is not None
+            },
+            frozenset(p for p in packages if any(given in (real := _real(p), *real.parents) for given in self.given)),
+            tuple(self.wrong),
         )
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location, Span
 from urdfcheck.files import read_regular
-from urdfcheck.source.launch_python import MAX_LENGTH, PythonLaunch, read_python
+from urdfcheck.source.launch_python import LAUNCH_SUFFIXES, MAX_LENGTH, PythonLaunch, may_be_elsewhere, read_python
 from urdfcheck.source.packages import Package, PackageFinder, display_name
 from urdfcheck.source.problems import Problem
 from urdfcheck.source.reach import OUT_OF_REACH, Reach
@@ -79,6 +79,15 @@ class Description:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Include:
+    """An include that leads nowhere: ``at`` is its file attribute, ``obstacle`` (file | argument | circle) says why; of a
+    circle, ``name`` is the file that is included once more."""
+
+    at: Attribute
+    obstacle: Obstacle
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class StaticTransform:
     """A static_transform_publisher node: ``parent`` to ``child`` in metres and radians.
 
@@ -98,8 +107,8 @@ class StaticTransform:
 class Launch:
     """One launch file. ``dialect``: ros1 | ros2 | python; ``root`` is None for Python and for broken XML.
 
-    ``files`` holds it and those that it includes. ``python`` is what could be read of one in Python. ``model`` is the model
-    that its robot_description leads to, once it is loaded.
+    ``files`` holds it and those that it includes, ``broken`` the includes that lead nowhere. ``python`` is what could be read
+    of one in Python. ``model`` is the model that its robot_description leads to, once it is loaded.
     """
 
     path: Path
@@ -114,6 +123,7 @@ class Launch:
     package: Package | None
     python: PythonLaunch | None = None
     model: Model | None = None
+    broken: tuple[Include, ...] = ()
 
     @property
     def location(self) -> Location:
@@ -188,8 +198,9 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
         or any("exec" in e.attributes for e in root.walk() if e.tag == "node")
     )
     resolver = _Resolver(root, path, finder, {})
-    including = _Including(finder, files, ros2, {(os.path.realpath(path), frozenset())}, [])
-    descriptions = (*_descriptions(root, resolver), *_included(root, resolver, including))
+    key: _Key = (os.path.realpath(path), frozenset())
+    including = _Including(finder, files, ros2, {key}, [], [], {})
+    descriptions = (*_descriptions(root, resolver), *_included(root, resolver, including, (key,)))
     return Launch(
         path,
         name,
@@ -201,29 +212,43 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
         tuple(_transforms(root, resolver)),
         finder,
         package,
+        broken=tuple(including.broken),
     )
+
+
+# A launch file, with the arguments that it was handed.
+_Key = tuple[str, frozenset[tuple[str, _Value]]]
 
 
 @dataclass(frozen=True, slots=True)
 class _Including:
-    """What all launch files that one includes share: ``seen`` are the files with the arguments they were handed, ``problems``
-    the includes that were not followed."""
+    """What all launch files that one includes share: the files that were ``seen``, the ``problems`` with those that were not
+    opened, the includes that are ``broken``, and whether a path that is not there is sure to be ``missing``."""
 
     finder: PackageFinder
     files: dict[str, SourceFile]
     ros2: bool
-    seen: set[tuple[str, frozenset[tuple[str, _Value]]]]
+    seen: set[_Key]
     problems: list[Problem]
+    broken: list[Include]
+    missing: dict[Path, bool]
 
 
-def _included(root: Element, resolver: _Resolver, including: _Including) -> Iterator[Description]:
-    """The descriptions of the XML launch files that are included here, and by those."""
+def _included(
+    root: Element, resolver: _Resolver, including: _Including, around: tuple[_Key, ...]
+) -> Iterator[Description]:
+    """The descriptions of the XML launch files that are included here, and by those. ``around``: this file and those that it
+    is included by."""
     for element in root.walk():
         if element.tag != "include" or not resolver.applies(element):
             continue
         file = element.attributes.get("file")
-        text = None if file is None else resolver.resolve(file.value)
-        if file is None or text is None:
+        if file is None:
+            continue
+        text, obstacle = resolver.value_of(file.value)
+        if text is None:
+            if obstacle is not None and obstacle.kind == "argument" and resolver.decides(element):
+                including.broken.append(Include(file, obstacle))
             continue
         if not including.finder.allows(Path(text)):
             shown = display_name(Path(text))
@@ -232,9 +257,13 @@ def _included(root: Element, resolver: _Resolver, including: _Including) -> Iter
             )
             continue
         if not os.path.isfile(text):
+            if resolver.decides(element) and _is_missing(Path(text), including):
+                including.broken.append(Include(file, Obstacle("file", display_name(Path(text)))))
             continue
         handed = _handed(element, resolver, everything=including.ros2 or element.get("pass_all_args") in {"true", "1"})
         key = (os.path.realpath(text), frozenset(handed.items()))
+        if key in around and resolver.decides(element):
+            including.broken.append(Include(file, Obstacle("circle", display_name(Path(text)))))
         if key in including.seen or len(including.seen) > MAX_INCLUDES:
             continue
         including.seen.add(key)
@@ -249,7 +278,17 @@ def _included(root: Element, resolver: _Resolver, including: _Including) -> Iter
             part.via = element.via if element.span is None else (*element.via, element.span)
         inside = _Resolver(inner, path, including.finder, handed)
         yield from _descriptions(inner, inside)
-        yield from _included(inner, inside, including)
+        yield from _included(inner, inside, including, (*around, key))
+
+
+def _is_missing(path: Path, including: _Including) -> bool:
+    """Whether a launch file is sure not to be there: its package is known, and no build makes it or installs it there. A
+    relative path starts wherever somebody launches it."""
+    if path not in including.missing and len(including.missing) < MAX_INCLUDES:
+        package = including.finder.package_of(path) if path.is_absolute() else None
+        elsewhere = including.ros2 and package is not None and may_be_elsewhere(path, package.path, LAUNCH_SUFFIXES)
+        including.missing[path] = package is not None and not elsewhere
+    return including.missing.get(path, False)
 
 
 def _handed(include: Element, resolver: _Resolver, *, everything: bool) -> dict[str, _Value]:
@@ -285,6 +324,14 @@ class _Resolver:
             for name, excluded in (("if", {"false", "0"}), ("unless", {"true", "1"})):
                 if (self.resolve(element.get(name)) or "").strip().lower() in excluded:
                     return False
+            element = element.parent
+        return True
+
+    def decides(self, element: Element | None) -> bool:
+        """Whether every ``if`` and ``unless`` on the element and around it can be known."""
+        while element is not None:
+            if any(self.resolve(element.get(name)) is None for name in ("if", "unless")):
+                return False
             element = element.parent
         return True
 

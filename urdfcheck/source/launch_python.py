@@ -20,12 +20,15 @@ from urdfcheck.source.reach import Reach
 from urdfcheck.source.xml import SourceFile
 
 MODEL_SUFFIXES = (".urdf", ".xacro")
+LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".launch.py", "_launch.xml", "_launch.py")
 # A path that is longer is none: it comes from names that multiply each other.
 MAX_LENGTH = 4000
 # Its syntax tree takes a few hundred times as much memory. This is some 25,000 lines.
 MAX_PYTHON = 1024**2
 # Different paths of models that are looked up; each is looked for in several folders.
 MAX_PATHS = 1_000
+# Different launch files that are not there and are looked for in their whole package.
+MAX_LAUNCHES = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,13 +44,15 @@ class PythonLaunch:
     """What could be read of a Python launch file.
 
     ``models``: the model files that it names, found in its own package or in those that it names. ``missing``: paths in a
-    known package where no such file is. ``unknown``: relative paths of models that are found in none of these packages.
-    ``loads`` is where it hands on robot_description, ``broken`` why it cannot be parsed, ``unreadable`` why not opened.
+    known package where no such file is, and ``includes`` such paths of launch files. ``unknown``: relative paths of models
+    that are found in none of these packages. ``loads`` is where it hands on robot_description, ``broken`` why it cannot be
+    parsed, ``unreadable`` why not opened.
     """
 
     file: SourceFile | None = None
     models: tuple[Path, ...] = ()
     missing: tuple[Named, ...] = ()
+    includes: tuple[Named, ...] = ()
     unknown: tuple[Named, ...] = ()
     loads: Location | None = None
     broken: Problem | None = None
@@ -138,23 +143,44 @@ class _Reader:
                 joined.update(map(id, pieces if exact is None else ast.walk(node)))
             elif exact is not None and isinstance(node, ast.expr):
                 joined.update(map(id, ast.walk(node)))
-                if str(exact[0]) in missing or (len(missing) < MAX_PATHS and not _may_be_elsewhere(*exact)):
+                if str(exact[0]) in missing or (len(missing) < MAX_PATHS and not may_be_elsewhere(*exact)):
                     missing[str(exact[0])] = node
             elif isinstance(node, ast.Constant) and id(node) not in parts and _is_model_path(node.value):
                 unknown[str(node.value)] = node
         if found or missing:
             unknown = {}
-        return PythonLaunch(self.file, tuple(found), self.named_at(missing), self.named_at(unknown), self.loads())
+        includes = self.named_at(self.includes())
+        return PythonLaunch(
+            self.file, tuple(found), self.named_at(missing), includes, self.named_at(unknown), self.loads()
+        )
+
+    def includes(self) -> dict[str, ast.expr]:
+        """Paths of launch files in a known package where no such file is."""
+        absent: dict[Path, tuple[Path, ast.expr]] = {}
+        joined: set[int] = set()
+        for node in self.nodes:
+            exact = None if id(node) in joined else self.in_package(node, LAUNCH_SUFFIXES)
+            if exact is None or not isinstance(node, ast.expr):
+                continue
+            joined.update(map(id, ast.walk(node)))
+            path, package = exact
+            if self.finder.allows(path) and not os.path.isfile(path) and len(absent) < MAX_LAUNCHES:
+                absent.setdefault(path, (package, node))
+        return {
+            str(path): node
+            for path, (package, node) in absent.items()
+            if not may_be_elsewhere(path, package, LAUNCH_SUFFIXES)
+        }
 
     def named_at(self, paths: Mapping[str, ast.expr]) -> tuple[Named, ...]:
         return tuple(Named(path, self.location(node)) for path, node in itertools.islice(paths.items(), MAX_PATHS))
 
-    def in_package(self, node: ast.AST) -> tuple[Path, Path] | None:
-        """A model's path whose package is known, and that package's folder."""
+    def in_package(self, node: ast.AST, suffixes: tuple[str, ...] = MODEL_SUFFIXES) -> tuple[Path, Path] | None:
+        """A path that ends so and whose package is known, and that package's folder."""
         if not isinstance(node, (ast.Call, ast.BinOp, ast.JoinedStr)):
             return None
         text = self.value(node)
-        if text is None or not text.endswith(MODEL_SUFFIXES) or "\0" in text:
+        if text is None or not text.endswith(suffixes) or "\0" in text:
             return None
         for folder in self.named:
             # Of a folder that only has the package's name it is not sure that it is the package.
@@ -316,14 +342,14 @@ def _is_model_path(text: object) -> bool:
     return re.fullmatch(r"(?:\w[\w.-]*/)*\w[\w.-]*\.(?:urdf|xacro)", text) is not None
 
 
-def _may_be_elsewhere(path: Path, package: Path) -> bool:
+def may_be_elsewhere(path: Path, package: Path, suffixes: tuple[str, ...] = MODEL_SUFFIXES) -> bool:
     """Whether the package has a file of that name without its suffixes, or its build mentions it: then it may make the
     file or install it there."""
     stem = path.name.partition(".")[0]
     for _, names, files in walk(package):
         names[:] = [n for n in names if not n.startswith(".")]
-        models = [file for file in files if any(suffix in file for suffix in MODEL_SUFFIXES)]
-        if any(file.partition(".")[0] == stem for file in models):
+        alike = [file for file in files if any(suffix in file for suffix in suffixes)]
+        if any(file.partition(".")[0] == stem for file in alike):
             return True
     reach = Reach.around([package], [])
     builds = [package / name for name in ("CMakeLists.txt", "setup.py")]

@@ -38,13 +38,16 @@ def display_name(path: Path) -> str:
 @dataclass(frozen=True, slots=True, eq=False)
 class Package:
     """A folder with a package.xml: ``name`` as the manifest states it, else the folder's. ``root`` is the manifest's XML,
-    None when ``problems`` says why it could not be read."""
+    None when ``problems`` says why it could not be read. ``finder`` finds the packages around it and says what may be opened;
+    ``whole``: whether all of the folder is checked, and not only some file in it."""
 
     name: str
     path: Path
     root: Element | None
     file: SourceFile | None
     problems: tuple[Problem, ...] = ()
+    finder: PackageFinder | None = None
+    whole: bool = False
 
     @property
     def dependencies(self) -> frozenset[str]:
@@ -94,6 +97,7 @@ class PackageFinder:
         self.environment = os.environ if environment is None else environment
         self._found: dict[str, Path | None] = {}
         self._around: dict[str, Path] | None = None
+        self._workspace: dict[str, Path] | None = None
         self._below: dict[str, Path] | None = None
         self._ros: dict[str, Path] | None = None
         self._packages: dict[Path, Package | None] = {}
@@ -156,11 +160,15 @@ class PackageFinder:
 
     def _around_start(self) -> dict[str, Path]:
         if self._around is None:
-            self._around = {}
-            for level in self.levels():
-                for name, folder in _packages(level, LEVELS_DOWN_AROUND, self._is_around):
-                    self._around.setdefault(name, folder)
+            self._around = self._at(self.levels())
         return self._around
+
+    def _at(self, levels: Sequence[Path]) -> dict[str, Path]:
+        found: dict[str, Path] = {}
+        for level in levels:
+            for name, folder in _packages(level, LEVELS_DOWN_AROUND, self._is_around):
+                found.setdefault(name, folder)
+        return found
 
     def levels(self) -> list[Path]:
         """The folders from the start upwards that can belong to the same workspace."""
@@ -210,6 +218,17 @@ class PackageFinder:
     def in_reach(self) -> dict[str, Path]:
         """Every package that is found by its name, with its folder."""
         return {**self._in_ros(), **self._around_start(), **self._below_paths(), **self.explicit}
+
+    def workspace(self) -> dict[str, Path]:
+        """The packages that may be about the model: those that were given, those of the repository around the start, and
+        without a repository those beside its own package. Whatever else can be found by its name is some other robot's."""
+        if self._workspace is None:
+            levels = self.levels()
+            if levels and not (levels[-1] / ".git").exists():
+                own = next((n for n, level in enumerate(levels) if (level / "package.xml").is_file()), None)
+                levels = levels[: 1 if own is None else own + 2]
+            self._workspace = {**self._at(levels), **self._below_paths(), **self.explicit}
+        return self._workspace
 
     def near(self, name: str) -> list[str]:
         """Names of packages in reach that are spelled like ``name``."""
@@ -290,6 +309,17 @@ def load_package(folder: Path) -> Package | None:
         return Package(folder.name, folder, None, file, (problem,))
     name = root.child("name")
     return Package(name.text.strip() if name is not None else folder.name, folder, root, file)
+
+
+def depends_on(folder: Path, package: str) -> bool:
+    """Whether the package at a folder, which may be out of reach, depends on another: its package.xml was read for its name as
+    well, and nothing else of it is looked at."""
+    manifest = folder / "package.xml"
+    try:
+        text = "" if manifest.is_symlink() else read_regular(manifest).decode("utf-8", "replace")
+    except OSError:
+        return False
+    return re.search(rf"depend[^<>]*>\s*{re.escape(package)}\s*<", text) is not None
 
 
 def _actual_spelling(path: Path) -> str | None:

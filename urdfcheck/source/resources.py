@@ -12,6 +12,7 @@ from urdfcheck.source.load import Source
 from urdfcheck.source.packages import Resource
 from urdfcheck.source.xml import Attribute, Definition, Element
 
+_ONE_SLASH = re.compile(r"^(package|model|file):/?(?=[^/])")
 _COMPUTED = re.compile(r"\$\((?:find|dirname|cwd|env|optenv|eval)\b|abs_filename")
 
 
@@ -26,6 +27,10 @@ class ResourceUse:
     def location(self) -> Location:
         return self.attribute.location
 
+    def related(self) -> tuple[Definition, ...]:
+        """The definitions that the path was computed from."""
+        return self.attribute.related()
+
 
 @lru_cache(maxsize=1)
 def resource_uses(source: Source) -> tuple[ResourceUse, ...]:
@@ -34,6 +39,29 @@ def resource_uses(source: Source) -> tuple[ResourceUse, ...]:
         return ()
     base, named = source.path.parent, [a for a in _filenames(source.root) if a.value.strip()]
     return tuple(ResourceUse(a, source.finder.resolve(a.value, base)) for a in named)
+
+
+def plain_spelling(text: str) -> str:
+    """A path as it is written where it shall be read everywhere: forward slashes, two of them behind the scheme, no blanks
+    around it."""
+    plain = text.strip().replace("\\", "/")
+    return _ONE_SLASH.sub(r"\1://", plain)
+
+
+def is_misspelt(use: ResourceUse) -> bool:
+    """Whether a path leads nowhere and is spelled as some systems alone read it: then the spelling comes first (PKG011)."""
+    return not use.resource.exists and plain_spelling(use.resource.text) != use.resource.text
+
+
+def not_installed(source: Source) -> dict[str, set[str]]:
+    """The files that the model names in packages which its own package depends on and which are not installed here."""
+    declared = frozenset() if source.package is None else source.package.dependencies
+    files: dict[str, set[str]] = {}
+    for use in resource_uses(source):
+        package = use.resource.package
+        if package and package in declared and use.resource.path is None:
+            files.setdefault(package, set()).add(use.resource.text)
+    return files
 
 
 def machine_part(use: ResourceUse, source: Source) -> Attribute | Definition | None:

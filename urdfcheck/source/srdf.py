@@ -1,9 +1,10 @@
-"""Semantic descriptions (SRDF): which pairs of links MoveIt does not check for collisions, and why, as typed."""
+"""Semantic descriptions (SRDF) as typed: planning groups, states, and which pairs of links MoveIt does not check for
+collisions, and why."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -87,6 +88,18 @@ class Srdf:
             found |= {element.get(name).strip() for name in attributes}
         return frozenset(found - {""})
 
+    @cached_property
+    def groups(self) -> Mapping[str, Element]:
+        """The planning groups by name; MoveIt takes the first of a name."""
+        found: dict[str, Element] = {}
+        for group in self.root.all("group"):
+            found.setdefault(group.get("name").strip(), group)
+        return found
+
+    @cached_property
+    def virtual_joints(self) -> frozenset[str]:
+        return frozenset(e.get("name").strip() for e in self.root.all("virtual_joint"))
+
     def disables(self, first: str, second: str) -> bool:
         """Whether MoveIt leaves this pair out, as its AllowedCollisionMatrix reads the file: defaults of single links
         first, then the enabled pairs, the disabled pairs last."""
@@ -120,6 +133,28 @@ def srdfs_of(source: Source, robot: str) -> tuple[Srdf, ...]:
             if srdf is not None:
                 found[real] = srdf
     return tuple(sorted(found.values(), key=lambda srdf: srdf.name))
+
+
+def srdf_folders(srdfs: Iterable[Srdf]) -> list[Path]:
+    """Where these semantic descriptions lie: the folders of their MoveIt configurations."""
+    return list(dict.fromkeys(srdf.path.parent for srdf in srdfs))
+
+
+def is_about(srdf: Srdf, source: Source) -> bool:
+    """Whether a semantic description lies beside the model, in its package, or in one that depends on it. Another package may
+    describe another robot of this name."""
+    package = source.finder.package_of(srdf.path.absolute())
+    if package is None or source.package is None:
+        return srdf.path.absolute().parent == source.path.absolute().parent
+    return package.path == source.package.path or source.package.name in package.dependencies
+
+
+def is_configured_for(srdf: Srdf, source: Source) -> bool:
+    """Whether it is about the model itself, and not about one that the package of the description makes of it."""
+    package = source.finder.package_of(srdf.path.absolute())
+    elsewhere = package is not None and source.package is not None and package.path != source.package.path
+    made = any(name.endswith((".urdf", ".urdf.xacro")) for name in _names_in(srdf.path.parent)) if elsewhere else False
+    return is_about(srdf, source) and not made
 
 
 def load_srdf(
@@ -179,15 +214,16 @@ def _candidates(source: Source) -> Iterator[Path]:
     own = source.package
     if own is not None:
         yield from _below(own.path)
-    for name, folder in sorted(source.finder.in_reach().items()):
+    for name, folder in sorted(source.finder.workspace().items()):
         if own is None or folder != own.path:
             files = [file for inner in CONFIGURED for file in _inside(folder / inner)]
-            if files and (name.endswith("_moveit_config") or (own is not None and _depends(folder, own.name))):
+            if files and (name.endswith("_moveit_config") or (own is not None and depends_on(folder, own.name))):
                 source.finder.find(name)  # now it counts as found, and its files are in reach
                 yield from files
 
 
-def _depends(folder: Path, name: str) -> bool:
+def depends_on(folder: Path, name: str) -> bool:
+    """Whether the package at a folder depends on the one of this name."""
     package = load_package(folder)
     return package is not None and name in package.dependencies
 
@@ -206,8 +242,11 @@ def _below(folder: Path) -> Iterator[Path]:
 
 def _inside(folder: Path) -> Iterator[Path]:
     """The semantic descriptions in a folder itself."""
+    yield from (folder / name for name in _names_in(folder) if is_srdf(folder / name) and (folder / name).is_file())
+
+
+def _names_in(folder: Path) -> list[str]:
     try:
-        names = sorted(os.listdir(folder))
+        return sorted(os.listdir(folder))
     except OSError:
-        return
-    yield from (folder / name for name in names if is_srdf(folder / name) and (folder / name).is_file())
+        return []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Location, Span
@@ -11,6 +11,10 @@ from urdfcheck.source.xml import Attribute, Element, SourceFile
 
 # A substitution with blanks in it, ``$(find pkg)`` or ``${2 * pi}``, belongs to one word.
 _WORD = re.compile(r"(?:\$\{[^$}]*(?:\$(?!\{)[^$}]*)*\}|\$\([^()]*(?:\([^()]*\)[^()]*)*\)|\S)+")
+
+# No more stand between the name of an attribute and its value.
+_BLANKS = 100
+_END_TAG = re.compile(r"\s*</")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +61,7 @@ def removal(element: Element, files: Mapping[str, SourceFile]) -> tuple[Edit, ..
     if span is None or span.file not in files:
         return ()
     file = files[span.file]
-    if not file.text[: span.end].endswith("/>"):
+    if not file.text.endswith("/>", span.start, span.end):
         return ()
     start, end = span.start, span.end
     before = file.text.rfind("\n", 0, start) + 1
@@ -65,3 +69,71 @@ def removal(element: Element, files: Mapping[str, SourceFile]) -> tuple[Edit, ..
     if after >= 0 and not file.text[before:start].strip() and not file.text[end:after].strip():
         start, end = before, after + 1
     return (Edit(file.span(start, end), file.text[start:end], ""),)
+
+
+def replacing(attributes: Iterable[Attribute], text: str) -> tuple[Edit, ...]:
+    """Edits that write ``text`` in each of these attributes, each place once; none where one is not typed as it stands."""
+    edits = []
+    for attribute in attributes:
+        if not attribute.literal or attribute.span is None:
+            return ()
+        edits.append(Edit(attribute.span, attribute.typed, text))
+    return tuple(dict.fromkeys(edits))
+
+
+def renaming(elements: Iterable[Element], tag: str, files: Mapping[str, SourceFile]) -> tuple[Edit, ...]:
+    """Edits that give elements another tag, in the end tags too; none where one of them is not typed so."""
+    edits: dict[Edit, None] = {}
+    for element in elements:
+        file = None if element.span is None else files.get(element.span.file)
+        if element.span is None or file is None or not file.text.startswith(f"<{element.tag}", element.span.start):
+            return ()
+        places = [element.span.start + 1]
+        if not file.text.endswith("/>", element.span.start, element.span.end):
+            end = _end_tag(element.tag, file.text, element.span.end)
+            if end is None:
+                return ()
+            places.append(end + 2)
+        for start in places:
+            edits[Edit(file.span(start, start + len(element.tag)), element.tag, tag)] = None
+    return tuple(edits)
+
+
+def _end_tag(tag: str, text: str, start: int) -> int | None:
+    """Where the end tag of an element begins whose content begins at ``start``."""
+    name = re.escape(tag)
+    pattern = rf"""<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|<(/?){name}(?=[\s/>])(?:"[^"]*"|'[^']*'|[^"'>])*>"""
+    depth = 1
+    for match in re.compile(pattern, re.DOTALL).finditer(text, start):
+        if match.group(1) is None or match.group().endswith("/>"):
+            continue
+        depth += -1 if match.group(1) else 1
+        if not depth:
+            return match.start()
+    return None
+
+
+def name_of(attribute: Attribute, files: Mapping[str, SourceFile]) -> Span | None:
+    """Where the name of an attribute is typed, None where the text before its value is not that name."""
+    span = attribute.span
+    if span is None or span.file not in files:
+        return None
+    file = files[span.file]
+    # Before the value stand the quotation mark, blanks, the equals sign and again blanks.
+    begin = max(0, span.start - len(attribute.name) - _BLANKS)
+    end = begin + len(file.text[begin : span.start - 1].rstrip().removesuffix("=").rstrip())
+    start = end - len(attribute.name)
+    return file.span(start, end) if file.text[start:end] == attribute.name else None
+
+
+def content_of(element: Element, files: Mapping[str, SourceFile]) -> Span | None:
+    """Where the text of an element is typed, without the blanks around it; None where the file has something else there: an
+    expression, an entity, a comment, other elements."""
+    span, wanted = element.span, element.text.strip()
+    if span is None or span.file not in files or not wanted:
+        return None
+    file = files[span.file]
+    text = file.text[span.end : span.end + len(element.text)]
+    start = span.end + len(text) - len(text.lstrip())
+    end = start + len(wanted)
+    return file.span(start, end) if file.text[start:end] == wanted and _END_TAG.match(file.text, end) else None

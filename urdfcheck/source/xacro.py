@@ -49,6 +49,7 @@ _KEY = "urdfcheck"
 _FRAMES = 3
 # A file that is included by what it includes itself is a circle; a few times around, its own conditions may still end it.
 _MAX_INCLUDED = 4
+_CYCLE = "include cycle"
 # Elements, texts and comments that are gone through, those of a macro once for each call: of a hundred robots none has
 # more than 21,000. Reading a file counts for several.
 MAX_NODES = 200_000
@@ -275,8 +276,9 @@ class _Tracer:
             if isinstance(cause, substitution.ArgException):
                 missing = str(cause)
             cause = getattr(cause, "exc", None) or cause.__cause__
+        failed = "include-cycle" if message == _CYCLE else "expansion-failed"
         self.problem(
-            "argument-missing" if missing else "expansion-failed",
+            "argument-missing" if missing else failed,
             message,
             at,
             argument=missing,
@@ -296,7 +298,7 @@ class _Tracer:
         origin = _origin(self.failed_calls[again].node)
         via = tuple(span for span in spans[:again] if span is not None)
         self.failed_calls = self.failed_calls[: again + 1]
-        if not message.startswith("include cycle"):
+        if message != _CYCLE:
             message = "the expansion never ends: a macro calls itself"
         return Location("" if origin is None else origin.raw.subject, spans[again], via), message
 
@@ -695,7 +697,7 @@ class _Tracer:
                 with self.failing():
                     stack = [os.path.realpath(f) for f in self._xacro.filestack if f]
                     if stack.count(stack[-1]) >= _MAX_INCLUDED:
-                        raise RecursionError(f"include cycle: {display_name(Path(stack[-1]))} includes itself")
+                        raise RecursionError(_CYCLE)
                     original(node, macros, symbols, func)
             finally:
                 self.calls.pop()
@@ -815,16 +817,29 @@ class _Tracer:
                 kind, span = "parameter", None if typed is None else typed.span
             else:
                 kind, span = "property", None
+            if not dict.__contains__(table, key):  # it was removed
+                _unread(table).pop(key, None)
             result = original(table, key, value, unevaluated)
+            self.defined(table, key, span if kind == "property" else None)
             reads = () if unevaluated else self.last_reads
             _definitions(table)[key] = Definition(kind, key, span, reads)
             return result
 
         return wrapper
 
+    def defined(self, table: Any, key: str, span: Span | None) -> None:
+        """Note where a property is defined, and whether nothing has read the value that it had before."""
+        unread = _unread(table)
+        lost = unread.pop(key, None)
+        if span is not None:
+            unread[key] = at = Location(f"xacro:property[{key}]", span, self.via())
+            if lost is not None and lost.span != span:
+                self.problem("property-lost", "", at, name=key, lost=lost)
+
     def resolve(self, original: Callable[..., Any]) -> Callable[..., Any]:
         def wrapper(table: Any, key: str) -> Any:
             lazy = key in table.unevaluated
+            _unread(table).pop(key, None)
             if lazy:
                 self.readers.append([])
                 self.resolving.append(_definitions(table).get(key))
@@ -970,6 +985,12 @@ def _silent(name: str) -> Callable[..., None]:
 
 def _definitions(table: Any) -> dict[str, Definition]:
     found: dict[str, Definition] = table.__dict__.setdefault("_urdfcheck", {})
+    return found
+
+
+def _unread(table: Any) -> dict[str, Location]:
+    """Where those properties of a table were defined that nothing has read since."""
+    found: dict[str, Location] = table.__dict__.setdefault("_urdfcheck_unread", {})
     return found
 
 

@@ -1,19 +1,25 @@
-"""yaml files as xacro loads them, by values that remember the line of each key, so that a finding can name where a number
-came from.
+"""yaml files by values that remember the line of each key, so that a finding can name where a number came from: as xacro
+loads them (:func:`read_yaml`), and as the tree that is typed (:func:`located_yaml`).
 
 The loader is PyYAML's safe one with xacro's units. What aliases and merges multiply is counted before anything is built.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import yaml
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from urdfcheck.core import Span
-from urdfcheck.source.xml import Definition, SourceFile
+from urdfcheck.core import Edit, Location, Span
+from urdfcheck.source.packages import PackageFinder, display_name
+from urdfcheck.source.values import number
+from urdfcheck.source.xml import Definition, SourceFile, XmlError
 
 Read = Callable[[Definition], None]
 Number = Callable[[str], float]
@@ -66,13 +72,142 @@ def read_yaml(source: SourceFile, read: Read, number: Number) -> Any:
             return number(str(loader.construct_scalar(node))) * factor
 
         Loader.add_constructor(unit.value.tag, construct)
+    with _told(source):
+        node = _composed(source)
+        return _wrap(yaml.load(source.text, Loader=Loader), node, "", source, read)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Value:
+    """A value of a yaml file as typed. ``key`` is its path in the file (``arm.joints[2]``), ``at`` where it stands, without
+    quotes."""
+
+    key: str
+    node: Node
+    source: SourceFile
+    at: Span
+
+    @property
+    def location(self) -> Location:
+        return Location(f"yaml[{self.key}]", self.at)
+
+    @property
+    def text(self) -> str:
+        """What a scalar says; empty for anything else."""
+        return str(self.node.value) if isinstance(self.node, ScalarNode) else ""
+
+    @property
+    def number(self) -> float | None:
+        """The finite number that a plain scalar is, None for anything else (a text in quotes, a value with a unit)."""
+        return number(self.text) if self.plain and self.node.tag.endswith((":int", ":float", ":str")) else None
+
+    @property
+    def is_integer(self) -> bool:
+        """Whether yaml takes the scalar for an integer."""
+        return isinstance(self.node, ScalarNode) and self.node.tag.endswith(":int")
+
+    @property
+    def is_false(self) -> bool:
+        """Whether the scalar is one of yaml's words for no."""
+        return self.node.tag.endswith(":bool") and self.text.lower() in {"false", "no", "off"}
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is a scalar without quotes."""
+        return isinstance(self.node, ScalarNode) and self.node.style is None
+
+    @property
+    def is_mapping(self) -> bool:
+        return isinstance(self.node, MappingNode)
+
+    @property
+    def entries(self) -> tuple[tuple[Value, Value], ...]:
+        """The keys of a mapping and their values; what ``<<`` merges in comes with the keys of the other mapping."""
+        if not isinstance(self.node, MappingNode):
+            return ()
+        return tuple(
+            (self._inner(key, str(key.value)), self._inner(value, str(key.value)))
+            for key, value in _pairs(self.node)
+            if isinstance(key, ScalarNode)
+        )
+
+    @property
+    def items(self) -> tuple[Value, ...]:
+        """The values of a list."""
+        if not isinstance(self.node, SequenceNode):
+            return ()
+        return tuple(self._inner(item, f"[{index}]") for index, item in enumerate(self.node.value))
+
+    def get(self, name: str) -> Value | None:
+        """The value of a key."""
+        pairs = _pairs(self.node) if isinstance(self.node, MappingNode) else []
+        return next((self._inner(value, name) for key, value in pairs if key.value == name), None)
+
+    def replaced(self, replacement: str) -> tuple[Edit, ...]:
+        """The edit that writes another scalar here; none where the file spells it with escapes or over several lines."""
+        typed = self.source.text[self.at.start : self.at.end]
+        return (Edit(self.at, typed, replacement),) if typed == self.text else ()
+
+    def _inner(self, node: Node, name: str) -> Value:
+        key = f"{self.key}{name}" if name.startswith("[") else f"{self.key}.{name}".lstrip(".")
+        return _located(key, node, self.source)
+
+
+def located_yaml(source: SourceFile) -> Value | None:
+    """The content of a file as it is typed, None for an empty one.
+
+    :raises YamlProblem: when it is no yaml, too large or not safe.
+    """
+    with _told(source):
+        node = _composed(source)
+    return None if node is None else _located("", node, source)
+
+
+def read_located(path: Path, finder: PackageFinder) -> Value | None:
+    """The content of a file; None where it may not be read or cannot be, or is empty.
+
+    :raises YamlProblem: as :func:`located_yaml`.
+    """
+    if not finder.allows(path) or not os.path.isfile(path):
+        return None
+    try:
+        return located_yaml(SourceFile.read(path, display_name(path)))
+    except (OSError, XmlError):  # XmlError: of its encoding or size
+        return None
+
+
+def problem_in(path: Path, finder: PackageFinder) -> YamlProblem | None:
+    """Why a file is no yaml, None where it is or may not be read."""
+    try:
+        read_located(path, finder)
+    except YamlProblem as problem:
+        return problem
+    return None
+
+
+def _located(key: str, node: Node, source: SourceFile) -> Value:
+    start, end = node.start_mark.index, node.end_mark.index
+    if isinstance(node, ScalarNode) and node.style in {"'", '"'}:
+        start = source.text.find(node.style, start) + 1  # a tag or an anchor may stand before it
+        end -= 1
+    return Value(key, node, source, source.span(start, max(start, end)))
+
+
+def _composed(source: SourceFile) -> Node | None:
+    """The nodes of a file, none of them out of bounds."""
     if len(source.text) > MAX_CHARACTERS:
         message = f"it has {len(source.text):,} characters, more than {MAX_CHARACTERS:,}"
         raise YamlProblem(message, source.span(MAX_CHARACTERS, MAX_CHARACTERS + 1))
+    node: Node | None = yaml.compose(source.text, Loader=_Shallow)
+    _ensure_bounded(node, source)
+    return node
+
+
+@contextmanager
+def _told(source: SourceFile) -> Iterator[None]:
+    """What yaml raises, as a problem at its place."""
     try:
-        node = yaml.compose(source.text, Loader=_Shallow)
-        _ensure_bounded(node, source)
-        return _wrap(yaml.load(source.text, Loader=Loader), node, "", source, read)
+        yield
     except yaml.reader.ReaderError as error:
         raise YamlProblem(error.reason, source.span(error.position, error.position + 1)) from error
     except yaml.MarkedYAMLError as error:
@@ -158,12 +293,18 @@ def _wrap(value: Any, node: Any, key: str, source: SourceFile, read: Read) -> An
 
 
 def _positions(node: Any) -> dict[str, Any]:
-    """The node of each key's value, with what ``<<`` merges in: the mapping's own keys go before, then the first merged."""
-    positions: dict[str, Any] = {}
+    """The node of each key's value, with what ``<<`` merges in."""
+    return {str(key.value): value for key, value in _pairs(node)}
+
+
+def _pairs(node: Any) -> list[tuple[Any, Any]]:
+    """The nodes of each key and its value, with what ``<<`` merges in: the mapping's own keys go before, then the first
+    merged."""
+    pairs: dict[str, tuple[Any, Any]] = {}
     for key, value in node.value:
         if key.tag == "tag:yaml.org,2002:merge":
             merged = value.value if isinstance(value, SequenceNode) else [value]
-            for mapping in reversed(merged):
-                positions = {**positions, **_positions(mapping)}
-    own = {str(key.value): value for key, value in node.value if key.tag != "tag:yaml.org,2002:merge"}
-    return {**positions, **own}
+            for mapping in reversed([m for m in merged if isinstance(m, MappingNode)]):
+                pairs.update((str(inner.value), (inner, found)) for inner, found in _pairs(mapping))
+    own = {str(key.value): (key, value) for key, value in node.value if key.tag != "tag:yaml.org,2002:merge"}
+    return list({**pairs, **own}.values())

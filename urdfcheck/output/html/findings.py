@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 from urdfcheck.core import Confidence, Finding, Fix, Location, Run, Severity, Span
 from urdfcheck.output.html.anchors import Card
 from urdfcheck.output.html.code import code_frame, diff, place
+from urdfcheck.output.html.consumers import NAMES
 from urdfcheck.output.html.glyphs import glyph, words
 from urdfcheck.output.html.groups import FileGroup, active, by_file
 from urdfcheck.output.html.text import base_name, esc, plural, prose
@@ -17,25 +19,6 @@ MOST_FRAMES = 8
 MOST_NOTES = 5
 SHOWN_DIGITS = 8
 
-CONSUMERS = {
-    "bullet": "Bullet",
-    "drake": "Drake",
-    "gazebo": "Gazebo",
-    "isaac": "Isaac Sim",
-    "kdl": "KDL",
-    "moveit": "MoveIt",
-    "mujoco": "MuJoCo",
-    "pinocchio": "Pinocchio",
-    "ros": "ROS",
-    "ros2_control": "ros2_control",
-    "rviz": "RViz",
-    "sdf": "SDFormat",
-    "sdformat": "SDFormat",
-    "trimesh": "trimesh",
-    "urdfdom": "urdfdom",
-    "xacro": "xacro",
-    "yourdfpy": "yourdfpy",
-}
 CONFIDENCE = {
     Confidence.PROOF: "follows from the file, whatever the author meant",
     Confidence.STRONG: "a named pattern with very few false alarms",
@@ -69,10 +52,16 @@ def notes_html(run: Run, cards: Sequence[Card], own: str, prefix: str) -> str:
     suppressed = [c for c in cards if c.finding.suppressed is not None]
     if suppressed:
         parts.append(
-            f'<details class="suppressed"><summary>{len(suppressed)} suppressed in the source</summary>'
+            f'<details class="suppressed"><summary>{len(suppressed)} known: {_known(suppressed)}</summary>'
             f"{_by_file(run, suppressed, own)}</details>"
         )
     return "\n".join(parts)
+
+
+def _known(cards: Sequence[Card]) -> str:
+    """Who says of how many of these findings that they are known."""
+    kinds = Counter(c.finding.suppressed.kind for c in cards if c.finding.suppressed is not None)
+    return ", ".join(f"{kinds[kind]} in the {kind}" for kind in ("source", "configuration", "baseline") if kinds[kind])
 
 
 def _group(severity: Severity, prefix: str, count: int, body: str) -> str:
@@ -109,7 +98,7 @@ def _cards(run: Run, group: FileGroup) -> str:
 def _card(run: Run, card: Card) -> str:
     finding = card.finding
     body = (
-        f"{_subjects(card)}{_source(run, finding.location.span)}{_via(run, finding.location.via)}"
+        f"{_variants(run, finding)}{_subjects(card)}{_source(run, finding.location.span)}{_via(run, finding.location.via)}"
         f"{_related(run, finding.related)}{_explanation(finding)}"
         f"{'' if finding.fix is None else _fix(run, finding.fix)}{_foot(finding)}"
     )
@@ -118,7 +107,7 @@ def _card(run: Run, card: Card) -> str:
         span = finding.location.span
         name = "Details" if span is None else f"<code>{esc(base_name(place(span)))}</code>"
         body = f'<details class="more"><summary>{name}</summary>{body}</details>'
-    reason = "" if finding.suppressed is None else f'<p class="reason">Suppressed: {esc(finding.suppressed)}</p>'
+    reason = "" if finding.suppressed is None else f'<p class="reason">Known, {esc(str(finding.suppressed))}</p>'
     return (
         f'<article class="card {finding.severity}" id="{card.ids[0]}">{_head(run, card)}'
         f'<p class="message">{prose(finding.message)}</p>{reason}{body}</article>'
@@ -135,6 +124,15 @@ def _head(run: Run, card: Card) -> str:
         f'<a class="permalink" href="#{card.ids[0]}"><span aria-hidden="true">#</span>'
         f'<span class="sr">link to this finding: {esc(finding.code)} {esc(finding.location.subject)}</span></a>'
     )
+
+
+def _variants(run: Run, finding: Finding) -> str:
+    """With which arguments a finding is there, where not all variants of the model have it."""
+    given = " ".join(f"<code>{esc(n)}:={esc(v)}</code>" for n, v in sorted(run.arguments_of(finding).items()))
+    others = len(finding.variants) - 1
+    also = f"in {plural(others, 'other variant')}" if others > 0 else ""
+    said = f"With {given}{', and ' if also else ''}{also}" if given else f"Also {also}" if also else ""
+    return f'<p class="variants">{said}.</p>' if said else ""
 
 
 def _subjects(card: Card) -> str:
@@ -197,7 +195,7 @@ def _by_effect(consequences: Mapping[str, str]) -> dict[str, list[str]]:
     """Consumers that do the same thing share a line."""
     effects: dict[str, list[str]] = {}
     for consumer, effect in consequences.items():
-        effects.setdefault(effect, []).append(CONSUMERS.get(consumer, consumer))
+        effects.setdefault(effect, []).append(NAMES.get(consumer, consumer))
     return effects
 
 

@@ -127,7 +127,10 @@ def _file(part: Part, titles: Sequence[str]) -> str:
     """What tells parts of one name apart."""
     if titles.count(part.title) == 1:
         return ""
-    return f" <small>{esc(base_name(part.path) if part.info else part.path)}</small>"
+    if part.info is None:
+        return f" <small>{esc(part.path)}</small>"
+    given = [f"{name}:={value}" for name, value in sorted(part.info.args.items())]
+    return f" <small>{esc(' '.join((base_name(part.path), *given)))}</small>"
 
 
 def _sections(part: Part) -> str:

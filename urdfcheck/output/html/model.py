@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from urdfcheck.core import ModelInfo, Run, Scene, Severity
+from urdfcheck.drop import Drop
 from urdfcheck.output.html.anchors import Card, cards, marks
+from urdfcheck.output.html.consumers import consumers_table
 from urdfcheck.output.html.contents import contents_html
+from urdfcheck.output.html.drop import drop_html
 from urdfcheck.output.html.findings import notes_html, problems_html
 from urdfcheck.output.html.tables import joints_table, links_table
 from urdfcheck.output.html.text import base_name, esc, number, plural
 from urdfcheck.output.html.tree import tree_html
 
+MOST_VARIANTS = 6
 PROBLEMS = (Severity.ERROR, Severity.WARNING)
 STATUS = {
     "needs-arguments": "Not checked: the model cannot be expanded without arguments.",
@@ -31,6 +36,7 @@ class Part:
     cards: tuple[Card, ...]
     scene: Scene | None
     counts: Mapping[Severity, int]
+    drop: Drop | None = None
 
     @property
     def sections(self) -> list[tuple[str, str]]:
@@ -38,19 +44,26 @@ class Part:
         if self.scene is None:
             return []
         found = [(f"{self.id}-findings", "Errors and warnings"), (f"{self.id}-tree", "Kinematic tree")]
-        found += [(f"{self.id}-links", "Links")]
+        found += [(f"{self.id}-drop", "Drop test")] if self.drop is not None else []
+        found += [(f"{self.id}-consumers", "In each program"), (f"{self.id}-links", "Links")]
         found += [(f"{self.id}-joints", "Joints")] if self.scene.joints else []
         found += [(f"{self.id}-info", "Information")] if self.counts.get(Severity.INFO) else []
         return found
 
 
 def parts_of(run: Run) -> list[Part]:
-    """The models in the run's order, then whatever else has findings."""
-    groups: dict[str, list[Card]] = {info.id: [] for info in run.models}
+    """The models in the run's order, then whatever else has findings; of many variants of a model the first, and those of which
+    there is something to tell."""
+    first = {info.path: info.id for info in reversed(run.models)}
+    variants = Counter(info.path for info in run.models)
+    told = {finding.model for finding in run.findings}
+    models = [i for i in run.models if variants[i.path] <= MOST_VARIANTS or i.id in told or first[i.path] == i.id]
+    groups: dict[str, list[Card]] = {info.id: [] for info in models}
     for card in cards(run.findings):
         groups.setdefault(card.finding.model, []).append(card)
     infos = {info.id: info for info in run.models}
     scenes = {scene.model: scene for scene in run.scenes}
+    drops = {drop.model: drop for drop in run.drops}
     parts = []
     for number_, (name, group) in enumerate(groups.items(), 1):
         info = infos.get(name)
@@ -60,7 +73,7 @@ def parts_of(run: Run) -> list[Part]:
         for card in group:
             if card.finding.suppressed is None:
                 counts[card.finding.severity] = counts.get(card.finding.severity, 0) + 1
-        parts.append(Part(f"m{number_}", title, path, info, tuple(group), scenes.get(name), counts))
+        parts.append(Part(f"m{number_}", title, path, info, tuple(group), scenes.get(name), counts, drops.get(name)))
     return parts
 
 
@@ -72,7 +85,7 @@ def model_html(run: Run, part: Part) -> str:
     body = f'<section class="findings{beside}" id="{part.id}-findings">{problems}</section>'
     notes = notes_html(run, part.cards, part.path, part.id)
     last = f'<section class="findings">{notes}</section>' if notes else ""
-    return head + body + _scene(part) + last + "</section>"
+    return head + body + _scene(run, part) + last + "</section>"
 
 
 def _head(part: Part) -> str:
@@ -90,12 +103,15 @@ def _head(part: Part) -> str:
     return f'<div class="head">{title}{path}{told}{contents_html(part.cards, part.path)}</div>'
 
 
-def _scene(part: Part) -> str:
+def _scene(run: Run, part: Part) -> str:
     scene = part.scene
     if scene is None:
         return ""
     worst = marks(part.cards, scene.frames)
+    programs = consumers_table((card.finding for card in part.cards), run.rules)
     tables: Sequence[str] = [
+        "" if part.drop is None else f'<section class="drop" id="{part.id}-drop">{drop_html(part.drop)}</section>',
+        f'<section class="consumers" id="{part.id}-consumers"><h3>In each program</h3>{programs}</section>',
         f'<section class="links" id="{part.id}-links"><h3>Links</h3>{links_table(scene, worst)}</section>',
         f'<section class="joints" id="{part.id}-joints"><h3>Joints</h3>{joints_table(scene, worst)}</section>'
         if scene.joints

@@ -1,0 +1,395 @@
+"""Control blocks, and the controller configurations that belong to a robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import check, check_text
+
+from urdfcheck.core import Finding, Severity
+
+
+def axle(side: str, y: float) -> str:
+    ends = f'<parent link="base"/><child link="{side}"/>'
+    return (
+        f'<link name="{side}"/><joint name="{side}_wheel" type="continuous">'
+        f'<origin xyz="0 {y} 0"/>{ends}<axis xyz="0 1 0"/></joint>'
+    )
+
+
+AXLES = '<link name="base"/>' + axle("left", 0.1) + axle("right", -0.1)
+PLUGIN = """<gazebo><plugin filename="libgz_ros2_control-system.so" name="p">
+<parameters>{}</parameters></plugin></gazebo>"""
+NAMED = PLUGIN.format("$(find cart)/config/c.yaml")
+
+
+def control(left: str = "velocity", right: str = "velocity") -> str:
+    joints = "".join(
+        f'<joint name="{side}_wheel"><command_interface name="{kind}"/></joint>'
+        for side, kind in (("left", left), ("right", right))
+        if kind
+    )
+    return f'<ros2_control name="drive" type="system">{joints}</ros2_control>'
+
+
+def robot(body: str = "", axles: str = AXLES) -> str:
+    return f'<robot name="cart" xmlns:xacro="http://www.ros.org/wiki/xacro">{axles}{body}</robot>'
+
+
+def package(folder: Path, files: dict[str, str], name: str = "cart", depends: str = "") -> Path:
+    manifest = f'<package format="3"><name>{name}</name>{depends}</package>'
+    for path, text in {"package.xml": manifest, **files}.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text(text)
+    return folder
+
+
+def found(folder: Path, yaml: str, body: str = "", code: str = "CTL004", **files: str) -> tuple[Finding, ...]:
+    model = {"urdf/cart.urdf.xacro": robot(body), "config/c.yaml": yaml}
+    run = check(package(folder / "cart", {**model, **files}), codes={code})
+    assert not run.failures
+    return run.findings
+
+
+def group(*joints: str, name: str = "wheels_controller") -> str:
+    return (
+        f"controller_manager: {{ros__parameters: {{{name}: {{type: velocity_controllers/JointGroupVelocityController}}}}}}\n"
+        f"{name}: {{ros__parameters: {{joints: [{', '.join(joints)}]}}}}\n"
+    )
+
+
+def drive(radius: object = 0.05, separation: object = 0.2, left: str = "left_wheel", right: str = "right_wheel") -> str:
+    return (
+        "drive:\n  type: diff_drive_controller/DiffDriveController\n"
+        f"  left_wheel: {left}\n  right_wheel: {right}\n"
+        f"  wheel_radius: {radius}\n  wheel_separation: {separation}\n"
+    )
+
+
+# -- names -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "yaml",
+    [
+        group("left_wheel", "rigth_wheel"),
+        "/**/wheels_controller:\n  ros__parameters:\n    joints:\n    - left_wheel\n    - 'rigth_wheel'\n",
+        "cart:\n  a_controller:\n    ros__parameters: {left_wheel_names: [left_wheel], right_wheel_names: [rigth_wheel]}\n",
+        "cart: {wheels: {type: velocity_controllers/JointGroupVelocityController, joints: [left_wheel, rigth_wheel]}}\n",
+        "left: {type: effort_controllers/JointEffortController, joint: left_wheel}\n"
+        "right: {type: effort_controllers/JointEffortController, joint: rigth_wheel}\n",
+        "controller_list:\n- {name: c, type: FollowJointTrajectory, joints: [left_wheel, rigth_wheel]}\n",
+        "moveit_simple_controller_manager:\n  controller_names: [c]\n"
+        "  c: {type: FollowJointTrajectory, joints: [left_wheel, rigth_wheel]}\n",
+    ],
+)
+def test_a_misspelt_joint_is_found_in_every_form(tmp_path: Path, yaml: str) -> None:
+    (finding,) = found(tmp_path, yaml)
+    assert (finding.message_id, finding.severity) == ("unknown", Severity.ERROR)
+    assert "did you mean 'right_wheel'?" in finding.message
+    span = finding.location.span
+    assert span is not None
+    assert yaml[span.start : span.end] == "rigth_wheel"
+    assert finding.fix is not None
+    assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("rigth_wheel", "right_wheel")]
+
+
+@pytest.mark.parametrize(
+    "yaml",
+    [
+        group("left_wheel", "$(var prefix)right_wheel"),
+        group("left_wheel", "<robot_namespace>right_wheel"),
+        group("left_wheel", "pid/right_wheel"),
+        "a_node: {ros__parameters: {joints: [left_wheel, rigth_wheel]}}\n",
+        "left_wheel: {type: revolute, joint: rigth_wheel}\n",
+        "shoulder: [1, 2]\n",
+        "",
+        "- left_wheel\n",
+        "joints: [left_wheel\n",
+        "a: &a {joints: *a}\n",
+        "<<: 3\n",
+    ],
+    ids=[
+        "prefix",
+        "placeholder",
+        "chained",
+        "another node",
+        "no controller",
+        "no names",
+        "empty",
+        "list",
+        "no yaml",
+        "circle",
+        "merge",
+    ],
+)
+def test_what_is_no_list_of_joints_is_left_alone(tmp_path: Path, yaml: str) -> None:
+    assert not found(tmp_path, yaml)
+
+
+def test_one_name_in_several_controllers_is_one_finding(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, group("left_wheel", "rigth_wheel") + drive(right="rigth_wheel"))
+    assert len(finding.related) == 1
+    assert finding.fix is not None
+    assert len(finding.fix.edits) == 2
+
+
+def test_a_file_of_another_robot_is_nothing_to_this_one(tmp_path: Path) -> None:
+    assert not found(tmp_path, group("left_wheel", "shoulder", "elbow"))
+
+
+def test_a_controller_of_a_tool_is_not_of_the_robot(tmp_path: Path) -> None:
+    assert not found(tmp_path, group("left_wheel", "right_wheel") + group("finger", name="grip_controller"))
+
+
+def test_a_joint_of_another_robot_of_the_package_is_known(tmp_path: Path) -> None:
+    other = robot(axles=AXLES.replace("right_wheel", "third_wheel"))
+    assert found(tmp_path / "a", group("left_wheel", "third_wheel"))
+    assert not found(tmp_path / "b", group("left_wheel", "third_wheel"), **{"urdf/other.urdf": other})
+
+
+@pytest.mark.parametrize(("name", "reported"), [("left_wheel_j", False), ("rigt_wheel_j", True)])
+def test_a_macro_makes_names_of_words_that_are_there(tmp_path: Path, name: str, reported: bool) -> None:
+    """The macro is called for `right` here and could be called for `left`, a word of the files; `rigt` is none."""
+    macro = (
+        '<xacro:macro name="w" params="side"><link name="${side}"/><joint name="${side}_wheel_j" type="continuous">'
+        '<parent link="base"/><child link="${side}"/><axis xyz="0 1 0"/></joint></xacro:macro>'
+        '<link name="base"/><xacro:w side="right"/><xacro:if value="false"><xacro:w side="left"/></xacro:if>'
+    )
+    files = {"urdf/cart.urdf.xacro": robot(axles=macro), "config/c.yaml": group("right_wheel_j", name)}
+    run = check(package(tmp_path, files), codes={"CTL004"})
+    assert bool(run.findings) == reported
+
+
+def test_the_file_that_the_robot_names_has_nothing_of_it(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, group("shoulder", "elbow"), NAMED)
+    assert (finding.message_id, finding.severity) == ("none", Severity.ERROR)
+    assert finding.location.subject == "yaml[wheels_controller]"
+
+
+def test_a_prefix_that_an_argument_gives_is_no_other_robot(tmp_path: Path) -> None:
+    prefixed = AXLES.replace('name="left_wheel"', 'name="$(arg p)left_wheel"')
+    files = {"urdf/cart.urdf.xacro": robot('<xacro:arg name="p" default="a_"/>' + prefixed + NAMED, axles="")}
+    files["config/c.yaml"] = group("b_left_wheel")
+    assert not check(package(tmp_path / "cart", files), codes={"CTL004"}).findings
+
+
+# -- which file belongs to the robot -----------------------------------------------------------------------------------
+
+
+def test_a_launch_file_names_a_file_of_another_package(tmp_path: Path) -> None:
+    package(tmp_path / "cart", {"urdf/cart.urdf": robot()})
+    launch = (
+        '<launch><param name="robot_description" textfile="$(find cart)/urdf/cart.urdf"/>'
+        '<rosparam command="load" file="$(find bringup)/config/c.yaml"/></launch>'
+    )
+    files = {"config/c.yaml": group("left_wheel", "rigth_wheel"), "launch/c.launch": launch}
+    package(tmp_path / "bringup", files, "bringup")
+    (finding,) = check(tmp_path, codes={"CTL004"}).findings
+    assert finding.location.span is not None
+    assert finding.location.span.file.endswith("bringup/config/c.yaml")
+
+
+@pytest.mark.parametrize(
+    ("depends", "launch", "reported"),
+    [
+        ("<exec_depend>cart</exec_depend>", 'FindPackageShare("cart"), "c.yaml"', True),
+        ("<exec_depend>cart</exec_depend>", 'FindPackageShare("cart"), "d.yaml"', False),
+        ("<exec_depend>cart</exec_depend>", 'FindPackageShare("other"), "c.yaml"', False),
+        ("", 'FindPackageShare("cart"), "c.yaml"', False),
+    ],
+)
+def test_a_package_that_brings_the_robot_up_has_its_controllers(
+    tmp_path: Path, depends: str, launch: str, reported: bool
+) -> None:
+    source = tmp_path / "workspace" / "src"  # too deep to be in the workspace of another test
+    package(source / "cart", {"urdf/cart.urdf": robot()})
+    files = {"config/c.yaml": group("left_wheel", "rigth_wheel"), "launch/up.launch.py": launch}
+    package(source / "bringup", files, "bringup", depends)
+    assert bool(check(source / "cart" / "urdf" / "cart.urdf", codes={"CTL004"}).findings) == reported
+
+
+def test_a_launch_file_with_an_argument_in_the_path_says_nothing(tmp_path: Path) -> None:
+    launch = (
+        '<launch><arg name="kind" default="c"/><param name="robot_description" textfile="$(find cart)/urdf/cart.urdf.xacro"/>'
+        '<rosparam command="load" file="$(find cart)/other/$(arg kind).yaml"/></launch>'
+    )
+    assert not found(tmp_path, "", **{"launch/c.launch": launch, "other/c.yaml": group("left_wheel", "rigth_wheel")})
+
+
+def test_a_file_that_the_robot_names_is_there(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "", PLUGIN.format("$(find cart)/config/d.yaml"))
+    assert (finding.message_id, finding.severity) == ("missing", Severity.ERROR)
+
+
+def test_a_file_that_the_robot_names_is_yaml(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, "a:\n\tb: 1\n", NAMED)
+    assert finding.message_id == "broken"
+    assert finding.location.span is not None
+    assert (finding.location.span.line, finding.location.span.col) == (2, 1)
+
+
+def test_a_path_of_the_authors_machine_is_found_in_the_package(tmp_path: Path) -> None:
+    yaml = group("left_wheel", "rigth_wheel")
+    findings = found(tmp_path, yaml, PLUGIN.format("/home/me/ws/src/cart/config/c.yaml"))
+    assert sorted((f.message_id, str(f.severity)) for f in findings) == [("machine", "warning"), ("unknown", "error")]
+
+
+def test_no_file_out_of_reach_is_asked_for(tmp_path: Path) -> None:
+    outside = tmp_path / "outside.yaml"
+    outside.write_text(group("left_wheel", "rigth_wheel"))
+    (finding,) = found(tmp_path / "ws", "", PLUGIN.format(outside))
+    assert finding.message_id == "machine"
+
+
+# -- commands ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_joint_without_command_interface_cannot_be_claimed(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, group("left_wheel", "right_wheel"), control(right="") + NAMED)
+    assert (finding.message_id, finding.severity) == ("uncommanded", Severity.ERROR)
+    assert "right_wheel (velocity)" in finding.message
+
+
+def test_another_interface_is_a_warning(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, group("left_wheel", "right_wheel"), control(right="position") + NAMED)
+    assert (finding.message_id, finding.severity) == ("interface", Severity.WARNING)
+
+
+@pytest.mark.parametrize(
+    "body", [control() + NAMED, NAMED, control(right="")], ids=["offered", "no block", "not named"]
+)
+def test_commands_are_judged_where_block_and_file_belong_together(tmp_path: Path, body: str) -> None:
+    assert not found(tmp_path, group("left_wheel", "right_wheel"), body)
+
+
+def test_the_interfaces_of_a_trajectory_are_those_it_lists(tmp_path: Path) -> None:
+    yaml = (
+        "controller_manager:\n  ros__parameters:\n    t: {type: joint_trajectory_controller/JointTrajectoryController}\n"
+        "t:\n  ros__parameters:\n    joints: [left_wheel, right_wheel]\n    command_interfaces: [velocity, effort]\n"
+    )
+    findings = found(tmp_path, yaml, control() + NAMED)
+    assert [f.message_id for f in findings] == ["interface", "interface"]
+    assert "the effort of joint left_wheel" in findings[0].message
+
+
+# -- wheels ------------------------------------------------------------------------------------------------------------
+
+CYLINDER = '<geometry><cylinder radius="0.05" length="0.02"/></geometry>'
+ROUND = f'<collision><origin rpy="1.5707963267948966 0 0"/>{CYLINDER}</collision>'
+WHEELS = AXLES.replace('<link name="left"/>', f'<link name="left">{ROUND}</link>')
+
+
+def wheels(folder: Path, yaml: str, axles: str = WHEELS, **files: str) -> list[str]:
+    model = {"urdf/cart.urdf": robot(axles=axles), "config/c.yaml": yaml}
+    run = check(package(folder, {**model, **files}), codes={"CTL004"})
+    assert not run.failures
+    return [f.message_id for f in run.findings]
+
+
+@pytest.mark.parametrize(
+    ("yaml", "messages"),
+    [
+        (drive(), []),
+        (drive(radius=0.0525), []),
+        (drive(radius=0.053), ["radius"]),
+        (drive(radius=0.1), ["radius"]),
+        (drive(separation=0.189), ["separation"]),
+        (drive(separation=0.191), []),
+        (drive(separation=0.4), ["separation"]),
+        (drive(radius="deg(3)", separation="''"), []),
+        (drive(radius=0), []),
+    ],
+)
+def test_the_drive_has_the_wheels_of_the_robot(tmp_path: Path, yaml: str, messages: list[str]) -> None:
+    assert wheels(tmp_path, yaml) == messages
+
+
+def test_a_wheel_of_unknown_shape_has_no_radius(tmp_path: Path) -> None:
+    assert wheels(tmp_path, drive(radius=9), AXLES) == []
+
+
+def test_the_track_of_a_skid_steer_is_tuned(tmp_path: Path) -> None:
+    four = WHEELS.replace("</joint>", "</joint>", 1) + WHEELS.replace('name="', 'name="rear_').replace(
+        '<link name="rear_base"/>', ""
+    ).replace('link="left"', 'link="rear_left"').replace('link="right"', 'link="rear_right"')
+    yaml = drive(separation=0.4, left="[left_wheel, rear_left_wheel]", right="[right_wheel, rear_right_wheel]")
+    assert wheels(tmp_path, yaml, four) == []
+
+
+def test_wheels_that_another_robot_has_too_may_be_its_own(tmp_path: Path) -> None:
+    other = robot(axles=WHEELS.replace("0.1", "0.2"))
+    assert wheels(tmp_path, drive(separation=0.4), **{"urdf/other.urdf": other}) == []
+
+
+# -- nesting -----------------------------------------------------------------------------------------------------------
+
+
+def nesting(folder: Path, body: str) -> list[tuple[str, str]]:
+    run = check_text(folder, robot(body), codes={"CTL003"})
+    assert not run.failures
+    return [(f.message_id, str(f.severity)) for f in run.findings]
+
+
+CLASSIC = '<gazebo><plugin name="c" filename="libgazebo_ros_control.so"/></gazebo>'
+
+
+def interface(name: str) -> str:
+    return f"<hardwareInterface>{name}</hardwareInterface>"
+
+
+TYPE = "<type>transmission_interface/SimpleTransmission</type>"
+
+
+@pytest.mark.parametrize("tag", ["gazebo", "link"])
+def test_a_control_block_inside_another_element_is_not_read(tmp_path: Path, tag: str) -> None:
+    body = f'<{tag} name="x">{control()}</{tag}>'
+    assert nesting(tmp_path, body) == [("ros2_control", "error")]
+
+
+@pytest.mark.parametrize(
+    ("transmission", "message"),
+    [
+        (f'{TYPE}<joint name="left_wheel"/>', "interface-missing"),
+        (
+            '<joint name="left_wheel"><hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface></joint>',
+            "type",
+        ),
+        (
+            f'{TYPE}<joint name="left_wheel"><hardwareInterface>EffortJointInterfce</hardwareInterface></joint>',
+            "interface-unknown",
+        ),
+        (
+            f'{TYPE}<joint name="left_wheel"/><actuator name="m">{interface("EffortJointInterface")}</actuator>',
+            "interface-in-actuator",
+        ),
+    ],
+)
+def test_a_transmission_is_complete(tmp_path: Path, transmission: str, message: str) -> None:
+    body = f'<transmission name="t">{transmission}</transmission>'
+    assert nesting(tmp_path / "a", body + CLASSIC) == [(message, "error")]
+    assert nesting(tmp_path / "b", body) == [(message, "warning")]
+
+
+def test_the_spelling_of_indigo_is_one_info(tmp_path: Path) -> None:
+    spelling = " EffortJointInterface\n"
+    one = f'<transmission name="t">{TYPE}<joint name="left_wheel">{interface(spelling)}</joint></transmission>'
+    run = check_text(tmp_path, robot(one + one.replace("left", "right")), codes={"CTL003"})
+    (finding,) = run.findings
+    assert (finding.message_id, finding.severity) == ("prefix", Severity.INFO)
+    assert finding.fix is not None
+    assert [e.replacement for e in finding.fix.edits] == ["hardware_interface/EffortJointInterface"] * 2
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        '<transmission name="t" type="pr2_mechanism_model/SimpleTransmission"><joint name="left_wheel"/></transmission>',
+        f'<transmission name="t">{TYPE}<joint name="left_wheel">{interface("own_hw/StateInterface")}</joint></transmission>',
+        '<ros2_control name="c"><transmission name="t"><joint name="left_wheel" role="j"/></transmission></ros2_control>',
+    ],
+    ids=["PR2", "own interface", "ROS 2"],
+)
+def test_transmissions_of_other_readers_are_left_alone(tmp_path: Path, body: str) -> None:
+    assert nesting(tmp_path, body + CLASSIC) == []

@@ -1,0 +1,335 @@
+"""What an SRDF and its joint_limits.yaml say of a robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import check
+
+from urdfcheck.core import Finding, Severity
+
+CONTROL = '<ros2_control name="c" type="system"><joint name="elbow"><command_interface name="position"/></joint></ros2_control>'
+
+
+def hinge(
+    name: str, parent: str, child: str, limit: str = 'lower="-1.5" upper="2" velocity="2"', more: str = ""
+) -> str:
+    return (
+        f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/><axis xyz="0 1 0"/>'
+        f'<limit {limit} effort="1"/>{more}</joint>'
+    )
+
+
+ARM = (
+    '<link name="base"/><link name="upper"/><link name="fore"/><link name="tool"/>'
+    + hinge("shoulder", "base", "upper")
+    + hinge("elbow", "upper", "fore")
+    + '<joint name="mount" type="fixed"><parent link="fore"/><child link="tool"/></joint>'
+)
+GROUP = '<group name="arm"><chain base_link="base" tip_link="tool"/></group>'
+
+
+def found(folder: Path, srdf: str, code: str = "SRD001", arm: str = ARM, limits: str = "") -> tuple[Finding, ...]:
+    (folder / ".git").mkdir(parents=True, exist_ok=True)  # no other test's package is in its workspace
+    (folder / "arm.urdf").write_text(f'<robot name="arm">{arm}</robot>')
+    (folder / "arm.srdf").write_text(f'<robot name="arm">{srdf}</robot>')
+    if limits:
+        (folder / "joint_limits.yaml").write_text(limits)
+    run = check(folder / "arm.urdf", codes={code})
+    assert not run.failures
+    return run.findings
+
+
+def ids(findings: tuple[Finding, ...]) -> list[str]:
+    return [f.message_id for f in findings]
+
+
+# -- names -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "subject"),
+    [
+        ('<group name="g"><link name="tol"/></group>', "group[g]/link[tol]@name"),
+        ('<group name="g"><joint name="elbw"/></group>', "group[g]/joint[elbw]@name"),
+        ('<group name="g"><chain base_link="bas" tip_link="fore"/></group>', "group[g]/chain@base_link"),
+        ('<end_effector name="e" parent_link="tol" group="arm"/>', "end_effector[e]@parent_link"),
+        ('<passive_joint name="elbw"/>', "passive_joint[elbw]@name"),
+        ('<virtual_joint name="v" type="fixed" parent_frame="world" child_link="bse"/>', "virtual_joint[v]@child_link"),
+        (
+            '<group_state name="s" group="arm"><joint name="elbw" value="0"/></group_state>',
+            "group_state[s]/joint[elbw]@name",
+        ),
+        ('<group_state name="s" group="rm"/>', "group_state[s]@group"),
+        ('<end_effector name="e" parent_link="fore" group="am"/>', "end_effector[e]@group"),
+        ('<group name="g"><group name="amr"/></group>', "group[g]/group[amr]@name"),
+    ],
+)
+def test_each_name_is_looked_up(tmp_path: Path, line: str, subject: str) -> None:
+    (finding,) = found(tmp_path, GROUP.replace("tool", "upper") + line)
+    assert (finding.location.subject, finding.severity) == (subject, Severity.ERROR)
+    if finding.message_id != "group":
+        assert "did you mean" in finding.message
+        assert finding.fix is not None
+        assert finding.fix.edits
+
+
+def test_virtual_joints_are_joints(tmp_path: Path) -> None:
+    srdf = '<virtual_joint name="v" type="planar" parent_frame="map" child_link="base"/><group name="g"><joint name="v"/></group>'
+    state = '<group_state name="s" group="g"><joint name="v" value="0 0 0"/></group_state>'
+    assert not found(tmp_path, srdf + state)
+
+
+def test_one_name_is_one_finding(tmp_path: Path) -> None:
+    state = '<group_state name="{}" group="arm"><joint name="elbw" value="0"/><joint name="shoulder" value="0"/></group_state>'
+    (finding,) = found(tmp_path, GROUP + state.format("a") + state.format("b"))
+    assert len(finding.related) == 1
+
+
+def test_names_are_trimmed_as_by_moveit(tmp_path: Path) -> None:
+    assert not found(tmp_path, GROUP.replace('"base"', '" base "'))
+
+
+def test_a_name_of_another_variant_is_known(tmp_path: Path) -> None:
+    (tmp_path / "wide.urdf").write_text('<robot name="arm"><link name="gripper_base"/></robot>')
+    grip = '<group name="grip"><link name="gripper_base"/></group>'
+    assert not found(tmp_path, GROUP + grip)
+    (tmp_path / "wide.urdf").unlink()
+    assert ids(found(tmp_path, GROUP + grip)) == ["link"]
+
+
+def test_a_description_of_another_robot_of_this_name_is_not_compared(tmp_path: Path) -> None:
+    fingers = "".join(f'<group name="g{n}"><link name="finger_{n}"/></group>' for n in range(9))
+    assert not found(tmp_path, GROUP + fingers)
+
+
+def workspace(folder: Path, depends: str, model: str = "") -> list[str]:
+    """A description, and a MoveIt configuration that names one link of a gripper and misspells a joint."""
+    source = folder / "workspace" / "src"  # too deep to be in the workspace of another test
+    for package, needs in (("arm_description", ""), ("arm_moveit_config", depends)):
+        (source / package / "config").mkdir(parents=True)
+        (source / package / "package.xml").write_text(f'<package format="3"><name>{package}</name>{needs}</package>')
+    (source / "arm_description" / "arm.urdf").write_text(f'<robot name="arm">{ARM}</robot>')
+    gripper = '<group name="grip"><link name="robotiq_85_base"/></group>'
+    srdf = f'<robot name="arm">{GROUP}{gripper}<passive_joint name="shouldr"/></robot>'
+    (source / "arm_moveit_config" / "config" / "arm.srdf").write_text(srdf)
+    if model:
+        (source / "arm_moveit_config" / "config" / model).write_text('<robot name="arm"/>')
+    return ids(check(source / "arm_description" / "arm.urdf", codes={"SRD001"}).findings)
+
+
+def test_a_configuration_that_depends_on_the_description_is_its_own(tmp_path: Path) -> None:
+    assert workspace(tmp_path, "<depend>arm_description</depend>") == ["link", "joint"]
+
+
+def test_of_a_configuration_with_a_model_of_its_own_only_misspelt_names_count(tmp_path: Path) -> None:
+    assert workspace(tmp_path, "<depend>arm_description</depend>", model="arm.urdf.xacro") == ["joint"]
+
+
+def test_a_configuration_beside_the_description_may_be_for_another_robot(tmp_path: Path) -> None:
+    assert workspace(tmp_path, "") == []
+
+
+# -- groups ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("pairs", "path"),
+    [(["ab", "ba"], "a → b → a"), (["aa"], "a → a"), (["ab", "bc", "cb"], "b → c → b"), (["ab", "ac", "bc"], None)],
+)
+def test_groups_in_a_circle(tmp_path: Path, pairs: list[str], path: str | None) -> None:
+    inside = {name: [p[1] for p in pairs if p[0] == name] for name in "abc"}
+    groups = "".join(
+        f'<group name="{name}"><joint name="elbow"/>{"".join(f"<group name={chr(34)}{i}{chr(34)}/>" for i in inner)}</group>'
+        for name, inner in inside.items()
+    )
+    findings = found(tmp_path, groups)
+    assert [f.data["path"] for f in findings] == ([] if path is None else [path])
+
+
+@pytest.mark.parametrize(
+    ("base", "tip", "message"),
+    [
+        ("tool", "base", "chain-reversed"),
+        ("base", "base", "chain-empty"),
+        ("base", "fore", None),
+        ("upper", "fore", None),
+    ],
+)
+def test_a_chain_leads_down(tmp_path: Path, base: str, tip: str, message: str | None) -> None:
+    findings = found(tmp_path, f'<group name="g"><chain base_link="{base}" tip_link="{tip}"/></group>')
+    assert ids(findings) == ([] if message is None else [message])
+    if message == "chain-reversed":
+        assert findings[0].fix is not None
+        assert [e.replacement for e in findings[0].fix.edits] == ["base", "tool"]
+
+
+@pytest.mark.parametrize(("kind", "reported"), [("floating", True), ("planar", True), ("fixed", False)])
+def test_a_virtual_joint_moves_the_root(tmp_path: Path, kind: str, reported: bool) -> None:
+    joint = f'<virtual_joint name="v" type="{kind}" parent_frame="odom" child_link="upper"/>'
+    assert ids(found(tmp_path, GROUP + joint)) == (["virtual-not-root"] if reported else [])
+
+
+@pytest.mark.parametrize(
+    ("group", "reported"),
+    [
+        ('<chain base_link="base" tip_link="upper"/>', True),
+        ('<chain base_link="base" tip_link="fore"/>', False),
+        ('<link name="fore"/>', False),
+        ('<joint name="elbow"/>', False),
+        ('<group name="arm"/>', False),
+    ],
+)
+def test_a_state_is_of_its_group(tmp_path: Path, group: str, reported: bool) -> None:
+    state = '<group_state name="s" group="g"><joint name="elbow" value="0"/></group_state>'
+    findings = found(tmp_path, f'{GROUP}<group name="g">{group}</group>{state}')
+    assert ids(findings) == (["state-foreign"] if reported else [])
+
+
+# -- states ------------------------------------------------------------------------------------------------------------
+
+
+def state(**values: object) -> str:
+    joints = "".join(f'<joint name="{name}" value="{value}"/>' for name, value in values.items())
+    return f'{GROUP}<group_state name="s" group="arm">{joints}</group_state>'
+
+
+@pytest.mark.parametrize(
+    ("value", "reported"),
+    [
+        (2, False),
+        (2.0001, False),
+        (2.0002, True),
+        (-1.5, False),
+        (-1.6, True),
+        ("2 3", False),
+        ("nan", False),
+        ("", False),
+    ],
+)
+def test_a_state_is_within_the_limits(tmp_path: Path, value: object, reported: bool) -> None:
+    assert ids(found(tmp_path, state(elbow=value), "SRD002")) == (["outside"] if reported else [])
+
+
+def test_soft_limits_narrow(tmp_path: Path) -> None:
+    soft = '<safety_controller soft_lower_limit="-1" soft_upper_limit="1" k_velocity="1"/>'
+    arm = ARM.replace(hinge("elbow", "upper", "fore"), hinge("elbow", "upper", "fore", more=soft))
+    (finding,) = found(tmp_path, state(elbow=1.2), "SRD002", arm)
+    assert "safety_controller" in finding.message
+
+
+@pytest.mark.parametrize(("limit", "reported"), [(1.0, True), (1.5, False)])
+def test_joint_limits_replace_those_of_the_model(tmp_path: Path, limit: float, reported: bool) -> None:
+    limits = f"joint_limits: {{elbow: {{max_position: {limit}}}}}"
+    assert bool(found(tmp_path, state(elbow=1.2), "SRD002", limits=limits)) == reported
+
+
+def test_a_state_in_degrees_is_one_finding(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, state(elbow=90, shoulder=-45), "SRD002")
+    assert finding.message_id == "degrees"
+    assert finding.fix is not None
+    assert [e.replacement for e in finding.fix.edits] == ["1.5708", "-0.7854"]
+
+
+def test_a_follower_goes_where_its_leader_says(tmp_path: Path) -> None:
+    arm = ARM.replace(
+        hinge("elbow", "upper", "fore"), hinge("elbow", "upper", "fore", more='<mimic joint="shoulder"/>')
+    )
+    assert not found(tmp_path, state(elbow=9), "SRD002", arm)
+
+
+# -- joint_limits.yaml -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("entry", "messages"),
+    [
+        ("max_velocity: 2.0", []),
+        ("max_velocity: 2.02", []),
+        ("max_velocity: 2.03", ["velocity"]),
+        ("max_velocity: 9.0, has_velocity_limits: false", []),
+        ("max_velocity: 0.0", ["zero"]),
+        ("max_velocity: 0.0, has_velocity_limits: no", []),
+        ("max_position: 2.03", []),
+        ("max_position: 2.04", ["position"]),
+        ("min_position: -2.0, max_position: 1.0", ["position"]),
+        ("min_position: 1.0, max_position: -1.0", ["inverted"]),
+        ("max_velocity: fast", []),
+        ("max_velocity: [1]", []),
+    ],
+)
+def test_joint_limits_are_not_looser_than_the_model(tmp_path: Path, entry: str, messages: list[str]) -> None:
+    limits = f"default_velocity_scaling_factor: 0.1\njoint_limits:\n  elbow: {{{entry}}}\n"
+    assert ids(found(tmp_path, GROUP, "SRD003", limits=limits)) == messages
+
+
+@pytest.mark.parametrize(
+    "limits",
+    [
+        "robot_description_planning:\n  joint_limits:\n    elbw: {max_velocity: 1.0}\n    shoulder: {max_velocity: 1.0}\n",
+        "/**:\n  ros__parameters:\n    robot_description_planning:\n"
+        "      joint_limits:\n        elbw: {max_velocity: 1.0}\n        shoulder: {max_velocity: 1.0}\n",
+    ],
+)
+def test_joint_limits_name_joints(tmp_path: Path, limits: str) -> None:
+    (finding,) = found(tmp_path, GROUP, "SRD003", limits=limits)
+    assert finding.message_id == "unknown"
+    assert finding.fix is not None
+    assert [e.replacement for e in finding.fix.edits] == ["elbow"]
+
+
+@pytest.mark.parametrize(
+    "limits", ["joint_limits: {a: {max_velocity: 1.0}, elbow: 3}", "elbow: {limit: {lower: 1}}", "[1, 2]"]
+)
+def test_other_files_of_this_name_are_left_alone(tmp_path: Path, limits: str) -> None:
+    assert not found(tmp_path, GROUP, "SRD003", limits=limits)
+
+
+def test_a_continuous_joint_takes_no_position_limit(tmp_path: Path) -> None:
+    arm = ARM.replace('name="elbow" type="revolute"', 'name="elbow" type="continuous"')
+    limits = "joint_limits: {elbow: {max_position: 1.0}}"
+    assert ids(found(tmp_path, GROUP, "SRD003", arm, limits)) == ["continuous"]
+
+
+@pytest.mark.parametrize(("tool", "reported"), [("ament_cmake", True), ("catkin", False)])
+def test_ros_2_reads_no_integers(tmp_path: Path, tool: str, reported: bool) -> None:
+    (tmp_path / "package.xml").write_text(
+        f"<package><name>arm</name><buildtool_depend>{tool}</buildtool_depend></package>"
+    )
+    limits = "joint_limits:\n  elbow: {max_velocity: 1, max_acceleration: 0}\n  shoulder: {max_velocity: 1.0}\n"
+    findings = found(tmp_path, GROUP, "SRD003", limits=limits)
+    assert ids(findings) == (["integer"] if reported else [])
+    if reported:
+        assert findings[0].severity == Severity.ERROR
+        assert findings[0].fix is not None
+        assert [e.replacement for e in findings[0].fix.edits] == ["1.0", "0.0"]
+
+
+def test_broken_joint_limits_are_an_error_at_their_line(tmp_path: Path) -> None:
+    (finding,) = found(tmp_path, GROUP, "SRD003", limits="joint_limits:\n  elbow: [1\n")
+    assert (finding.message_id, finding.severity) == ("broken", Severity.ERROR)
+
+
+# -- passive joints ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("srdf", "arm", "message"),
+    [
+        ('<passive_joint name="elbow"/>', ARM + CONTROL, "interface"),
+        ('<passive_joint name="shoulder"/>', ARM + CONTROL, None),
+        ('<passive_joint name="elbow"/>', ARM + CONTROL.replace("command", "state"), None),
+    ],
+)
+def test_a_passive_joint_takes_no_commands(tmp_path: Path, srdf: str, arm: str, message: str | None) -> None:
+    assert ids(found(tmp_path, srdf, "SRD004", arm)) == ([] if message is None else [message])
+
+
+def test_a_passive_joint_is_in_no_controller(tmp_path: Path) -> None:
+    tmp_path.joinpath("moveit_controllers.yaml").write_text(
+        "moveit_simple_controller_manager:\n  c: {type: FollowJointTrajectory, joints: [shoulder, elbow]}\n"
+    )
+    (finding,) = found(tmp_path, '<passive_joint name="elbow"/>', "SRD004")
+    assert finding.message_id == "controller"
+    assert finding.related[0].subject == "yaml[moveit_simple_controller_manager.c.joints[1]]"

@@ -1,0 +1,101 @@
+"""yaml files as they are typed: each value with its place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from urdfcheck.source.controllers import read_configuration
+from urdfcheck.source.joint_limits import read_joint_limits
+from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.reach import Reach
+from urdfcheck.source.xml import SourceFile
+from urdfcheck.source.yaml import MAX_CHARACTERS, Value, YamlProblem, located_yaml, problem_in
+
+TEXT = """\
+# é🤖: what stands before a value does not move it
+arm: &arm
+  joints: [one, 'two', "three"]
+  speed: 1
+  gain: 2.5
+  small: 1e-3
+  typed: !degrees 90
+  text: "7"
+  off: no
+other:
+  <<: *arm
+  speed: 3
+"""
+
+
+def value(text: str, *keys: str) -> Value:
+    found = located_yaml(SourceFile(Path("a.yaml"), "a.yaml", text))
+    for key in keys:
+        assert found is not None
+        found = found.get(key)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("index", [0, 1, 2])
+def test_a_value_is_found_where_it_is_typed(index: int) -> None:
+    item = value(TEXT, "arm", "joints").items[index]
+    assert TEXT[item.at.start : item.at.end] == item.text == ("one", "two", "three")[index]
+    assert item.location.subject == f"yaml[arm.joints[{index}]]"
+    (edit,) = item.replaced("four")
+    assert (edit.expected, edit.replacement) == (item.text, "four")
+
+
+@pytest.mark.parametrize(
+    ("key", "number", "integer"),
+    [
+        ("speed", 1.0, True),
+        ("gain", 2.5, False),
+        ("small", 0.001, False),
+        ("typed", None, False),
+        ("text", None, False),
+    ],
+)
+def test_plain_numbers_are_numbers(key: str, number: float | None, integer: bool) -> None:
+    found = value(TEXT, "arm", key)
+    assert (found.number, found.is_integer) == (number, integer)
+
+
+def test_words_for_no() -> None:
+    assert value(TEXT, "arm", "off").is_false
+    assert not value(TEXT, "arm", "speed").is_false
+
+
+def test_what_is_merged_stands_where_it_was_typed() -> None:
+    assert value(TEXT, "other", "speed").text == "3"
+    gain = value(TEXT, "other", "gain")
+    assert (gain.location.subject, gain.at.line) == ("yaml[other.gain]", 5)
+
+
+def test_what_is_spelled_with_escapes_is_not_edited() -> None:
+    assert value('a: "t\\x77o"', "a").text == "two"
+    assert value('a: "t\\x77o"', "a").replaced("x") == ()
+
+
+@pytest.mark.parametrize(
+    "text", ["a: [1", "a: &a [*a]", "a: !!python/name:os.system x", "[" * 5000, "a: " + "x" * MAX_CHARACTERS]
+)
+def test_the_guards_hold_here_too(text: str) -> None:
+    with pytest.raises(YamlProblem):
+        value(text)
+
+
+def test_no_file_out_of_reach_is_read(tmp_path: Path) -> None:
+    for name, text in (
+        ("c.yaml", "c: {type: a/B, joints: [one]}"),
+        ("l.yaml", "joint_limits: {one: {max_velocity: 1.0}}"),
+        ("broken.yaml", "[1"),
+    ):
+        (tmp_path / name).write_text(text)
+    (tmp_path / "inside").mkdir()
+    for reach, read in ((None, True), (Reach((str(tmp_path / "inside"),)), False)):
+        finder = PackageFinder(tmp_path / "inside", environment={}, reach=reach)
+        assert (read_configuration(tmp_path / "c.yaml", finder) is not None) == read
+        assert bool(read_joint_limits(tmp_path / "l.yaml", finder)) == read
+        assert (problem_in(tmp_path / "broken.yaml", finder) is not None) == read

@@ -1,0 +1,510 @@
+"""The configuration: which one holds for a file, what it may say, and the line of everything that is wrong."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from conftest import REPOSITORY
+from hypothesis import given
+from hypothesis import strategies as st
+
+from urdfcheck import catalogue, cli, config, engine
+from urdfcheck.config import Configurations, Given
+from urdfcheck.core import Run, UrdfcheckError
+from urdfcheck.engine import Request
+from urdfcheck.source.globs import means, names_below
+from urdfcheck.source.toml import places
+from urdfcheck.worker import audit
+
+BROKEN = (
+    '<robot name="r"><link name="{}"><inertial><mass value="1"/>'
+    '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial></link></robot>'
+)
+XACRO = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{}</robot>'
+
+
+def write(path: Path, text: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def run(*paths: Path, given: Given | None = None, isolated: bool = False) -> Run:
+    """Check paths as the command does, in this process."""
+    configured = Configurations(given or Given(select=frozenset({"INR003"})), isolated)
+    settings = configured.of(paths[0])
+    holds = configured.holds(settings, settings.root)
+    request = Request(paths, settings.root, holds.codes, configured=configured)
+    return engine.run(request, audit=audit)
+
+
+def found(outcome: Run) -> list[tuple[str, str, str]]:
+    """Model, code and severity of each finding."""
+    return [(f.model, f.code, str(f.severity)) for f in outcome.findings]
+
+
+class TestNearest:
+    @pytest.fixture
+    def folder(self, tmp_path: Path) -> Path:
+        """A workspace with a configuration, and two packages of which one has its own."""
+        write(tmp_path / "urdfcheck.toml", 'fail-on = "error"\n')
+        write(tmp_path / "a/urdf/a.urdf", BROKEN.format("a"))
+        write(tmp_path / "b/urdf/b.urdf", BROKEN.format("b"))
+        write(tmp_path / "b/urdfcheck.toml", 'fail-on = "never"\n[severity]\ntriangle-inequality = "info"\n')
+        return tmp_path
+
+    def test_each_file_has_its_own(self, folder: Path) -> None:
+        assert found(run(folder)) == [("a/urdf/a.urdf", "INR003", "error"), ("urdf/b.urdf", "INR003", "info")]
+
+    def test_the_id_of_a_model_is_the_same_whatever_was_named(self, folder: Path) -> None:
+        alone = run(folder / "b/urdf/b.urdf").findings
+        assert [f.fingerprints for f in alone] == [f.fingerprints for f in run(folder).findings if f.severity == 1]
+
+    def test_the_exit_code_asks_the_configuration_of_each_finding(self, folder: Path) -> None:
+        from urdfcheck.cli.terminal import exit_code
+
+        write(folder / "b/urdfcheck.toml", 'fail-on = "info"\n[severity]\nINR003 = "info"\n')
+        (folder / "a/urdf/a.urdf").unlink()
+        outcome = run(folder)
+        assert outcome.fail_on == {"urdf/b.urdf": "info"}
+        assert exit_code(outcome, "error") == cli.FINDINGS
+
+    def test_the_command_line_wins(self, folder: Path) -> None:
+        given = Given(select=frozenset({"INR003"}), ignore=frozenset({"INR003"}), fail_on="info")
+        outcome = run(folder, given=given)
+        assert not outcome.findings
+        assert set(outcome.fail_on.values()) == {"info"}
+
+    def test_isolated_asks_none(self, folder: Path) -> None:
+        write(folder / "a/urdfcheck.toml", "this is no TOML")
+        assert {s for _, _, s in found(run(folder, isolated=True))} == {"error"}
+
+    def test_a_wrong_one_further_down_is_a_failure_of_its_files_only(self, folder: Path) -> None:
+        write(folder / "b/urdfcheck.toml", "\nselct = []\n")
+        outcome = run(folder)
+        assert found(outcome) == [("a/urdf/a.urdf", "INR003", "error")]
+        assert len(outcome.failures) == 1
+        assert "urdfcheck.toml:2: unknown key 'selct'; did you mean 'select'?" in outcome.failures[0]
+
+    def test_an_audit_asks_the_configuration_of_each_unit_as_well(
+        self, folder: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.chdir(folder)
+        (folder / "a/urdf/a.urdf").unlink()
+        command = ["audit", ".", "-o", str(folder / "out"), "--tier", "source", "--select", "INR003"]
+        write(folder / "c/urdf/c.urdf", '<robot name="r"><link name="l"/></robot>')
+        assert cli.main(command) == cli.OK
+        write(folder / "b/urdfcheck.toml", 'fail-on = "info"\nseverity.INR003 = "info"\n')
+        assert cli.main(command) == cli.FINDINGS
+
+    def test_two_models_of_one_name_are_two(self, folder: Path) -> None:
+        for name in ("a", "b"):
+            write(folder / name / "urdfcheck.toml", "")
+            write(folder / name / "urdf/same.urdf", BROKEN.format("l"))
+        models = [m.id for m in run(folder / "a", folder / "b").models if "same" in m.id]
+        assert models == ["urdf/same.urdf", "../b/urdf/same.urdf"]
+
+    def test_without_a_file_all_below_a_path_is_named_from_one_folder(self, tmp_path: Path) -> None:
+        for name in ("a", "b"):
+            (tmp_path / name / ".git").mkdir(parents=True)
+            write(tmp_path / name / "r.urdf", BROKEN.format("l"))
+        (tmp_path / ".git").mkdir()
+        assert [m.id for m in run(tmp_path).models] == ["a/r.urdf", "b/r.urdf"]
+
+    def test_packages_are_those_of_the_nearest_one(self, folder: Path) -> None:
+        mesh = '<visual><geometry><mesh filename="package://far_meshes/m.stl"/></geometry></visual>'
+        for name in ("a", "b"):
+            write(folder / name / "urdf/r.urdf", f'<robot name="r"><link name="l">{mesh}</link></robot>')
+        write(folder / "b/q/m.stl", "solid")
+        write(folder / "b/urdfcheck.toml", '[packages]\nfar_meshes = "q"\n')
+        outcome = run(folder, given=Given(select=frozenset({"PKG001"})))
+        assert [m for m, _, _ in found(outcome)] == ["a/urdf/r.urdf"]
+
+    def test_one_further_down_cannot_widen_the_reach(self, folder: Path) -> None:
+        """Not beyond the folder that was given, though the file lies in a repository that goes further."""
+        write(folder / "secret/m.stl", "solid")
+        write(folder / "b/urdfcheck.toml", '[packages]\np = "../secret"\n')
+        outcome = run(folder / "a", folder / "b/urdf/b.urdf")
+        assert any("packages must be folders of the repository" in failure for failure in outcome.failures)
+
+    def test_a_pyproject_without_the_table_is_passed_over(self, folder: Path) -> None:
+        (folder / "b/urdfcheck.toml").rename(folder / "b/kept")
+        write(folder / "b/pyproject.toml", "[tool.other]\nx = 1\n")
+        assert {m for m, _, _ in found(run(folder))} == {"a/urdf/a.urdf", "b/urdf/b.urdf"}
+
+
+class TestPaths:
+    def holds(self, tmp_path: Path, text: str, file: str, given: Given | None = None) -> config.Holds:
+        write(tmp_path / "urdfcheck.toml", text)
+        configured = Configurations(given or Given())
+        return configured.holds(configured.of(tmp_path), tmp_path / file)
+
+    def test_sections_add_to_the_table_and_the_later_one_wins(self, tmp_path: Path) -> None:
+        text = """
+            select = ["INR003", "JNT"]
+            ignore = ["JNT013"]
+            severity = { INR003 = "info", JNT = "warning" }
+            options.INR003 = { rel_tol = 1, rounding = 0.5 }
+            [[paths]]
+            match = ["robots"]
+            select = ["jnt013"]
+            ignore = ["JNT001"]
+            severity = { INR = "error" }
+            options.triangle-inequality.rel_tol = 2.0
+            [[paths]]
+            match = ["**/*.xacro"]
+            severity.INR003 = "warning"
+            target = ["gazebo"]
+        """
+        other = self.holds(tmp_path, text, "other.urdf")
+        assert "JNT013" not in other.codes
+        assert other.severities["INR003"] == "info"
+        assert other.options == {"INR003": {"rel_tol": 1.0, "rounding": 0.5}}
+        robot = self.holds(tmp_path, text, "robots/r.xacro")
+        assert "JNT013" in robot.codes
+        assert "JNT001" not in robot.codes
+        assert robot.severities["INR003"] == "warning"
+        assert robot.severities["INR001"] == "error"
+        assert robot.options == {"INR003": {"rel_tol": 2.0, "rounding": 0.5}}
+        assert (other.targets, robot.targets) == ((), ("gazebo",))
+
+    def test_a_code_is_closer_than_its_prefix_wherever_it_stands(self, tmp_path: Path) -> None:
+        text = '[severity]\nINR003 = "error"\nINR = "info"\nALL = "warning"\n'
+        held = self.holds(tmp_path, text, "r.urdf").severities
+        assert (held["INR003"], held["INR001"], held["JNT001"]) == ("error", "info", "warning")
+
+    def test_the_command_line_replaces_the_sections_as_well(self, tmp_path: Path) -> None:
+        text = 'select = ["INR"]\n[[paths]]\nmatch = ["*"]\nselect = ["JNT"]\ntarget = ["drake"]\n'
+        held = self.holds(tmp_path, text, "r.urdf", Given(select=frozenset({"XML001"}), target=("mujoco",)))
+        assert (held.codes, held.targets) == ({"XML001"}, ("mujoco",))
+
+
+class TestExclude:
+    def test_what_a_folder_holds_and_not_what_is_named(self, tmp_path: Path) -> None:
+        write(tmp_path / "urdfcheck.toml", 'exclude = ["vendor", "*_old.urdf", "/top.urdf"]\n')
+        for name in ("a/vendor/x.urdf", "b/r_old.urdf", "top.urdf", "b/top.urdf"):
+            write(tmp_path / name, BROKEN.format("l"))
+        assert [m.id for m in run(tmp_path).models] == ["b/top.urdf"]
+        assert [m.id for m in run(tmp_path / "top.urdf").models] == ["top.urdf"]
+
+    @pytest.mark.parametrize(
+        ("pattern", "path", "expected"),
+        [
+            ("vendor", "a/vendor/b.urdf", True),
+            ("vendor/", "vendor/b.urdf", True),
+            ("a/vendor", "b/a/vendor/c", False),
+            ("**/vendor/*.urdf", "b/a/vendor/c.urdf", True),
+            ("a/**/c", "a/c", True),
+            ("a/**/c", "a/b/b/c/d", True),
+            ("a/**", "a/b/c", True),
+            ("a/*", "a/b/c", True),
+            ("*.urdf", "a/b.urdf", True),
+            ("/*.urdf", "a/b.urdf", False),
+            ("a[0-9].urdf", "a7.urdf", True),
+            ("", "a", False),
+            ("..", "a", False),
+        ],
+    )
+    def test_patterns(self, pattern: str, path: str, expected: bool, tmp_path: Path) -> None:
+        assert means([pattern], names_below(tmp_path / path, tmp_path)) is expected
+
+    def test_a_pattern_that_would_take_for_ever_does_not(self, tmp_path: Path) -> None:
+        deep = "/".join(["a"] * 300)
+        assert not means(["**/a/" * 200 + "b"], names_below(tmp_path / deep, tmp_path))
+
+
+class TestModels:
+    ARM = XACRO.format('<xacro:arg name="side" default="left"/><link name="$(arg side)$(arg n)"/>')
+
+    def test_each_entry_is_a_model_and_gives_what_the_file_needs(self, tmp_path: Path) -> None:
+        write(tmp_path / "arm.urdf.xacro", self.ARM)
+        write(tmp_path / "other.urdf", '<robot name="r"><link name="a"/></robot>')
+        assert [m.status for m in run(tmp_path).models] == ["needs-arguments", "checked"]
+        text = """
+            [[models]]
+            path = "arm.urdf.xacro"
+            name = "two"
+            arguments = { n = 2 }
+            [[models]]
+            path = "arm.urdf.xacro"
+            arguments = { n = 1, side = "right" }
+        """
+        write(tmp_path / "urdfcheck.toml", text)
+        models = run(tmp_path).models
+        assert [(m.id, m.status, dict(m.args)) for m in models] == [
+            ("arm.urdf.xacro n:=1 side:=right", "checked", {"n": "1", "side": "right"}),
+            ("arm.urdf.xacro named:=two", "checked", {"n": "2"}),
+            ("other.urdf", "checked", {}),
+        ]
+
+    def test_a_boolean_is_one_of_xacro(self, tmp_path: Path) -> None:
+        write(tmp_path / "arm.urdf.xacro", self.ARM)
+        write(tmp_path / "urdfcheck.toml", '[[models]]\npath = "arm.urdf.xacro"\narguments = { n = true }\n')
+        assert run(tmp_path / "arm.urdf.xacro").models[0].args == {"n": "true"}
+
+
+class TestSuppress:
+    def test_findings_stay_and_do_not_count(self, tmp_path: Path) -> None:
+        text = """
+            [[suppress]]
+            codes = ["triangle-inequality"]
+            subject = "link[gripper_*]"
+            path = "hands/**"
+            reason = "the vendor says so"
+        """
+        write(tmp_path / "urdfcheck.toml", text)
+        write(tmp_path / "hands/a.urdf", BROKEN.format("gripper_1"))
+        write(tmp_path / "hands/b.urdf", BROKEN.format("arm"))
+        write(tmp_path / "other/a.urdf", BROKEN.format("gripper_1"))
+        outcome = run(tmp_path)
+        known = {f.model: f.suppressed for f in outcome.findings}
+        assert {m: s and (s.kind, s.reason) for m, s in known.items()} == {
+            "hands/a.urdf": ("configuration", "the vendor says so"),
+            "hands/b.urdf": None,
+            "other/a.urdf": None,
+        }
+
+
+MISTAKES = [
+    ('x = 1\n[severity]\nselect = "error"\n', 1, "unknown key 'x'"),
+    (
+        '[severity]\nselect = "error"\n[options.INR003]\nrel_tol = 1\n',
+        2,
+        "no rule, prefix, name or tag is called 'select'",
+    ),
+    ('[options]\nINR003.rel_tol = "a"\n', 2, "rel_tol must be a number"),
+    ("[options.INR003]\nrel_tol = nan\n", 2, "rel_tol must be a finite number"),
+    ('options = { INR003 = { rel_tol = 1 },\n  "INR005" = 3 }\n', 2, "INR005 must be a table"),
+    ('ignore = ["INR",\n\n  "JNT",\n  "INRX"]\n', 4, "'INRX'; did you mean INR"),
+    ('target = [ # who\n "gazbo" ]\n', 2, "unknown target 'gazbo'; did you mean 'gazebo'?"),
+    ('[[paths]]\nmatch = ["a"]\n[[paths]]\nmatch = ["b"]\nfail-on = "error"\n', 5, "unknown key 'fail-on'"),
+    ('[[paths]]\nselect = ["INR"]\n', 1, "match must be a list of patterns"),
+    ('[[paths]]\nmatch = ["a"]\n[paths.severity]\nINR = "bad"\n', 4, "'bad' is no severity"),
+    ('paths = [{ match = ["a"] },\n]\nmodels = 3\n', 3, "models must be tables: [[models]]"),
+    ('[[models]]\npath = "r.urdf"\n[[models]]\nname = "x"\n', 3, "path is missing"),
+    ('[[models]]\npath = "r.urdf"\n[models.arguments]\nok = 1\nbad = [1]\n', 5, "bad must be a text, a number"),
+    ('[[models]]\npath = "none.urdf"\n', 2, "path must be a file that exists; none.urdf is none"),
+    ('[[models]]\npath = "./rr.urdf"\n', 2, "./rr.urdf is none; did you mean ./r.urdf?"),
+    (
+        '[[models]]\npath = "r.urdf"\n[[models]]\npath = "r.urdf"\n',
+        3,
+        "r.urdf has an entry with these arguments already",
+    ),
+    ('[[suppress]]\ncodes = ["INR"]\n', 1, "reason is missing"),
+    ('[[suppress]]\nreason = ""\ncodes = ["INR"]\n', 2, "reason must be a text"),
+    ('[[suppress]]\nreason = "x"\n', 1, "codes must be a list of codes"),
+    ('baseline = "../b.json"\n', 1, "baseline must be a file of the repository"),
+    ('[[models]]\npath = "../r.urdf"\n', 2, "path must be a file of the repository"),
+    ('[packages]\na = "."\n"b" = 1\n', 3, "b is none"),
+    ("tier.x = 1\n", 1, "tier must be one of source, mesh, full"),
+    ("\nexclude = [" + '"a",' * 1001 + "]\n", 2, "exclude must be at most 1,000 entries"),
+    (f'exclude = ["{"**/" * 400}"]\n', 1, "exclude must be texts of at most 1,000 characters"),
+    ("[[paths]]\nmatch = ['a']\n" * 1001, 1, "paths must be at most 1,000 entries"),
+    ("exclude = [1]\n", 1, "exclude must be a list of strings"),
+]
+
+
+class TestRulesOfTheRun:
+    @pytest.mark.parametrize(
+        ("text", "expected"),
+        [
+            ("", ["info"]),
+            ("[severity]\nXAC015 = 'error'\n", ["error"]),
+            ("[[paths]]\nmatch = ['car']\nseverity = { XAC015 = 'warning' }\n", ["warning"]),
+            ("[[paths]]\nmatch = ['car']\nignore = ['XAC015']\n", []),
+            ("ignore = ['XAC015']\n[[paths]]\nmatch = ['other']\nselect = ['XAC015']\n", []),
+            ("[[suppress]]\ncodes = ['XAC015']\npath = 'car'\nreason = 'x'\n", ["known"]),
+            ("[[suppress]]\ncodes = ['XAC015']\npath = 'other'\nreason = 'x'\n", ["info"]),
+        ],
+    )
+    def test_what_holds_for_their_model_holds_for_them(self, text: str, expected: list[str], tmp_path: Path) -> None:
+        write(tmp_path / "urdfcheck.toml", text)
+        write(tmp_path / "car/package.xml", "<package><name>car</name></package>")
+        robot = '<robot name="{}"><link name="a"/><link name="b"/><link name="c"/></robot>'
+        write(tmp_path / "car/urdf/car.urdf", robot.format("car"))
+        write(tmp_path / "car/urdf/car.urdf.xacro", robot.format("truck"))
+        found = [f for f in run(tmp_path, given=Given()).findings if f.code == "XAC015"]
+        assert ["known" if f.suppressed else str(f.severity) for f in found] == expected
+
+
+class TestMistakes:
+    @pytest.mark.parametrize(("text", "line", "says"), MISTAKES, ids=range(len(MISTAKES)))
+    def test_every_one_has_its_line(self, text: str, line: int, says: str, tmp_path: Path) -> None:
+        (tmp_path / ".git").mkdir()
+        write(tmp_path / "r.urdf", BROKEN.format("a"))
+        write(tmp_path / "urdfcheck.toml", text)
+        with pytest.raises(UrdfcheckError) as error:
+            config.find(tmp_path)
+        assert says in str(error.value)
+        assert f"urdfcheck.toml:{line}: " in str(error.value)
+
+    def test_the_line_in_a_pyproject_is_the_one_of_our_table(self, tmp_path: Path) -> None:
+        text = '[tool.ruff]\nselct = []\n[project]\nname = "x"\n[tool.urdfcheck]\nselct = []\n'
+        write(tmp_path / "pyproject.toml", text)
+        with pytest.raises(UrdfcheckError, match=r"pyproject\.toml:6: unknown key"):
+            config.find(tmp_path)
+
+    def test_a_byte_order_mark_is_none(self, tmp_path: Path) -> None:
+        write(tmp_path / "urdfcheck.toml", '\ufefffail-on = "info"\n')
+        assert config.find(tmp_path).fail_on == "info"
+
+
+class TestPlaces:
+    def test_of_every_kind_of_key(self) -> None:
+        text = (REPOSITORY / "pyproject.toml").read_text(encoding="utf-8")
+        lines = text.splitlines()
+        at = places(text)
+        assert lines[at["tool", "ruff", "lint", "pycodestyle", "max-line-length"] - 1].startswith("max-line-length")
+        assert lines[at["tool", "mypy", "overrides", 0, "module"] - 1].startswith("module")
+
+    @given(
+        st.recursive(
+            st.one_of(st.integers(), st.booleans(), st.text(max_size=8)),
+            lambda inner: st.one_of(
+                st.lists(inner, max_size=3),
+                st.dictionaries(st.text("ab\"'\\. #[]{}=,\n", max_size=4), inner, max_size=3),
+            ),
+            max_leaves=12,
+        )
+    )
+    def test_a_key_stands_where_it_is_written(self, value: object) -> None:
+        """Written as JSON each on a line of its own, which TOML's inline values read as well but for colons."""
+
+        def toml(value: object) -> str:
+            if isinstance(value, dict):
+                return "{" + ", ".join(f"{json.dumps(k)} = {toml(v)}" for k, v in value.items()) + "}"
+            if isinstance(value, list):
+                return "[\n" + "".join(f"{toml(v)} , # ]\n" for v in value) + "]"
+            return json.dumps(value).replace("\x7f", "\\u007f")
+
+        text = f"before = 1\nvalue = {toml(value)}\nafter = '''x'''\n[last]\nz = 0\n"
+        import tomli
+
+        try:
+            tomli.loads(text)
+        except tomli.TOMLDecodeError:
+            return  # an integer of too many digits, half a pair of surrogates
+        at = places(text)
+        assert at["value",] == 2
+        assert at["last", "z"] == text.count("\n")
+        assert at["after",] == text.count("\n") - 2
+
+
+def test_the_example_of_the_readme_is_right(tmp_path: Path) -> None:
+    readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
+    (text,) = (block.partition("```")[0] for block in readme.split("```toml\n")[1:])
+    for folder in ("vendor", "assets/meshes_package", "urdf"):
+        (tmp_path / folder).mkdir(parents=True)
+    write(tmp_path / "urdf/arm.urdf.xacro", XACRO)
+    write(tmp_path / "urdfcheck.toml", text)
+    read = config.find(tmp_path)
+    assert (len(read.sections), len(read.models), len(read.suppress)) == (2, 1, 1)
+
+
+def test_every_code_a_page_declares_can_be_configured(tmp_path: Path) -> None:
+    """Every option of every rule, by its default."""
+    lines = []
+    for rule in catalogue.rules().values():
+        lines += [f"[options.{rule.name}]", *(f"{o.name} = {json.dumps(o.default)}" for o in rule.options.values())]
+    write(tmp_path / "urdfcheck.toml", "\n".join(lines))
+    read = config.find(tmp_path).sections[0].options
+    assert read == {
+        c: {o.name: o.default for o in r.options.values()} for c, r in catalogue.rules().items() if r.options
+    }
+
+
+class TestCommand:
+    TEXT = """
+ignore = ["cad-noise"]
+tier = "mesh"
+[severity]
+INR = "info"
+[options]
+INR003 = { rel_tol = 0.5 }
+[[paths]]
+match = ["hands"]
+ignore = ["SYM"]
+target = ["gazebo"]
+severity.INR003 = "warning"
+[[models]]
+path = "hands/a.urdf"
+name = "left"
+arguments.side = "left"
+[[suppress]]
+codes = ["MSH"]
+reason = "scanned"
+"""
+
+    @pytest.fixture
+    def folder(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+        write(tmp_path / "hands/a.urdf", BROKEN.format("a"))
+        write(tmp_path / "pyproject.toml", "[tool.urdfcheck]" + self.TEXT.replace("[severity]", "[tool.urdfcheck.severity]")
+              .replace("[options]", "[tool.urdfcheck.options]").replace("[[", "[[tool.urdfcheck."))  # fmt: skip
+        monkeypatch.chdir(tmp_path)
+        return tmp_path
+
+    def answer(self, capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, object]:
+        assert cli.main(["config", *words, "--format", "json"]) == cli.OK
+        answer: dict[str, object] = json.loads(capsys.readouterr().out)
+        return answer
+
+    def test_every_value_has_its_place(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        answer = self.answer(capsys, "hands/a.urdf", "--fail-on", "info")
+        lines = (folder / "pyproject.toml").read_text(encoding="utf-8").splitlines()
+
+        def typed(source: str) -> str:
+            name, _, line = source.partition(":")
+            return lines[int(line) - 1] if name == "pyproject.toml" else source
+
+        said = {(s["name"], s["value"]): typed(s["source"]) for s in answer["settings"]}  # type: ignore[attr-defined]
+        assert said["fail-on", "info"] == "command line"
+        assert said["tier", "mesh"] == 'tier = "mesh"'
+        assert said["select", "ALL"] == "default"
+        assert said["ignore", "cad-noise"] == 'ignore = ["cad-noise"]'
+        assert said["ignore", "SYM"] == 'ignore = ["SYM"]'
+        assert said["target", "gazebo"] == 'target = ["gazebo"]'
+        rules = {(r["code"], r["option"]): (r["value"], typed(r["source"])) for r in answer["rules"]}  # type: ignore[attr-defined]
+        assert rules["INR003", None] == ("warning", 'severity.INR003 = "warning"')
+        assert rules["INR001", None] == ("info", 'INR = "info"')
+        assert rules["INR003", "rel_tol"] == (0.5, "INR003 = { rel_tol = 0.5 }")
+        assert not any(code.startswith("SYM") for code in answer["selected"])  # type: ignore[attr-defined]
+        assert [typed(m["source"]) for m in answer["models"]] == ["[[tool.urdfcheck.models]]"]  # type: ignore[attr-defined]
+
+    def test_text_says_the_same(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        assert cli.main(["config", "hands/a.urdf"]) == cli.OK
+        said = capsys.readouterr().out
+        for words in (
+            "configured by pyproject.toml",
+            "triangle-inequality: error → warning",
+            "side:=left",
+            "*: scanned",
+        ):
+            assert words in said
+
+    def test_a_folder_without_a_file_and_an_isolated_one(
+        self, folder: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        answer = self.answer(capsys, ".", "--isolated")
+        assert (answer["file"], answer["rules"]) == (None, [])
+        assert {s["source"] for s in answer["settings"]} == {"default"}  # type: ignore[attr-defined]
+
+    def test_a_path_that_does_not_exist_is_2(self, folder: Path) -> None:
+        assert cli.main(["config", "none.urdf"]) == cli.FAILED
+
+
+def test_a_wrong_configuration_below_is_a_finding_and_a_failure_and_the_others_are_checked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "r.urdf").write_text('<robot name="r"><link name="l"/></robot>')
+    (tmp_path / "a/urdfcheck.toml").write_text('fail-on = "error"\nslect = ["ALL"]\n')
+    monkeypatch.chdir(tmp_path)
+    assert cli.main([".", "--select", "URC901"]) == cli.FAILED
+    shown = capsys.readouterr().out
+    assert "a/urdfcheck.toml:2:1" in shown
+    assert "did you mean 'select'?" in shown
+    assert '2 │ slect = ["ALL"]' in shown
+    assert "in 1 model" in shown

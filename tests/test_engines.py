@@ -1,0 +1,258 @@
+"""What the pages say that engines do is what they do: all examples, and real robots, are loaded in those that are installed.
+
+Without a corpus only MuJoCo and Pinocchio are asked, which are quick, and about the Bad examples; ``URDFCHECK_ENGINES=1`` asks
+all that are installed about all of them.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pytest
+from conftest import FIXTURES, check
+from test_rules import BAD, GOOD, Case
+
+from urdfcheck import catalogue, cli, consumers
+from urdfcheck.config import TARGETS
+from urdfcheck.core import Finding, Rule, Verdict
+from urdfcheck.engines.comparing import predicted
+from urdfcheck.engines.judging import agree, judge
+from urdfcheck.engines.outcome import Loaded, Motion, Outcome, Robot, Typed
+from urdfcheck.engines.reading import robot_of
+from urdfcheck.engines.running import ENGINES, how_to_install, installed, outcomes
+from urdfcheck.limits import Limits
+from urdfcheck.model import Model
+from urdfcheck.source.load import load
+from urdfcheck.source.packages import PackageFinder
+
+# What is asked without a corpus.
+QUICK = ("pinocchio", "urdfdom", "mujoco")
+ALL = bool(os.environ.get("URDFCHECK_CORPUS") or os.environ.get("URDFCHECK_ENGINES"))
+# Findings that say that a file was not read: what an engine does that reads it nobody knows.
+UNREAD = {("PKG004", "unread"), ("PKG012", "mesh"), ("PKG012", "read"), ("URC905", "model")}
+# What no finding says of these.
+KNOWN = {
+    ("XML001-good-1", "drake"): "it has a <group> of its own",
+    ("XML003-good-1", "drake"): "it has a <group> of its own",
+    ("MSH009-bad-1", "bullet"): "it does not follow the <instance_node> of COLLADA",
+    ("Daniella1/urdf_files_dataset:pioneer3dx", "mujoco"): "a fixed joint has an <axis> without xyz",
+    ("Gepetto/example-robot-data:talos_full_v2", "gazebo"): "the pose of the merged inertial is not finite",
+    ("PR2/pr2_common:pr2", "gazebo"): "joints inside of <gazebo> name a link that the conversion drops",
+}
+# Bytes: of a robot with larger meshes there is nothing to be learned that others do not show.
+LARGEST = 3 * 1024**2
+# Words that a sentence may not begin with, because the report's table is made from the first one.
+NEARLY = {"is", "its", "this", "has", "does", "warns", "accepts", "takes", "prints", "crashes"}
+
+
+def sentences(table: Mapping[str, object]) -> Iterator[tuple[str, str]]:
+    """The consumers and sentences of a page's table."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from sentences(value)
+        else:
+            yield key, str(value)
+
+
+@pytest.mark.parametrize("rule", list(catalogue.rules().values()), ids=lambda rule: rule.code)
+def test_consumers_are_known_and_say_at_once_what_they_do(rule: Rule) -> None:
+    for consumer, sentence in sentences(rule.consumers):
+        assert consumer in {*consumers.CONSUMERS, *consumers.OTHERS}
+        first = sentence.split()[0].rstrip(",:;")
+        assert re.fullmatch(r"[a-z]+s", first), f"{consumer}: a verb must come first: {sentence}"
+        assert first not in NEARLY, f"{consumer}: {first} is none of the words that the report knows: {sentence}"
+
+
+@dataclass(frozen=True)
+class Example:
+    """A model, as engines get it, with its findings."""
+
+    name: str
+    robot: Robot
+    findings: tuple[Finding, ...]
+
+
+def read(path: Path, arguments: Mapping[str, str], package_paths: Sequence[Path]) -> Robot | None:
+    source = load(path, arguments, PackageFinder(path.absolute(), {}, list(package_paths)))
+    is_robot = source.root is not None and source.root.tag == "robot"
+    return robot_of(source, Model(source, source.root, "source") if is_robot else None)
+
+
+def checked(name: str, folder: Path, target: Path, **request: object) -> Iterator[Example]:
+    """The models at a target; all rules must have been asked, for the worst of all findings counts."""
+    targets = tuple(engine for engine in ENGINES if engine in TARGETS)
+    run = check(target, targets=targets, **request)
+    assert not run.failures, run.failures
+    for model in run.models:
+        findings = tuple(f for f in run.findings if f.model == model.id)
+        path = folder / model.id.partition(" ")[0]
+        if model.status == "needs-arguments" or UNREAD & {(f.code, f.message_id) for f in findings}:
+            continue
+        robot = read(path, request.get("arguments", {}), request.get("package_paths", ()))  # type: ignore[arg-type]
+        if robot is not None:
+            yield Example(name, robot, findings)
+
+
+@pytest.fixture(scope="module")
+def examples(tmp_path_factory: pytest.TempPathFactory) -> list[Example]:
+    """The models of the pages' examples."""
+    found: list[Example] = []
+    with pytest.MonkeyPatch.context() as patch:
+        for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
+            patch.delenv(variable, raising=False)
+        for case in (*BAD, *GOOD) if ALL else BAD:
+            if {"model", "file"} & set(catalogue.rules()[case.rule].scopes):
+                found += written(case, tmp_path_factory.mktemp(str(case)))
+    return found
+
+
+def written(case: Case, folder: Path) -> Iterator[Example]:
+    (folder / ".git").mkdir()  # nothing belongs to the example that lies beside it
+    for name, text in case.files:
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8", newline="")
+    target = folder if len(case.files) > 1 else folder / case.files[0][0]
+    needs = {"dynamics", "collision"} & set(catalogue.rules()[case.rule].needs)
+    yield from checked(str(case), folder, target, tier="full" if needs else "mesh")
+
+
+def wrong(engine: str, examples: Sequence[Example], around: Path) -> list[str]:
+    """Where an engine does not do what the findings say."""
+    done = dict(outcomes([(engine, e.robot) for e in examples], [str(around)], Limits(seconds=60), apart=False))
+    told = []
+    for place, example in enumerate(examples):
+        judgement = judge(example.robot, done[place])
+        verdict, codes = predicted(engine, example.findings)
+        if not agree(verdict, judgement) and (example.name, engine) not in KNOWN:
+            because = ", ".join(codes) or ", ".join(sorted({f.code for f in example.findings})) or "no finding"
+            told.append(
+                f"{example.name}: {engine} {judgement.verdict} ({'; '.join(judgement.reasons)}), not {verdict} ({because})"
+            )
+    print("\n".join(told))
+    return told
+
+
+def ensure_asked(engine: str) -> None:
+    if installed()[engine] is None:
+        pytest.skip(f"{engine} is not installed: {how_to_install(engine)}")
+    if not ALL and engine not in QUICK:
+        pytest.skip(f"{engine} is asked where URDFCHECK_ENGINES or URDFCHECK_CORPUS is set")
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_what_pages_say_of_an_engine_is_what_it_does(
+    engine: str, examples: list[Example], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    ensure_asked(engine)
+    assert wrong(engine, examples, tmp_path_factory.getbasetemp()) == []
+
+
+def meshes(robot: Robot) -> int:
+    """The bytes of all mesh files that a model uses."""
+    files = {Path(os.fsdecode(name)) for name in re.findall(rb'filename="(/[^"]*)"', robot.document)}
+    return sum(file.stat().st_size for file in files if file.is_file())
+
+
+@pytest.fixture(scope="module")
+def robots(corpus: Path) -> list[Example]:
+    """Real robots without large meshes."""
+    found: list[Example] = []
+    for entry in json.loads((corpus / "corpus.json").read_text()):
+        if not entry["expands"] or not entry["urdf_links"]:
+            continue
+        roots = tuple(corpus / root for root in entry["package_roots"])
+        request = {"arguments": entry["xacro_args"], "package_paths": roots, "tier": "mesh"}
+        path = corpus / entry["entry"]
+        robot = read(path, entry["xacro_args"], roots)
+        if robot is None or meshes(robot) > LARGEST:
+            continue
+        found += checked(entry["id"], path.parent, path, **request)
+    return found
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_real_robots_load_as_their_findings_say(engine: str, robots: list[Example], corpus: Path) -> None:
+    ensure_asked(engine)
+    assert wrong(engine, robots, corpus) == []
+
+
+def test_the_command_compares_all_engines(capsys: pytest.CaptureFixture[str]) -> None:
+    model = str(FIXTURES / "car-3" / "urdf" / "car-3.urdf")
+    code = cli.main(["engines", model, "--format", "json", "--isolated"])
+    document = json.loads(capsys.readouterr().out)
+    there = {name for name, version in installed().items() if version is not None}
+    assert set(document["engines"]) == there
+    assert set(document["missing"]) == set(ENGINES) - there
+    assert document["engines"]["pinocchio"]["mass"] == pytest.approx(0.6105076)
+    for name, found in document["engines"].items():
+        assert found["verdict"] == found["predicted"], name
+        assert found["matrix"] is None or found["matrix"] < 1e-9
+    assert code == cli.OK  # Drake refuses STL, as MSH011 says
+
+
+def test_what_cannot_be_read_is_given_to_no_engine(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    model = tmp_path / "r.urdf.xacro"
+    model.write_text('<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="${nowhere}"/></robot>')
+    assert cli.main(["engines", str(model), "--isolated"]) == cli.FAILED
+    assert "urdfcheck check says why" in capsys.readouterr().err
+
+
+def test_an_engine_that_crashes_says_so_and_takes_nobody_along() -> None:
+    ensure_asked("pinocchio")
+    robot = Robot(b'<robot name="r"><link name="a"/></robot>')
+    nested = Robot(b'<robot name="r">' + chain(20_000) + b"</robot>")
+    first, second = (dict(outcomes([("urdfdom", r)], [], Limits()))[0] for r in (nested, robot))
+    assert "crashes" in first.refused
+    assert second.loaded is not None
+
+
+def chain(levels: int) -> bytes:
+    """Links that hang one below the other: urdfdom goes down by calling itself."""
+    links = "".join(f'<link name="l{i}"/>' for i in range(levels))
+    joints = (
+        f'<joint name="j{i}" type="fixed"><parent link="l{i}"/><child link="l{i + 1}"/></joint>'
+        for i in range(levels - 1)
+    )
+    return (links + "".join(joints)).encode()
+
+
+# -- what was measured, in words --------------------------------------------------------------------------------------
+
+MOTION = Motion(("j",), (((0.5,),),), ((2.0,),), (-4.0,))
+TYPED = Typed("base", {"base": "base", "arm": "arm"}, ("j",), {"base": 1.0, "arm": 2.0}, {"j": (-1.0, 1.0)}, 1, MOTION)
+LOADED = Loaded({"base": 0.0, "arm": 2.0}, ("j",), {"j": (-1.0, 1.0)}, 1, MOTION)
+
+
+@pytest.mark.parametrize(
+    ("loaded", "verdict", "words"),
+    [
+        (LOADED, Verdict.LOADS, ""),
+        (None, Verdict.REFUSES, "no such file"),
+        (replace(LOADED, links={"base": 1.0}), Verdict.DROPS, "without link arm"),
+        (replace(LOADED, joints=()), Verdict.LOADS, ""),  # it has no names for joints
+        (replace(LOADED, joints=("k",)), Verdict.DROPS, "without joint j"),
+        (replace(LOADED, shapes=0), Verdict.DROPS, "without 1 of 1 collision shapes"),
+        (replace(LOADED, links={"base": 1.0, "arm": 3.0}), Verdict.REPLACES, "link arm has 3 kg instead of 2 kg"),
+        (replace(LOADED, limits={"j": (1.0, -1.0)}), Verdict.SWAPS, "the limits of joint j are exchanged"),
+        (replace(LOADED, limits={"j": None}), Verdict.IGNORES, "joint j has no limits"),
+        (replace(LOADED, limits={"j": (-1.0, 2.0)}), Verdict.REPLACES, "joint j has the limits -1 and 2"),
+        (replace(LOADED, motion=replace(MOTION, masses=(((1.0,),),))), Verdict.REPLACES, "the mass matrix differs"),
+        (replace(LOADED, motion=replace(MOTION, falls=(-2.0,))), Verdict.REPLACES, "the accelerations differ"),
+        (replace(LOADED, motion=replace(MOTION, falls=(math.nan,))), Verdict.NAN, "the accelerations are not a number"),
+    ],
+)
+def test_what_an_engine_did_is_judged_by_what_was_typed(loaded: Loaded | None, verdict: Verdict, words: str) -> None:
+    judgement = judge(Robot(b"", TYPED, ("arm",)), Outcome("mujoco", loaded, "no such file"))
+    assert judgement.verdict is verdict
+    assert " ".join(judgement.reasons).startswith(words)
+
+
+def test_of_what_is_no_tree_the_missing_links_are_seen() -> None:
+    assert judge(Robot(b"", None, ("arm", "hand")), Outcome("bullet", LOADED)).reasons == ("without link hand",)

@@ -1,0 +1,178 @@
+"""Setting up a repository: what is written is valid, works, and takes nothing away."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import tomli
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from urdfcheck import cli, config
+from urdfcheck.cli import init
+from urdfcheck.cli.init import HOOKS, LOCAL_HOOKS, with_hooks
+
+ARM = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:if value="${'$(arg side)' == 'left'}"/><xacro:if value="${'$(arg side)' == 'right'}"/>
+<link name="$(arg side)_${'$(arg n)'}"/></robot>"""
+
+
+@pytest.fixture
+def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A repository with a model and one that needs arguments."""
+    (tmp_path / ".git").mkdir()
+    (tmp_path / "urdf").mkdir()
+    (tmp_path / "urdf/base.urdf").write_text('<robot name="r"><link name="base"/></robot>')
+    (tmp_path / "urdf/arm.urdf.xacro").write_text(ARM)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_repository_is_set_up(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["init"]) == cli.OK
+    said = capsys.readouterr().out
+    assert "found 2 models, 1 needs arguments" in said
+    assert "give urdf/arm.urdf.xacro arguments in urdfcheck.toml" in said
+    assert "how urdfcheck is installed" in said
+    read = config.find(repository)
+    assert [(m.path.name, dict(m.arguments)) for m in read.models] == [("arm.urdf.xacro", {})]
+    text = (repository / "urdfcheck.toml").read_text(encoding="utf-8")
+    assert '# arguments = { side = "left", n = "" }\n# side: "left", "right"\n' in text
+    filled = text.replace('# arguments = { side = "left", n = "" }', 'arguments = { side = "left", n = "1" }')
+    assert tomli.loads(filled)["models"][0]["arguments"] == {"side": "left", "n": "1"}
+    job = yaml.safe_load((repository / ".github/workflows/urdfcheck.yml").read_text(encoding="utf-8"))
+    assert "urdfcheck . -o html=urdfcheck.html" in [step.get("run") for step in job["jobs"]["urdfcheck"]["steps"]]
+    done = subprocess.run(
+        [sys.executable, "-m", "pre_commit", "validate-config", str(repository / ".pre-commit-config.yaml")]
+    )
+    assert done.returncode == 0
+
+
+def test_the_hooks_are_those_of_the_manifest() -> None:
+    from conftest import REPOSITORY
+
+    manifest = yaml.safe_load((REPOSITORY / ".pre-commit-hooks.yaml").read_text(encoding="utf-8"))
+    (entry,) = yaml.safe_load(LOCAL_HOOKS)
+    same = ("id", "name", "entry", "types_or", "files", "require_serial")
+    assert [{k: h.get(k) for k in same} for h in entry["hooks"]] == [{k: h.get(k) for k in same} for h in manifest]
+    (entry,) = yaml.safe_load(HOOKS.format(address="https://example.org/urdfcheck", revision="abc"))
+    assert [hook["id"] for hook in entry["hooks"]] == [hook["id"] for hook in manifest]
+
+
+def test_a_second_time_changes_nothing(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cli.main(["init"])
+    before = {path: path.read_bytes() for path in repository.rglob("*") if path.is_file()}
+    capsys.readouterr()
+    assert cli.main(["init"]) == cli.OK
+    assert {path: path.read_bytes() for path in repository.rglob("*") if path.is_file()} == before
+    assert capsys.readouterr().out.count("kept") == 3
+
+
+def test_a_dry_run_writes_nothing_and_shows_everything(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = set(repository.rglob("*"))
+    assert cli.main(["init", "--dry-run"]) == cli.OK
+    assert set(repository.rglob("*")) == before
+    said = capsys.readouterr().out
+    assert all(words in said for words in ("would write urdfcheck.toml", "repo: local", "runs-on: ubuntu-latest"))
+
+
+def test_nothing_to_set_up_is_3(tmp_path: Path) -> None:
+    assert cli.main(["init", str(tmp_path)]) == cli.NOTHING
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_is_there_is_added_to(repository: Path) -> None:
+    project = '[project]\r\nname = "x" # kept\r\n'
+    (repository / "pyproject.toml").write_text(project, newline="")
+    ci = "stages: [build, check]\nbuild:\n  script: [make]\n"
+    (repository / ".gitlab-ci.yml").write_text(ci)
+    hooks = (
+        "# ours\nrepos:\n- repo: local\n  hooks:\n  - {id: a, name: a, entry: a, language: system}\n\nci:\n  skip: []\n"
+    )
+    (repository / ".pre-commit-config.yaml").write_text(hooks)
+    assert cli.main(["init"]) == cli.OK
+    assert not (repository / "urdfcheck.toml").exists()
+    assert not (repository / ".github").exists()
+    after = (repository / "pyproject.toml").read_bytes().decode()
+    assert after.startswith(project)
+    assert "\n" not in after.replace("\r\n", "")
+    assert config.find(repository).file == repository / "pyproject.toml"
+    assert len(config.find(repository).models) == 1
+    job = (repository / ".gitlab-ci.yml").read_text()
+    assert job.startswith(ci)
+    assert yaml.safe_load(job)["urdfcheck"]["stage"] == "build"
+    after = (repository / ".pre-commit-config.yaml").read_text()
+    assert after.replace(LOCAL_HOOKS, "") == hooks
+    assert yaml.safe_load(after)["ci"] == {"skip": []}
+
+
+def test_a_link_is_not_written_through(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    (repository / ".github").symlink_to(elsewhere)
+    assert cli.main(["init"]) == cli.OK
+    assert not list(elsewhere.iterdir())
+
+
+def test_models_further_down_and_what_is_run_for_them(repository: Path) -> None:
+    (repository / "src").mkdir()
+    (repository / "urdf").rename(repository / "src/urdf")
+    assert cli.main(["init", "src"]) == cli.OK
+    assert (repository / "src/urdfcheck.toml").exists()
+    assert "urdfcheck src -o" in (repository / ".github/workflows/urdfcheck.yml").read_text()
+
+
+@pytest.mark.parametrize(
+    "before",
+    ["repos: []\n", "repos: [{repo: local, hooks: []}]\n", "a: 1\n", "[1]\n", "repos:\n", "x: [\n", ""],
+)
+def test_a_list_that_cannot_be_added_to_is_left(before: str) -> None:
+    assert with_hooks(before, LOCAL_HOOKS) is None
+
+
+SCALARS = st.sampled_from(
+    ["a", "'b # c'", "[x, y]", "|\n{0}  text\n{0}  more", "{{p: 1}}", "3 # why", ">-\n{0}  folded"]
+)
+
+
+@given(
+    st.lists(SCALARS, min_size=1, max_size=4),
+    st.integers(0, 4),
+    st.sampled_from(["", "\n", "# end\n", "\n\nci:\n  skip: [a]\n", "\nfail_fast: true # last\n"]),
+    st.sampled_from(["\n", "\r\n"]),
+)
+def test_every_other_byte_of_a_list_stays(values: list[str], columns: int, rest: str, newline: str) -> None:
+    dash = " " * columns
+    entries = "".join(f"{dash}- repo: r{i}\n{dash}  note: {v.format(dash + '  ')}\n" for i, v in enumerate(values))
+    before = f"# first\nrepos:\n{entries}{rest}".replace("\n", newline)
+    after = with_hooks(before, LOCAL_HOOKS)
+    assert after is not None
+    added = "".join(dash + line for line in LOCAL_HOOKS.splitlines(keepends=True)).replace("\n", newline)
+    assert after.replace(added, "", 1) == before
+    assert len(yaml.safe_load(after)["repos"]) == len(values) + 1
+
+
+def test_the_address_is_taken_from_what_pip_wrote_down(monkeypatch: pytest.MonkeyPatch) -> None:
+    import importlib.metadata
+
+    class Installed:
+        def __init__(self, text: str | None) -> None:
+            self.text = text
+
+        def read_text(self, name: str) -> str | None:
+            return self.text if name == "direct_url.json" else None
+
+    for text, expected in (
+        (
+            '{"url": "https://example.org/u", "vcs_info": {"vcs": "git", "commit_id": "abc"}}',
+            ("https://example.org/u", "abc"),
+        ),
+        ('{"url": "file:///x", "dir_info": {"editable": true}}', ("", "")),
+        (None, ("", "")),
+        ("{", ("", "")),
+    ):
+        monkeypatch.setattr(importlib.metadata, "distribution", lambda _, text=text: Installed(text))
+        assert init.installed_from() == expected

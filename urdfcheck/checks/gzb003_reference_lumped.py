@@ -1,0 +1,191 @@
+"""GZB003: what a `<gazebo>` block sets is still there when Gazebo has merged the links that fixed joints hold together."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model.names import listed
+from urdfcheck.model.reduction import PRESERVE, Merged, Reduction, is_merged, is_true, preserved, reduced
+from urdfcheck.source.words import replacing
+from urdfcheck.source.xml import Attribute, Element
+
+# What sdformat writes into each collision, and into each visual, of the link that a block names.
+_COLLISION = frozenset({
+    "mu1", "mu2", "fdir1", "kp", "kd", "minDepth", "maxVel", "maxContacts", "laserRetro", "collision",
+})  # fmt: skip
+_VISUAL = frozenset({"material", "visual"})
+
+
+# What still matters when the joint is gone: the rest only sets how a moving joint is solved.
+_MATTERS = frozenset({"sensor", "plugin"})
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    reduction, kept = reduced(model), preserved(model)
+    blocks = [block for block in model.robot.all("gazebo") if block.get("reference")]
+    collisions, visuals = _unreached(reduction.collisions), _unreached(reduction.visuals)
+    lost: dict[bool, list[Element]] = {}
+    for block in blocks:
+        reference = block.attributes["reference"]
+        link, joint = model.link_by_name.get(reference.value), model.joint_by_name.get(reference.value)
+        yield from _misplaced(model, block, reference, link, joint, rule)
+        if link is not None:
+            yield from _surface("collision", _COLLISION, block, collisions[link.name], rule)
+            yield from _surface("visual", _VISUAL, block, visuals[link.name], rule)
+        elif joint is not None and is_merged(joint, kept):
+            tags = {child.tag for child in block.children}.difference(PRESERVE)
+            if tags:
+                lost.setdefault(bool(tags & _MATTERS), []).append(block)
+    for matters, of in lost.items():
+        yield _joints(model, of, reduction, rule, "joint" if matters else "joint-settings")
+    yield from _weightless(model, blocks, reduction, rule)
+    yield from _dropped(model, reduction, kept, rule)
+
+
+def _unreached(shapes: tuple[Merged, ...]) -> defaultdict[str, tuple[list[Merged], int]]:
+    """The shapes of each link that do not get what a block says of it, and how many it has."""
+    found: defaultdict[str, tuple[list[Merged], int]] = defaultdict(lambda: ([], 0))
+    for shape in shapes:
+        lost, count = found[shape.link]
+        if not shape.gets(shape.link):
+            lost.append(shape)
+        found[shape.link] = lost, count + 1
+    return found
+
+
+def _content(tags: list[str]) -> str:
+    return listed(dict.fromkeys(tags))
+
+
+def _joints(model: Model, blocks: list[Element], reduction: Reduction, rule: Rule, message: str) -> Finding:
+    """One finding for all joints that are merged away with what blocks say of them: it comes from one habit."""
+    names = [block.get("reference") for block in blocks]
+    joint = model.joint_by_name[names[0]]
+    lost = [child.tag for block in blocks for child in block.children if child.tag not in PRESERVE]
+    finding = rule.finding(
+        message,
+        at=blocks[0].attributes["reference"],
+        severity=Severity.WARNING if message == "joint" else Severity.INFO,
+        related=[block.attributes["reference"] for block in blocks[1:10]],
+        edits=dict.fromkeys(e for block in blocks for e in _preserving(model, block)) if message == "joint" else (),
+        which="joint" if len(blocks) == 1 else f"{len(blocks)} joints",
+        joints=listed(dict.fromkeys(names)),
+        child=joint.child,
+        body=reduction.body[joint.child],
+        content=_content(lost),
+    )
+    return replace(finding, subjects=tuple(dict.fromkeys(block.subject for block in blocks)))
+
+
+def _surface(
+    role: str, tags: frozenset[str], block: Element, shapes: tuple[list[Merged], int], rule: Rule
+) -> Iterator[Finding]:
+    """Settings for the shapes of a link that do not arrive at all of them."""
+    settings = [child for child in block.children if child.tag in tags]
+    lost, count = shapes
+    if settings and lost:
+        first = lost[0]
+        merged = first.body != first.link
+        named = not first.name.startswith(f"{first.link}_{role}")
+        yield rule.finding(
+            "named" if named else "prefix",
+            at=settings[0],
+            severity=Severity.WARNING if role == "collision" else Severity.INFO,
+            related=[shape.element for shape in lost[:10]],
+            link=first.link,
+            body=first.body,
+            content=_content([child.tag for child in settings]),
+            role=role,
+            name=first.name,
+            some="" if len(lost) == count else f" for {len(lost)} of {count}",
+            merged=f" is merged into {first.body} and" if merged else "",
+        )
+
+
+def _weightless(model: Model, blocks: list[Element], reduction: Reduction, rule: Rule) -> Iterator[Finding]:
+    """Gravity switched off for a link that is a small part of a body: the whole body loses it."""
+    off: dict[str, dict[str, Element]] = {}
+    for block in blocks:
+        flags = [child for child in block.all("turnGravityOff") if is_true(child)]
+        body = reduction.body.get(block.get("reference"))
+        if flags and body is not None:
+            off.setdefault(body, {}).setdefault(block.get("reference"), flags[0])
+    masses: dict[str, float] = {}
+    for name, body in reduction.body.items():
+        masses[body] = masses.get(body, 0.0) + _mass(model.link_by_name[name])
+    for body, flagged in off.items():
+        own = sum(_mass(model.link_by_name[name]) for name in flagged)
+        if body not in flagged and own < 0.5 * masses[body]:
+            first, *others = flagged.values()
+            links = listed(flagged)
+            yield rule.finding("gravity", at=first, related=others, links=links, body=body, own=own, total=masses[body])
+
+
+def _mass(link: Link) -> float:
+    mass = None if link.inertial is None else link.inertial.mass
+    return 0.0 if mass is None or mass < 0 else mass
+
+
+def _misplaced(
+    model: Model, block: Element, reference: Attribute, link: Link | None, joint: Joint | None, rule: Rule
+) -> Iterator[Finding]:
+    """A request to keep a joint that is made for something else than a fixed joint."""
+    flag = next((child for child in block.children if child.tag in PRESERVE and is_true(child)), None)
+    if flag is None or (joint is not None and joint.type == "fixed"):
+        return
+    if joint is not None:
+        yield rule.finding("moving", at=flag, severity=Severity.INFO, flag=flag.tag, joint=joint.name, type=joint.type)
+    elif link is not None:
+        above = model.tree.parent_joint.get(link.name)
+        fixed = above is not None and above.type == "fixed"
+        alone = fixed and block.children == [flag]
+        yield rule.finding(
+            "link",
+            at=reference,
+            edits=replacing([reference], above.name) if above is not None and alone else (),
+            flag=flag.tag,
+            link=link.name,
+            joint=f"joint {above.name}" if above is not None and fixed else "the fixed joint that is meant",
+        )
+
+
+def _dropped(model: Model, reduction: Reduction, kept: Mapping[str, Element], rule: Rule) -> Iterator[Finding]:
+    """Joints that are kept although the link below has no mass: sdformat leaves out such a link and all that hangs on it."""
+    heavy = {body for name, body in reduction.body.items() if _mass(model.link_by_name[name]) > 0.0}
+    above: dict[str, Joint] = {}  # the uppermost such joint of each link that is left out
+    hanging: dict[str, int] = {}
+    for link in model.tree.order[1:]:
+        joint = model.tree.parent_joint[link]
+        first = above.get(joint.parent)
+        if first is not None:
+            hanging[first.name] += 1
+        elif joint.type == "fixed" and joint.name in kept and link not in heavy:
+            first = joint
+            hanging[joint.name] = 0
+        if first is not None:
+            above[link] = first
+    for name, count in hanging.items():
+        yield rule.finding(
+            "dropped",
+            at=kept[name],
+            related=[model.joint_by_name[name]],
+            flag=kept[name].tag,
+            joint=name,
+            link=model.joint_by_name[name].child,
+            others=f" and what hangs on it ({count})" if count else "",
+        )
+
+
+def _preserving(model: Model, block: Element) -> list[Edit]:
+    """Ask sdformat to keep the joint, first thing in the block. A link without mass would then be left out."""
+    span, joint = block.span, model.joint_by_name[block.get("reference")]
+    if span is None or span.file not in model.source.files or _mass(model.link_by_name[joint.child]) == 0.0:
+        return []
+    text = model.source.files[span.file].text[span.start : span.end]
+    if text.endswith("/>") or "$" in text:
+        return []
+    return [Edit(span, text, f"{text}\n    <preserveFixedJoint>true</preserveFixedJoint>")]

@@ -1,0 +1,200 @@
+"""GZB004: the sensors of `<gazebo>` blocks are of a kind that exists, and what they name exists as well."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from urdfcheck.core import Edit, Finding, Location, Rule, Severity, Unavailable
+from urdfcheck.model import Model
+from urdfcheck.model.names import hint, listed, nearest, only_near, words
+from urdfcheck.model.reduction import Reduction, reduced
+from urdfcheck.source.values import number
+from urdfcheck.source.words import content_of, replacing
+from urdfcheck.source.xml import Element
+
+# Sensor::Load of sdformat 12 to 15, and what only Gazebo Classic has.
+_TYPES = frozenset({
+    "none", "air_pressure", "air_speed", "altimeter", "boundingbox", "boundingbox_camera", "camera", "contact", "custom",
+    "depth", "depth_camera", "force_torque", "gps", "gpu_lidar", "gpu_ray", "imu", "lidar", "logical_camera", "magnetometer",
+    "multicamera", "navsat", "ray", "rfid", "rfidtag", "rgbd", "rgbd_camera", "segmentation", "segmentation_camera", "sonar",
+    "thermal", "thermal_camera", "wide_angle_camera", "wideanglecamera", "wireless_receiver", "wireless_transmitter",
+})  # fmt: skip
+_RENDERED = re.compile(r"camera|depth|rgbd|thermal|segmentation|boundingbox|gpu_")
+_FRAMES = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id", "optical_frame_id", "frameName", "frame_name"})
+# Frames that somebody else publishes.
+_ELSEWHERE = frozenset({"world", "map", "odom", "earth", "ground_plane"})
+# More links than that were not typed by anybody, and each unknown frame is compared with all of them.
+_MOST_COMPARED = 1_000
+# How many names of collisions are told.
+_MOST_NAMED = 4
+_NEW_GAZEBO = re.compile(r"(?:lib)?(?:gz|ignition-gazebo|gz_ros2_control|ign_ros2_control)[-_]")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sensor:
+    """``reference``: the link or joint that its block names."""
+
+    element: Element
+    reference: str
+
+    @property
+    def name(self) -> str:
+        return self.element.get("name")
+
+    @property
+    def type(self) -> str:
+        return self.element.get("type").strip()
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    blocks = [block for block in model.robot.all("gazebo") if block.get("reference")]
+    sensors = [_Sensor(e, b.get("reference")) for b in blocks for e in b.children if e.tag == "sensor"]
+    folded = {name.lower(): name for name in model.link_by_name}
+    for sensor in sensors:
+        yield from _type(sensor, rule)
+        yield from _rate(sensor, rule)
+        yield from _frames(model, sensor, folded, rule)
+    if _is_for_new_gazebo(model):
+        for sensor in sensors:
+            yield from _cpu_lidar(sensor, rule)
+    yield from _topics(sensors, rule)
+    try:
+        reduction = reduced(model)
+    except Unavailable:
+        return
+    yield from _twice(sensors, reduction, rule)
+    for sensor, element, name, body, own in _silent(sensors, reduction):
+        span = content_of(element, model.source.files)
+        yield rule.finding(
+            "collision",
+            at=element.location if span is None else Location(element.subject, span, element.via),
+            edits=[Edit(span, element.text.strip(), own[0])] if span is not None and len(own) == 1 else [],
+            sensor=sensor.name,
+            collision=name,
+            body=body,
+            names=" or ".join(own) or "there is none",
+        )
+
+
+def _type(sensor: _Sensor, rule: Rule) -> Iterator[Finding]:
+    typed = sensor.element.attributes.get("type")
+    if typed is None or sensor.type in _TYPES:
+        return
+    meant = only_near(sensor.type, _TYPES)
+    yield rule.finding(
+        "type",
+        at=typed,
+        edits=() if meant is None else replacing([typed], meant),
+        sensor=sensor.name,
+        type=sensor.type,
+        near=hint(sensor.type, _TYPES),
+    )
+
+
+def _rate(sensor: _Sensor, rule: Rule) -> Iterator[Finding]:
+    """A camera or lidar that renders a picture in every time step."""
+    rate = sensor.element.child("update_rate")
+    if _RENDERED.search(sensor.type) and (rate is None or number(rate.text.strip()) == 0.0):
+        at = sensor.element if rate is None else rate
+        yield rule.finding("rate", at=at, severity=Severity.INFO, sensor=sensor.name, type=sensor.type)
+
+
+def _frames(model: Model, sensor: _Sensor, folded: Mapping[str, str], rule: Rule) -> Iterator[Finding]:
+    for element in sensor.element.walk():
+        frame = element.text.strip().lstrip("/")
+        if element.tag not in _FRAMES or not frame or frame in _ELSEWHERE or frame in model.link_by_name:
+            continue
+        if any(mark in frame for mark in ("/", "::", "$")):  # of another robot or namespace
+            continue
+        respelled = folded.get(frame.lower())
+        meant = respelled or _meant(frame, sensor, model)
+        span = content_of(element, model.source.files)
+        yield rule.finding(
+            "frame" if meant is not None else "frame-elsewhere",
+            at=element.location if span is None else Location(element.subject, span, element.via),
+            severity=Severity.WARNING if meant is not None else Severity.INFO,
+            edits=[Edit(span, element.text.strip(), respelled)] if span is not None and respelled is not None else [],
+            sensor=sensor.name,
+            frame=frame,
+            meant=meant or "",
+        )
+
+
+def _meant(frame: str, sensor: _Sensor, model: Model) -> str | None:
+    """The link that an unknown frame may mean: the sensor's own, where only the word for link is another."""
+    if sensor.reference in model.link_by_name and _without_kind(frame) == _without_kind(sensor.reference):
+        return sensor.reference
+    return nearest(frame, model.link_by_name) if len(model.link_by_name) <= _MOST_COMPARED else None
+
+
+def _without_kind(name: str) -> list[str]:
+    return [word.lower() for word in words(name) if word.lower() not in {"link", "frame"}]
+
+
+def _is_for_new_gazebo(model: Model) -> bool:
+    """Whether the robot uses a plugin that only the successor of Gazebo Classic can load."""
+    plugins = [e for block in model.robot.all("gazebo") for e in block.walk() if e.tag == "plugin"]
+    return any(_NEW_GAZEBO.match(plugin.get("filename").strip()) for plugin in plugins)
+
+
+def _cpu_lidar(sensor: _Sensor, rule: Rule) -> Iterator[Finding]:
+    typed = sensor.element.attributes.get("type")
+    if typed is not None and sensor.type in {"ray", "lidar"}:
+        edits = replacing([typed], "gpu_lidar")
+        yield rule.finding("cpu-lidar", at=typed, edits=edits, sensor=sensor.name, type=sensor.type)
+
+
+def _topics(sensors: list[_Sensor], rule: Rule) -> Iterator[Finding]:
+    """Sensors of one type that publish under one name."""
+    alike: dict[tuple[str, str], list[Element]] = {}
+    for sensor in sensors:
+        topic = sensor.element.child("topic")
+        if topic is not None and topic.text.strip().lstrip("/"):
+            alike.setdefault((sensor.type, topic.text.strip().lstrip("/")), []).append(topic)
+    for (kind, name), elements in alike.items():
+        if len(elements) > 1:
+            names = listed(topic_of.parent.get("name") for topic_of in elements if topic_of.parent is not None)
+            yield rule.finding("topic", at=elements[1], related=elements[:1], names=names, topic=name, type=kind)
+
+
+def _twice(sensors: list[_Sensor], reduction: Reduction, rule: Rule) -> Iterator[Finding]:
+    """Sensors that have one name in one link of SDF: all but the first are left out."""
+    named: dict[tuple[str, str], list[_Sensor]] = {}
+    for sensor in sensors:
+        if sensor.name and sensor.reference in reduction.body:
+            named.setdefault((reduction.body[sensor.reference], sensor.name), []).append(sensor)
+    for (body, name), of in named.items():
+        if len(of) > 1:
+            links = dict.fromkeys(sensor.reference for sensor in of)
+            merged = f" of {' and '.join(links)}, which Gazebo merges," if len(links) > 1 else ""
+            yield rule.finding(
+                "twice",
+                at=of[1].element.attributes["name"],
+                related=[of[0].element.attributes["name"]],
+                name=name,
+                body=body,
+                merged=merged,
+            )
+
+
+def _silent(
+    sensors: list[_Sensor], reduction: Reduction
+) -> Iterator[tuple[_Sensor, Element, str, str, tuple[str, ...]]]:
+    """The collisions that contact sensors name and that no shape of SDF is called: the sensor, the element and the name in it,
+    the link in SDF, and what shapes of the sensor's own link are called there (the first few)."""
+    names = {(shape.body, shape.name) for shape in reduction.collisions}
+    own: dict[str, tuple[str, ...]] = {}
+    for shape in reduction.collisions:
+        known = own.get(shape.link, ())
+        own[shape.link] = (*known, shape.name) if len(known) < _MOST_NAMED else known
+    for sensor in sensors:
+        body = reduction.body.get(sensor.reference)
+        contact = sensor.element.child("contact")
+        if body is None or contact is None or sensor.type != "contact":
+            continue
+        for element in contact.all("collision"):
+            name = element.text.strip().rpartition("::")[2]  # the names of links and models may stand before it
+            if name and (body, name) not in names:
+                yield sensor, element, name, body, own.get(sensor.reference, ())

@@ -1,0 +1,128 @@
+"""GZB005: the entries of a ros_gz_bridge configuration can be bridged."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.files import read_regular, walk
+from urdfcheck.model.names import hint, nearest, only_near
+from urdfcheck.source.packages import BUILT, Package, PackageFinder
+from urdfcheck.source.yaml import Value, YamlProblem, read_located
+
+# ROS type and type of Gazebo Transport, as ros_gz_bridge lists them in its README (rolling, 2026).
+_BRIDGED = """
+actuator_msgs/Actuators Actuators; builtin_interfaces/Time Time; geometry_msgs/Point Vector3d; geometry_msgs/Pose Pose;
+geometry_msgs/PoseArray Pose_V; geometry_msgs/PoseStamped Pose; geometry_msgs/PoseWithCovariance PoseWithCovariance;
+geometry_msgs/PoseWithCovarianceStamped PoseWithCovariance; geometry_msgs/Quaternion Quaternion;
+geometry_msgs/Transform Pose; geometry_msgs/TransformStamped Pose; geometry_msgs/Twist Twist;
+geometry_msgs/TwistStamped Twist; geometry_msgs/TwistWithCovariance TwistWithCovariance;
+geometry_msgs/TwistWithCovarianceStamped TwistWithCovariance; geometry_msgs/Vector3 Vector3d; geometry_msgs/Wrench Wrench;
+geometry_msgs/WrenchStamped Wrench; gps_msgs/GPSFix NavSat; nav_msgs/Odometry Odometry OdometryWithCovariance;
+rcl_interfaces/ParameterValue Any; ros_gz_interfaces/Altimeter Altimeter; ros_gz_interfaces/Contact Contact;
+ros_gz_interfaces/Contacts Contacts; ros_gz_interfaces/Dataframe Dataframe; ros_gz_interfaces/Entity Entity;
+ros_gz_interfaces/EntityWrench EntityWrench; ros_gz_interfaces/Float32Array Float_V; ros_gz_interfaces/GuiCamera GUICamera;
+ros_gz_interfaces/JointWrench JointWrench; ros_gz_interfaces/Light Light; ros_gz_interfaces/ParamVec Param Param_V;
+ros_gz_interfaces/SensorNoise SensorNoise; ros_gz_interfaces/StringVec StringMsg_V; ros_gz_interfaces/TrackVisual TrackVisual;
+ros_gz_interfaces/VideoRecord VideoRecord; rosgraph_msgs/Clock Clock; sensor_msgs/BatteryState BatteryState;
+sensor_msgs/CameraInfo CameraInfo; sensor_msgs/FluidPressure FluidPressure; sensor_msgs/Image Image; sensor_msgs/Imu IMU;
+sensor_msgs/JointState Model; sensor_msgs/Joy Joy; sensor_msgs/LaserScan LaserScan; sensor_msgs/MagneticField Magnetometer;
+sensor_msgs/NavSatFix NavSat; sensor_msgs/PointCloud2 PointCloudPacked; std_msgs/Bool Boolean; std_msgs/ColorRGBA Color;
+std_msgs/Empty Empty; std_msgs/Float32 Float; std_msgs/Float64 Double; std_msgs/Header Header; std_msgs/Int32 Int32;
+std_msgs/String StringMsg; std_msgs/UInt32 UInt32; tf2_msgs/TFMessage Pose_V; trajectory_msgs/JointTrajectory JointTrajectory;
+vision_msgs/Detection2D AnnotatedAxisAligned2DBox; vision_msgs/Detection2DArray AnnotatedAxisAligned2DBox_V;
+vision_msgs/Detection3D AnnotatedOriented3DBox; vision_msgs/Detection3DArray AnnotatedOriented3DBox_V
+"""
+_PAIRS = {ros.replace("/", "/msg/"): tuple(others) for ros, *others in (entry.split() for entry in _BRIDGED.split(";"))}
+_GZ_TYPES = frozenset(name for names in _PAIRS.values() for name in names)
+_GZ_PREFIX = re.compile(r"^(?:gz|ignition)(?:\.msgs\.|::msgs::)")
+_DIRECTIONS = ("BIDIRECTIONAL", "GZ_TO_ROS", "ROS_TO_GZ")
+_KEYS = frozenset({
+    "topic_name", "ros_topic_name", "gz_topic_name", "ros_type_name", "gz_type_name", "direction", "publisher_queue",
+    "subscriber_queue", "lazy", "publish_optical_frame", "qos_profile", "frame_id",
+})  # fmt: skip
+_TEMPLATE = re.compile(r"[$<>{}%]")
+# Files with bridges that are looked for in one package, and files whose text is looked at for that.
+_MOST, _MOST_READ = 100, 2_000
+
+
+def check(package: Package, rule: Rule) -> Iterator[Finding]:
+    if package.finder is None:
+        return
+    for path in _configurations(package.path, package.finder):
+        try:
+            content = read_located(path, package.finder)
+        except YamlProblem:  # whoever loads it says so
+            continue
+        for entry in () if content is None else content.items:
+            if entry.get("ros_type_name") is not None or entry.get("gz_type_name") is not None:
+                yield from _entry(entry, rule)
+
+
+def _configurations(folder: Path, finder: PackageFinder) -> list[Path]:
+    """The yaml files of a package that name types of both sides."""
+    found: list[Path] = []
+    read = 0
+    for place, names, files in walk(folder):
+        names[:] = [name for name in names if not name.startswith(".") and name not in BUILT]
+        for name in files:
+            path = Path(place, name)
+            if not name.endswith((".yaml", ".yml")) or read >= _MOST_READ or not finder.allows(path):
+                continue
+            read += 1
+            try:
+                text = read_regular(path)
+            except OSError:
+                continue
+            if b"ros_type_name" in text and b"gz_type_name" in text and len(found) < _MOST:
+                found.append(path)
+    return found
+
+
+def _entry(entry: Value, rule: Rule) -> Iterator[Finding]:
+    for key, _ in entry.entries:
+        near = nearest(key.text, _KEYS)
+        if key.text not in _KEYS and near is not None:
+            yield rule.finding("key", at=key, edits=key.replaced(near), key=key.text, near=near)
+    both = entry.get("topic_name"), entry.get("ros_topic_name") or entry.get("gz_topic_name")
+    if both[0] is not None and both[1] is not None:
+        yield rule.finding("both", at=both[0], other=both[1].key.rpartition(".")[2])
+    direction = entry.get("direction")
+    if direction is not None and direction.text not in _DIRECTIONS and not _TEMPLATE.search(direction.text):
+        meant = only_near(direction.text.upper(), _DIRECTIONS)
+        respelled = direction.text.upper() if direction.text.upper() in _DIRECTIONS else meant
+        edits = () if respelled is None else direction.replaced(respelled)
+        yield rule.finding("direction", at=direction, edits=edits, direction=direction.text)
+    yield from _types(entry, rule)
+
+
+def _types(entry: Value, rule: Rule) -> Iterator[Finding]:
+    ros, gz = entry.get("ros_type_name"), entry.get("gz_type_name")
+    if ros is None or gz is None:
+        missing = "ros_type_name" if ros is None else "gz_type_name"
+        yield rule.finding("missing", at=ros or gz or entry, key=missing)
+        return
+    if _TEMPLATE.search(ros.text + gz.text):
+        return
+    kind = _GZ_PREFIX.sub("", gz.text)
+    if ros.text not in _PAIRS:
+        whole = ros.text.replace("/", "/msg/") if "/msg/" not in ros.text else ros.text
+        meant = whole if whole in _PAIRS else only_near(ros.text, _PAIRS)
+        if meant is not None:  # any other may be bridged by a newer release
+            yield rule.finding("ros-type", at=ros, edits=ros.replaced(meant), type=ros.text, meant=meant)
+    elif kind not in _PAIRS[ros.text]:
+        partners = _PAIRS[ros.text]
+        edits = gz.replaced(f"gz.msgs.{partners[0]}") if len(partners) == 1 else ()
+        yield rule.finding(
+            "pair" if kind in _GZ_TYPES else "gz-type",
+            at=gz,
+            edits=edits,
+            ros=ros.text,
+            gz=gz.text,
+            partners=" or ".join(f"gz.msgs.{name}" for name in partners),
+            near=hint(kind, _GZ_TYPES),
+        )
+    elif kind == gz.text:
+        yield rule.finding("prefix", at=gz, edits=gz.replaced(f"gz.msgs.{kind}"), gz=gz.text)

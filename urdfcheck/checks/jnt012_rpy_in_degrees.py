@@ -1,0 +1,54 @@
+"""JNT012: the angles of an origin are radians."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.source.grammar import elements
+from urdfcheck.source.values import number, numbers
+from urdfcheck.source.words import Word, words_of
+from urdfcheck.source.xml import Attribute
+
+# Angles that were added up stop at some turns; 95 is no fifteenth of a turn written with few digits.
+_MOST_TURNS = 4
+
+
+def check(model: Model, rule: Rule, *, step: float, near: float) -> Iterator[Finding]:
+    origins = [e.attributes["rpy"] for e in elements(model.robot) if e.tag == "origin" and "rpy" in e.attributes]
+    wrong = {a.span or a.location.subject: a for a in origins if any(_is_degrees(v, step, near) for v in _angles(a))}
+    if not wrong:
+        return
+    attributes = [a for a in origins if (a.span or a.location.subject) in wrong]
+    worst = max((v for a in wrong.values() for v in _angles(a)), key=abs)
+    # Who typed one angle of an origin in degrees typed all three so.
+    words = [word for a in wrong.values() for word in words_of(a, model.source.files) if number(word.text)]
+    finding = rule.finding(
+        "degrees",
+        at=attributes[0],
+        related=list(wrong.values())[1:],
+        edits=[word.replaced(_radians(word, in_xacro=model.source.is_xacro)) for word in words],
+        where="1 origin holds" if len(attributes) == 1 else f"{len(attributes)} origins hold",
+        worst=worst,
+        turns=abs(worst) / math.tau,
+        radians=math.radians(worst),
+    )
+    yield replace(finding, subjects=tuple(dict.fromkeys(a.location.subject for a in attributes)))
+
+
+def _angles(attribute: Attribute) -> tuple[float, ...]:
+    return numbers(attribute.value, 3) or ()
+
+
+def _is_degrees(angle: float, step: float, near: float) -> bool:
+    """Whether an angle is more than a turn, and no such fraction of one as sums of angles in radians come to."""
+    size = abs(angle)
+    fraction = size <= _MOST_TURNS * math.tau and abs(size - round(size / step) * step) <= near
+    return math.tau < size <= 360 * _MOST_TURNS and not fraction
+
+
+def _radians(word: Word, *, in_xacro: bool) -> str:
+    return f"${{radians({word.text})}}" if in_xacro else repr(math.radians(float(word.text)))

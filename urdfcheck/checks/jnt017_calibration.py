@@ -1,0 +1,33 @@
+"""JNT017: the edge at which a joint is calibrated lies within its limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.source.values import attribute_number
+
+
+def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
+    for joint in model.joints:
+        calibration = joint.element.child("calibration")
+        lower, upper = joint.limit_value("lower"), joint.limit_value("upper")
+        if calibration is None or joint.type not in {"revolute", "prismatic"}:
+            continue
+        if lower is None or upper is None or lower >= upper:
+            continue  # JNT004, JNT005
+        for edge in ("rising", "falling"):
+            value = attribute_number(calibration, edge)
+            if value is not None and not lower - slack <= value <= upper + slack:
+                yield rule.finding(
+                    "outside",
+                    at=calibration.attributes[edge],
+                    related=[] if joint.limit is None else [joint.limit],
+                    joint=joint.name,
+                    edge=edge,
+                    value=value,
+                    lower=lower,
+                    upper=upper,
+                    unit="rad" if joint.type == "revolute" else "m",
+                )

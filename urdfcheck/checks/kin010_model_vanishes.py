@@ -1,0 +1,76 @@
+"""KIN010: what Gazebo makes of the model is not empty."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.model import Link, Model
+from urdfcheck.model.names import listed
+
+# libsdformat takes a mass that differs from 0 by less as none (gz::math::equal).
+_NO_MASS = 1e-6
+_KEPT = frozenset({"preserveFixedJoint", "disableFixedJointLumping"})
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    if not model.links:
+        return  # nothing that could vanish: KIN007
+    if all(link.inertial is None for link in model.links):
+        yield rule.finding("drawing", at=_name(model), severity=Severity.INFO, which=_which(len(model.links)))
+        return
+    root = model.tree.root
+    # A root of this name stands for the world: what hangs on it is converted piece by piece.
+    heads = [joint.child for joint in model.tree.child_joints[root]] if root == "world" else [root]
+    kept = _preserved(model)
+    bodies = {head: [model.link_by_name[name] for name in _lump(model, head, kept)] for head in heads}
+    if not bodies or any(_has_mass(links) for links in bodies.values()):
+        return
+    head, links = next(iter(bodies.items()))
+    masses = [link.inertial.mass for link in model.links if link.inertial is not None]
+    moving = {joint.name for link in links for joint in model.tree.child_joints[link.name]}
+    yield rule.finding(
+        "vanishes",
+        at=links[0],
+        link=head,
+        with_it=f" (with {listed(link.name for link in links[1:])}, fixed to it)" if len(links) > 1 else "",
+        count=len(model.links),
+        mass=sum(mass for mass in masses if mass is not None),
+        joints=listed(joint.name for joint in model.joints if joint.name in moving and joint.type != "fixed"),
+    )
+
+
+def _lump(model: Model, head: str, kept: frozenset[str]) -> list[str]:
+    """The links that the conversion merges into ``head``: those behind fixed joints that nothing preserves."""
+    queue, found = [head], []
+    while queue:
+        found.append(queue.pop())
+        joints = model.tree.child_joints[found[-1]]
+        queue.extend(joint.child for joint in joints if joint.type == "fixed" and joint.name not in kept)
+    return found
+
+
+def _preserved(model: Model) -> frozenset[str]:
+    """The fixed joints that a Gazebo extension keeps."""
+    return frozenset(
+        gazebo.get("reference")
+        for gazebo in model.robot.all("gazebo")
+        if any(child.tag in _KEPT and child.text.strip().lower() in {"true", "1"} for child in gazebo.children)
+    )
+
+
+def _has_mass(links: list[Link]) -> bool:
+    """Whether they have a mass together, or one that is wrong: not a number, negative, 0 with an inertia (INR002)."""
+    inertials = [link.inertial for link in links if link.inertial is not None]
+    return any(
+        i.mass is None or i.mass < 0 or i.mass > _NO_MASS or (i.mass == 0 and any(i.six or ())) for i in inertials
+    )
+
+
+def _which(links: int) -> str:
+    return "the only link has no" if links == 1 else f"none of the {links} links has an"
+
+
+def _name(model: Model) -> Location:
+    name = model.robot.attributes.get("name")
+    return model.location if name is None else name.location

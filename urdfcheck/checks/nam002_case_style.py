@@ -1,0 +1,55 @@
+"""NAM002: one robot spells its names in one way."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model.names import listed
+from urdfcheck.source.xml import Attribute
+
+_CAMEL = re.compile(r"[a-z][A-Z]")
+# REP 105 and REP 199 fix the spelling of these, whatever the robot's own style is.
+_STANDARD = frozenset({"world", "map", "odom", "base_footprint", "base_link", "base", "flange", "tool0"})
+
+
+def check(model: Model, rule: Rule, *, least: int, share: float) -> Iterator[Finding]:
+    odd: list[Attribute] = []
+    styles: list[str] = []
+    for parts in (model.links, model.joints):
+        style, breaking = _odd_ones(parts, least, share)
+        odd += breaking
+        if breaking:
+            styles.append(style)
+    if odd:
+        finding = rule.finding(
+            "odd",
+            at=odd[0],
+            related=odd[1:10],
+            names=listed(dict.fromkeys(attribute.value for attribute in odd)),
+            spelled=" and ".join(dict.fromkeys(styles)),
+        )
+        yield replace(finding, subjects=tuple(attribute.location.subject for attribute in odd))
+
+
+def _odd_ones(parts: Sequence[Link | Joint], least: int, share: float) -> tuple[str, list[Attribute]]:
+    """The style of almost all names of a kind, and the names of another one. A name that fits every style decides nothing."""
+    named = [p.element.attributes["name"] for p in parts if p.name and p.name not in _STANDARD]
+    known = [(attribute, style) for attribute in named if (style := _style(attribute.value)) is not None]
+    for style in ("lower case", "camelCase"):
+        odd = [attribute for attribute, other in known if other != style]
+        if len(known) - len(odd) >= least and len(known) - len(odd) >= share * len(known):
+            return style, odd
+    return "", []
+
+
+def _style(name: str) -> str | None:
+    """How a name is spelled; None for one lower-case word, which every style writes so."""
+    if _CAMEL.search(name):
+        return "camelCase"
+    if any(c.isupper() for c in name):
+        return "capitals"
+    return "lower case" if re.search(r"[^\W_]_[^\W_]", name) else None

@@ -1,0 +1,79 @@
+"""NAM007: the name of a joint says what it joins."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model.names import listed, words
+
+# Words that say what kind of thing has the name, not which one.
+_KIND = frozenset({"joint", "jnt", "link", "lnk", "frame", "fixed"})
+_SIDES = frozenset({"left", "right", "l", "r", "front", "rear", "back"})
+
+
+def check(model: Model, rule: Rule, *, least: int) -> Iterator[Finding]:
+    yield from _finding("reversed", [joint for joint in model.joints if _is_reversed(joint)], rule)
+    yield from _finding("other", list(_misnamed(model, least)), rule)
+    # `base_to_arm_link` names the link arm_link, and one name for a link and a joint is another rule's business.
+    joints = [j for j in model.joints if not any(j.name.endswith(link) for link in (j.parent, j.child) if link)]
+    yield from _finding("link-as-joint", [j for j in joints if _ends(j.name, "link", "joint")], rule)
+    yield from _finding("joint-as-link", [link for link in model.links if _ends(link.name, "joint", "link")], rule)
+
+
+def _finding(message: str, parts: list[Joint] | list[Link], rule: Rule) -> Iterator[Finding]:
+    """One finding for all names with the same mistake: they come from one habit."""
+    if not parts:
+        return
+    first, names = parts[0], [part.element.attributes["name"] for part in parts]
+    parent, child = (first.parent, first.child) if isinstance(first, Joint) else ("", "")
+    finding = rule.finding(
+        message,
+        at=names[0],
+        related=names[1:10],
+        names=listed(attribute.value for attribute in names),
+        parent=parent,
+        child=child,
+    )
+    yield replace(finding, subjects=tuple(attribute.location.subject for attribute in names))
+
+
+def _is_reversed(joint: Joint) -> bool:
+    """Whether ``A_to_B`` goes from B to A."""
+    one, to, other = joint.name.partition("_to_")
+    if not to or not _key(one) or not _key(other) or _key(one) == _key(other):
+        return False
+    return _key(one) == _key(joint.child) and _key(other) == _key(joint.parent)
+
+
+def _misnamed(model: Model, least: int) -> Iterator[Joint]:
+    """Joints with the name of another link than the one they carry, in number or side, where joints are named after what
+    they carry."""
+    after_child = [joint for joint in model.joints if _key(joint.name) and _key(joint.name) == _key(joint.child)]
+    if len(after_child) < least:
+        return
+    links = {_key(link.name) for link in model.links}
+    for joint in model.joints:
+        name, child = _key(joint.name), _key(joint.child)
+        if (
+            name in links
+            and name not in {child, _key(joint.parent)}
+            and _without_number(name) == _without_number(child)
+        ):
+            yield joint
+
+
+def _key(name: str) -> tuple[str, ...]:
+    return tuple(word for word in map(str.lower, words(name)) if word not in _KIND)
+
+
+def _without_number(key: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple("#" if word.isdigit() else "side" if word in _SIDES else word for word in key)
+
+
+def _ends(name: str, kind: str, other: str) -> bool:
+    """Whether a name ends in the word for a kind, and nowhere has the word for the other."""
+    parts = [word.lower() for word in words(name)]
+    return len(parts) > 1 and parts[-1] == kind and other not in parts

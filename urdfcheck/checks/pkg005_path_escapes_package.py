@@ -1,0 +1,120 @@
+"""PKG005: no path leads out of its package by ``..``."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.model.names import listed
+from urdfcheck.source.load import Source
+from urdfcheck.source.packages import display_name
+from urdfcheck.source.resources import resource_uses
+from urdfcheck.source.usage import elements, own_trees
+from urdfcheck.source.xml import Attribute
+
+_FIND = re.compile(r"^\s*\$\(find\s+([^\s()]+)\s*\)/([^$]*)$")
+
+
+@dataclass(frozen=True, slots=True)
+class _Escape:
+    """A path that leads out of the folder of ``package`` to a file that is there."""
+
+    attribute: Attribute
+    text: str
+    package: str
+    target: Path
+
+
+@dataclass(slots=True)
+class _Goal:
+    """What several paths lead to: another package, or a folder that belongs to none."""
+
+    package: str
+    folder: Path
+    escapes: list[_Escape] = field(default_factory=list)
+
+
+def check(source: Source, rule: Rule) -> Iterator[Finding]:
+    goals: dict[tuple[str, Path], _Goal] = {}
+    for escape in (*_files(source), *_includes(source)):
+        other = source.finder.package_of(escape.target)
+        goal = _Goal("", escape.target.parent) if other is None else _Goal(other.name, other.path)
+        goals.setdefault((escape.package, goal.folder), goal).escapes.append(escape)
+    for goal in goals.values():
+        yield _finding(goal, rule)
+
+
+def _files(source: Source) -> Iterator[_Escape]:
+    own = source.package
+    for use in resource_uses(source):
+        resource = use.resource
+        if resource.path is None or not resource.exists or ".." not in resource.text:
+            continue
+        folder = source.finder.find(resource.package) if resource.package else None if own is None else own.path
+        name = resource.package or ("" if own is None else own.name)
+        if folder is not None and resource.kind in {"package", "relative"} and not _is_below(resource.path, folder):
+            yield _Escape(use.attribute, resource.text, name, _absolute(resource.path))
+
+
+def _includes(source: Source) -> Iterator[_Escape]:
+    own = source.package
+    trees = own_trees(source)
+    for element in elements(trees, "xacro:include") if own is not None else ():
+        name = element.attributes.get("filename")
+        if own is None or name is None or name.span is None or ".." not in name.value:
+            continue
+        found = _FIND.match(name.value)
+        package, inside = found.groups() if found else (own.name, name.value.strip())
+        home = source.finder.find(package) if found else own.path
+        start = home if found else source.files[name.span.file].path.absolute().parent
+        if home is None or start is None or "$" in inside:
+            continue
+        target = start / inside
+        if not _is_below(target, home) and source.finder.allows(target) and target.is_file():
+            yield _Escape(name, name.value, package, _absolute(target))
+
+
+def _is_below(path: Path, folder: Path) -> bool:
+    """Whether a path stays in a folder, by its text or by where it really leads."""
+    return any(f in p.parents for p, f in ((_absolute(path), _absolute(folder)), (path.resolve(), folder.resolve())))
+
+
+def _absolute(path: Path) -> Path:
+    return Path(os.path.abspath(path))
+
+
+def _finding(goal: _Goal, rule: Rule) -> Finding:
+    first, *others = goal.escapes
+    files = list(dict.fromkeys(escape.text for escape in goal.escapes))
+    edits = {e.attribute.span: edit for e in goal.escapes for edit in _edits(e, goal)}
+    return rule.finding(
+        "package" if goal.package else "nowhere",
+        at=first.attribute,
+        related=[e.attribute for e in others if e.attribute.span != first.attribute.span],
+        edits=edits.values(),
+        package=first.package,
+        other=goal.package,
+        folder=display_name(goal.folder),
+        files=files,
+        listed=listed(files, 2),
+        portable=_portable(first, goal),
+    )
+
+
+def _portable(escape: _Escape, goal: _Goal) -> str:
+    if not goal.package:
+        return ""
+    inside = Path(os.path.relpath(escape.target, goal.folder)).as_posix()
+    start = f"$(find {goal.package})" if escape.attribute.owner.tag == "xacro:include" else f"package://{goal.package}"
+    return f"{start}/{inside}"
+
+
+def _edits(escape: _Escape, goal: _Goal) -> Iterator[Edit]:
+    attribute = escape.attribute
+    typed = attribute.literal or attribute.owner.tag == "xacro:include"
+    if goal.package and typed and attribute.span is not None:
+        yield Edit(attribute.span, attribute.typed, _portable(escape, goal))

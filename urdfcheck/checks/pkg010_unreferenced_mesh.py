@@ -1,0 +1,96 @@
+"""PKG010: every mesh file of a package is named by something."""
+
+from __future__ import annotations
+
+import fnmatch
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from urdfcheck.core import Finding, Location, Rule, Unavailable
+from urdfcheck.model.names import listed
+from urdfcheck.source.contents import MESH_SUFFIXES, contents_of, others, texts_of, users_out_of_reach
+from urdfcheck.source.packages import Package
+
+_SUFFIX = re.compile(rf"(?:{'|'.join(map(re.escape, MESH_SUFFIXES))})\b", re.IGNORECASE)
+# What stands around a path, in which there may be blanks, and how long it may be.
+_AROUND = re.compile(r"""["'<>\n]""")
+_LONGEST = 500
+_FILENAME = re.compile(r"""filename\s*=\s*["']([^"'<>\n]*)["']""")
+_EXPRESSION = re.compile(r"\$?\{[^{}]*\}|\$\([^()]*\)|%[sd]")
+# How often a pattern is compared with a mesh; what would need more may name them all.
+_MOST_COMPARED = 500_000
+
+
+def check(package: Package, rule: Rule) -> Iterator[Finding]:
+    if not package.whole:
+        return
+    contents = contents_of(package)
+    if not contents.meshes:
+        return
+    try:
+        unnamed = _unnamed(contents.meshes, package)
+    except LookupError:
+        raise Unavailable("the packages have too many files to look through") from None
+    # Where nothing names any of them, they are there for packages that are not at hand.
+    if not contents.complete or not unnamed or len(unnamed) == len(contents.meshes) or users_out_of_reach(package):
+        return
+    sizes = [_size(package.path / mesh) for mesh in unnamed]
+    root = package.root
+    where = None if root is None else root.child("name") or root
+    yield rule.finding(
+        "one" if len(unnamed) == 1 else "several",
+        at=Location(f"package[{package.name}]", None if where is None else where.span),
+        package=package.name,
+        files=[mesh.as_posix() for mesh in unnamed],
+        listed=listed([mesh.as_posix() for mesh in unnamed], 4),
+        count=len(unnamed),
+        total=len(contents.meshes),
+        size=f"{sum(sizes) / 1e6:.1f} MB" if sum(sizes) >= 50_000 else f"{sum(sizes)} bytes",
+    )
+
+
+def _size(path: Path) -> int:
+    return path.stat().st_size if path.is_file() else 0
+
+
+def _unnamed(meshes: Iterable[Path], package: Package) -> list[Path]:
+    """The meshes whose name stands in no text, and that no path with expressions in it can mean."""
+    left = list(meshes)
+    for folder in (package.path, *others(package)):
+        if left:
+            left = _not_in(left, texts_of(package, folder))
+    return left
+
+
+def _not_in(meshes: Sequence[Path], texts: Iterable[str]) -> list[Path]:
+    names: set[str] = set()
+    patterns: set[str] = set()
+    for text in texts:
+        for match in _SUFFIX.finditer(text):
+            before = text[max(match.start() - _LONGEST, 0) : match.start()]
+            _note(_AROUND.split(before)[-1] + match.group(0), names, patterns)
+        for path in _FILENAME.findall(text):
+            if "$" in path and not path.lower().endswith(MESH_SUFFIXES):  # the suffix is only computed
+                _note(path[:_LONGEST], names, patterns)
+    left = [mesh for mesh in meshes if mesh.name not in names]
+    if len(patterns) * len(left) > _MOST_COMPARED:
+        return []
+    return [mesh for mesh in left if not any(fnmatch.fnmatchcase(f"/{mesh.as_posix()}", p) for p in patterns)]
+
+
+def _note(path: str, names: set[str], patterns: set[str]) -> None:
+    """Note what a path means: the name of a file, or where expressions stand in it all that fit."""
+    plain = _EXPRESSION.sub("*", path.replace("\\", "/"))
+    name = plain.rpartition("/")[2]
+    if "*" not in name and name.lower() not in MESH_SUFFIXES:
+        names |= {name, name.split()[-1]}
+        return
+    # What stands before the folder in the package (a scheme, the package, `..`) is no part of the pattern.
+    _, _, inside = plain.rpartition("://")
+    parts = [part for part in inside.split("/") if part not in {"", ".", ".."}]
+    folders = parts[1:-1] if "://" in plain or plain.startswith("*") else parts[:-1]
+    last = parts[-1] if parts else "*"
+    last = last if "*" in last else f"*{last}"
+    if last.strip("*") or folders:
+        patterns.add("*/" + "/".join((*folders, last)))

@@ -1,0 +1,102 @@
+"""SRD002: the named states of an SRDF are within the joints' limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.model.planning import Range, joint_limits, own_srdfs, position_range
+from urdfcheck.source.joint_limits import JointLimits
+from urdfcheck.source.values import number
+from urdfcheck.source.xml import Attribute, Element
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Outside:
+    joint: str
+    at: Attribute
+    value: float
+    range: Range
+    turns: bool
+
+    @property
+    def excess(self) -> float:
+        return max(self.range.lower - self.value, self.value - self.range.upper)
+
+    @property
+    def in_degrees(self) -> bool:
+        """Whether it is no angle that a joint of so small a range is given, and fits when it is taken for degrees."""
+        return (
+            self.turns
+            and abs(self.value) > 2 * math.pi
+            and self.range.lower <= math.radians(self.value) <= self.range.upper
+        )
+
+
+def check(model: Model, rule: Rule, *, tol: float) -> Iterator[Finding]:
+    for srdf in own_srdfs(model):
+        limits = {entry.joint.text: entry for entry in joint_limits(model, srdf)}
+        for state in srdf.root.all("group_state"):
+            yield from _state(model, rule, state, limits, tol)
+
+
+def _state(
+    model: Model, rule: Rule, state: Element, limits: Mapping[str, JointLimits], tol: float
+) -> Iterator[Finding]:
+    outside = [found for element in state.all("joint") if (found := _outside(model, element, limits, tol)) is not None]
+    if outside and all(found.in_degrees for found in outside):
+        yield rule.finding(
+            "degrees",
+            at=outside[0].at,
+            related=[found.at for found in outside[1:]],
+            edits=_radians(model, state),
+            state=state.get("name"),
+            values=", ".join(f"{found.joint} = {found.value:g}" for found in outside[:6]),
+            joint=outside[0].joint,
+            lower=outside[0].range.lower,
+            upper=outside[0].range.upper,
+        )
+        return
+    for found in outside:
+        bound = found.range.lower if found.value < found.range.lower else found.range.upper
+        yield rule.finding(
+            "outside",
+            at=found.at,
+            related=[model.joint_by_name[found.joint].limit or model.joint_by_name[found.joint]],
+            state=state.get("name"),
+            joint=found.joint,
+            value=found.value,
+            excess=found.excess,
+            unit="rad" if found.turns else "m",
+            bound=bound,
+            source=found.range.source,
+        )
+
+
+def _outside(model: Model, element: Element, limits: Mapping[str, JointLimits], tol: float) -> _Outside | None:
+    joint = model.joint_by_name.get(element.get("name").strip())
+    at = element.attributes.get("value")
+    value = None if at is None else number(at.value)
+    # A follower is put where its leader says.
+    if joint is None or at is None or value is None or joint.mimic is not None:
+        return None
+    known = position_range(joint, limits)
+    if known is None or known.lower - tol <= value <= known.upper + tol:
+        return None
+    return _Outside(joint.name, at, value, known, joint.type == "revolute")
+
+
+def _radians(model: Model, state: Element) -> list[Edit]:
+    """Every angle of the state, where all of them can be edited."""
+    edits: list[Edit] = []
+    for element in state.all("joint"):
+        joint, at = model.joint_by_name.get(element.get("name").strip()), element.attributes.get("value")
+        value = None if at is None else number(at.value)
+        if joint is None or at is None or value is None or not at.literal or at.span is None or state.via:
+            return []
+        if joint.type in {"revolute", "continuous"} and value != 0:
+            edits.append(Edit(at.span, at.typed, f"{math.radians(value):.5g}"))
+    return edits

@@ -1,0 +1,128 @@
+"""SRD003: the joint_limits.yaml of a MoveIt configuration fits the model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.model import Model
+from urdfcheck.model.elsewhere import Elsewhere
+from urdfcheck.model.names import hint, nearest
+from urdfcheck.model.parts import Joint
+from urdfcheck.model.planning import LIMITS_FILE, joint_limits, own_srdfs, position_range
+from urdfcheck.source.joint_limits import JointLimits
+from urdfcheck.source.packages import Package
+from urdfcheck.source.srdf import Srdf
+from urdfcheck.source.yaml import problem_in
+
+# What ROS 2 reads as a floating-point number, and refuses as an integer.
+_DOUBLES = ("min_position", "max_position", "max_velocity", "max_acceleration", "max_jerk")
+
+
+def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
+    elsewhere = Elsewhere(model)
+    seen: set[str] = set()
+    for srdf in own_srdfs(model):
+        if str(srdf.path.parent) in seen:  # one file for several descriptions of the robot
+            continue
+        seen.add(str(srdf.path.parent))
+        problem = problem_in(srdf.path.parent / LIMITS_FILE, model.source.finder)
+        if problem is not None:
+            yield rule.finding(
+                "broken", at=Location("yaml", problem.span), severity=Severity.ERROR, reason=str(problem)
+            )
+        limits = joint_limits(model, srdf)
+        yield from _unknown(model, rule, srdf, limits, elsewhere)
+        yield from _integers(rule, limits, model.source.finder.package_of(srdf.path.absolute()))
+        for entry in limits:
+            joint = model.joint_by_name.get(entry.joint.text)
+            if joint is not None and joint.mimic is None:
+                yield from _position(rule, entry, joint, rel_tol)
+                yield from _velocity(rule, entry, joint, rel_tol)
+
+
+def _unknown(
+    model: Model, rule: Rule, srdf: Srdf, limits: tuple[JointLimits, ...], elsewhere: Elsewhere
+) -> Iterator[Finding]:
+    missing = [e for e in limits if e.joint.text not in model.joint_by_name and e.joint.text not in srdf.virtual_joints]
+    if 2 * len(missing) > len(limits):
+        return  # it is for another robot
+    free = model.joint_by_name.keys() - {entry.joint.text for entry in limits}
+    for entry in missing:
+        # The variables of a joint with several degrees of freedom are called joint/x.
+        name = entry.joint.text
+        if "/" in name or elsewhere.may_have("joint", name):
+            continue
+        near = nearest(name, free)
+        edits = () if near is None else entry.joint.replaced(near)
+        yield rule.finding("unknown", at=entry.joint, edits=edits, joint=name, near=hint(name, free))
+
+
+def _integers(rule: Rule, limits: tuple[JointLimits, ...], package: Package | None) -> Iterator[Finding]:
+    """Numbers without a point, which a node of ROS 2 refuses: one finding for the file."""
+    if package is None or package.root is None or not any(name.startswith("ament_") for name in package.dependencies):
+        return
+    typed = [value for entry in limits for name in _DOUBLES if (value := entry.setting(name)) and value.is_integer]
+    if typed:
+        yield rule.finding(
+            "integer",
+            at=typed[0],
+            severity=Severity.ERROR,
+            related=typed[1:],
+            edits=[edit for value in typed for edit in value.replaced(f"{value.text}.0")],
+            key=typed[0].key.rpartition(".")[2],
+            value=typed[0].text,
+            count="" if len(typed) == 1 else f" (and {len(typed) - 1} more)",
+        )
+
+
+def _position(rule: Rule, entry: JointLimits, joint: Joint, rel_tol: float) -> Iterator[Finding]:
+    low, high = entry.number("min_position"), entry.number("max_position")
+    at = entry.setting("max_position") or entry.setting("min_position")
+    if at is None:
+        return
+    if joint.type == "continuous":
+        yield rule.finding("continuous", at=at, joint=joint.name)
+        return
+    if low is not None and high is not None and low >= high:
+        yield rule.finding("inverted", at=at, joint=joint.name, low=low, high=high)
+        return
+    known = position_range(joint, {})
+    if known is None:
+        return
+    slack = rel_tol * (known.upper - known.lower)
+    for name, value, bound, beyond in (
+        ("min_position", low, known.lower, low is not None and low < known.lower - slack),
+        ("max_position", high, known.upper, high is not None and high > known.upper + slack),
+    ):
+        if beyond:
+            yield rule.finding(
+                "position",
+                at=entry.setting(name) or at,
+                related=[joint.limit] if joint.limit is not None else [],
+                joint=joint.name,
+                key=name,
+                value=value,
+                bound=bound,
+                source=known.source,
+            )
+
+
+def _velocity(rule: Rule, entry: JointLimits, joint: Joint, rel_tol: float) -> Iterator[Finding]:
+    at, value = entry.setting("max_velocity"), entry.number("max_velocity")
+    own = joint.limit_value("velocity")
+    off = entry.is_off("has_velocity_limits")
+    if at is None or value is None or off:
+        return
+    if value <= 0:
+        yield rule.finding("zero", at=at, joint=joint.name, value=value)
+    elif own is not None and own > 0 and value > own * (1 + rel_tol):
+        yield rule.finding(
+            "velocity",
+            at=at,
+            related=[joint.limit] if joint.limit is not None else [],
+            joint=joint.name,
+            value=value,
+            own=own,
+            unit="m/s" if joint.type == "prismatic" else "rad/s",
+        )

@@ -1,0 +1,52 @@
+"""XAC003: every macro that a model's own files define is called."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.model.names import listed
+from urdfcheck.source.load import Source
+from urdfcheck.source.usage import (
+    Macro,
+    macros,
+    macros_called,
+    mentioned_elsewhere,
+    own_trees,
+    reads_unseen_files,
+)
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    source = model.source
+    if not source.is_xacro or reads_unseen_files(source):
+        return
+    by_file: dict[str, list[Macro]] = {}
+    for macro in _uncalled(source):
+        span = macro.element.span
+        by_file.setdefault("" if span is None else span.file, []).append(macro)
+    for file, (first, *others) in by_file.items():
+        names = [macro.name for macro in (first, *others)]
+        yield rule.finding(
+            "several" if others else "unused",
+            at=first.element.attributes["name"],
+            related=[macro.element.attributes["name"] for macro in others],
+            names=names,
+            name=first.name,
+            listed=listed(names),
+            count=len(names),
+            file=file,
+        )
+
+
+def _uncalled(source: Source) -> list[Macro]:
+    """The macros that no file calls which may know them; none where the name of one that is called is computed."""
+    called = macros_called(source.trees)
+    uncalled = [m for name, m in macros(own_trees(source)).items() if name and name not in called]
+    if not uncalled or any("$" in name for name in called):
+        return []
+    elsewhere = mentioned_elsewhere(source)
+    if not elsewhere.complete or any("$" in name for name in elsewhere.macros):
+        return []
+    return [macro for macro in uncalled if macro.name not in elsewhere.macros]

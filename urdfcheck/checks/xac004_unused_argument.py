@@ -1,0 +1,57 @@
+"""XAC004: every argument that a model's own files declare is read."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
+from urdfcheck.model.names import listed
+from urdfcheck.source.load import Source
+from urdfcheck.source.usage import arguments_read, elements, mentioned_elsewhere, own_trees, reads_unseen_files
+from urdfcheck.source.words import removal
+from urdfcheck.source.xml import Attribute
+
+# Lines that are deleted in one go, beside the first.
+_MOST_EDITED = 100
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    source = model.source
+    if not source.is_xacro or reads_unseen_files(source):
+        return
+    by_file: dict[str, list[Attribute]] = {}
+    for name in _unread(source):
+        by_file.setdefault("" if name.span is None else name.span.file, []).append(name)
+    for file, (first, *others) in by_file.items():
+        names = [name.value for name in (first, *others)]
+        yield rule.finding(
+            "several" if others else "unused",
+            at=first,
+            related=others,
+            edits=[edit for name in (first, *others[:_MOST_EDITED]) for edit in removal(name.owner, source.files)],
+            names=names,
+            name=first.value,
+            listed=listed(names),
+            count=len(names),
+            file=file,
+        )
+
+
+def _unread(source: Source) -> list[Attribute]:
+    """The names of the arguments that nothing reads and nobody hands over. One that several files declare is part of what
+    they agree on: the outer file hands it to the inner one."""
+    declared = [e.attributes["name"] for e in elements(source.trees, "xacro:arg") if "name" in e.attributes]
+    times = Counter(name.value for name in declared)
+    used = arguments_read(source.trees) | source.arguments_read | source.arguments.keys()
+    own = own_trees(source)
+    unread = [
+        name
+        for name in declared
+        if name.value not in used and times[name.value] == 1 and name.span is not None and name.span.file in own
+    ]
+    elsewhere = mentioned_elsewhere(source) if unread else None
+    if elsewhere is None or not elsewhere.complete:
+        return []
+    return [name for name in unread if name.value not in elsewhere.arguments]

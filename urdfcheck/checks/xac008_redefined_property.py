@@ -1,0 +1,90 @@
+"""XAC008: no property gets another value before anything has read the one it had."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from urdfcheck.core import Finding, Location, Rule, Span
+from urdfcheck.model import Model
+from urdfcheck.source.usage import elements, own_trees
+from urdfcheck.source.values import number
+from urdfcheck.source.xml import Element
+
+_CONDITIONS = frozenset({"xacro:if", "xacro:unless"})
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    source = model.source
+    problems = source.problems_of("property-lost")
+    if not problems:
+        return
+    own = own_trees(source)
+    definitions = {
+        a.span: e
+        for e in elements(source.trees, "xacro:property")
+        for a in (e.attributes.get("value"),)
+        if a is not None
+    }
+    tags = {e.span: e for tree in source.trees.values() for e in tree.walk() if e.tag.startswith("xacro:")}
+    for problem in problems:
+        first, second = problem.data["lost"], problem.location
+        before, after = definitions.get(first.span), definitions.get(second.span)
+        if before is None or after is None or _is_meant(before, after, second, tags):
+            continue
+        files = _file(first), _file(second)
+        message = _message(first, second, files)
+        if message is None or not own.keys() & set(files):
+            continue
+        # The definition that has no effect is the one that the author of both files can see is wrong.
+        at, other = (first, second) if message == "included" else (second, first)
+        yield rule.finding(
+            message,
+            at=Location(after.subject, at.span, at.via),
+            related=[Location(after.subject, other.span, other.via)],
+            name=problem.data["name"],
+            first=before.get("value"),
+            second=after.get("value"),
+            where=f"line {_line(first)} of {files[0]}",
+            file=files[1],
+        )
+
+
+def _is_meant(before: Element, after: Element, second: Location, tags: Mapping[Span | None, Element]) -> bool:
+    """Whether the second value is equal, or is there on a condition, for another scope, or in a file that was chosen."""
+    if "scope" in before.attributes or "scope" in after.attributes or _equal(before.get("value"), after.get("value")):
+        return True
+    calls = [tags[span] for span in second.via if span in tags]
+    chosen = any("$" in call.get("filename").replace("$(find ", "") for call in calls)
+    return chosen or any(_is_conditional(element) for element in (after, *calls))
+
+
+def _message(first: Location, second: Location, files: tuple[str, str]) -> str | None:
+    """How the first value is lost; None where a file sets what a file that it includes has set, as one sets defaults."""
+    if files[0] == files[1]:
+        return "twice"
+    if files[0] in {span.file for span in second.via}:
+        return "included"
+    return None if files[1] in {span.file for span in first.via} else "clash"
+
+
+def _is_conditional(element: Element) -> bool:
+    around: Element | None = element
+    while around is not None:
+        if around.tag in _CONDITIONS:
+            return True
+        around = around.parent
+    return False
+
+
+def _equal(one: str, other: str) -> bool:
+    a, b = number(one), number(other)
+    return one.split() == other.split() if a is None or b is None else math.isclose(a, b, rel_tol=1e-12)
+
+
+def _file(location: Location) -> str:
+    return "" if location.span is None else location.span.file
+
+
+def _line(location: Location) -> int:
+    return 0 if location.span is None else location.span.line

@@ -1,0 +1,115 @@
+"""XML004: attributes that nothing reads where they stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from urdfcheck.core import Edit, Finding, Location, Rule, Severity, Span
+from urdfcheck.model import Model
+from urdfcheck.model.names import listed
+from urdfcheck.source.grammar import (
+    NUMBERS,
+    REQUIRED,
+    WORDS,
+    elements,
+    inside_misspelt,
+    known_attributes,
+    loss,
+    meant,
+    without,
+)
+from urdfcheck.source.values import number
+from urdfcheck.source.words import name_of
+from urdfcheck.source.xml import Attribute, Element, SourceFile
+
+# Labels and notes; what nothing is expected to read.
+_LABELS = frozenset({"name", "id", "comment", "description"})
+# What Bullet reads (group, mask, concave), and what a link had before URDF 1.0 (type).
+_EXTENSIONS: Mapping[str, frozenset[str]] = {
+    "link": frozenset({"type"}),
+    "collision": frozenset({"group", "mask", "concave"}),
+}
+# Types of joints whose axis nothing reads.
+_WITHOUT_AXIS = frozenset({"fixed", "floating"})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Unread:
+    """One attribute that is not read: which message that deserves, what the message needs, and what programs do."""
+
+    attribute: Attribute
+    message: str
+    data: Mapping[str, Any]
+    consequences: Mapping[str, str] = field(default_factory=dict)
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    found: dict[tuple[str, ...], list[_Unread]] = {}
+    for element in elements(model.robot):
+        for attribute in element.attributes.values():
+            unread = _judge(element, attribute)
+            if unread is not None:
+                # What resembles nothing is one finding for all of an element's own attributes.
+                name = "" if unread.message == "ignored" else attribute.name
+                kind = (unread.message, element.tag, name, unread.consequences.get("urdfdom", ""))
+                found.setdefault(kind, []).append(unread)
+    for around, element in inside_misspelt(model.robot):
+        for attribute in element.attributes.values():
+            unread = _judge(element, attribute)
+            if unread is not None and "near" in unread.data:
+                slip = _Unread(attribute, "inside", {"near": unread.data["near"], "around": around.tag})
+                found.setdefault((slip.message, element.tag, attribute.name, around.tag), []).append(slip)
+    for places in found.values():
+        yield _finding(places, rule, model.source.files)
+
+
+def _judge(element: Element, attribute: Attribute) -> _Unread | None:
+    name, tag = attribute.name, element.tag
+    if name in known_attributes(tag) | _LABELS | _EXTENSIONS.get(tag, frozenset()) or ":" in name or name == "xmlns":
+        return None
+    if tag == "axis" and element.parent is not None and element.parent.get("type") in _WITHOUT_AXIS:
+        return None
+    near = meant(element, name)
+    if tag == "robot" and near == "name":
+        return None  # a robot without a name: XML002
+    if near is not None and near in REQUIRED.get(tag, ()):
+        told = {"urdfdom": loss(element), **without(element, [near])}
+        return _Unread(attribute, "required", {"near": near}, told)
+    if near is not None:
+        return _Unread(attribute, "misspelt", {"near": near})
+    homes = sorted(home for home in NUMBERS.keys() | WORDS.keys() if name in known_attributes(home))
+    if not homes:
+        return _Unread(attribute, "ignored", {})
+    if all(number(word) == 0 for word in attribute.value.split()):
+        return None  # rpy="0 0 0" of an axis: nothing is lost
+    return _Unread(attribute, "misplaced", {"homes": " or ".join(f"<{home}>" for home in homes)})
+
+
+def _finding(places: list[_Unread], rule: Rule, files: Mapping[str, SourceFile]) -> Finding:
+    """One finding for the same slip in many places."""
+    first = places[0]
+    spans = [name_of(place.attribute, files) for place in places]
+    locations = [_at(place.attribute, span) for place, span in zip(places, spans, strict=True)]
+    near = first.data.get("near", "")
+    # A line of a macro stands in the file once however many elements it makes.
+    names = dict.fromkeys(span for span in spans if span is not None)
+    subjects = dict.fromkeys(place.attribute.owner.subject for place in places)
+    finding = rule.finding(
+        first.message,
+        at=locations[0],
+        related={place.span: place for place in locations[1:] if place.span != locations[0].span}.values(),
+        edits=[Edit(span, first.attribute.name, near) for span in names] if near else (),
+        consequences=first.consequences,
+        severity={"required": Severity.ERROR, "ignored": Severity.INFO}.get(first.message),
+        attribute=listed(dict.fromkeys(f"`{place.attribute.name}`" for place in places)),
+        tag=first.attribute.owner.tag,
+        times="" if len(subjects) == 1 else f" ({len(subjects)} times)",
+        **first.data,
+    )
+    return replace(finding, subjects=tuple(place.attribute.location.subject for place in places))
+
+
+def _at(attribute: Attribute, name: Span | None) -> Location:
+    return attribute.location if name is None else replace(attribute.location, span=name)

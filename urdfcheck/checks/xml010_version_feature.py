@@ -1,0 +1,65 @@
+"""XML010: what a newer version of URDF brought is used in a robot that declares it, and as it says."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+from urdfcheck.core import Finding, Located, Rule, Severity
+from urdfcheck.model import Model
+from urdfcheck.source.grammar import elements, is_unexpanded, loss, version_of_urdf
+from urdfcheck.source.values import numbers
+from urdfcheck.source.xml import Element
+
+_LIMITS = ("acceleration", "deceleration", "jerk")
+
+
+def check(model: Model, rule: Rule, *, tol: float) -> Iterator[Finding]:
+    version = version_of_urdf(model.robot)
+    declared = model.robot.attributes.get("version")
+    if version is None:
+        if declared is not None and not is_unexpanded(declared.value):
+            yield rule.finding("version", at=declared, severity=Severity.ERROR, version=declared.value)
+        return
+    if version > (1, 0) and declared is not None:
+        yield rule.finding("newer", at=declared, severity=Severity.INFO, version=declared.value)
+    found = list(elements(model.robot))
+    turned = [e for e in found if e.tag == "origin" and "quat_xyzw" in e.attributes]
+    if version < (1, 1):
+        yield from _together(rule, "capsule", [e for e in found if e.tag == "capsule"])
+        yield from _together(rule, "quaternion", [e.attributes["quat_xyzw"] for e in turned])
+    else:
+        for origin in turned:
+            yield from _orientation(rule, origin, tol)
+    if version < (1, 2):
+        limits = [e.attributes[name] for e in found if e.tag == "limit" for name in _LIMITS if name in e.attributes]
+        yield from _together(rule, "limit", limits)
+
+
+def _orientation(rule: Rule, origin: Element, tol: float) -> Iterator[Finding]:
+    quaternion = numbers(origin.get("quat_xyzw"), 4)
+    at = origin.attributes["quat_xyzw"]
+    length = None if quaternion is None else math.hypot(*quaternion)
+    if "rpy" in origin.attributes:
+        yield rule.finding(
+            "both",
+            at=at,
+            severity=Severity.ERROR,
+            related=[origin.attributes["rpy"]],
+            consequences={"urdfdom": loss(origin)},
+        )
+    elif length == 0:
+        yield rule.finding("zero", at=at)
+    elif length is not None and abs(length - 1) > tol:
+        yield rule.finding("length", at=at, severity=Severity.INFO, length=length)
+
+
+def _together(rule: Rule, message: str, places: Iterable[Located]) -> Iterator[Finding]:
+    """One finding for all places where a feature is used: its cause is the version."""
+    locations = list(dict.fromkeys(place.location for place in places))
+    if locations:
+        spans = {location.span: location for location in locations[1:] if location.span != locations[0].span}
+        times = "" if len(locations) == 1 else f" ({len(locations)} times)"
+        finding = rule.finding(message, at=locations[0], related=spans.values(), times=times)
+        yield replace(finding, subjects=tuple(location.subject for location in locations))

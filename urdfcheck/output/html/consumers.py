@@ -1,0 +1,55 @@
+"""What each program will do with a model, as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+
+from urdfcheck.consumers import Outcome, outcomes
+from urdfcheck.core import Finding, Verdict
+from urdfcheck.output.html.glyphs import glyph
+from urdfcheck.output.html.tables import table
+from urdfcheck.output.html.text import NONE, esc
+
+# How the programs write themselves.
+NAMES = {
+    "bullet": "Bullet",
+    "drake": "Drake",
+    "gazebo": "Gazebo",
+    "isaac": "Isaac Sim",
+    "kdl": "KDL",
+    "moveit": "MoveIt",
+    "mujoco": "MuJoCo",
+    "pinocchio": "Pinocchio",
+    "ros": "ROS",
+    "rviz": "RViz",
+    "sdf": "SDFormat",
+    "sdformat": "SDFormat",
+}
+TOLD = {
+    Verdict.LOADS: ("ok", "loads it as typed"),
+    Verdict.IGNORES: ("warning", "loads it changed: ignores a part"),
+    Verdict.REPLACES: ("warning", "loads it changed: replaces values"),
+    Verdict.SWAPS: ("warning", "loads it changed: swaps values"),
+    Verdict.NAN: ("warning", "loads it and computes NaN"),
+    Verdict.DROPS: ("error", "loads it changed: drops a part"),
+    Verdict.REFUSES: ("error", "refuses it"),
+}
+
+
+def consumers_table(findings: Iterable[Finding], rules: Collection[str]) -> str:
+    """A row for each program; those of the given rules are linked to what they say."""
+    head = '<tr><th scope="col">Program</th><th scope="col">What it does</th><th scope="col">Because of</th></tr>'
+    rows = (_row(name, outcome, rules) for name, outcome in outcomes(findings).items())
+    return table("What becomes of the model, as far as these findings tell", head, rows)
+
+
+def _row(name: str, outcome: Outcome, rules: Collection[str]) -> str:
+    kind, told = TOLD[outcome.verdict]
+    codes = ", ".join(
+        f'<a href="#rule-{code}"><code>{code}</code></a>' if code in rules else f"<code>{esc(code)}</code>"
+        for code in outcome.codes
+    )
+    return (
+        f'<tr><th scope="row">{esc(NAMES.get(name, name))}</th><td class="{kind}">{glyph(kind)} {told}</td>'
+        f"<td>{codes or NONE}</td></tr>"
+    )

@@ -1,0 +1,113 @@
+"""Where the keys of a TOML text stand: tomli reads values, and says nothing of their places."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import tomli
+
+Key = tuple[str | int, ...]
+
+# So many parts of a dotted key have a place of their own: nobody writes more.
+_DEEP = 16
+_BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
+_KEY = re.compile(r"""[ \t]*("(?:\\.|[^"\\])*"|'[^']*'|[A-Za-z0-9_-]+)[ \t]*(\.?)""")
+_TEXT = re.compile(
+    r'"""(?:\\[\s\S]|[^\\])*?"{3,5}' + r"|'''[\s\S]*?'{3,5}" + r'|"(?:\\.|[^"\\])*"' + r"|'[^']*'|[^,\]}#\r\n]*"
+)
+
+
+def places(text: str) -> Mapping[Key, int]:
+    """The line of each key, by the keys and indexes that lead to it: ``("models", 0, "path")``. Lines count from 1.
+
+    The text is one that tomli has read without complaint; only the order of what stands in it matters here.
+    """
+    return _Scanner(text).found
+
+
+class _Scanner:
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.at = 0
+        self.line = 1
+        self.counted = 0
+        self.found: dict[Key, int] = {}
+        self.lengths: dict[Key, int] = {}
+        table: Key = ()
+        while self.skip():
+            if text.startswith("[[", self.at):
+                self.at += 2
+                line, keys = self.keys()
+                name = self.resolved(keys[:-1]) + keys[-1:]
+                index = self.lengths.get(name, 0)
+                self.lengths[name] = index + 1
+                table = (*name, index)
+                self.found.setdefault(name, line)
+                self.found[table] = line
+                self.at += 2
+            elif text.startswith("[", self.at):
+                self.at += 1
+                line, keys = self.keys()
+                table = self.resolved(keys)
+                self.found.setdefault(table, line)
+                self.at += 1
+            else:
+                self.pair(table)
+
+    def skip(self, pattern: re.Pattern[str] = _BLANK) -> bool:
+        match = pattern.match(self.text, self.at)
+        self.at = match.end() if match else self.at
+        return self.at < len(self.text)
+
+    def here(self) -> int:
+        self.line += self.text.count("\n", self.counted, self.at)
+        self.counted = self.at
+        return self.line
+
+    def resolved(self, keys: Key) -> Key:
+        """The keys of a header, with the index of the last table of each array of tables on the way."""
+        found: Key = ()
+        for key in keys:
+            found = (*found, key)
+            if found in self.lengths:
+                found = (*found, self.lengths[found] - 1)
+        return found
+
+    def keys(self) -> tuple[int, Key]:
+        line = self.here()
+        found: Key = ()
+        while match := _KEY.match(self.text, self.at):
+            self.at = match.end()
+            typed = match[1]
+            found = (*found, typed if typed[0] not in "\"'" else next(iter(tomli.loads(f"{typed}=0"))))
+            if not match[2]:
+                break
+        return line, found
+
+    def pair(self, table: Key) -> None:
+        line, keys = self.keys()
+        for end in {*range(1, min(len(keys), _DEEP)), len(keys)}:
+            self.found.setdefault((*table, *keys[:end]), line)
+        self.at += 1  # the equals sign
+        self.value((*table, *keys))
+
+    def value(self, key: Key) -> None:
+        self.skip()
+        opening = self.text[self.at : self.at + 1]
+        if opening not in {"[", "{"}:
+            self.skip(_TEXT)
+            return
+        self.at += 1
+        index = 0
+        while self.skip() and self.text[self.at] not in "]}":
+            if self.text[self.at] == ",":
+                self.at += 1
+            elif opening == "[":
+                place = (*key, index)
+                self.found[place] = self.here()
+                self.value(place)
+                index += 1
+            else:
+                self.pair(key)
+        self.at += 1
