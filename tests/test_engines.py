@@ -1,7 +1,7 @@
 """What the pages say that engines do is what they do: all examples, and real robots, are loaded in those that are installed.
 
-Without a corpus only MuJoCo and Pinocchio are asked, which are quick, and about the Bad examples; ``URDFCHECK_ENGINES=1`` asks
-all that are installed about all of them.
+Only MuJoCo and Pinocchio are asked, which are quick, about the Bad examples and small robots of a corpus;
+``URDFCHECK_ENGINES=1`` asks all that are installed about all of them.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from urdfcheck.model import Model
 from urdfcheck.source.load import load
 from urdfcheck.source.packages import PackageFinder
 
-# What is asked without a corpus.
+# Who is asked otherwise.
 QUICK = ("pinocchio", "urdfdom", "mujoco")
-ALL = bool(os.environ.get("URDFCHECK_CORPUS") or os.environ.get("URDFCHECK_ENGINES"))
+ALL = bool(os.environ.get("URDFCHECK_ENGINES"))
 # Findings that say that a file was not read: what an engine does that reads it nobody knows.
 UNREAD = {("PKG004", "unread"), ("PKG012", "mesh"), ("PKG012", "read"), ("URC905", "model")}
 # What no finding says of these.
@@ -46,7 +46,7 @@ KNOWN = {
     ("PR2/pr2_common:pr2", "gazebo"): "joints inside of <gazebo> name a link that the conversion drops",
 }
 # Bytes: of a robot with larger meshes there is nothing to be learned that others do not show.
-LARGEST = 3 * 1024**2
+LARGEST = (3 if ALL else 0.1) * 1024**2
 # Words that a sentence may not begin with, because the report's table is made from the first one.
 NEARLY = {"is", "its", "this", "has", "does", "warns", "accepts", "takes", "prints", "crashes"}
 

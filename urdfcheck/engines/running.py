@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import faulthandler
 import importlib
 import os
 import re
@@ -82,6 +83,7 @@ def _load(engine: str, robot: Robot, own: str, folder: str, around: Sequence[str
     libraries.prefer_own()
     module = importlib.import_module(f"urdfcheck.engines.{engine}")
     loaded, refused = None, ""
+    faulthandler.disable()  # that an engine crashes is an answer, and no news for the terminal
     os.chdir(own)  # MuJoCo writes its warnings into a file of the working directory
     with _listening(own):
         for library in module.LIBRARIES:  # to start, some of them run programs
