@@ -76,20 +76,11 @@ def _unknown(rule: Rule, at: Location, reason: str) -> Finding:
 def _python(python: PythonLaunch, finder: PackageFinder, rule: Rule) -> Iterator[Finding]:
     if python.broken is not None:
         yield rule.finding("syntax", at=python.broken.location, severity=Severity.WARNING, error=python.broken.message)
-    for named in python.missing:
+    lost = [*(("named", named) for named in python.missing), *(("include-file", named) for named in python.includes)]
+    for message, named in lost:
         path = display_name(Path(named.path))
         yield rule.finding(
-            "named",
-            at=named.location,
-            severity=Severity.WARNING,
-            confidence=Confidence.STRONG,
-            path=path,
-            near=_near_file(path, finder),
-        )
-    for named in python.includes:
-        path = display_name(Path(named.path))
-        yield rule.finding(
-            "include-file",
+            message,
             at=named.location,
             severity=Severity.WARNING,
             confidence=Confidence.STRONG,
