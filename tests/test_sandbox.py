@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from urdfcheck import sandbox
+from urdfcheck.core import Severity, Span
 from urdfcheck.errors import TimeUp
 from urdfcheck.workers import Died, Overdue, in_workers
 
@@ -232,17 +233,41 @@ class Astray:
         return np.dtype, ("V8", False, True), (3, "|", None, ("x",), {"x": (np.dtype("<i8"), 1 << 40)}, 8, 1, 16)
 
 
+class Named:
+    """What is pickled as getattr of a class, as Python 3.11.2 does it with members of enumerations."""
+
+    def __init__(self, kind: type, name: str) -> None:
+        self.words = kind, name
+
+    def __reduce__(self) -> tuple[object, tuple[type, str]]:
+        return getattr, self.words
+
+
+def named(kind: type, name: str) -> object:
+    return Named(kind, name)
+
+
 def planted(kind: str, folder: str) -> object:
     import numpy as np
 
-    others: dict[str, object] = {"numpy": Astray(), "array": np.zeros(3), "code": planted.__code__.replace}
+    others: dict[str, object] = {
+        "numpy": Astray(),
+        "array": np.zeros(3),
+        "code": planted.__code__.replace,
+        "method": Named(Severity, "parse"),
+        "class": Named(Span, "__init__"),
+    }
     return Opened(folder) if kind == "ours" else others[kind]
 
 
-@pytest.mark.parametrize("kind", ["ours", "numpy", "array", "code"])
+@pytest.mark.parametrize("kind", ["ours", "numpy", "array", "code", "method", "class"])
 def test_an_answer_is_of_no_class_that_does_something(kind: str, tmp_path: Path) -> None:
     assert isinstance(in_worker(planted, kind, str(tmp_path / "made")), Died)
     assert not (tmp_path / "made").exists()
+
+
+def test_members_of_enumerations_arrive_however_they_are_sent() -> None:
+    assert in_worker(named, Severity, "ERROR") is Severity.ERROR
 
 
 def numbers() -> object:

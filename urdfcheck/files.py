@@ -115,6 +115,9 @@ def _opened(path: Path) -> Iterator[tuple[BinaryIO, int]]:
         descriptor = os.open(path, _FLAGS)
     except ValueError:  # a NUL, or what the file system's encoding lacks
         raise OSError(errno.EINVAL, "Is no name of a file", str(path)) from None
+    except OSError:
+        looked_at(path)  # what is missing may come
+        raise
     with os.fdopen(descriptor, "rb") as file:
         status = os.fstat(descriptor)
         _ensure_regular(status, path)

@@ -6,6 +6,7 @@ its pinocchio is built for another Python. The folders of this installation are 
 
 from __future__ import annotations
 
+import functools
 import importlib.util
 import os
 import sys
@@ -14,6 +15,7 @@ import sysconfig
 TRACED = ("xacro", "pinocchio", "coal", "trimesh")
 
 
+@functools.cache
 def own_folders() -> tuple[str, ...]:
     """The site-packages folders of the Python environment that urdfcheck runs in."""
     paths = sysconfig.get_paths()

@@ -64,6 +64,16 @@ def _number(kind: _Kind, data: bytes) -> float:
     return value
 
 
+def _member(kind: object, name: object) -> Enum:
+    """A member of an enumeration, which Python 3.11 up to its third release sends as ``getattr`` of its class.
+
+    :raises pickle.UnpicklingError: for anything else that getattr could be asked for.
+    """
+    if isinstance(kind, type) and issubclass(kind, Enum) and name in kind.__members__:
+        return kind.__members__[str(name)]
+    raise pickle.UnpicklingError("a worker sent builtins.getattr, which is no data")
+
+
 class _Answer(pickle.Unpickler):
     """Reads what a worker sends. It is plain data: a worker that a hostile file has taken over can send no more than that.
 
@@ -102,6 +112,8 @@ class _Answer(pickle.Unpickler):
             return self._NUMBERS[module, name]
         if (module, name) in self._OTHERS:
             return super().find_class(module, name)
+        if (module, name) == ("builtins", "getattr"):
+            return _member
         found = super().find_class(module, name) if module in self._OURS and "." not in name else None
         if (
             not isinstance(found, type)
@@ -244,7 +256,7 @@ def _serve(pipe: Connection, prepare: Callable[[], object] | None, inherited: Co
     gc.disable()  # what a job needs it needs until its end
     if prepare is not None:
         prepare()
-        gc.freeze()  # what was loaded stays: no later collection need look through it
+    gc.freeze()  # what is loaded stays: no later collection need look through it
     with contextlib.suppress(EOFError, OSError):  # the parent has gone, or has no more jobs
         while True:
             function, arguments = pipe.recv()

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from conftest import FIXTURES
 
+from urdfcheck.files import recorded
 from urdfcheck.source.discover import plan
 from urdfcheck.source.launch import load_launch
 from urdfcheck.source.launch_python import read_python
@@ -176,3 +177,10 @@ def test_no_bytes_make_reading_fail(
         path.write_bytes(original[name])
     plan([Path()], {}, {}, [])
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_missing_include_is_among_what_the_outcome_rests_on(tmp_path: Path) -> None:
+    """Else a journal, or --watch, would keep the old verdict once the file is there."""
+    with recorded() as reads:
+        loaded(tmp_path, "a.xacro", f'<robot name="r" {XMLNS}><xacro:include filename="arm.xacro"/></robot>')
+    assert reads[str(tmp_path / "arm.xacro")] is None

@@ -1,18 +1,42 @@
-"""What a worker process loads while the parent works its job out."""
+"""The first worker, and what it loads while the parent works its job out."""
 
 from __future__ import annotations
 
 import contextlib
 import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from urdfcheck.workers import Worker
+
+
+def first_worker() -> Worker | None:
+    """A worker that loads what an audit needs while its job is being worked out here; None where processes cannot be forked.
+
+    :raises UrdfcheckError: when a page of a rule is none.
+    """
+    from urdfcheck import catalogue, libraries, workers
+
+    if not workers.FORKS:
+        return None
+    libraries.prefer_own()
+    # What both of them need is loaded before they part: once instead of twice.
+    for module in ("urdfcheck.engine", "urdfcheck.worker"):
+        importlib.import_module(module)
+    catalogue.rules()
+    return workers.Worker.start(prepare)
 
 
 def prepare() -> None:
-    """What a worker loads while the parent works its job out."""
+    """What a worker loads while the parent works its job out: all but the checks whose findings may be recalled."""
     from urdfcheck import catalogue, libraries
 
     libraries.prefer_own()
-    checks = [catalogue.module_of(rule) for rule in catalogue.rules().values() if catalogue.has_check(rule)]
-    for module in ("numpy", "urdfcheck.worker", *checks):
-        importlib.import_module(module)
+    importlib.import_module("numpy")
+    from urdfcheck.recall import applies
+
+    for rule in catalogue.rules().values():
+        if catalogue.has_check(rule) and not applies(rule):
+            importlib.import_module(catalogue.module_of(rule))
     with contextlib.suppress(ImportError):  # where there is none, it is not missed
         importlib.import_module("py_landlock")

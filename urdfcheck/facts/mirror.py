@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -65,7 +65,7 @@ class Plane:
         return linear, shift
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Outline:
     """What a part looks like, in its own frame: ``centroid`` (3,) and ``covariance`` (3, 3) of its surface, and ``points``
     (K, 3) that have its convex hull."""
@@ -78,6 +78,12 @@ class Outline:
     def radius(self) -> float:
         """Root mean square distance (m) of the surface from its centroid."""
         return float(np.sqrt(max(0.0, np.trace(self.covariance))))
+
+    @cached_property
+    def reach(self) -> Array:
+        """How far (m) it reaches from the origin of its frame in each direction of `_sphere` (n,): it is compared with many."""
+        farthest: Array = (self.points @ _sphere().T).max(axis=0)
+        return farthest
 
 
 def plane_of(
@@ -128,7 +134,8 @@ def mismatch(one: Outline, other: Outline, linear: ArrayLike, shift: ArrayLike) 
     centroid = float(np.linalg.norm(turn @ one.centroid + move - other.centroid)) / size
     spread = float(np.linalg.norm(turn @ one.covariance @ turn.T - other.covariance)) / (2.0 * size**2)
     directions = _sphere()
-    reach = ((one.points @ turn.T + move) @ directions.T).max(axis=0) - (other.points @ directions.T).max(axis=0)
+    # A point x reaches d·(T x + t) = (Tᵀ d)·x + d·t.
+    reach = (one.points @ (directions @ turn).T).max(axis=0) + directions @ move - other.reach
     return max(centroid, spread, float(np.abs(reach).max()) / size)
 
 

@@ -125,10 +125,12 @@ def _parsed(expression: str) -> ast.Expression:
     except ValueError as error:  # a zero byte, or a number of more digits than Python reads
         raise SyntaxError(str(error)) from None
     level: list[ast.AST] = [tree]
-    for _ in range(MAX_DEPTH):
+    depth = 0
+    while level:
+        if depth == MAX_DEPTH:
+            raise _too_deep()
         level = [child for node in level for child in ast.iter_child_nodes(node)]
-    if level:
-        raise _too_deep()
+        depth += 1
     return tree
 
 
@@ -251,19 +253,23 @@ def _weighed(node: ast.expr) -> ast.expr:
     return node if isinstance(node, ast.Constant) else _call("@weighed", node)
 
 
-def names_in(expression: str) -> set[str]:
+@lru_cache(maxsize=4096)  # several rules look through the same files
+def names_in(expression: str) -> frozenset[str]:
     """Every identifier that an expression mentions; of text that is no expression, every word in it."""
     try:
         tree = _parsed(expression)
     except (SyntaxError, Refused):
-        return set(_words(expression))
-    found = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    found |= {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
-    # An expression inside a string of an expression (xacro evaluates nested ${…}) counts as well.
+        return frozenset(_words(expression))
+    found: set[str] = set()
     for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str):
-            found |= set(_words(node.value))
-    return found
+        if isinstance(node, ast.Name):
+            found.add(node.id)
+        elif isinstance(node, ast.Attribute):
+            found.add(node.attr)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            # An expression inside a string of an expression (xacro evaluates nested ${…}) counts as well.
+            found.update(_words(node.value))
+    return frozenset(found)
 
 
 def _words(text: str) -> Iterator[str]:

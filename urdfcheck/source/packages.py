@@ -246,8 +246,9 @@ class PackageFinder:
         """The package that a file belongs to: the nearest folder above it with a package.xml."""
         for folder in path.parents:
             if folder not in self._packages:
-                allowed = self.allows(folder / "package.xml")
-                self._packages[folder] = load_package(folder) if allowed else None
+                manifest = folder / "package.xml"
+                readable = os.path.isfile(manifest) and self.allows(manifest)  # in this order: most folders hold none
+                self._packages[folder] = load_package(folder) if readable else None
             package = self._packages[folder]
             if package is not None:
                 return package

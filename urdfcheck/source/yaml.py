@@ -74,7 +74,9 @@ def read_yaml(source: SourceFile, read: Read, number: Number) -> Any:
         Loader.add_constructor(unit.value.tag, construct)
     with _told(source):
         node = _composed(source)
-        return _wrap(yaml.load(source.text, Loader=Loader), node, "", source, read)
+        # What is made of the nodes that are there already, instead of parsing the text again.
+        value = None if node is None else Loader("").construct_document(node)
+        return _wrap(value, node, "", source, read)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
