@@ -52,9 +52,11 @@ def assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]],
     for unit, _ in kept:
         homes.setdefault(unit.home, {})[unit.id] = unit.entry or unit.id
     seen = baseline.Seen(findings, models, judged, skipped, request.tier)
+    baselines: dict[str, str] = {}
     for known, names in _baselines(request, homes):
         own += _outdated(known, seen, names)
-        sources[display_name(known.path)] = known.text
+        baselines[display_name(known.path)] = known.text
+    sources.update(baselines)
     findings += _held(request, kept, own)
     users: dict[str, set[str]] = {}
     for unit, report in kept:
@@ -80,6 +82,7 @@ def assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]],
         tier=request.tier,
         targets=request.targets,
         fail_on={u.id: u.fail_on for u, _ in kept if u.fail_on is not None},
+        baselines=frozenset(baselines),
     )
 
 

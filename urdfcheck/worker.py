@@ -234,7 +234,7 @@ class _Audit:
         if self.settings.scene and model is not None:
             from urdfcheck.scene import scene_of
 
-            self.scene = self.guard("scene", lambda: scene_of(model, self.unit.id, self.loaded_launches))
+            self.scene = self.guard("scene", lambda: scene_of(model, self.unit.id, self.loaded_launches, self.findings))
         if self.settings.pairs and model is not None:
             self.pairs = self.guard("srdf", lambda: pairs_of(model))
         if self.settings.drop and model is not None:

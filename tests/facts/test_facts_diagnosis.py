@@ -108,7 +108,7 @@ def test_the_numbers_of_the_part_are_sound(form: object) -> None:
 
 
 @pytest.mark.parametrize("cause", ["inertia_unit", "mesh_scale", "diagonal_first", "com_unit", "units"])
-@settings(max_examples=15, deadline=None, derandomize=True, database=None)
+@settings(max_examples=15, derandomize=True, database=None)
 @given(seed=st.integers(0, 2**32))
 def test_coarse_mistakes_show_in_a_part_with_a_motor_inside(cause: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -120,7 +120,7 @@ def test_coarse_mistakes_show_in_a_part_with_a_motor_inside(cause: str, seed: in
 # -- what is no mistake -------------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=200, deadline=None, derandomize=True, database=None)
+@settings(max_examples=200, derandomize=True, database=None)
 @given(
     shares=st.lists(st.floats(0.01, 1.0), min_size=1, max_size=3),
     heavy=st.floats(0.0, 0.6),
@@ -261,7 +261,7 @@ DRAWINGS = {
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("name", DRAWINGS)
-@settings(max_examples=25, deadline=None, derandomize=True, database=None)
+@settings(max_examples=25, derandomize=True, database=None)
 @given(
     numbers=st.lists(
         st.sampled_from([0.0, -0.0, 1.0, -1.0, 1e-5, 1e-12, 1e-40, 1e40, -1e50, 1e300, np.nan, np.inf, 5e-324]),

@@ -100,7 +100,7 @@ def robots(draw: st.DrawFn) -> list[Part]:
     ]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(robots(), st.lists(st.floats(-3, 3), min_size=5, max_size=5), st.floats(-3, 3), st.floats(0.1, 10))
 def test_gravity_torques_are_the_moments_of_the_weights(
     parts: list[Part], values: list[float], yaw: float, factor: float
@@ -128,7 +128,7 @@ def test_a_pendulum(angle: float) -> None:
     assert_allclose(dynamics.effective_inertias(dynamics.inverse_mass_matrices(model, data, q)), [[0.8]])
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(robots(), st.lists(st.floats(-3, 3), min_size=5, max_size=5))
 def test_inverse_mass_matrices_are_the_inverses(parts: list[Part], values: list[float]) -> None:
     model = built(parts)

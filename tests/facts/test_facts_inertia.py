@@ -24,6 +24,7 @@ from urdfcheck.facts.inertia import (
     equivalent_density,
     inertia_of,
     placed,
+    principal_frame,
     principal_moments,
     sphere_solid,
     tensor,
@@ -118,6 +119,20 @@ def test_principal_axes_are_a_rotation_that_diagonalises() -> None:
     assert np.linalg.det(axes) == pytest.approx(1.0)
     assert_allclose(axes @ np.diag(moments) @ axes.T, inertia, atol=1e-14)
     assert sorted(moments) == list(moments)
+
+
+@given(st.sampled_from([(0.1, 0.2, 0.3), (0.2, 0.2, 0.3), (0.1, 0.3, 0.3), (0.2, 0.2, 0.2)]), angle, angle, angle)
+def test_the_principal_frame_is_one_and_the_same_for_tensors_that_differ_by_rounding(
+    sides: tuple[float, float, float], roll: float, pitch: float, yaw: float
+) -> None:
+    inertia = inertia_of(placed(box_solid(sides), rpy_to_matrix((roll, pitch, yaw)), (0, 0, 0)), 2.0)
+    moments, axes = principal_frame(inertia)
+    assert_allclose(axes @ np.diag(moments) @ axes.T, inertia, atol=1e-9)
+    assert_allclose(axes.T @ axes, np.eye(3), atol=1e-9)
+    assert np.linalg.det(axes) == pytest.approx(1.0)
+    assume((np.abs(np.abs(axes) - 0.1) > 1e-6).all())  # where a component begins to count
+    noise = np.array([[0, 1, 0], [1, 0, -1], [0, -1, 1]]) * 1e-16
+    assert_allclose(principal_frame(inertia + noise)[1], axes, atol=1e-6)
 
 
 # --- digits ----------------------------------------------------------------------------------------------------------

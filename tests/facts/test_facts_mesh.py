@@ -189,7 +189,7 @@ numbers = st.floats(-2, 2)
 sizes = st.floats(0.05, 2)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     scale=st.tuples(sizes, sizes, sizes),
     mirror=st.tuples(*[st.sampled_from((-1, 1))] * 3),
@@ -313,7 +313,7 @@ def test_float_noise_between_equal_corners_is_welded_and_a_gap_is_not(noise: flo
         assert facts.n_vertices == 8
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(0, 2**32 - 1), st.tuples(sizes, sizes, sizes))
 def test_noise_below_the_tolerance_is_welded_wherever_it_falls(seed: int, size: tuple[float, float, float]) -> None:
     box = trimesh.creation.box(size)
@@ -643,13 +643,13 @@ def test_a_truncated_stl_says_what_is_declared_and_what_is_there() -> None:
         mesh_facts(GOOD_STL[:-1], "stl")
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(cut=st.integers(0, len(GOOD_STL) - 1))
 def test_no_part_of_a_binary_stl_passes_for_a_mesh(cut: int) -> None:
     assert reason(GOOD_STL[:cut], "stl") == ("truncated" if cut else "empty")
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(data=st.binary(max_size=300), file_type=st.sampled_from(["stl", "obj", "dae", "ply", "off", "glb", "gltf"]))
 def test_garbage_is_refused_and_never_crashes(data: bytes, file_type: str) -> None:
     with pytest.raises(MeshError):
@@ -695,3 +695,27 @@ def test_meshes_of_real_robots_are_at_least_as_watertight_as_trimesh_finds_them(
         assert facts.watertight or not mesh.is_watertight, path
         if facts.watertight and mesh.is_watertight and mesh.is_winding_consistent:
             assert facts.volume == pytest.approx(mesh.volume, rel=1e-5), path
+
+
+# -- colours -------------------------------------------------------------------------------------------------------------
+
+RED, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
+
+
+def test_faces_of_a_collada_file_have_the_colours_of_their_materials():
+    """Two boxes that touch along an edge: the corners that they share are merged, and each face keeps its material."""
+    boxes = [trimesh.creation.box((1, 1, 1)), trimesh.creation.box((1, 1, 1))]
+    boxes[1].apply_translation((0, 1, 1))
+    for box, color in zip(boxes, (RED, BLUE), strict=True):
+        material = trimesh.visual.material.PBRMaterial(baseColorFactor=np.array(color) * 255)
+        box.visual = trimesh.visual.TextureVisuals(uv=np.zeros((8, 2)), material=material)
+    facts = mesh_facts(trimesh.exchange.dae.export_collada(boxes), "dae")
+    assert facts.colors is not None
+    of_face, rgba = facts.colors
+    assert facts.n_vertices == 14
+    upper = facts.vertices[facts.faces][:, :, 1:].sum(axis=2).mean(axis=1) > 1.0
+    assert_allclose(rgba[of_face], np.where(upper[:, None], BLUE, RED))
+
+
+def test_formats_without_colours_have_none():
+    assert mesh_facts(BOX.export(file_type="stl"), "stl").colors is None

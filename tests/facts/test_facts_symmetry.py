@@ -82,7 +82,7 @@ def test_quarter_turns_are_a_choice_of_axes(quarters: int) -> None:
     assert odd_one_out(CAR_XYZ, frames(turned), CAR_AXES) is None
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     order=st.permutations(range(4)),
     rpy=st.tuples(pose, pose, pose),
@@ -121,7 +121,7 @@ def test_a_mirrored_robot_has_the_same_odd_one(across: int, rpy: tuple[float, fl
     assert_allclose(image.expected_frame, mirror @ usual.expected_frame @ mirror, atol=1e-9)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 3), st.floats(math.radians(2), math.radians(88)), st.booleans())
 def test_an_offset_of_any_wheel_has_its_sign_about_that_wheels_axis(index: int, size: float, back: bool) -> None:
     turn = -size if back else size
@@ -133,7 +133,7 @@ def test_an_offset_of_any_wheel_has_its_sign_about_that_wheels_axis(index: int, 
     assert odd.angle == pytest.approx(turn, abs=1e-4)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 3), st.floats(math.radians(0.3), math.radians(40)), angle)
 def test_a_tilted_wheel_is_told_from_a_turned_one(index: int, tilt: float, about: float) -> None:
     turns = frames(REPAIRED)
@@ -163,7 +163,7 @@ def test_siblings_on_a_ring_follow_its_rotation(count: int) -> None:
     assert odd_one_out(places, turns, [(0, 0, 1)] * count) is None
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.sampled_from((3, 4, 5, 6, 8)), st.data(), st.tuples(offset, offset, offset))
 def test_on_a_ring_the_right_one_is_named_or_none(
     count: int, data: st.DataObject, rpy: tuple[float, float, float]
@@ -322,7 +322,6 @@ def test_massless_links_are_alike() -> None:
     assert group_by_signature([signature(0.0, (0, 0, 0)), signature(0.0, (0, 0, 0))]) == [[0, 1]]
 
 
-@settings(deadline=None)
 @given(st.permutations([1.0, 1.004, 1.008, 2.0, 2.005, 3.0]))
 def test_groups_do_not_depend_on_order(masses: list[float]) -> None:
     groups = group_by_signature([signature(m, (1, 1, 1)) for m in masses])

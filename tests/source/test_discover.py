@@ -360,6 +360,30 @@ def test_a_python_launch_file_leads_to_the_models_that_it_names(workspace: Path)
     assert [Path(m).resolve() for m in models("car/launch/car.launch.py")] == [workspace / "car/urdf/car.urdf"]
 
 
+def test_a_python_launch_file_is_checked_with_the_one_model_that_it_names(workspace: Path) -> None:
+    write(
+        workspace,
+        {
+            "car/package.xml": manifest("car"),
+            "car/urdf/car.xacro": xacro(LINK),
+            "car/urdf/arm.xacro": xacro(LINK),
+            "car/launch/car.launch.py": "m = 'urdf/car.xacro'",
+            "car/launch/both.launch.py": "m = 'urdf/car.xacro'; n = 'urdf/arm.xacro'",
+        },
+    )
+    found = planned("car")
+    assert [(t.path.name, [x.name for x in t.launches]) for t in found.models] == [
+        ("arm.xacro", []),
+        ("car.xacro", ["car.launch.py"]),
+    ]
+    assert [x.name for x in found.launches] == ["both.launch.py"]
+    # It does not say with which arguments: that is for an XML one, which is all that the model is checked with.
+    write(workspace, {"car/launch/view.launch": ROS_1.format("arm:=true")})
+    found = planned("car")
+    assert [dict(t.arguments) for t in found.models if t.path.name == "car.xacro"] == [{"arm": "true"}]
+    assert [x.name for x in found.launches] == ["both.launch.py", "car.launch.py"]
+
+
 @pytest.mark.parametrize(
     ("name", "yes"),
     [
@@ -433,6 +457,46 @@ def test_a_mesh_or_macro_file_that_no_model_uses_is_said(car: Path) -> None:
     found = planned("car/meshes/unused.stl", "car/urdf/lonely.xacro")
     assert found.models == ()
     assert [path for path, _ in found.unused] == ["car/meshes/unused.stl", "car/urdf/lonely.xacro"]
+
+
+ARM = {
+    "arm/package.xml": manifest("arm"),
+    "arm/urdf/arm.urdf.xacro": xacro("${xacro.load_yaml('../sizes/sizes.yaml')}" + LINK, ' name="arm"'),
+    "arm/urdf/stand.urdf": '<robot name="stand"><link name="base"/></robot>',
+    "arm/sizes/sizes.yaml": "",
+    "arm/config/controllers.yaml": "",
+    "arm/docs/notes.yaml": "",
+    "moveit/package.xml": manifest("moveit"),
+    "moveit/config/arm.srdf": '<robot name="arm"/>',
+    "moveit/config/joint_limits.yaml": "",
+    "bringup/package.xml": manifest("bringup"),
+    "bringup/config/control.yaml": "",
+    "bringup/launch/stand.launch": """<launch>
+        <param name="robot_description" textfile="$(find arm)/urdf/stand.urdf"/>
+        <rosparam command="load" file="$(find bringup)/config/control.yaml"/></launch>""",
+}
+
+
+@pytest.mark.parametrize(
+    ("changed", "checked"),
+    [
+        ("arm/sizes/sizes.yaml", ["arm/urdf/arm.urdf.xacro"]),  # loaded by the xacro
+        ("arm/config/controllers.yaml", ["arm/urdf/arm.urdf.xacro", "arm/urdf/stand.urdf"]),  # nobody names it
+        ("moveit/config/joint_limits.yaml", ["arm/urdf/arm.urdf.xacro"]),  # beside an SRDF
+        ("moveit/config/arm.srdf", ["arm/urdf/arm.urdf.xacro"]),
+        ("bringup/config/control.yaml", ["arm/urdf/stand.urdf"]),  # a launch file loads it
+        ("arm/docs/notes.yaml", []),
+    ],
+)
+def test_changed_settings_lead_to_the_models_that_they_are_for(
+    workspace: Path, changed: str, checked: list[str]
+) -> None:
+    (workspace / ".git").mkdir()
+    write(workspace, ARM)
+    found = planned(changed)
+    assert [t.path.as_posix() for t in found.models] == checked
+    assert [path for path, _ in found.unused] == ([] if checked else [changed])
+    assert found.missing == ()
 
 
 def test_a_mesh_of_another_package_with_the_same_name_is_another_mesh(car: Path) -> None:

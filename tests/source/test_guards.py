@@ -196,7 +196,7 @@ TEXT = st.recursive(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.one_of(NUMBER, TEXT))
 def test_any_harmless_expression_has_its_plain_value(expression: str) -> None:
     def outcome(run: Any) -> Any:

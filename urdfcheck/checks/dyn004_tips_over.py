@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Collection, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +12,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.facts.contact import SLACK, Fall, Stand, fall, stand
 from urdfcheck.model import Model
 from urdfcheck.model.names import listed
-from urdfcheck.model.standing import Mass, corners, masses
+from urdfcheck.model.standing import LEG, Mass, contacts, corners, is_free, masses
 from urdfcheck.model.wheels import is_suspended
 
 if TYPE_CHECKING:
@@ -21,9 +20,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-# A root of these names is the ground itself, and what is fixed to it cannot fall.
-_GROUND = frozenset({"world", "map"})
-_LEG = re.compile(r"leg|foot|feet|hip|knee|ankle|thigh|calf|shank|tibia|toe", re.IGNORECASE)
 _SIDES = ("+x (ahead)", "+y (to the left)", "-x (to the rear)", "-y (to the right)")
 # Beyond this it lies on its side.
 _FALLEN = math.radians(60)
@@ -31,7 +27,7 @@ _FALLEN = math.radians(60)
 
 def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Finding]:
     wheels = {wheel.joint.child: wheel for wheel in model.wheels}
-    if model.tree.root in _GROUND or not (wheels or any(_LEG.search(link.name) for link in model.links)):
+    if not is_free(model):
         return
     weights = masses(model)
     base = model.tree.body(model.tree.root)
@@ -60,14 +56,15 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
         if math.degrees(end.tilt) <= rest:
             return
         message, severity, told = "tips", None if meant else Severity.INFO, {"outcome": _outcome(model, end, owners)}
-    worst, contacts = _worst(weights, now), _contacts(model, points, owners, now)
+    worst = _worst(weights, now)
+    touching = {name: _rounded(place) for name, place in contacts(model, points, owners, now).items()}
     assert worst.link.inertial is not None
     yield rule.finding(
         message,
         at=worst.link.inertial,
         severity=severity,
-        supports=listed(contacts),
-        contacts=contacts,
+        supports=listed(touching),
+        contacts=touching,
         polygon=[_rounded(corner) for corner in now.polygon],
         **_data(weights, worst, now, com),
         **told,
@@ -78,7 +75,8 @@ def _supports(model: Model, points: Array, owners: NDArray[np.int64], com: Array
     """The links that touch the ground, or do when the robot is tilted by ``rest`` (rad)."""
     heights = points[:, 2] - points[:, 2].min()
     reach = np.linalg.norm(points[:, :2] - com[:2], axis=1)
-    return [model.tree.order[i] for i in np.unique(owners[heights <= math.tan(rest) * reach])]
+    down = sorted(set(owners[heights <= math.tan(rest) * reach].tolist()))  # np.unique loads numpy.ma for it
+    return [model.tree.order[i] for i in down]
 
 
 def _is_standing(model: Model, supports: Sequence[str], wheels: Collection[str]) -> bool:
@@ -93,7 +91,7 @@ def _is_standing(model: Model, supports: Sequence[str], wheels: Collection[str])
 
 def _is_leg(model: Model, name: str) -> bool:
     path = [joint for joint in model.tree.path(name) if joint.moves]
-    return len(path) > 1 and any(_LEG.search(f"{joint.name} {joint.child}") for joint in path)
+    return len(path) > 1 and any(LEG.search(f"{joint.name} {joint.child}") for joint in path)
 
 
 def _worst(weights: Sequence[Mass], now: Stand) -> Mass:
@@ -105,12 +103,6 @@ def _outcome(model: Model, end: Fall, owners: NDArray[np.int64]) -> str:
     if end.touched is None or not math.isfinite(end.tilt):
         return "it falls over"
     return f"it comes to rest tilted by {math.degrees(end.tilt):.0f}°, on {model.tree.order[owners[end.touched]]}"
-
-
-def _contacts(model: Model, points: Array, owners: NDArray[np.int64], now: Stand) -> dict[str, list[float]]:
-    """The middle of the points with which each link touches, in root coordinates."""
-    places, links = points[now.touching], owners[now.touching]
-    return {model.tree.order[i]: _rounded(places[links == i].mean(axis=0)) for i in np.unique(links)}
 
 
 def _data(weights: Sequence[Mass], worst: Mass, now: Stand, com: Array) -> dict[str, Any]:

@@ -98,6 +98,35 @@ def principal_moments(inertia: ArrayLike) -> tuple[Array, Array]:
     return moments, axes
 
 
+def principal_frame(inertia: ArrayLike, rel_tol: float = 1e-9) -> tuple[Array, Array]:
+    """Like `principal_moments`, with axes that do not depend on the machine: where moments are equal to within ``rel_tol`` of
+    the largest, one of their axes is as near as it can be to an axis of the tensor; an axis that is certain points along its
+    first component that counts.
+
+    :raises ValueError: when the tensor is not finite.
+    """
+    moments, axes = principal_moments(inertia)
+    slack = rel_tol * float(np.abs(moments).max())
+    low, high = moments[1] - moments[0] > slack, moments[2] - moments[1] > slack
+    if not low and not high:
+        return moments, np.eye(3)
+    # The axis of a moment that no other equals, and the next one round.
+    place = 0 if low else 2
+    first, second = _pointed(axes[:, place]), _pointed(axes[:, (place + 1) % 3])
+    if not (low and high):
+        nearest = np.eye(3)[int(np.abs(first.round(6)).argmin())]
+        second = nearest - (nearest @ first) * first
+        second /= np.linalg.norm(second)
+    found = np.column_stack((first, second, np.cross(first, second)))
+    return moments, np.roll(found, place, axis=1)
+
+
+def _pointed(axis: Array) -> Array:
+    """Along or against ``axis`` (3,), so that its first component that counts is positive."""
+    pointed: Array = axis * np.sign(axis[int((np.abs(axis) > 0.1).argmax())])
+    return pointed
+
+
 def triangle_excess(inertia: ArrayLike) -> float:
     """``(I1 + I2 - I3) / I3`` of the ascending principal moments: negative when no body has this tensor.
 

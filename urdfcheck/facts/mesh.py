@@ -28,6 +28,7 @@ from urdfcheck.facts.mesh_topology import (
     component_sizes,
     meets,
     near_rim,
+    origins,
     repeated_faces,
     weld_exact,
     weld_near,
@@ -93,6 +94,9 @@ class MeshFacts:
     where that is no length that anybody draws in. ``format`` and ``solid_header``:
     see `urdfcheck.facts.mesh_decode.RawMesh`.
 
+    ``colors``: for each face its place in a list of colours, -1 for none, and that list (n, 4), r g b a from 0 to 1; None where
+    the file has no colours, or a format of which they are not read (all but COLLADA).
+
     ``parts`` holds the arrays, and what is computed when it is first asked for: hull, components, duplicate faces. Where
     they are kept elsewhere some may be lost: ``again`` measures the file once more.
     """
@@ -140,6 +144,13 @@ class MeshFacts:
         if self.parts.get("surface") is None and self.again is not None:
             self.again()
         return self.parts["surface"]
+
+    @property
+    def colors(self) -> tuple[NDArray[np.int64], Array] | None:
+        if "colors" not in self.parts:
+            return None
+        part = self.parts["colors"]
+        return part["faces"].astype(np.int64), np.asarray(part["rgba"], dtype=np.float64)
 
     @cached_property
     def boundaries(self) -> tuple[Boundary, ...]:
@@ -232,6 +243,8 @@ def _measure(raw: RawMesh, parts: Parts) -> MeshFacts:
         "vertices": _frozen(narrow if np.array_equal(narrow, vertices) else vertices),
         "faces": _frozen(faces.astype(np.int32)),
     }
+    if raw.colors and raw.faces is not None:
+        parts["colors"] = _colors(raw, surface)
     fields: dict[str, Any] = {
         "format": raw.format,
         "solid_header": raw.solid_header,
@@ -263,6 +276,20 @@ def _measure(raw: RawMesh, parts: Parts) -> MeshFacts:
     # In memory already, and as precise as they were measured.
     facts.__dict__.update(vertices=_frozen(vertices), faces=_frozen(faces), _edges=edges)
     return facts
+
+
+# So many colours of one file are told apart.
+_MOST_COLORS = 100
+
+
+def _colors(raw: RawMesh, surface: Surface) -> dict[str, NDArray[Any]]:
+    """See `MeshFacts.colors`."""
+    assert raw.faces is not None
+    rgba = list(dict.fromkeys(color for _, color in raw.colors if color is not None))[:_MOST_COLORS]
+    place = {color: i for i, color in enumerate(rgba)}
+    number = np.array([-1 if color is None else place.get(color, -1) for _, color in raw.colors])
+    of_face = np.append(np.repeat(number, [count for count, _ in raw.colors]), -1)
+    return {"faces": of_face[origins(raw.vertices, raw.faces, surface)].astype(np.int8), "rgba": np.array(rgba)}
 
 
 def _welded(raw: RawMesh) -> tuple[Surface, int]:

@@ -49,6 +49,9 @@ _PLY_HEADER = 64 * 1024
 _PLY_ELEMENT = re.compile(rb"^element\s+(\S+)\s+(\d+)\s*$", re.MULTILINE)
 
 
+Color = tuple[float, float, float, float]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class RawMesh:
     """Triangles as a file stores them: ``vertices`` (V, 3) in file units, float32 or float64, ``faces`` (F, 3), scene
@@ -56,7 +59,8 @@ class RawMesh:
 
     ``format``: the file type, but ``stl-binary`` or ``stl-ascii``. ``solid_header``: a binary STL that begins with
     ``solid`` as an ASCII one must. ``unit`` (metres per file unit) and ``up_axis``: COLLADA's. ``bad_unit``: what it
-    declares as its unit, if that is no length that anybody draws in; ``unit`` is None then.
+    declares as its unit, if that is no length that anybody draws in; ``unit`` is None then. ``colors``: runs of faces with
+    the r g b a (0 to 1, as shown) of their material, None where that has none; empty where the format or file has none.
     """
 
     format: str
@@ -66,6 +70,7 @@ class RawMesh:
     unit: float | None = None
     up_axis: str | None = None
     bad_unit: str | None = None
+    colors: tuple[tuple[int, Color | None], ...] = ()
 
     @property
     def n_triangles(self) -> int:
@@ -291,7 +296,8 @@ def _from_dae(data: bytes) -> RawMesh:
     # A broken material or light is no concern here, and other loaders pass over it.
     with _silent("collada"):
         document = Collada(io.BytesIO(_NAN.sub(b"1e999", data) if b"nan" in data.lower() else data), ignore=[DaeError])
-    parts = []
+    parts: list[tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]] = []
+    colors: list[tuple[int, Color | None]] = []
     if document.scene is not None:
         _refuse_bomb(document.scene.nodes)
         for geometry in document.scene.objects("geometry"):
@@ -300,6 +306,7 @@ def _from_dae(data: bytes) -> RawMesh:
                 if hasattr(triangles, "ntriangles") and triangles.vertex is not None and triangles.ntriangles:
                     faces = np.asarray(triangles.vertex_index, dtype=np.int64).reshape(-1, 3)
                     parts.append((np.asarray(triangles.vertex, dtype=np.float64), faces, geometry.matrix))
+                    colors.append((len(faces), _diffuse(primitive.material)))
     if not parts and document.scene is None:
         raise MeshError("no-triangles", "has no <scene> that places its geometry")
     if not parts and document.errors:
@@ -308,7 +315,18 @@ def _from_dae(data: bytes) -> RawMesh:
     text = None if declared is None else declared.get("meter")
     unit = None if text is None else _length(text)
     bad_unit = text if unit is None else None
-    return replace(_joined("dae", parts), unit=unit, up_axis=document.assetInfo.upaxis, bad_unit=bad_unit)
+    known = tuple(colors) if any(color is not None for _, color in colors) else ()
+    joined = _joined("dae", parts)
+    return replace(joined, unit=unit, up_axis=document.assetInfo.upaxis, bad_unit=bad_unit, colors=known)
+
+
+def _diffuse(material: Any) -> Color | None:
+    """The diffuse colour of pycollada's material; None without one, and for a texture, which is another file."""
+    color = getattr(getattr(material, "effect", None), "diffuse", None)
+    if not isinstance(color, tuple) or len(color) < 3 or not all(0.0 <= part <= 1.0 for part in color[:3]):
+        return None
+    red, green, blue = map(float, color[:3])
+    return red, green, blue, 1.0
 
 
 def _refuse_encoding(data: bytes) -> None:

@@ -185,6 +185,18 @@ def repeated_faces(faces: Indices) -> NDArray[np.bool_]:
     return again
 
 
+def origins(points: NDArray[Any], faces: Indices, surface: Surface) -> Indices:
+    """Which of the triangles ``faces`` (F, 3) over ``points`` each face of the surface made of them was; F for a face of which
+    a corner was moved."""
+    count, total = len(surface.vertices), len(faces)
+    number = _first_equal_row(
+        np.concatenate((surface.vertices, points.astype(np.float64))) + 0.0, 4 * (count + len(points))
+    )
+    corners = np.concatenate((np.take(number[count:], faces), surface.faces))
+    first = _first_equal_row(np.sort(corners, axis=1), 4 * len(corners))[total:]
+    return np.minimum(first, total)
+
+
 def near_rim(surface: Surface, rim: Indices, distance: float) -> Indices:
     """Indices of all vertices that lie within ``distance`` of one of the open edges ``rim`` (n, 2), and of few others.
 

@@ -15,7 +15,8 @@ from urdfcheck.core import Located
 from urdfcheck.facts.revolution import outline
 from urdfcheck.model.model import Model
 from urdfcheck.model.wheels import points_of
-from urdfcheck.source.controllers import FOLDERS, Configuration, Controller, brought_up, read_configuration, yaml_files
+from urdfcheck.source.controllers import Configuration, Controller, brought_up, read_configuration, yaml_files
+from urdfcheck.source.discover import FOLDERS
 from urdfcheck.source.launch import Launch
 from urdfcheck.source.packages import PackageFinder
 from urdfcheck.source.srdf import is_about, srdf_folders

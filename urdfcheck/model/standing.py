@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import Unavailable
+from urdfcheck.facts.contact import Stand
 from urdfcheck.model.bounds import is_token
 from urdfcheck.model.model import Model
 from urdfcheck.model.parts import Link
@@ -21,6 +23,11 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
+LEG = re.compile(r"leg|foot|feet|hip|knee|ankle|thigh|calf|shank|tibia|toe", re.IGNORECASE)
+# A root of these names is the ground itself, and what is fixed to it cannot fall.
+_GROUND = frozenset({"world", "map"})
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Mass:
     """What a link weighs: ``mass`` in kg and its ``com`` (3,) in root coordinates."""
@@ -28,6 +35,14 @@ class Mass:
     link: Link
     mass: float
     com: Array
+
+
+def is_free(model: Model) -> bool:
+    """Whether the robot has wheels or legs and is not fixed to the ground.
+
+    :raises Unavailable: when the tree is broken or an origin is malformed.
+    """
+    return model.tree.root not in _GROUND and bool(model.wheels or any(LEG.search(link.name) for link in model.links))
 
 
 def masses(model: Model) -> tuple[Mass, ...]:
@@ -74,3 +89,9 @@ def corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Array, NDArray[n
         parts.append(placed)
         owners += [place] * len(placed)
     return np.concatenate(parts), np.array(owners, dtype=np.int64)
+
+
+def contacts(model: Model, points: Array, owners: NDArray[np.int64], now: Stand) -> dict[str, Array]:
+    """The middle (3,) of the points with which each link touches the ground, in root coordinates; arrays as of `corners`."""
+    places, links = points[now.touching], owners[now.touching]
+    return {model.tree.order[i]: places[links == i].mean(axis=0) for i in sorted(set(links.tolist()))}

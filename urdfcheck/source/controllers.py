@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.files import read_regular
-from urdfcheck.source.discover import is_launch
+from urdfcheck.source.discover import FOLDERS, is_launch
 from urdfcheck.source.load import Source
 from urdfcheck.source.packages import PackageFinder
 from urdfcheck.source.srdf import depends_on
@@ -27,8 +27,6 @@ JOINTS = (
     *("front_wheels_names", "rear_wheels_names", "traction_joints_names", "steering_joints_names"),
     *("traction_joint_name", "steering_joint_name"),
 )
-# Where a package keeps its configurations.
-FOLDERS = ("config", "params", "controllers", "control", "launch")
 MAX_FILES = 100
 _LARGEST_LAUNCH = 1_000_000
 _ACTIONS = frozenset({"FollowJointTrajectory", "GripperCommand"})

@@ -23,6 +23,8 @@ from urdfcheck.source.reach import OUT_OF_REACH, Reach
 from urdfcheck.source.xml import Element, SourceFile, XmlError, parse, unbound_prefix
 
 MESH_SUFFIXES = frozenset({".stl", ".dae", ".obj", ".ply", ".off", ".glb", ".gltf"})
+# Where a package keeps its configurations.
+FOLDERS = ("config", "params", "controllers", "control", "launch")
 # Includes of one file that are looked for, and names of files that are compared with their patterns: beyond that a file counts
 # as included by none, and is checked as a model of its own. Of a hundred robots no file has more than 40 includes.
 MAX_INCLUDES = 2_000
@@ -74,6 +76,11 @@ class ModelTarget:
     xacro: bool = False
     name: str | None = None
     varied: tuple[str, ...] = ()
+
+    @property
+    def launched(self) -> bool:
+        """Whether a launch file says with which arguments; one in Python does not."""
+        return any(launch.suffix != ".py" for launch in self.launches)
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,6 +210,8 @@ class _Planner:
             self.add_users(path, users, "no model of its package or repository names this mesh")
         elif path.name == "package.xml":
             self.add_folder(path.parent)
+        elif path.suffix.lower() in {".yaml", ".yml"}:
+            self.add_settings(path)
         elif is_srdf(path) and _File(path).root is None:
             self.missing.append((str(path), "is no XML that can be read, so that nobody knows whose it is"))
         elif is_srdf(path):
@@ -219,7 +228,22 @@ class _Planner:
         elif path.suffix in {".urdf", ".xacro", ".xml", ""}:
             self.add_model(ModelTarget(path, self.arguments, explicit=True))
         else:
-            self.missing.append((str(path), "is no model, launch file, mesh or folder"))
+            self.missing.append((str(path), "is no model, launch file, mesh, yaml file or folder"))
+
+    def add_settings(self, path: Path) -> None:
+        """A yaml file (controllers, joint limits, what a xacro loads): who names it, and the models that a semantic description
+        beside it is about; else the models of its package, with which its controllers are compared."""
+        users = [
+            *self.users(path, lambda folder, _: folder.described_beside(path)),
+            *self.users(
+                path, lambda folder, package: [*folder.users_of(path, package), *folder.loading(path, package)]
+            ),
+        ] or self.users(path, lambda folder, _: folder.configured_by(path))
+        for launch in filter(is_launch, users):
+            self.add_launch(launch)
+        models = [user for user in users if not is_launch(user)]
+        if models or not users:
+            self.add_users(path, models, "no model and no launch file of its package or repository reads this file")
 
     def named_in(self, folder: _Folder) -> list[Path]:
         """The files in a folder that the configurations for its files call models."""
@@ -240,7 +264,7 @@ class _Planner:
             return
         local = self.local(target.path)
         real = _real(target.path)
-        entries = [m for m in local.models if _real(m.path) == real] if local and not target.launches else []
+        entries = [m for m in local.models if _real(m.path) == real] if local and not target.launched else []
         for entry in entries:
             name = "" if self.arguments else entry.name or ""  # with other arguments it is another model
             self.add_target(replace(target, arguments={**entry.arguments, **self.arguments}, name=name))
@@ -268,9 +292,11 @@ class _Planner:
         self.launches[_real(path)] = path
         finder = self.finder(path)
         if path.suffix == ".py":
-            for model in read_python(path, finder).models:
+            models = read_python(path, finder).models
+            for model in models:
                 self.reach_for(model, finder)
-                self.add_model(ModelTarget(model, self.arguments))
+                # Which of several it starts, nobody knows before it is launched.
+                self.add_model(ModelTarget(model, self.arguments, (path,) if len(models) == 1 else ()))
             return
         launch: Launch = load_launch(path, finder)
         for description in launch.descriptions:
@@ -322,7 +348,7 @@ class _Planner:
             self.unused.append((display_name(first.path), reason))
         varied = {c.name for c in free if c.default is not None}
         # What the configuration gives and the text has no other value for: a model may need it to be one.
-        configured = next((t.arguments for t in targets if not t.launches), {})
+        configured = next((t.arguments for t in targets if not t.launched), {})
         given_anyway = {name: value for name, value in configured.items() if name not in {c.name for c in free}}
         found = [
             replace(
@@ -342,8 +368,8 @@ class _Planner:
         models: list[ModelTarget] = []
         for targets in self.models.values():
             # A launch file says with which arguments the model is used: the bare one adds nothing.
-            launched = [t for t in targets if t.launches]
-            bare = [t for t in targets if not t.launches and (t.explicit or t.name is not None or not launched)]
+            launched = [t for t in targets if t.launched]
+            bare = [t for t in targets if not t.launched and (t.explicit or t.name is not None or not launched)]
             models += [*bare, *launched, *self.variants(targets)]
         models.sort(key=lambda t: (display_name(t.path), sorted(t.arguments.items())))
         reached: set[Path] = set()
@@ -436,6 +462,7 @@ class _Folder:
     """The files below a folder that can matter, read once."""
 
     def __init__(self, path: Path, finder: PackageFinder) -> None:
+        self.path = path
         self.finder = finder
         self.outside: list[Path] = []
         files = sorted(_walk(path, finder, self.outside))
@@ -525,12 +552,30 @@ class _Folder:
                 users.append(model)
         return users
 
-    def users_of(self, mesh: Path, package: str) -> list[Path]:
-        """The models in whose own or included text the mesh's file name stands, and the name of its package as well."""
+    def described_beside(self, settings: Path) -> list[Path]:
+        """The models whose robot has the name of a semantic description's in the folder of a configuration."""
+        inside = (Path(settings.parent, name) for name in _listed(str(settings.parent))[1])
+        return [model for srdf in inside if is_srdf(srdf) and self.finder.allows(srdf) for model in self.called(srdf)]
+
+    def configured_by(self, settings: Path) -> list[Path]:
+        """All models, where the folder is a package and the file lies where this keeps its configurations."""
+        kept = {_real(self.path / name) for name in FOLDERS}
+        if _real(settings).parent not in kept or not (self.path / "package.xml").is_file():
+            return []
+        return [model for model, _ in self.models()]
+
+    def loading(self, settings: Path, package: str) -> list[Path]:
+        """The launch files in which a configuration's file name stands, and the name of its package."""
+        texts = ((launch, _File(launch).text) for launch in self.launches)
+        return [launch for launch, text in texts if settings.name in text and package in text]
+
+    def users_of(self, named: Path, package: str) -> list[Path]:
+        """The models in whose own or included text a file's name stands (a mesh, what is loaded), and the name of its package as
+        well."""
         users: list[Path] = []
         for model, _ in self.models():
             files = [self.by_real[f] for f in (_real(model), *self._closure(model)) if f in self.by_real]
-            if any(file.names(mesh.name) for file in files) and any(package in file.text for file in files):
+            if any(file.names(named.name) for file in files) and any(package in file.text for file in files):
                 users.append(model)
         return users
 

@@ -10,8 +10,8 @@ import itertools
 import os
 import re
 import shlex
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -104,11 +104,20 @@ class StaticTransform:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Scope:
+    """An XML launch file, with what resolves the substitutions in it as it is launched or included."""
+
+    root: Element
+    resolver: Resolver
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Launch:
     """One launch file. ``dialect``: ros1 | ros2 | python; ``root`` is None for Python and for broken XML.
 
     ``files`` holds it and those that it includes, ``broken`` the includes that lead nowhere. ``python`` is what could be read
-    of one in Python. ``model`` is the model that its robot_description leads to, once it is loaded.
+    of one in Python. ``model`` is the model that its robot_description leads to, once it is loaded. ``scope`` is this file as
+    it is launched with the defaults of its arguments, and ``scopes`` the included ones by their elements.
     """
 
     path: Path
@@ -124,6 +133,8 @@ class Launch:
     python: PythonLaunch | None = None
     model: Model | None = None
     broken: tuple[Include, ...] = ()
+    scope: Scope | None = None
+    scopes: Mapping[Element, Scope] = field(default_factory=dict)
 
     @property
     def location(self) -> Location:
@@ -197,9 +208,9 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
         or "$(var " in source.text
         or any("exec" in e.attributes for e in root.walk() if e.tag == "node")
     )
-    resolver = _Resolver(root, path, finder, {})
+    resolver = Resolver(root, path, finder, {})
     key: _Key = (os.path.realpath(path), frozenset())
-    including = _Including(finder, files, ros2, {key}, [], [], {})
+    including = _Including(finder, files, ros2, {key}, [], [], {}, {})
     descriptions = (*_descriptions(root, resolver), *_included(root, resolver, including, (key,)))
     return Launch(
         path,
@@ -213,6 +224,8 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
         finder,
         package,
         broken=tuple(including.broken),
+        scope=Scope(root, resolver),
+        scopes=including.scopes,
     )
 
 
@@ -223,7 +236,8 @@ _Key = tuple[str, frozenset[tuple[str, _Value]]]
 @dataclass(frozen=True, slots=True)
 class _Including:
     """What all launch files that one includes share: the files that were ``seen``, the ``problems`` with those that were not
-    opened, the includes that are ``broken``, and whether a path that is not there is sure to be ``missing``."""
+    opened, the includes that are ``broken``, whether a path that is not there is sure to be ``missing``, and what was read, by
+    the element that includes it."""
 
     finder: PackageFinder
     files: dict[str, SourceFile]
@@ -232,10 +246,11 @@ class _Including:
     problems: list[Problem]
     broken: list[Include]
     missing: dict[Path, bool]
+    scopes: dict[Element, Scope]
 
 
 def _included(
-    root: Element, resolver: _Resolver, including: _Including, around: tuple[_Key, ...]
+    root: Element, resolver: Resolver, including: _Including, around: tuple[_Key, ...]
 ) -> Iterator[Description]:
     """The descriptions of the XML launch files that are included here, and by those. ``around``: this file and those that it
     is included by."""
@@ -276,7 +291,8 @@ def _included(
         including.files[source.name] = source
         for part in inner.walk():
             part.via = element.via if element.span is None else (*element.via, element.span)
-        inside = _Resolver(inner, path, including.finder, handed)
+        inside = Resolver(inner, path, including.finder, handed)
+        including.scopes[element] = Scope(inner, inside)
         yield from _descriptions(inner, inside)
         yield from _included(inner, inside, including, (*around, key))
 
@@ -291,7 +307,7 @@ def _is_missing(path: Path, including: _Including) -> bool:
     return including.missing.get(path, False)
 
 
-def _handed(include: Element, resolver: _Resolver, *, everything: bool) -> dict[str, _Value]:
+def _handed(include: Element, resolver: Resolver, *, everything: bool) -> dict[str, _Value]:
     """The arguments that an included file gets."""
     names = {*resolver.values, *resolver.known} if everything else set()
     handed = {name: resolver.value_of(f"$(arg {name})") for name in sorted(names)}
@@ -302,7 +318,7 @@ def _handed(include: Element, resolver: _Resolver, *, everything: bool) -> dict[
     return handed
 
 
-class _Resolver:
+class Resolver:
     """Substitutions of launch files, as far as they can be known without running anything."""
 
     def __init__(self, root: Element, path: Path, finder: PackageFinder, handed: Mapping[str, _Value]) -> None:
@@ -397,33 +413,42 @@ class _Resolver:
         return value
 
 
-def _descriptions(root: Element, resolver: _Resolver) -> Iterator[Description]:
+def _descriptions(root: Element, resolver: Resolver) -> Iterator[Description]:
     for element in root.walk():
-        if element.tag != "param" or element.get("name").split("/")[-1] != "robot_description":
-            continue
-        if not resolver.applies(element):
-            continue
-        textfile, command = element.attributes.get("textfile"), element.attributes.get("command")
-        value = element.attributes.get("value")
-        if textfile is not None:
-            yield _description(textfile, (), textfile.value, {}, resolver)
-        elif command is not None:
-            command = resolver.definition(command)
-            if command.value.strip():
-                yield _command(command, command.value, resolver)
-        elif value is not None:
-            value = resolver.definition(value)
-            match = _COMMAND.match(value.value.strip())
-            if match:
-                yield _command(value, match.group(2), resolver)
-            elif value.value.strip().startswith("$("):
-                _, unresolved = resolver.value_of(value.value)
-                if unresolved is not None:
-                    yield Description(value, (), value.value.strip(), None, {}, unresolved)
+        if is_description(element) and resolver.applies(element):
+            found = description_of(element, resolver)
+            if found is not None:
+                yield found
 
 
-def _command(at: Attribute, text: str, resolver: _Resolver) -> Description:
-    words = _words(text)
+def is_description(element: Element) -> bool:
+    """Whether an element sets robot_description."""
+    return element.tag == "param" and element.get("name").split("/")[-1] == "robot_description"
+
+
+def description_of(element: Element, resolver: Resolver) -> Description | None:
+    """Where a parameter takes robot_description from, None where it names neither file nor command."""
+    textfile, command = element.attributes.get("textfile"), element.attributes.get("command")
+    value = element.attributes.get("value")
+    if textfile is not None:
+        return _description(textfile, (), textfile.value, {}, resolver)
+    if command is not None:
+        command = resolver.definition(command)
+        return _command(command, command.value, resolver) if command.value.strip() else None
+    if value is None:
+        return None
+    value = resolver.definition(value)
+    match = _COMMAND.match(value.value.strip())
+    if match:
+        return _command(value, match.group(2), resolver)
+    if not value.value.strip().startswith("$("):
+        return None
+    _, unresolved = resolver.value_of(value.value)
+    return None if unresolved is None else Description(value, (), value.value.strip(), None, {}, unresolved)
+
+
+def _command(at: Attribute, text: str, resolver: Resolver) -> Description:
+    words = shell_words(text)
     command = words
     for starter in (("rosrun", "xacro"), ("ros2", "run", "xacro")):
         if words[: len(starter)] == starter:
@@ -443,7 +468,8 @@ def _command(at: Attribute, text: str, resolver: _Resolver) -> Description:
     return _description(at, words, files[0], arguments, resolver)
 
 
-def _words(text: str) -> tuple[str, ...]:
+def shell_words(text: str) -> tuple[str, ...]:
+    """The words of a command line, each substitution in one."""
     # $(find pkg) contains a blank; keep each substitution together while the shell's quotes are read.
     kept = _NESTED.sub(lambda m: m.group(0).replace(" ", "\0"), text)
     try:
@@ -454,7 +480,7 @@ def _words(text: str) -> tuple[str, ...]:
 
 
 def _description(
-    at: Attribute, words: tuple[str, ...], file: str, arguments: Mapping[str, str], resolver: _Resolver
+    at: Attribute, words: tuple[str, ...], file: str, arguments: Mapping[str, str], resolver: Resolver
 ) -> Description:
     resolved, unresolved = resolver.value_of(file)
     path = None if resolved is None else Path(resolved)
@@ -466,35 +492,36 @@ def _description(
     return Description(at, words, file, path, dict(arguments), unresolved)
 
 
-def _transforms(root: Element, resolver: _Resolver) -> Iterator[StaticTransform]:
+def _transforms(root: Element, resolver: Resolver) -> Iterator[StaticTransform]:
     for node in root.walk():
         if node.tag != "node" or executable(node) != "static_transform_publisher" or not resolver.applies(node):
             continue
         args = node.attributes.get("args")
         if args is None:
             continue
-        words = [resolver.resolve(word) or "" for word in _words(args.value)]
-        named = _named_transform(words)
-        if named is not None:
-            parent, child, numbers = named
-        elif len(words) >= 8:
-            # x y z then yaw pitch roll, or a quaternion, then the frames and, for tf, a period.
-            quaternion = number(words[6]) is not None and len(words) >= 9
-            count = 7 if quaternion else 6
-            parent, child = words[count], words[count + 1]
-            numbers = tuple(v for v in map(number, words[:count]) if v is not None)
-            numbers = numbers if len(numbers) == count else ()
-        else:
-            continue
-        if not parent or not child:
+        words = [resolver.resolve(word) or "" for word in shell_words(args.value)]
+        placed = placed_by(words)
+        if placed is None or not all(placed[:2]):
             continue  # frames that are only known when it is launched
+        parent, child, numbers = placed
         xyz = numbers[:3] if numbers else None
         rpy = (numbers[5], numbers[4], numbers[3]) if len(numbers) == 6 else None
         quaternion_values = numbers[3:] if len(numbers) == 7 else None
         yield StaticTransform(node, args, parent.lstrip("/"), child.lstrip("/"), xyz, rpy, quaternion_values)
 
 
-def _named_transform(words: list[str]) -> tuple[str, str, tuple[float, ...]] | None:
+def placed_by(words: Sequence[str]) -> tuple[str, str, tuple[float, ...]] | None:
+    """Parent, child and six or seven numbers (none where one is not literal) of the arguments of a static_transform_publisher."""
+    named = _named_transform(words)
+    if named is not None or len(words) < 8:
+        return named
+    # x y z then yaw pitch roll, or a quaternion, then the frames and, for tf, a period.
+    count = 7 if number(words[6]) is not None and len(words) >= 9 else 6
+    numbers = tuple(v for v in map(number, words[:count]) if v is not None)
+    return words[count], words[count + 1], numbers if len(numbers) == count else ()
+
+
+def _named_transform(words: Sequence[str]) -> tuple[str, str, tuple[float, ...]] | None:
     options = {word: value for word, value in itertools.pairwise(words) if word.startswith("--")}
     if "--frame-id" not in options or "--child-frame-id" not in options:
         return None

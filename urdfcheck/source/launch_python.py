@@ -82,7 +82,7 @@ def read_python(path: Path, finder: PackageFinder) -> PythonLaunch:
             ):  # Python may refuse the bytes: no UTF-8, or no such encoding
                 ast.parse(data)
             tree = ast.parse(file.text)
-            return _Reader(tree, file, path, finder).read()
+            return Reader(tree, file, path, finder).read()
     except SyntaxError as error:
         at = _place(file, error.lineno, (error.offset or 1) - 1)
         return PythonLaunch(file, broken=Problem("syntax", error.msg, Location("launch", at)))
@@ -104,7 +104,7 @@ def _place(file: SourceFile, line: int | None, column: int) -> Span:
     return file.span(min(begin + max(column, 0), end), end)
 
 
-class _Reader:
+class Reader:
     """Walks one syntax tree; outer nodes come first: the pieces of a path are no paths of their own."""
 
     def __init__(self, tree: ast.AST, file: SourceFile, path: Path, finder: PackageFinder) -> None:
@@ -116,7 +116,7 @@ class _Reader:
         self.values: dict[int, str | None] = {}
         package = finder.package_of(path.absolute())
         self.own = package.path if package is not None else path.parent
-        self.named = [finder.find(name) for name in dict.fromkeys(filter(None, map(_package_named, self.nodes)))]
+        self.named = [finder.find(name) for name in dict.fromkeys(filter(None, map(package_named, self.nodes)))]
 
     def read(self) -> PythonLaunch:
         folders = [self.own, *(f for f in self.named if f is not None)]
@@ -214,14 +214,14 @@ class _Reader:
         return None
 
     def call(self, node: ast.Call) -> str | None:
-        package = _package_named(node)
+        package = package_named(node)
         if package is not None:
             folder = self.finder.find(package)
             return None if folder is None else str(folder)
-        function = _function(node)
+        function = function_of(node)
         if function == "find" and isinstance(node.func, ast.Attribute):  # FindPackageShare("p").find("p")
             share = node.func.value
-            return self.value(share) if isinstance(share, ast.Call) and _package_named(share) else None
+            return self.value(share) if isinstance(share, ast.Call) and package_named(share) else None
         if function in {"join", "joinpath", "Path", "str"} and not node.keywords:
             before = [node.func.value] if function == "joinpath" and isinstance(node.func, ast.Attribute) else []
             return self.all([*before, *node.args], _joined)
@@ -278,7 +278,8 @@ def _assigned_once(nodes: Sequence[ast.AST]) -> dict[str, ast.expr]:
     }
 
 
-def _function(call: ast.Call) -> str:
+def function_of(call: ast.Call) -> str:
+    """The last name of what is called."""
     return call.func.attr if isinstance(call.func, ast.Attribute) else str(getattr(call.func, "id", ""))
 
 
@@ -286,9 +287,9 @@ def _joined(parts: list[str]) -> str:
     return os.path.normpath(os.path.join(*parts))
 
 
-def _package_named(node: ast.AST) -> str | None:
+def package_named(node: ast.AST) -> str | None:
     """``p`` of ``get_package_share_directory("p")``, ``FindPackageShare("p")`` and the like."""
-    if not isinstance(node, ast.Call) or not re.search("package_share|PackageShare", _function(node)):
+    if not isinstance(node, ast.Call) or not re.search("package_share|PackageShare", function_of(node)):
         return None
     given = [*node.args, *(keyword.value for keyword in node.keywords)]
     return str(given[0].value) if given and isinstance(given[0], ast.Constant) else None

@@ -1,0 +1,162 @@
+"""The scene of a model, and the numbers that the robot in 3D is drawn from: equal to what numpy says of the same file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from conftest import FIXTURES, check, check_text
+
+from urdfcheck.core import Run, Scene
+from urdfcheck.facts.kinematics import rpy_to_matrix
+from urdfcheck.facts.mesh_codec import Packed, unpack
+from urdfcheck.output.html.model import parts_of
+from urdfcheck.output.html.stage import stage_data
+
+ARM = """<robot name="arm">
+  <material name="blue"><color rgba="0 0 1 1"/></material>
+  <link name="base">
+    <visual><geometry><box size="0.1 0.1 0.1"/></geometry><material name="blue"/></visual>
+    <collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision>
+  </link>
+  <link name="rod">
+    <inertial>
+      <origin xyz="0.1 0 0" rpy="0.3 -0.4 0.5"/><mass value="2"/>
+      <inertia ixx="0.02" ixy="0.001" ixz="0" iyy="0.03" iyz="-0.002" izz="0.04"/>
+    </inertial>
+  </link>
+  <link name="tip"><inertial><mass value="1"/><inertia ixx="1.0" ixy="0" ixz="0" iyy="1.0" iyz="0" izz="3.0"/></inertial></link>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="rod"/><origin xyz="0 0 0.1" rpy="0 0.2 0"/><axis xyz="0 3 4"/>
+    <limit lower="0.5" upper="2" effort="10" velocity="1"/><dynamics damping="0.1"/>
+  </joint>
+  <joint name="wrist" type="continuous">
+    <parent link="rod"/><child link="tip"/><axis xyz="0 0 1"/><mimic joint="shoulder" multiplier="-2" offset="0.1"/>
+  </joint>
+</robot>"""
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    return check_text(tmp_path_factory.mktemp("arm"), ARM, scene=True)
+
+
+@pytest.fixture(scope="module")
+def car() -> Run:
+    return check(FIXTURES / "car-3" / "urdf" / "car-3.urdf", scene=True)
+
+
+def data_of(run: Run) -> tuple[dict, bytes]:
+    return stage_data([(p.id, p.title, p.scene, p.cards) for p in parts_of(run) if p.scene is not None])
+
+
+def test_the_equivalent_box_has_the_inertia_of_the_link_with_its_rotated_frame(arm):
+    (model,) = data_of(arm)[0]["models"]
+    rod = model["links"][1]
+    at = np.array(rod["inertia"]["at"]).reshape(4, 4)
+    a, b, c = rod["inertia"]["box"]
+    turn = at[:3, :3]
+    of_box = rod["mass"] / 12 * np.diag((b * b + c * c, a * a + c * c, a * a + b * b))
+    typed = np.array([[0.02, 0.001, 0.0], [0.001, 0.03, -0.002], [0.0, -0.002, 0.04]])
+    frame = rpy_to_matrix((0.3, -0.4, 0.5))
+    assert turn @ of_box @ turn.T == pytest.approx(frame @ typed @ frame.T, rel=1e-5)
+    assert np.linalg.det(turn) == pytest.approx(1.0, abs=1e-6)
+    assert at[:3, 3] == pytest.approx((0.1, 0.0, 0.0))
+    # The ellipsoid of the same mass and moments: I1 = m (y² + z²) / 5.
+    x, y, z = rod["inertia"]["ellipsoid"]
+    moments = rod["mass"] / 5 * np.array((y * y + z * z, z * z + x * x, x * x + y * y))
+    assert moments == pytest.approx(rod["inertia"]["principal"], rel=1e-5)
+
+
+def test_an_impossible_inertia_says_why_and_has_no_box(arm):
+    (model,) = data_of(arm)[0]["models"]
+    tip = model["links"][2]["inertia"]
+    assert "1 + 1 < 3" in tip["impossible"]
+    assert "box" not in tip
+
+
+def test_joints_start_within_their_limits_and_followers_know_their_leader(arm):
+    (model,) = data_of(arm)[0]["models"]
+    shoulder, wrist = model["joints"]
+    assert (shoulder["lower"], shoulder["upper"], shoulder["start"]) == (0.5, 2, 0.5)
+    assert shoulder["axis"] == pytest.approx((0.0, 0.6, 0.8))
+    assert np.array(shoulder["at"]).reshape(4, 4)[:3, :3] == pytest.approx(rpy_to_matrix((0, 0.2, 0)), abs=1e-6)
+    assert (wrist["mimic"], wrist["lower"]) == ({"joint": "shoulder", "multiplier": -2, "offset": 0.1}, None)
+
+
+def test_colours_come_from_the_robots_own_materials(arm):
+    (model,) = data_of(arm)[0]["models"]
+    assert model["links"][0]["visual"][0]["color"] == [0, 0, 1, 1]
+    assert model["links"][0]["collision"][0]["color"] is None
+
+
+def test_a_broken_tree_still_has_its_links(tmp_path):
+    run = check_text(tmp_path, '<robot name="r"><link name="a"/><link name="b"/></robot>', scene=True)
+    (model,) = data_of(run)[0]["models"]
+    assert [(link["name"], link["at"]) for link in model["links"]] == [("a", None), ("b", None)]
+
+
+def test_what_is_too_large_for_a_graphics_card_is_not_drawn(car):
+    shown = replace(car.scenes[0].links[0].shapes[0], kind="mesh", file=0)
+    boxes = [replace(shown, kind="box", file=None, size=(size, 1.0, 1.0)) for size in (2.0, 1e10)]
+    meshes = [replace(shown, size=(size, 1.0, 1.0)) for size in (1.0, 1e12)]
+    links = (replace(car.scenes[0].links[0], shapes=(*boxes, *meshes)),)
+    data, _ = data_of(replace(car, scenes=(replace(car.scenes[0], links=links),)))
+    drawn = [shape for shape in data["models"][0]["links"][0]["visual"] if shape.get("box") or "mesh" in shape]
+    assert [shape.get("box") or shape["scale"] for shape in drawn] == [[2, 1, 1], [1, 1, 1]]
+
+
+def test_the_meshes_of_the_page_are_those_of_the_files(car):
+    data, geometry = data_of(car)
+    (scene,) = car.scenes
+    assert len(data["meshes"]) == len({mesh.digest for mesh in scene.meshes}) > 1
+    by_name = {mesh.name: mesh.drawings[0] for mesh in scene.meshes}
+    base = next(d for name, d in by_name.items() if name.endswith("base_link.STL"))
+    entry = next(m for m in data["meshes"] if geometry[m["offset"] :].startswith(base.data))
+    ends = (np.array(entry["low"]), np.array(entry["high"]))
+    points, faces, _ = unpack(Packed(base.data, entry["vertices"], entry["faces"], entry["holes"], *ends))
+    file = trimesh.load(FIXTURES / "car-3" / "meshes" / "base_link.STL")
+    assert trimesh.Trimesh(points, faces).area == pytest.approx(file.area, rel=1e-3)
+    assert np.ptp(points, axis=0) == pytest.approx(file.extents, rel=1e-5)
+
+
+def test_the_repair_of_the_odd_wheel_is_shown_where_it_puts_the_frame(car):
+    (model,) = data_of(car)[0]["models"]
+    (finding,) = (f for f in model["findings"] if f["code"] == "SYM001")
+    (after,) = finding["preview"]
+    before = next(j for j in model["joints"] if j["name"] == "wheel_1_to_base_link")
+    assert after["joint"] == "wheel_1_to_base_link"
+    assert np.array(after["at"]).reshape(4, 4)[:3, :3] == pytest.approx(np.eye(3))
+    assert np.array(before["at"])[[3, 7, 11]] == pytest.approx(np.array(after["at"])[[3, 7, 11]])
+    assert "preview" in finding["layers"]
+
+
+def test_four_wheels_stand_on_the_ground_round_the_centre_of_mass(car):
+    scene: Scene = car.scenes[0]
+    assert scene.ground is not None
+    assert {link for link, _ in scene.ground.contacts} == {f"wheel_{i}" for i in range(1, 5)}
+    corners = np.array(scene.ground.support)[:, :2]
+    assert (corners.min(axis=0) < scene.ground.com[:2]).all()
+    assert (corners.max(axis=0) > scene.ground.com[:2]).all()
+
+
+def test_overlaps_name_the_finding_about_them(tmp_path: Path):
+    def link(name: str, size: float) -> str:
+        return (
+            f'<link name="{name}"><collision><geometry><box size="{size} {size} {size}"/></geometry></collision></link>'
+        )
+
+    limit = '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    text = f"""<robot name="r">{link("a", 1)}{link("b", 0.1)}{link("c", 1)}
+      <joint name="ab" type="revolute"><parent link="a"/><child link="b"/><origin xyz="2 0 0"/>{limit}</joint>
+      <joint name="bc" type="revolute"><parent link="b"/><child link="c"/><origin xyz="-1.1 0 0"/>{limit}</joint>
+    </robot>"""
+    run = check_text(tmp_path, text, scene=True)
+    (model,) = data_of(run)[0]["models"]
+    (overlap,) = model["overlaps"]
+    assert (overlap["a"], overlap["b"], overlap["depth"]) == ("a", "c", pytest.approx(0.1, rel=0.01))
+    (finding,) = (f for f in model["findings"] if f["code"] == "COL001")
+    assert overlap["finding"] == finding["id"]
