@@ -5,16 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from html.parser import HTMLParser
 
-VOID = {"meta", "br", "input", "hr", "img", "link"}
+VOID = {"meta", "br", "input", "hr", "img", "link", "wbr"}
 
 
 @dataclass
 class Document:
-    """``tags`` with their attributes in order, ``text`` without markup and style, and the content of ``<style>``."""
+    """``tags`` with their attributes in order, ``text`` without markup, style and scripts, the content of ``<style>``, and that
+    of each ``<script>``."""
 
     tags: list[tuple[str, dict[str, str]]] = field(default_factory=list)
     text: str = ""
     style: str = ""
+    scripts: list[str] = field(default_factory=list)
 
     def all(self, tag: str) -> list[dict[str, str]]:
         return [attributes for name, attributes in self.tags if name == tag]
@@ -38,6 +40,8 @@ class _Reader(HTMLParser):
         names = [name for name, _ in attrs]
         assert len(names) == len(set(names)), f"<{tag}> repeats an attribute"
         self.document.tags.append((tag, {name: value or "" for name, value in attrs}))
+        if tag == "script":
+            self.document.scripts.append("")
         if tag not in VOID:
             self.open.append(tag)
 
@@ -52,6 +56,8 @@ class _Reader(HTMLParser):
     def handle_data(self, data: str) -> None:
         if self.open and self.open[-1] == "style":
             self.document.style += data
+        elif self.open and self.open[-1] == "script":
+            self.document.scripts[-1] += data
         else:
             self.document.text += data
 

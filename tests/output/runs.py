@@ -18,8 +18,10 @@ from urdfcheck.core import (
     Run,
     Scene,
     SceneFrame,
+    SceneInertia,
     SceneJoint,
     SceneLink,
+    SceneMesh,
     SceneShape,
     Severity,
     Skip,
@@ -125,16 +127,29 @@ def finding(**changes: Any) -> Finding:
     return replace(plain, **changes)
 
 
+IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+def inertial(**changes: Any) -> SceneInertia:
+    plain = SceneInertia(
+        mass=0.0283,
+        com=(0.0001, 0.0, -0.0125),
+        tensor=(6.6e-6, 0.0, 0.0, 6.7e-6, 0.0, 1.27e-5),
+        moments=(6.6e-6, 6.7e-6, 1.27e-5),
+        axes=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+    )
+    return replace(plain, **changes)
+
+
 def link(name: str, **changes: Any) -> SceneLink:
     plain = SceneLink(
         name=name,
-        mass=0.0283,
-        com=(0.0001, 0.0, -0.0125),
-        inertia=(6.6e-6, 0.0, 0.0, 6.7e-6, 0.0, 1.27e-5),
-        principal=(6.6e-6, 6.7e-6, 1.27e-5),
+        inertial=inertial(),
         density=1000.0,
-        world=None,
-        shapes=(SceneShape("visual", "mesh", (1.0, 1.0, 1.0), (), "wheel.stl", 12840, True),),
+        drawn_com=(0.0, 0.0, -0.0125),
+        drawn_moments=(6.6e-6, 6.6e-6, 1.3e-5),
+        world=IDENTITY,
+        shapes=(SceneShape("visual", "mesh", (1.0, 1.0, 1.0), IDENTITY, "wheel.stl", 0),),
         span=None,
     )
     return replace(plain, **changes)
@@ -149,9 +164,10 @@ def scene(**changes: Any) -> Scene:
     plain = Scene(
         model=MODEL,
         root="base",
-        links=(link("base", mass=0.5), link("wheel")),
+        links=(link("base", inertial=inertial(mass=0.5)), link("wheel")),
         joints=(joint("axle", "base", "wheel", type="continuous", lower=None, upper=None),),
-        frames=(SceneFrame("base", "footprint", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), None),),
+        frames=(SceneFrame("base", "footprint", IDENTITY, None),),
+        meshes=(SceneMesh("meshes/wheel.stl", "c0ffee", "stl", 642084, 12840, (0.06, 0.06, 0.025), None, True),),
     )
     return replace(plain, **changes)
 

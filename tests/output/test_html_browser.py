@@ -1,127 +1,162 @@
-"""The HTML report in a real browser: its policy holds, it fits the screen, and paper shows everything."""
+"""The HTML report in a real browser: its policy holds, it fits the screen, it can be searched, and paper shows everything."""
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
-from output.runs import a_run, chain, finding, scene
+from output.runs import a_run, chain, finding
 
+from urdfcheck.core import Location, Suppression
 from urdfcheck.output.html import render
 
-playwright = pytest.importorskip("playwright.sync_api")
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium")
+WIDTHS = (390, 768, 1280, 1600, 2560, 3840)
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with playwright.sync_playwright() as p:
-        browser = p.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
-        yield browser
-        browser.close()
+def about(of: str, **changes: Any) -> Any:
+    """A finding about a link."""
+    subject = f"link[{of}]/inertial"
+    return finding(location=Location(subject, finding().location.span), subjects=(subject,), **changes)
+
+
+LONG = finding(message="a_name_without_a_break_" * 30, subjects=("link[" + "x" * 300 + "]",))
+RUN = a_run(
+    *a_run().findings,
+    LONG,
+    about("base", code="INR001", name="mass-not-positive", message="the base weighs nothing", message_id="m"),
+    about("base", message="a decimal point was lost", message_id="known", suppressed=Suppression("source", "a dummy")),
+    rules=a_run().rules,
+)
 
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory: pytest.TempPathFactory) -> str:
     path = tmp_path_factory.mktemp("html") / "report.html"
-    long = finding(message="a_name_without_a_break_" * 30, subjects=("link[" + "x" * 300 + "]",))
-    run = a_run(*a_run().findings, long, scenes=(scene(),))
-    path.write_text(render(run), encoding="utf-8")
+    path.write_text(render(RUN), encoding="utf-8")
+    return path.as_uri()
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A report without the robot in 3D, which opens faster."""
+    path = tmp_path_factory.mktemp("html") / "plain.html"
+    path.write_text(render(a_run(scenes=())), encoding="utf-8")
     return path.as_uri()
 
 
 def opened(browser: Any, url: str, **options: Any) -> Any:
+    """A page; ``said`` has what went wrong there and what it tried to fetch."""
     page = browser.new_page(**options)
     page.said = []
-    page.on("console", lambda message: page.said.append(message.text))
+    page.on("console", lambda message: page.said.append(message.text) if message.type == "error" else None)
+    page.on("pageerror", lambda error: page.said.append(str(error)))
     page.on("request", lambda request: page.said.append(request.url) if request.url != url else None)
     page.goto(url)
     return page
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_style_passes_its_own_policy_and_nothing_is_fetched(browser: Any, report: str, scheme: str) -> None:
-    page = opened(browser, report, color_scheme=scheme)
-    ground = page.evaluate("getComputedStyle(document.body).backgroundColor")
-    assert ground == {"light": "rgb(246, 247, 249)", "dark": "rgb(16, 19, 22)"}[scheme]
-    assert page.said == []
+def ready(page: Any) -> Any:
+    page.wait_for_selector("body[data-ready], body[data-error]")
+    return page
+
+
+@pytest.fixture(scope="module")
+def shared(browser: Any, report: str) -> Any:
+    """One page for all tests that leave it as they found it."""
+    return ready(opened(browser, report, viewport={"width": 1440, "height": 900}))
+
+
+@pytest.fixture
+def page(shared: Any) -> Iterator[Any]:
+    yield shared
+    shared.keyboard.press("Escape")
+    assert shared.locator(".card[hidden]").count() == 0
+    assert shared.said == []
+
+
+@contextmanager
+def unfolded(page: Any) -> Iterator[None]:
+    """All that is folded is open meanwhile."""
+    folds = page.evaluate_handle("Array.from(document.querySelectorAll('details:not([open])'))")
+    folds.evaluate("all => all.forEach((fold) => { fold.open = true; })")
+    yield
+    folds.evaluate("all => all.forEach((fold) => { fold.open = false; })")
+
+
+def shown(page: Any) -> list[str]:
+    """The codes of the cards that are to be seen."""
+    return page.eval_on_selector_all(
+        ".card", "all => all.filter((c) => !c.closest('[hidden]')).map((c) => c.dataset.code)"
+    )
+
+
+def heads(page: Any) -> list[str]:
+    """What stands above the groups that are to be seen."""
+    return [" ".join(text.split()) for text in page.locator(".group:visible > h3").all_inner_texts()]
+
+
+# -- one safe file that fits -------------------------------------------------------------------------------------------
 
 
 def test_policy_stops_what_a_bug_might_let_in(browser: Any, tmp_path: Path) -> None:
     hostile = "<script>document.title='taken'</script><img src=x onerror=\"document.title='taken'\"><main id=content>"
     path = tmp_path / "hostile.html"
-    path.write_text(render(a_run()).replace('<main id="content">', hostile), encoding="utf-8")
+    path.write_text(render(a_run(scenes=())).replace('<main id="content">', hostile), encoding="utf-8")
     assert opened(browser, path.as_uri()).title() == "rover · urdfcheck"
 
 
-@pytest.mark.parametrize("width", [390, 768, 1280, 1600, 2560, 3840])
-def test_only_boxes_scroll_sideways(browser: Any, report: str, width: int) -> None:
-    page = opened(browser, report, viewport={"width": width, "height": 900})
-    page.evaluate("document.querySelectorAll('details').forEach(d => d.open = true)")
-    assert page.evaluate("document.documentElement.scrollWidth") <= width
+def test_only_boxes_scroll_sideways(shared: Any) -> None:
+    before = shared.viewport_size
+    widths = {}
+    with unfolded(shared):
+        for width in WIDTHS:
+            shared.set_viewport_size({"width": width, "height": 900})
+            widths[width] = shared.evaluate("document.documentElement.scrollWidth")
+    shared.set_viewport_size(before)
+    assert {width: wide for width, wide in widths.items() if wide > width} == {}
 
 
-def test_filter_hides_a_severity_without_a_script(browser: Any, report: str) -> None:
-    page = opened(browser, report, java_script_enabled=False)
+@pytest.mark.parametrize(("scheme", "ground"), [("light", "rgb(246, 247, 249)"), ("dark", "rgb(16, 19, 22)")])
+def test_anyone_can_use_it(page: Any, scheme: str, ground: str) -> None:
+    from axe_playwright_python.sync_playwright import Axe
+
+    page.emulate_media(color_scheme=scheme)
+    page.click("#more")
+    # What is not near the screen is not drawn, and could not be judged.
+    page.evaluate("document.querySelectorAll('.card').forEach((c) => { c.style.contentVisibility = 'visible'; })")
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == ground
+    with unfolded(page):
+        found = Axe().run(page)
+    assert [(v["id"], [n["html"] for n in v["nodes"]]) for v in found.response["violations"]] == []
+    page.click("#more")
+
+
+def test_the_judge_of_that_is_awake(page: Any) -> None:
+    from axe_playwright_python.sync_playwright import Axe
+
+    page.evaluate("document.documentElement.lang = ''")
+    found = Axe().run(page, options={"runOnly": ["html-has-lang"]})
+    page.evaluate("document.documentElement.lang = 'en'")
+    assert found.violations_count == 1
+
+
+def test_without_script_all_is_said_and_severities_are_filtered(browser: Any, report: str) -> None:
+    page = opened(browser, report, java_script_enabled=False, viewport={"width": 1440, "height": 900})
+    assert page.locator("#viewer").is_hidden()
+    assert page.locator("main").bounding_box()["width"] > 1300
+    assert page.locator(".act:visible, .in-3d:visible, .filters:visible").count() == 0
     assert page.locator(".card.warning").is_visible()
     page.locator("#show-warning").uncheck()
     assert page.locator(".card.warning").is_hidden()
+    assert page.locator(".contents .warning").is_hidden()
     assert page.locator(".card.error").first.is_visible()
 
 
-def test_a_deep_link_opens_what_it_points_into(browser: Any, report: str) -> None:
-    page = opened(browser, report)
-    page.locator("details >> text=The tree as a list").click()
-    page.locator(".kinematics details a").first.click()
-    assert "#f-" in page.url
-    assert page.locator(":target").is_visible()
-
-
-def test_a_link_to_a_rule_opens_its_page(browser: Any, report: str) -> None:
-    page = opened(browser, report)
-    assert page.locator("#rule-INR003").is_hidden()
-    page.locator(".card h5 a").first.click()
-    page.locator("#rule-INR003").wait_for(state="visible")
-
-
-def test_filter_acts_on_the_list_of_problems_too(browser: Any, report: str) -> None:
-    page = opened(browser, report)
-    assert page.locator(".contents .warning").is_visible()
-    page.locator("#show-warning").uncheck()
-    assert page.locator(".contents .warning").is_hidden()
-
-
-@pytest.mark.parametrize("width", [390, 1280, 1440, 2560])
-def test_cards_tables_and_drawing_end_at_one_edge(browser: Any, report: str, width: int) -> None:
-    page = opened(browser, report, viewport={"width": width, "height": 900})
-    edges = {
-        round(box["x"] + box["width"])
-        for box in (each.bounding_box() for each in page.locator(".scroll, .card").all() if each.is_visible())
-    }
-    assert len(edges) == (1 if width < 1600 else 2), "wide pages have two columns"
-
-
-def test_links_table_fits_a_laptop(browser: Any, report: str) -> None:
-    page = opened(browser, report, viewport={"width": 1280, "height": 900})
-    assert page.locator(".links .scroll").evaluate("box => box.scrollWidth <= box.clientWidth")
-
-
-def test_paper_shows_what_is_folded_on_the_screen(browser: Any, report: str) -> None:
-    page = opened(browser, report, color_scheme="dark")
-    folded = page.locator("details.via figure").first
-    assert folded.is_hidden()
-    page.emulate_media(media="print")
-    assert folded.is_visible()
-    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
-    assert page.locator("nav").is_hidden()
-
-
 def test_without_style_the_report_still_reads(browser: Any, tmp_path: Path) -> None:
-    """Some servers replace the policy by one that blocks every inline style."""
+    """Some servers replace the policy by one that blocks every inline style and script."""
     html = render(a_run(scenes=(chain(3),)))
     page = browser.new_page(java_script_enabled=False)
     policy = {"Content-Security-Policy": "sandbox; default-src 'none'; style-src 'self'"}
@@ -130,4 +165,186 @@ def test_without_style_the_report_still_reads(browser: Any, tmp_path: Path) -> N
     assert page.locator("body").evaluate("e => getComputedStyle(e).backgroundColor") == "rgba(0, 0, 0, 0)"
     for part in (".card.error", "mark >> nth=0", "svg.graph >> nth=0", "table >> nth=0"):
         assert page.locator(part).is_visible()
-    assert page.locator("fieldset").is_hidden()
+    assert page.locator("button:visible, input:visible, select:visible").count() == 0
+
+
+def test_paper_shows_what_is_folded_and_the_robot(browser: Any, report: str) -> None:
+    page = ready(opened(browser, report, color_scheme="dark"))
+    page.wait_for_selector("#uc-print[src^='data:image/png']", state="attached")
+    folded = page.locator("details.related figure").first
+    assert folded.is_hidden()
+    page.emulate_media(media="print")
+    assert folded.is_visible()
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    assert page.locator("#uc-print").bounding_box()["y"] < 700
+    for part in ("nav >> nth=0", "button >> nth=0", "canvas >> nth=0", "#find"):
+        assert page.locator(part).is_hidden()
+
+
+# -- search, filters, groups -------------------------------------------------------------------------------------------
+
+
+def test_search_takes_all_words_from_message_code_name_and_file(page: Any) -> None:
+    page.keyboard.press("/")
+    page.keyboard.type("ROVER.urdf inr001 nothing")
+    page.wait_for_selector("#shown:not(:empty)")
+    assert shown(page) == ["INR001"]
+    assert page.inner_text("#shown") == "1 of 5 shown"
+    assert heads(page) == ["1 of 3 errors"]
+    page.click("#reset")
+    assert len(shown(page)) == 6
+    assert page.input_value("#find") == ""
+
+
+def test_filters_by_severity_rule_element_confidence_and_known(page: Any) -> None:
+    page.click("#more")
+    page.select_option("#by-rule", "INR003")
+    page.select_option("#by-element", "link wheel")
+    assert shown(page) == ["INR003"]
+    page.select_option("#by-rule", "")
+    assert shown(page) == ["INR003", "INR001"]
+    page.uncheck("#show-warning")
+    assert shown(page) == ["INR003"]
+    page.click("#reset")
+    page.select_option("#by-confidence", "heuristic")
+    assert shown(page) == ["INR003"]
+    page.click("#reset")
+    page.check("#with-known")
+    page.fill("#find", "decimal point was lost")
+    page.wait_for_selector("#shown:not(:empty)")
+    assert page.inner_text("#shown") == "1 of 6 shown"
+    assert page.locator(".card.known").is_visible(), "its fold is open"
+    page.uncheck("#with-known")
+    page.click("#more")
+
+
+def test_cards_move_into_groups_and_back(page: Any) -> None:
+    before = page.eval_on_selector_all(".card", "all => all.map((c) => c.id)")
+    page.click("#more")
+    for by, names in {
+        "rule": ["INR003 triangle-inequality 3", "INR001 mass-not-positive 2"],
+        "element": ["link wheel 2", f"link {'x' * 300} 1", "link base 1", "joint axle 1"],
+        "file": ["rover/rover.urdf 4", "the model as a whole 1"],
+    }.items():
+        page.select_option("#group", by)
+        assert heads(page) == names
+    page.select_option("#group", "severity")
+    page.click("#more")
+    assert page.eval_on_selector_all(".card", "all => all.map((c) => c.id)") == before
+    assert heads(page) == ["3 errors", "1 warning", "1 info"]
+
+
+# -- one finding and the robot -----------------------------------------------------------------------------------------
+
+
+def test_keys_go_from_finding_to_finding(page: Any) -> None:
+    page.evaluate("window.told = []; document.addEventListener('uc:select', ({ detail }) => window.told.push(detail))")
+    page.keyboard.press("j")
+    page.keyboard.press("j")
+    page.keyboard.press("k")
+    first = f"f-{finding().fingerprints[0]}"
+    assert page.evaluate("document.activeElement.id") == first
+    assert page.url.endswith(f"#{first}")
+    assert page.evaluate("window.told.at(-1)") == {"model": "m1", "finding": first, "origin": "page"}
+    more = page.locator(f"#{first} .more")
+    page.keyboard.press("Enter")
+    assert more.get_attribute("open") is None
+    page.keyboard.press("Enter")
+    assert more.get_attribute("open") is not None
+    page.keyboard.press("Escape")
+    assert page.locator("[aria-current=true].card").count() == 0
+    assert "#" not in page.url
+    page.keyboard.press("?")
+    assert page.locator("#keys").is_visible()
+    page.click("#close-keys")
+
+
+def test_a_deep_link_opens_its_card_and_shows_it_in_3d(browser: Any, report: str) -> None:
+    card = f"f-{RUN.findings[2].fingerprints[0]}"
+    page = opened(browser, f"{report}#{card}", viewport={"width": 1440, "height": 900})
+    assert page.locator(f"#{card} footer").is_visible(), "information is folded otherwise"
+    assert page.locator(f"#{card}").get_attribute("aria-current") == "true"
+    # What the joint of the finding carries.
+    page.wait_for_selector("body[data-ready][data-selected=wheel]")
+
+
+def test_a_click_on_the_robot_lists_the_findings_of_that_link(page: Any) -> None:
+    page.evaluate(
+        "document.dispatchEvent(new CustomEvent('uc:select', { detail: { model: 'm1', link: 'base', origin: 'viewer' } }))"
+    )
+    assert shown(page) == ["INR001"]
+    assert page.inner_text("#chip") == "link base ×"
+    page.evaluate(
+        "document.addEventListener('uc:clear', ({ detail }) => { document.body.dataset.cleared = detail.origin; })"
+    )
+    page.click("#chip")
+    assert page.evaluate("document.body.dataset.cleared") == "page"
+    assert len(shown(page)) == 6
+
+
+def test_names_in_tables_show_their_link_in_3d(page: Any) -> None:
+    page.evaluate("document.addEventListener('uc:select', ({ detail }) => { window.last = detail; })")
+    page.locator("#m1-physics button.name").first.click()
+    assert page.evaluate("window.last") == {"model": "m1", "link": "base", "origin": "page"}
+    page.click("#fold")
+    assert page.locator("#viewer").is_hidden()
+    assert page.locator("main").bounding_box()["width"] > 1300, "tables have the whole width"
+    page.locator(".card .in-3d").first.click()
+    assert page.locator("#viewer").is_visible()
+
+
+def test_where_the_robot_is_above_the_findings_there_is_a_way_back(page: Any) -> None:
+    before = page.viewport_size
+    page.set_viewport_size({"width": 390, "height": 844})
+    card = page.locator(".card:has(.in-3d)").first
+    card.locator(".in-3d").click()
+    page.wait_for_selector("#back")
+    assert page.inner_text("#back") == "Back to INR003"
+    page.click("#back")
+    assert page.evaluate("document.activeElement.id") == card.get_attribute("id")
+    assert page.locator("#back").is_hidden()
+    page.set_viewport_size(before)
+
+
+def test_a_link_to_a_rule_opens_its_page(page: Any) -> None:
+    assert page.locator("#rule-INR003").is_hidden()
+    page.locator(".card h4 a").first.click()
+    page.locator("#rule-INR003").wait_for(state="visible")
+
+
+def test_copies_say_that_they_are_made(browser: Any, plain: str) -> None:
+    page = opened(browser, plain, permissions=["clipboard-read", "clipboard-write"])
+    page.locator(".copy-diff").first.click()
+    page.get_by_text("The diff copied").wait_for(state="attached")
+    assert page.evaluate("navigator.clipboard.readText()").startswith("--- rover/rover.urdf\n+++ rover/rover.urdf\n@@ ")
+    page.locator(".copy-link").first.click()
+    page.get_by_text("The link copied").wait_for(state="attached")
+    assert page.evaluate("navigator.clipboard.readText()") == f"{plain}#f-{finding().fingerprints[0]}"
+
+
+def test_the_theme_is_chosen_and_kept(browser: Any, plain: str) -> None:
+    page = opened(browser, plain, color_scheme="light")
+    page.click("#theme")
+    page.click("#theme")
+    assert page.inner_text("#theme") == "Theme: dark"
+    page.reload()
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(16, 19, 22)"
+
+
+def test_thousands_of_findings_stay_usable(browser: Any, tmp_path: Path) -> None:
+    """What takes the square of their number would take minutes here."""
+    path = tmp_path / "many.html"
+    many = [about(f"l{i % 50}", message=f"number {i}", message_id=str(i), fix=None, related=()) for i in range(2000)]
+    path.write_text(render(a_run(*many, scenes=())), encoding="utf-8")
+    page = opened(browser, path.as_uri(), viewport={"width": 1440, "height": 900})
+    page.fill("#find", "number 77")
+    page.wait_for_selector("#shown:not(:empty)")
+    assert page.inner_text("#shown") == f"{sum('77' in str(i) for i in range(2000))} of 2000 shown"
+    page.evaluate(
+        "const g = document.getElementById('group'); g.value = 'element'; g.dispatchEvent(new Event('change'))"
+    )
+    page.click("#reset")
+    assert page.locator(".group:not([hidden])").count() == 50
+    page.keyboard.press("j")
+    assert page.locator(".card[aria-current]").count() == 1
+    assert page.said == []

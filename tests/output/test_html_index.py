@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import shutil
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from output.documents import read
+from output.runs import a_run, finding, info, scene
 
 from urdfcheck import catalogue
+from urdfcheck.cli import terminal
+from urdfcheck.cli.options import names_folder
+from urdfcheck.cli.terminal import write_report
 from urdfcheck.core import Severity
+from urdfcheck.output.html import file_names, pages
 from urdfcheck.output.html.index import page
 from urdfcheck.output.lines import Row, Summary
-
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
 
 def row(name: str, errors: int, status: str = "checked", *more: str, mass: float | None = 2.0) -> Row:
@@ -52,26 +54,21 @@ def test_its_policy_allows_the_one_style_and_the_one_script(text: str) -> None:
     policy = re.search('Content-Security-Policy" content="(.*?)"', text)
     assert policy is not None
     assert re.fullmatch(
-        r"default-src 'none'; style-src 'sha256-\S+'; script-src 'sha256-\S+'; base-uri 'none'; form-action 'none'",
+        r"default-src 'none'; style-src 'sha256-\S+'; script-src 'sha256-\S+'; img-src data:; "
+        r"base-uri 'none'; form-action 'none'",
         policy[1],
     )
 
 
 @pytest.fixture(scope="module")
-def opened(text: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    playwright = pytest.importorskip("playwright.sync_api")
-    if BROWSER is None:
-        pytest.skip("no Chromium")
+def opened(text: str, browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
     path = Path(tmp_path_factory.mktemp("index") / "index.html")
     path.write_text(text, encoding="utf-8")
-    with playwright.sync_playwright() as p:
-        browser = p.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
-        shown = browser.new_page(viewport={"width": 390, "height": 800})
-        shown.said = []
-        shown.on("console", lambda message: shown.said.append(message.text))
-        shown.goto(path.as_uri())
-        yield shown
-        browser.close()
+    shown = browser.new_page(viewport={"width": 390, "height": 800})
+    shown.said = []
+    shown.on("console", lambda message: shown.said.append(message.text))
+    shown.goto(path.as_uri())
+    return shown
 
 
 def names(opened: Any) -> list[str]:
@@ -95,3 +92,70 @@ def test_in_a_browser_it_is_sorted_filtered_and_fits(opened: Any) -> None:
     opened.select_option("#status", "stopped")
     assert names(opened) == ["stopped.urdf"]
     assert opened.said == []
+
+
+# -- a report as a folder ----------------------------------------------------------------------------------------------
+
+
+def folder() -> dict[str, str]:
+    models = tuple(info(id=f"{robot}/{i}.urdf", path=f"{i}.urdf", robot=robot) for i, robot in enumerate(ROBOTS))
+    findings = [finding(model=models[0].id), finding(model=models[2].id, severity=Severity.INFO)]
+    package = finding(code="PKG006", name="licence", model="rover/package.xml", severity=Severity.WARNING)
+    return dict(pages(a_run(*findings, package, models=models, scenes=(scene(model=models[0].id),))))
+
+
+ROBOTS = ("rover", "Rover", "../a<b>", "index", "con")
+
+
+def test_a_folder_has_a_page_for_each_model_and_one_with_a_row_for_each() -> None:
+    files = folder()
+    assert list(files) == [
+        *("rover.html", "Rover-2.html", "a-b.html", "index-2.html", "robot-con.html", "package.xml.html"),
+        "index.html",
+    ]
+    index = read(files["index.html"])
+    rows = [a["href"] for _, a in index.tags if a.get("href", "").endswith(".html")]
+    assert rows == list(files)[:-1]
+    for name in rows:
+        assert any(a.get("href") == "index.html" for _, a in read(files[name]).tags)
+    assert "1 error to repair" in files["rover.html"]
+    assert "No errors and no warnings" in files["Rover-2.html"]
+    assert "uc-app" in files["rover.html"]
+    assert "uc-app" not in files["Rover-2.html"], "there is no robot to draw"
+    assert "<h1>package.xml</h1>" in files["package.xml.html"]
+    assert "5 models" in index.text
+
+
+def test_what_failed_is_told_on_every_page() -> None:
+    run = a_run(finding(), models=(info(),), failures=("INR003 crashed",))
+    assert all("INR003 crashed" in text for _, text in pages(run))
+
+
+def test_names_of_files_are_safe_and_differ() -> None:
+    many = file_names(["x"] * 3 + ["x-2", "", "..", "Nul.a", "ü" * 9, "y" * 200])
+    assert many[:6] == ["x.html", "x-2.html", "x-3.html", "x-2-2.html", "model.html", "model-2.html"]
+    assert many[6:8] == ["robot-Nul.a.html", "model-3.html"]
+    assert len(many[8]) < 80
+
+
+def test_a_folder_is_meant_by_its_end_or_by_being_there(tmp_path: Path) -> None:
+    (tmp_path / "there.d").mkdir()
+    (tmp_path / "file").touch()
+    asked = ("new", "new.d/", "there.d", "report.html", "file")
+    assert [names_folder(f"html={tmp_path}/{name}") for name in asked] == [True, True, True, False, False]
+    assert not names_folder("html=/dev/null")
+    assert not names_folder(f"json={tmp_path}/new")
+
+
+def test_a_report_that_browsers_are_slow_with_says_what_to_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    models = (info(id="1"), info(id="2"))
+    run = a_run(finding(model="1"), finding(model="2"), models=models, scenes=())
+    write_report(run, "html", tmp_path / "small.html")
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(terminal, "LARGEST", 1000)
+    write_report(run, "html", tmp_path / "all.html")
+    assert "-o html=FOLDER/ gives each model a page" in capsys.readouterr().err
+    write_report(run, "html", tmp_path / "pages", as_pages=True)
+    assert sorted(p.name for p in (tmp_path / "pages").iterdir()) == ["index.html", "rover-2.html", "rover.html"]

@@ -21,6 +21,18 @@ _INVISIBLE = re.compile(
 _UNUSUAL = re.compile(r"[^\n\t -~]")
 # Ends at the character that is to be spelled. A runner takes the blanks off a line before it looks.
 _COMMAND = re.compile(r"^[^\S\n]*:(?=:)|#(?=#\w*\[)", re.MULTILINE)
+# What Markdown and the sites that show it act upon in the middle of a line: markup, entities, links, pictures, mentions, emoji,
+# formulas, references to issues and commits. A word that has any of it is shown as code, where none of it holds.
+_MARKUP = re.compile(
+    r"[][*`{|}\\]|<[\w/!?]|[#@~$^:&!]\S|%\w|(?<![^\W_])_|_(?![^\W_])|\bwww\.|\bG[HL]-\d|(?<![\w.])[\da-f]{7,40}(?![\w.])",
+    re.IGNORECASE,
+)
+# What begins a heading, a list, a quotation, a line or a quick action of GitLab where it is the first word of all.
+_BLOCK = re.compile(r"[#+=-]+$|[>/]|\d+[.)]$")
+_CODED = re.compile(r"`([^`]+)`")
+_WORD = re.compile(r"\S+")
+# Goes before and behind a word, and not into the code that it is shown as.
+_OPENING, _CLOSING = "(\"'«", ")\"'»,.;:?!"
 
 
 def visible(text: str) -> str:
@@ -57,6 +69,33 @@ def for_html(text: str) -> str:
 def for_xml(text: str) -> str:
     """For an XML document whose values are escaped already; they stay what they are for whoever parses it."""
     return _commands_spelled(_characters_spelled(text, _as_reference), _as_reference)
+
+
+def for_markdown(text: str) -> str:
+    """One line of a Markdown document, or a cell of a table: what stands in backticks, and every word that could be markup, as
+    code. The document itself goes through :func:`for_log`, for it may be printed."""
+    pieces = _CODED.split(one_line(text))
+    pieces[1::2] = map(as_code, pieces[1::2])
+    pieces[::2] = (_WORD.sub(_marked, piece) for piece in pieces[::2])
+    line = "".join(pieces).lstrip()
+    first, blank, rest = line.partition(" ")
+    return f"{as_code(first)}{blank}{rest}" if _BLOCK.match(first) else line
+
+
+def as_code(text: str) -> str:
+    """A name or a path as code in Markdown; what would end the code or the cell of a table is spelled out."""
+    shown = one_line(text).replace("`", _backslashed("`")).replace("|", _backslashed("|"))
+    # Nothing would be no code, and of blanks at both ends one is not shown.
+    return f"`{shown}`" if shown and shown == shown.strip() else f"` {shown} `"
+
+
+def _marked(match: re.Match[str]) -> str:
+    word = match[0]
+    if not _MARKUP.search(word):
+        return word
+    inner = word.lstrip(_OPENING)
+    core = inner.rstrip(_CLOSING)
+    return f"{word[: -len(inner)]}{as_code(core)}{inner[len(core) :]}" if core else as_code(word)
 
 
 def _characters_spelled(text: str, spelled: Callable[[str], str]) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from urdfcheck.core import Finding, SceneFrame, Severity, Span
+from urdfcheck.output.html.text import esc
 
 _ELEMENT = re.compile(r"(link|joint)\[(.*?)\](?=[/@]|$)", re.DOTALL)
 
@@ -49,14 +50,23 @@ def element(subject: str) -> Element | None:
     return (match[1], match[2]) if match else None
 
 
+def names_it(of: Element | None) -> str:
+    """The attribute by which the page's script knows that something is about a link or a joint; empty for anything else."""
+    return f' data-{of[0]}="{esc(of[1])}"' if of is not None and len(of) == 2 else ""
+
+
 def frame_element(parent: str, child: str) -> Element:
     """A launch file's static transform. No finding's subject names it: its place in the file does."""
     return ("frame", parent, child)
 
 
-def marks(model_cards: Iterable[Card], frames: Iterable[SceneFrame] = ()) -> Mapping[Element, Mark]:
-    """The worst finding of each link, joint and static transform that has one; suppressed findings do not count."""
+def marks(
+    model_cards: Iterable[Card], frames: Iterable[SceneFrame] = (), places: Iterable[tuple[Element, Span]] = ()
+) -> Mapping[Element, Mark]:
+    """The worst finding of each link, joint, static transform and place in a file that has one; suppressed findings do not
+    count."""
     spans = [(frame_element(f.parent, f.child), f.span) for f in frames if f.span is not None]
+    spans += places
     found: dict[Element, Mark] = {}
     for card in model_cards:
         if card.finding.suppressed is not None:

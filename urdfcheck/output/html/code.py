@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from difflib import SequenceMatcher
-from itertools import groupby
 
-from urdfcheck.core import NEWLINE, Edit, Span
-from urdfcheck.output.frames import FrameLine, frame, lines_of
+from urdfcheck.core import Edit, Span
+from urdfcheck.output.diffs import rows
+from urdfcheck.output.frames import FrameLine, frame
 from urdfcheck.output.html.text import esc
 
 # A file in one line must neither flood the report nor hide the span: this much of it is shown on each side.
@@ -115,72 +114,6 @@ def _starts_in_comment(lines: Sequence[FrameLine]) -> bool:
 
 
 def diff(sources: Mapping[str, str], edits: Sequence[Edit]) -> str:
-    """The edits as a unified diff that ``patch`` takes, in ``<pre>``; bare old and new text where the source is missing."""
-    ordered = sorted(edits, key=lambda e: (e.span.file, e.span.start, e.span.end))
-    rows: list[str] = []
-    for file, group in groupby(ordered, key=lambda e: e.span.file):
-        edits_here = list(group)
-        text = sources.get(file)
-        if text is None or any(_is_elsewhere(text, e) for e in edits_here):
-            rows += [_diff_row("head", f"{place(e.span)}") + _bare(e) for e in edits_here]
-        else:
-            rows += [_diff_row("head", f"--- {file}"), _diff_row("head", f"+++ {file}"), *_hunks(text, edits_here)]
-    return f'<pre class="diff">{"".join(rows)}</pre>'
-
-
-def _is_elsewhere(text: str, edit: Edit) -> bool:
-    """Whether an edit's text has changed meanwhile, or stands in a line that nobody can compare by eye."""
-    typed = text[edit.span.start : edit.span.end]
-    touched = lines_of(text)[edit.span.line - 1 : edit.span.end_line]
-    return typed != edit.expected or any(len(line) > LONGEST for line in touched)
-
-
-def _bare(edit: Edit) -> str:
-    old, new = NEWLINE.split(edit.expected), NEWLINE.split(edit.replacement)
-    return "".join(_diff_row("del", f"-{o}") for o in old) + "".join(_diff_row("ins", f"+{n}") for n in new)
-
-
-def _hunks(text: str, edits: Sequence[Edit]) -> list[str]:
-    """One hunk for the edits of neighbouring lines, with a line of context; ``edits`` are sorted and of one file."""
-    rows: list[str] = []
-    lines = lines_of(text)
-    shift = 0
-    for group in _neighbours(edits):
-        first, last = group[0].span.line, max(e.span.end_line for e in group)
-        before, after = lines[max(0, first - 2) : first - 1], lines[last : last + 1]
-        start = group[0].span.start - (group[0].span.col - 1)
-        old = [*before, *lines[first - 1 : last], *after]
-        new = NEWLINE.split(_patched(text, start, group) + lines[last - 1][group[-1].span.end_col - 1 :])
-        new = [*before, *new, *after]
-        top = first - len(before)
-        rows.append(_diff_row("at", f"@@ -{top},{len(old)} +{top + shift},{len(new)} @@"))
-        for tag, i, j, k, m in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
-            if tag == "equal":
-                rows += [_diff_row("same", f" {line}") for line in old[i:j]]
-            else:
-                rows += [_diff_row("del", f"-{line}") for line in old[i:j]]
-                rows += [_diff_row("ins", f"+{line}") for line in new[k:m]]
-        shift += len(new) - len(old)
-    return rows
-
-
-def _neighbours(edits: Sequence[Edit]) -> list[list[Edit]]:
-    groups: list[list[Edit]] = []
-    for edit in edits:
-        if groups and edit.span.line <= max(e.span.end_line for e in groups[-1]) + 2:
-            groups[-1].append(edit)
-        else:
-            groups.append([edit])
-    return groups
-
-
-def _patched(text: str, start: int, edits: Sequence[Edit]) -> str:
-    pieces, at = [], start
-    for edit in edits:
-        pieces += [text[at : edit.span.start], edit.replacement]
-        at = edit.span.end
-    return "".join(pieces)
-
-
-def _diff_row(kind: str, text: str) -> str:
-    return f'<span class="{kind}">{esc(text)}\n</span>'
+    """The edits as a unified diff in ``<pre>``."""
+    shown = "".join(f'<span class="{kind}">{esc(text)}\n</span>' for kind, text in rows(sources, edits))
+    return f'<pre class="diff">{shown}</pre>'

@@ -9,22 +9,8 @@ from urdfcheck.core import Finding, Verdict
 from urdfcheck.output.html.glyphs import glyph
 from urdfcheck.output.html.tables import table
 from urdfcheck.output.html.text import NONE, esc
+from urdfcheck.output.wording import NAMES
 
-# How the programs write themselves.
-NAMES = {
-    "bullet": "Bullet",
-    "drake": "Drake",
-    "gazebo": "Gazebo",
-    "isaac": "Isaac Sim",
-    "kdl": "KDL",
-    "moveit": "MoveIt",
-    "mujoco": "MuJoCo",
-    "pinocchio": "Pinocchio",
-    "ros": "ROS",
-    "rviz": "RViz",
-    "sdf": "SDFormat",
-    "sdformat": "SDFormat",
-}
 TOLD = {
     Verdict.LOADS: ("ok", "loads it as typed"),
     Verdict.IGNORES: ("warning", "loads it changed: ignores a part"),

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 from urdfcheck.core import Confidence, Finding, Fix, Location, Run, Severity, Span
-from urdfcheck.output.html.anchors import Card
+from urdfcheck.output.html.anchors import Card, element, names_it
 from urdfcheck.output.html.code import code_frame, diff, place
-from urdfcheck.output.html.consumers import NAMES
 from urdfcheck.output.html.glyphs import glyph, words
 from urdfcheck.output.html.groups import FileGroup, active, by_file
 from urdfcheck.output.html.text import base_name, esc, plural, prose
+from urdfcheck.output.wording import NAMES, by_effect
 
 MOST_SUBJECTS = 6
 MOST_EDITS = 4
 MOST_FRAMES = 8
 MOST_NOTES = 5
+# So many errors and warnings of a model are shown open; of more, the errors only.
+MOST_OPEN = 12
 SHOWN_DIGITS = 8
 
 CONFIDENCE = {
@@ -34,9 +36,12 @@ APPLICABILITY = {
 def problems_html(run: Run, cards: Sequence[Card], own: str, prefix: str) -> str:
     """Errors and warnings. ``own`` is the model's file; ``prefix`` makes the ids of the groups unique."""
     parts = []
-    for severity in (Severity.ERROR, Severity.WARNING):
-        if group := active(cards, severity):
-            parts.append(_group(severity, prefix, len(group), _by_file(run, group, own)))
+    groups = [(severity, active(cards, severity)) for severity in (Severity.ERROR, Severity.WARNING)]
+    few = sum(len(group) for _, group in groups) <= MOST_OPEN
+    for severity, group in groups:
+        if group:
+            is_open = few or severity == Severity.ERROR
+            parts.append(_group(severity, prefix, len(group), _by_file(run, group, own, is_open)))
     if not parts:
         found = "No errors and no warnings." if active(cards, Severity.INFO) else "No findings."
         parts.append(f'<p class="clean">{glyph("ok")} {found}</p>')
@@ -65,16 +70,18 @@ def _known(cards: Sequence[Card]) -> str:
 
 
 def _group(severity: Severity, prefix: str, count: int, body: str) -> str:
-    return (
-        f'<section class="group {severity}">'
-        f'<h3 id="{prefix}-{severity}">{glyph(severity)} {count} {words(count, severity)}</h3>{body}</section>'
-    )
+    told = f'<span class="count">{count}</span> {words(count, severity)}'
+    head = f'<h3 id="{prefix}-{severity}">{glyph(severity)} <span>{told}</span></h3>'
+    return f'<section class="group {severity}">{head}{body}</section>'
 
 
-def _by_file(run: Run, cards: Sequence[Card], own: str) -> str:
+def _by_file(run: Run, cards: Sequence[Card], own: str, is_open: bool = False) -> str:
     groups = by_file(cards, own)
     is_plain = len(groups) == 1 and groups[0].file in ("", own)
-    return "\n".join(f"{'' if is_plain else _file_head(group)}{_cards(run, group)}" for group in groups)
+    return "\n".join(
+        f'<div class="of-file">{"" if is_plain else _file_head(group)}{_cards(run, group, is_open)}</div>'
+        for group in groups
+    )
 
 
 def _folded(run: Run, cards: Sequence[Card], own: str) -> str:
@@ -91,26 +98,27 @@ def _file_head(group: FileGroup) -> str:
     return f'<h4 class="file">{group.kind} <code>{esc(group.file)}</code></h4>'
 
 
-def _cards(run: Run, group: FileGroup) -> str:
-    return f'<div class="cards">{"".join(_card(run, card) for card in group.cards)}</div>'
+def _cards(run: Run, group: FileGroup, is_open: bool = False) -> str:
+    return f'<div class="cards">{"".join(_card(run, card, is_open) for card in group.cards)}</div>'
 
 
-def _card(run: Run, card: Card) -> str:
+def _card(run: Run, card: Card, is_open: bool) -> str:
     finding = card.finding
     body = (
-        f"{_variants(run, finding)}{_subjects(card)}{_source(run, finding.location.span)}{_via(run, finding.location.via)}"
-        f"{_related(run, finding.related)}{_explanation(finding)}"
-        f"{'' if finding.fix is None else _fix(run, finding.fix)}{_foot(finding)}"
+        f"{_variants(run, finding)}{_subjects(card)}{_chain(run, card)}{_explanation(finding)}"
+        f"{'' if finding.fix is None else _fix(run, finding.fix)}{_related(run, finding.related)}{_foot(card)}"
     )
-    if finding.severity == Severity.INFO:
-        # Many, and none of them urgent: one line each until it is asked for.
-        span = finding.location.span
-        name = "Details" if span is None else f"<code>{esc(base_name(place(span)))}</code>"
-        body = f'<details class="more"><summary>{name}</summary>{body}</details>'
-    reason = "" if finding.suppressed is None else f'<p class="reason">Known, {esc(str(finding.suppressed))}</p>'
+    span = finding.location.span
+    name = "Details" if span is None else _place(span)
+    known, reason = "", ""
+    if finding.suppressed is not None:
+        known, reason = " known", f'<p class="reason">Known, {esc(str(finding.suppressed))}</p>'
+    file = "" if span is None else esc(span.file)
     return (
-        f'<article class="card {finding.severity}" id="{card.ids[0]}">{_head(run, card)}'
-        f'<p class="message">{prose(finding.message)}</p>{reason}{body}</article>'
+        f'<article class="card {finding.severity}{known}" id="{card.ids[0]}" tabindex="-1" data-code="{esc(finding.code)}" '
+        f'data-confidence="{finding.confidence}" data-file="{file}">{_head(run, card)}'
+        f'<p class="message">{prose(finding.message)}</p>{reason}'
+        f'<details class="more"{" open" if is_open else ""}><summary>{name}</summary>{body}</details></article>'
     )
 
 
@@ -119,11 +127,17 @@ def _head(run: Run, card: Card) -> str:
     code = f'<span class="rule-code">{esc(finding.code)}</span> {esc(finding.name)}'
     if finding.code in run.rules:
         code = f'<a href="#rule-{esc(finding.code)}">{code}</a>'
+    shown = '<button type="button" class="in-3d" hidden>Show in 3D</button>' if _elements(finding) else ""
     return (
-        f'<h5>{glyph(finding.severity)} <span class="severity">{finding.severity}</span> {code}</h5>'
+        f'<header><h4>{glyph(finding.severity)} <span class="severity">{finding.severity}</span> {code}</h4>{shown}'
         f'<a class="permalink" href="#{card.ids[0]}"><span aria-hidden="true">#</span>'
-        f'<span class="sr">link to this finding: {esc(finding.code)} {esc(finding.location.subject)}</span></a>'
+        f'<span class="sr">link to this finding: {esc(finding.code)} {esc(finding.location.subject)}</span></a></header>'
     )
+
+
+def _elements(finding: Finding) -> bool:
+    """Whether it is about a link or a joint."""
+    return any(element(subject) is not None for subject in finding.subjects)
 
 
 def _variants(run: Run, finding: Finding) -> str:
@@ -136,10 +150,12 @@ def _variants(run: Run, finding: Finding) -> str:
 
 
 def _subjects(card: Card) -> str:
-    subjects = card.finding.subjects
-    items = [f"<li><code>{esc(subjects[0])}</code></li>"] if subjects else []
-    # Every subject has a fingerprint of its own, so each one is an anchor.
-    items += [f'<li id="{i}"><code>{esc(s)}</code></li>' for s, i in zip(subjects[1:], card.ids[1:], strict=True)]
+    # Every subject has a fingerprint of its own, so each one is an anchor; that of the first is the card.
+    anchors = ["", *(f' id="{i}"' for i in card.ids[1:])]
+    items = [
+        f"<li{names_it(element(subject))}{anchor}><code>{esc(subject)}</code></li>"
+        for subject, anchor in zip(card.finding.subjects, anchors, strict=False)
+    ]
     if len(items) <= MOST_SUBJECTS:
         return f'<ul class="subjects">{"".join(items)}</ul>'
     head, rest = "".join(items[:MOST_SUBJECTS]), "".join(items[MOST_SUBJECTS:])
@@ -149,25 +165,55 @@ def _subjects(card: Card) -> str:
     )
 
 
-def _source(run: Run, span: Span | None, context: int = 2) -> str:
+def _source(run: Run, span: Span | None) -> str:
     if span is None:
         return ""
-    shown = code_frame(run.sources, span, context)
-    return f'<figure class="frame"><figcaption><code>{esc(place(span))}</code></figcaption>{shown}</figure>'
+    shown = code_frame(run.sources, span, 0)
+    return f'<figure class="frame"><figcaption>{_place(span)}</figcaption>{shown}</figure>'
 
 
-def _via(run: Run, via: Sequence[Span]) -> str:
-    if not via:
+def _chain(run: Run, card: Card) -> str:
+    """Where the text stands; where macros or includes brought it there, all calls from the outermost on, linked both ways."""
+    span, via = card.finding.location.span, card.finding.location.via
+    if span is None:
         return ""
-    items = "".join(f"<li>{_source(run, span, 0)}</li>" for span in via)
-    calls = "a macro call or include" if len(via) == 1 else f"{len(via)} macro calls or includes, outermost first"
-    return f'<details class="via"><summary>Brought here by {calls}</summary><ol>{items}</ol></details>'
+    if not via:
+        # The line above it says where it is.
+        shown = code_frame(run.sources, span)
+        return f'<figure class="frame">{shown}</figure>' if shown else ""
+    steps = [*via, span]
+    last = len(steps) - 1
+    ids = [f"{card.ids[0]}-at{number}" for number in range(len(steps))]
+    items = []
+    for i, step in enumerate(steps):
+        before = f'<a href="#{ids[i - 1]}">called at {_line_of(steps[i - 1])}</a>' if i else ""
+        after = f'<a href="#{ids[i + 1]}">brings in {_line_of(steps[i + 1])}</a>' if i < last else ""
+        is_quoted = i < MOST_FRAMES // 2 or i > last - MOST_FRAMES // 2
+        shown = code_frame(run.sources, step, 2 if i == last else 0) if is_quoted else ""
+        items.append(
+            f'<li id="{ids[i]}"><figure class="frame"><figcaption>{_place(step)}'
+            f'<span class="steps">{before}{after}</span></figcaption>{shown}</figure></li>'
+        )
+    calls = "a macro call or include" if len(via) == 1 else f"{len(via)} macro calls or includes"
+    return f'<div class="via"><h5>Brought here by {calls}</h5><ol class="chain">{"".join(items)}</ol></div>'
+
+
+def _place(span: Span) -> str:
+    """Where there is little room, the style leaves the folder out."""
+    name = base_name(span.file)
+    folder = span.file[: len(span.file) - len(name)]
+    shown = f'<span class="folder">{esc(folder)}</span>' if folder else ""
+    return f'<code title="{esc(place(span))}">{shown}{esc(place(span)[len(folder) :])}</code>'
+
+
+def _line_of(span: Span) -> str:
+    return f"<code>{esc(base_name(span.file))}:{span.line}</code>"
 
 
 def _related(run: Run, related: Sequence[Location]) -> str:
     if not related:
         return ""
-    items = "".join(f"<li><code>{esc(r.subject)}</code>{_source(run, r.span, 0)}</li>" for r in related[:MOST_FRAMES])
+    items = "".join(f"<li><code>{esc(r.subject)}</code>{_source(run, r.span)}</li>" for r in related[:MOST_FRAMES])
     items += "".join(
         f"<li><code>{esc(r.subject)}</code>" + (f" <code>{esc(place(r.span))}</code></li>" if r.span else "</li>")
         for r in related[MOST_FRAMES:]
@@ -178,25 +224,17 @@ def _related(run: Run, related: Sequence[Location]) -> str:
 def _explanation(finding: Finding) -> str:
     parts = []
     if finding.why is not None:
-        parts.append(f'<div class="why"><h6>Why</h6><p>{prose(finding.why)}</p></div>')
+        parts.append(f'<div class="why"><h5>Why</h5><p>{prose(finding.why)}</p></div>')
     if finding.consequences:
         rows = "".join(
-            f"<div><dt>{esc(', '.join(consumers))}</dt><dd>{prose(effect)}</dd></div>"
-            for effect, consumers in _by_effect(finding.consequences).items()
+            f"<div><dt>{esc(', '.join(NAMES.get(c, c) for c in consumers))}</dt><dd>{prose(effect)}</dd></div>"
+            for effect, consumers in by_effect(finding.consequences).items()
         )
-        parts.append(f'<div class="then"><h6>What follows</h6><dl>{rows}</dl></div>')
+        parts.append(f'<div class="then"><h5>What follows</h5><dl>{rows}</dl></div>')
     hidden = finding.data.get("hides", ())
     if hidden:
         parts.append(f'<p class="hides">Set aside on the same element until this is repaired: {_codes(hidden)}</p>')
     return f'<div class="explanation">{"".join(parts)}</div>' if parts else ""
-
-
-def _by_effect(consequences: Mapping[str, str]) -> dict[str, list[str]]:
-    """Consumers that do the same thing share a line."""
-    effects: dict[str, list[str]] = {}
-    for consumer, effect in consequences.items():
-        effects.setdefault(effect, []).append(NAMES.get(consumer, consumer))
-    return effects
 
 
 def _codes(codes: Iterable[object]) -> str:
@@ -205,16 +243,26 @@ def _codes(codes: Iterable[object]) -> str:
 
 def _fix(run: Run, fix: Fix) -> str:
     how = APPLICABILITY[str(fix.applicability)]
-    edits = diff(run.sources, fix.edits) if fix.edits else ""
+    edits = copied = ""
+    if fix.edits:
+        edits = diff(run.sources, fix.edits)
+        copied = '<button type="button" class="act copy-diff" hidden>Copy diff</button>'
     if len(fix.edits) > MOST_EDITS:
         edits = f"<details><summary>{plural(len(fix.edits), 'edit')}</summary>{edits}</details>"
-    return f'<div class="fix"><h6>Repair <span class="how">{how}</span></h6><p>{prose(fix.title)}</p>{edits}</div>'
+    return (
+        f'<div class="fix"><div class="fix-head"><h5>Repair <span class="how">{how}</span></h5>{copied}</div>'
+        f"<p>{prose(fix.title)}</p>{edits}</div>"
+    )
 
 
-def _foot(finding: Finding) -> str:
+def _foot(card: Card) -> str:
     """Who wants to name the finding elsewhere finds the whole fingerprint in the title and in the card's address."""
+    finding = card.finding
     prints = "".join(
         f'<span>fingerprint <data class="print" value="{p}" title="{p}">{p[:SHOWN_DIGITS]}</data></span>'
         for p in finding.fingerprints[:1]
     )
-    return f"<footer><span><b>{finding.confidence}</b>: {CONFIDENCE[finding.confidence]}</span> {prints}</footer>"
+    return (
+        f"<footer><span><b>{finding.confidence}</b>: {CONFIDENCE[finding.confidence]}</span> {prints} "
+        '<button type="button" class="act copy-link" hidden>Copy link</button></footer>'
+    )

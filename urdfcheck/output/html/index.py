@@ -6,40 +6,84 @@ It is written piece by piece, so that no more than a row is held. Without its sc
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
+from types import MappingProxyType
 
-from urdfcheck.core import Rule, Severity
+from urdfcheck.core import Rule, Run, Severity
 from urdfcheck.output.html import head, style_sheet
 from urdfcheck.output.html.glyphs import ORDER, SYMBOLS, glyph, words
-from urdfcheck.output.html.text import NONE, esc, grouped, inline, number
+from urdfcheck.output.html.groups import LAUNCH_FILE, file_kind
+from urdfcheck.output.html.model import Part
+from urdfcheck.output.html.text import NONE, base_name, esc, grouped, inline, number
 from urdfcheck.output.inert import for_html
-from urdfcheck.output.lines import Row, RuleCount, Summary
+from urdfcheck.output.lines import Row, RuleCount, Summary, line, row
 
 # So many rules are named in a model's row; all of them are found by the filter.
 MOST_CODES = 6
+# So many models stand in a table of the worst, if there are more than these at all.
+MOST_WORST = 10
 _SENTENCE = re.compile(r".{40,}?[.:](?=\s+[A-Z])", re.DOTALL)
 _KINDS = (("model", "Models"), ("launch", "Launch files"), ("package", "Packages"))
 
 
-def page(summary: Summary, rows: Iterable[Row], rules: Mapping[str, Rule], version: str) -> Iterator[str]:
-    """The document in pieces of whole lines. It is the same for equal summaries and rows."""
-    return map(for_html, _pieces(summary, rows, rules, version))
+def page(
+    summary: Summary,
+    rows: Iterable[Row],
+    rules: Mapping[str, Rule],
+    version: str,
+    links: Mapping[str, str] = MappingProxyType({}),
+) -> Iterator[str]:
+    """The document in pieces of whole lines. It is the same for equal summaries and rows. ``links``: the files with the pages
+    about single units, by their ids."""
+    return map(for_html, _pieces(summary, rows, rules, version, links))
 
 
-def _pieces(summary: Summary, rows: Iterable[Row], rules: Mapping[str, Rule], version: str) -> Iterator[str]:
+def of_run(run: Run, parts: Sequence[Part], names: Sequence[str]) -> str:
+    """The document for the parts of a run that have pages of these names."""
+    rows = [*map(_row, parts), row(line("run", "", "", None, (), (), run.failures))]
+    links = {_name(part): name for part, name in zip(parts, names, strict=True)}
+    return "".join(page(Summary.of(rows), rows, run.rules, run.versions.get("urdfcheck", ""), links))
+
+
+def _row(part: Part) -> Row:
+    kind = (
+        "model"
+        if part.info
+        else "launch"
+        if file_kind(part.path, "") == LAUNCH_FILE
+        else "package"
+        if part.path
+        else "other"
+    )
+    findings = [card.finding for card in part.cards]
+    return row(line(kind, _name(part), part.path, part.info, findings, (), ()))
+
+
+def _name(part: Part) -> str:
+    return part.info.id if part.info else part.path or part.title
+
+
+def _pieces(
+    summary: Summary, rows: Iterable[Row], rules: Mapping[str, Rule], version: str, links: Mapping[str, str]
+) -> Iterator[str]:
     title = f"{grouped(summary.kinds['model'])} model{'' if summary.kinds['model'] == 1 else 's'}"
     style, script = style_sheet() + _own("index.css"), _own("index.js")
-    yield f"""{head(title, style, script)}<body class="index">
+    yield f"""{head(title, style, [script])}<body class="index">
 {SYMBOLS}
 <a class="skip" href="#models">Skip to the models</a>
 {_header(summary, title, version)}
 <div class="page">
 <main id="content">
-{_failures(summary)}{_unchecked(summary)}{_worst(summary)}{_rules(summary, rules)}
+{_failures(summary)}{_unchecked(summary)}{_worst(summary, links)}
 """
-    yield from _models(summary, rows)
+    # Who has pages to go to looks for them first; who has thousands of models, for what is common to them.
+    if not links:
+        yield _rules(summary, rules)
+    yield from _models(summary, rows, links)
+    if links:
+        yield _rules(summary, rules)
     yield f"</main>\n</div>\n<script>{script}</script>\n</body>\n</html>\n"
 
 
@@ -74,7 +118,8 @@ def _verdict(summary: Summary) -> tuple[str, str]:
     if summary.failed:
         return "error", "Not finished: a part of urdfcheck itself failed, so this verdict is incomplete"
     if summary.erroneous:
-        return "error", f"{grouped(summary.erroneous)} of the models have errors"
+        has = "has" if summary.erroneous == 1 else "have"
+        return "error", f"{grouped(summary.erroneous)} of the models {has} errors"
     if summary.counts[Severity.ERROR]:
         return "error", "There are errors to repair"
     if unread:
@@ -108,17 +153,19 @@ def _box(title: str, items: Iterable[str]) -> str:
 # -- tables ------------------------------------------------------------------------------------------------------------
 
 
-def _worst(summary: Summary) -> str:
-    if len(summary.worst) < 2:
+def _worst(summary: Summary, links: Mapping[str, str]) -> str:
+    if len(summary.worst) < 2 or summary.units <= MOST_WORST:
         return ""
-    return "".join(_table("worst", "Worst models", _MODEL_HEAD, map(_model, summary.worst[:10])))
+    rows = (_model(row, links) for row in summary.worst[:MOST_WORST])
+    return "".join(_table("worst", "Worst models", _MODEL_HEAD, rows))
 
 
 def _rules(summary: Summary, rules: Mapping[str, Rule]) -> str:
     if not summary.rules:
         return ""
     head = _head(("Rule", ""), ("Severity", ""), ("Findings", "num"), ("Models", "num"), ("What it checks", ""))
-    return "".join(_table("rules", "Rules", head, (_rule(rules[c], n) for c, n in summary.ranked()), "sortable"))
+    known = (_rule(rules[code], count) for code, count in summary.ranked() if code in rules)
+    return "".join(_table("rules", "Rules", head, known, "sortable"))
 
 
 def _rule(rule: Rule, count: RuleCount) -> str:
@@ -135,18 +182,18 @@ def _sentence(text: str) -> str:
     return text[: match.end()].rstrip() if (match := _SENTENCE.match(text)) else text
 
 
-def _models(summary: Summary, rows: Iterable[Row]) -> Iterator[str]:
+def _models(summary: Summary, rows: Iterable[Row], links: Mapping[str, str]) -> Iterator[str]:
     statuses = "".join(f"<option>{esc(status)}</option>" for status in sorted(summary.statuses))
     tools = (
         '<div class="tools" hidden><label>Find <input type="search" id="find" placeholder="name, path or rule"></label>'
         f'<label>Status <select id="status"><option value="">all</option>{statuses}</select></label>'
         '<p role="status" id="shown"></p></div>'
     )
-    shown = (_model(row) for row in rows if row.kind != "run")
+    shown = (_model(row, links) for row in rows if row.kind != "run")
     yield from _table("models", "Models", _MODEL_HEAD, shown, "sortable", tools)
 
 
-def _model(row: Row) -> str:
+def _model(row: Row, links: Mapping[str, str]) -> str:
     worst = next((str(s) for s, n in zip(ORDER, row.counts, strict=True) if n), "ok")
     codes = " ".join(
         f'<span class="{severity}">{esc(code)}{f" <small>×{grouped(n)}</small>" if n > 1 else ""}</span>'
@@ -155,13 +202,16 @@ def _model(row: Row) -> str:
     rest = len(row.codes) - MOST_CODES
     hidden = f' data-codes="{esc(" ".join(code for code, _, _ in row.codes[MOST_CODES:]))}"' if rest > 0 else ""
     more = f" <small>and {rest} more</small>" if rest > 0 else ""
-    name = esc(row.id).replace("/", "/<wbr>")
+    name = f"<code>{esc(row.id).replace('/', '/<wbr>')}</code>"
     robot = f" <small>{esc(row.robot)}</small>" if row.robot else ""
+    if row.id in links:
+        title = esc(row.robot or base_name(row.path) or row.id)
+        name, robot = f'<a class="to-page" href="{esc(links[row.id])}">{title}</a>', f" <small>{name}</small>"
     counts = "".join(_count(n, str(s)) for s, n in zip(ORDER, row.counts, strict=True))
     status = row.status if row.kind == "model" else row.kind if row.status == "checked" else f"{row.kind}, {row.status}"
     size = _count(row.links) if row.kind == "model" else f'<td class="num" data-v="-1">{NONE}</td>'
     return (
-        f'<tr class="{worst}" data-status="{esc(row.status)}"{hidden}><th scope="row"><code>{name}</code>{robot}</th>'
+        f'<tr class="{worst}" data-status="{esc(row.status)}"{hidden}><th scope="row">{name}{robot}</th>'
         f'{counts}<td class="codes">{codes}{more}</td><td>{esc(status)}</td>{size}'
         f'<td class="num" data-v="{-1 if row.mass is None else row.mass!r}">{number(row.mass)}</td></tr>\n'
     )

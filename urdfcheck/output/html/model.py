@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import base64
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from urdfcheck.core import ModelInfo, Run, Scene, Severity
 from urdfcheck.drop import Drop
@@ -13,11 +15,15 @@ from urdfcheck.output.html.consumers import consumers_table
 from urdfcheck.output.html.contents import contents_html
 from urdfcheck.output.html.drop import drop_html
 from urdfcheck.output.html.findings import notes_html, problems_html
-from urdfcheck.output.html.tables import joints_table, links_table
+from urdfcheck.output.html.launch import launch_html
+from urdfcheck.output.html.tables import joints_table, meshes_table, physics_table
 from urdfcheck.output.html.text import base_name, esc, number, plural
 from urdfcheck.output.html.tree import tree_html
+from urdfcheck.output.png import png
 
 MOST_VARIANTS = 6
+# Width and height of the picture, in px.
+STILL = (960, 640)
 PROBLEMS = (Severity.ERROR, Severity.WARNING)
 STATUS = {
     "needs-arguments": "Not checked: the model cannot be expanded without arguments.",
@@ -39,14 +45,24 @@ class Part:
     drop: Drop | None = None
 
     @property
+    def file(self) -> str:
+        """What tells it from another part of the same title."""
+        if self.info is None:
+            return self.path
+        given = [f"{name}:={value}" for name, value in sorted(self.info.args.items())]
+        return " ".join((base_name(self.path), *given))
+
+    @property
     def sections(self) -> list[tuple[str, str]]:
         """Anchor and name of each section inside; none where there are only findings."""
         if self.scene is None:
             return []
-        found = [(f"{self.id}-findings", "Errors and warnings"), (f"{self.id}-tree", "Kinematic tree")]
+        found = [(f"{self.id}-findings", "Findings"), (f"{self.id}-tree", "Tree")]
         found += [(f"{self.id}-drop", "Drop test")] if self.drop is not None else []
-        found += [(f"{self.id}-consumers", "In each program"), (f"{self.id}-links", "Links")]
+        found += [(f"{self.id}-consumers", "Programs"), (f"{self.id}-physics", "Physics")]
+        found += [(f"{self.id}-meshes", "Meshes")]
         found += [(f"{self.id}-joints", "Joints")] if self.scene.joints else []
+        found += [(f"{self.id}-launch", "Launch")] if self.scene.launches else []
         found += [(f"{self.id}-info", "Information")] if self.counts.get(Severity.INFO) else []
         return found
 
@@ -77,8 +93,9 @@ def parts_of(run: Run) -> list[Part]:
     return parts
 
 
-def model_html(run: Run, part: Part) -> str:
-    head = f'<section class="model" id="{part.id}">{_head(part)}'
+def model_html(run: Run, part: Part, *, alone: bool) -> str:
+    """``alone``: no other model is drawn in this report, so that the bar has the way to its sections."""
+    head = f'<section class="model" id="{part.id}">{_head(run, part, alone)}{_still(part) if alone else ""}'
     # Beside the drawing where the page is wide, if there is anything to put there.
     beside = " beside" if part.scene is not None and any(part.counts.get(s) for s in PROBLEMS) else ""
     problems = problems_html(run, part.cards, part.path, part.id)
@@ -88,19 +105,45 @@ def model_html(run: Run, part: Part) -> str:
     return head + body + _scene(run, part) + last + "</section>"
 
 
-def _head(part: Part) -> str:
-    title = f"<h2>{esc(part.title)}</h2>"
+def _head(run: Run, part: Part, alone: bool) -> str:
+    lines = contents_html(part.cards, part.path)
     info = part.info
     if info is None:
-        path = f'<p class="path"><code>{esc(part.path)}</code></p>' if part.path != part.title and part.path else ""
-        return f'<div class="head">{title}{path}{contents_html(part.cards, part.path)}</div>'
-    args = "".join(f" <code>{esc(k)}:={esc(v)}</code>" for k, v in info.args.items())
+        path = path_html(part.path) if part.path != part.title and part.path else ""
+        return f'<div class="head"><h2>{esc(part.title)}</h2>{path}{lines}</div>'
     facts = [plural(info.links, "link"), plural(info.joints, "joint")]
     facts += [f"{number(info.mass)} kg"] if info.mass is not None else []
-    status = STATUS.get(info.status)
-    told = f'<p class="status">{status}</p>' if status else f'<p class="facts">{" · ".join(facts)}</p>'
-    path = f'<p class="path"><code>{esc(info.path)}</code>{args}</p>'
-    return f'<div class="head">{title}{path}{told}{contents_html(part.cards, part.path)}</div>'
+    status = f'<p class="status">{STATUS[info.status]}</p>' if info.status in STATUS else ""
+    if len(run.models) == 1:
+        # The head of the page has said the rest.
+        return f'<div class="head"><h2 class="sr">{esc(part.title)}</h2>{status}{lines}</div>'
+    told = status or f'<p class="facts">{" · ".join(facts)}</p>'
+    way = "" if alone or not part.sections else _way(part)
+    return f'<div class="head"><h2>{esc(part.title)}</h2>{path_html(info.path, info.args)}{told}{way}{lines}</div>'
+
+
+def _still(part: Part) -> str:
+    """The robot for a browser without scripts or WebGL; the style hides it from any other."""
+    picture = b"" if part.scene is None else png(part.scene, *STILL)
+    if not picture:
+        return ""
+    told = f"{part.title} with all joints at zero, seen from the front, right and above"
+    source = base64.b64encode(picture).decode()
+    return f'<img class="still" width="{STILL[0]}" height="{STILL[1]}" alt="{esc(told)}" src="data:image/png;base64,{source}">'
+
+
+def path_html(path: str, args: Mapping[str, str] = MappingProxyType({})) -> str:
+    """A file, with the arguments that it was expanded with; it is broken between its folders where it is too long."""
+    given = "".join(f" <code>{esc(k)}:={esc(v)}</code>" for k, v in args.items())
+    return f'<p class="path"><code>{esc(path).replace("/", "/<wbr>")}</code>{given}</p>'
+
+
+def _way(part: Part) -> str:
+    """The links to its sections, and a button for a page whose 3D view can show one robot of several."""
+    items = "".join(f'<li><a href="#{i}">{name}</a></li>' for i, name in part.sections)
+    shown = '<button type="button" class="in-3d" hidden>Show in 3D</button>'
+    name = part.title if part.info is None else f"{part.title}, {part.info.id}"
+    return f'<nav class="way" aria-label="Sections of {esc(name)}"><ul>{items}</ul>{shown}</nav>'
 
 
 def _scene(run: Run, part: Part) -> str:
@@ -112,9 +155,13 @@ def _scene(run: Run, part: Part) -> str:
     tables: Sequence[str] = [
         "" if part.drop is None else f'<section class="drop" id="{part.id}-drop">{drop_html(part.drop)}</section>',
         f'<section class="consumers" id="{part.id}-consumers"><h3>In each program</h3>{programs}</section>',
-        f'<section class="links" id="{part.id}-links"><h3>Links</h3>{links_table(scene, worst)}</section>',
+        f'<section class="physics" id="{part.id}-physics"><h3>Physics</h3>{physics_table(scene, worst)}</section>',
+        f'<section class="meshes" id="{part.id}-meshes"><h3>Meshes and shapes</h3>{meshes_table(scene)}</section>',
         f'<section class="joints" id="{part.id}-joints"><h3>Joints</h3>{joints_table(scene, worst)}</section>'
         if scene.joints
+        else "",
+        f'<section class="launches" id="{part.id}-launch"><h3>Launch</h3>{launch_html(scene, part.cards)}</section>'
+        if scene.launches
         else "",
     ]
     tree = tree_html(scene, worst, f"Kinematic tree of {part.title}")

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from urdfcheck.core import Scene
-from urdfcheck.output.html.anchors import Element, Mark
+from urdfcheck.output.html.anchors import Element, Mark, names_it
 from urdfcheck.output.html.glyphs import glyph
 from urdfcheck.output.html.graph import LAUNCH, LINK, MISSING, REPEATED, Edge, Node, forest
 from urdfcheck.output.html.text import esc, plural
@@ -91,18 +91,18 @@ def _indented(nodes: Sequence[Node]) -> list[Box]:
 
 
 def _width(node: Node) -> float:
-    return round(_columns(_short(node.name)) * ADVANCE + 2 * PAD + 20, 1)
+    return round(columns(short(node.name)) * ADVANCE + 2 * PAD + 20, 1)
 
 
 def _label_width(edge: Edge) -> float:
-    return max(_columns(_short(edge.name)), _columns(edge.kind)) * SMALL + 18
+    return max(columns(short(edge.name)), columns(edge.kind)) * SMALL + 18
 
 
-def _columns(text: str) -> int:
+def columns(text: str) -> int:
     return sum(2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in text)
 
 
-def _short(name: str) -> str:
+def short(name: str) -> str:
     """A name that fits: the middle goes, because robots tell their links apart at both ends."""
     half = LONGEST_NAME // 2
     return name if len(name) <= LONGEST_NAME else f"{name[: half - 1]}…{name[-half:]}"
@@ -116,7 +116,7 @@ def _svg(nodes: Sequence[Node], marks: Mapping[Element, Mark]) -> str:
     right = max(box.x + box.width for box in boxes)
     if not is_layered:
         labelled = [(b, n.edge) for b, n in zip(boxes, nodes, strict=True) if n.edge is not None]
-        right = max([right, *(b.x + b.width + GAP + _columns(_inline_label(e)) * SMALL + 18 for b, e in labelled)])
+        right = max([right, *(b.x + b.width + GAP + columns(_inline_label(e)) * SMALL + 18 for b, e in labelled)])
     width, height = round(right) + 2, round(max(box.y for box in boxes) + ROW / 2)
     edges: list[tuple[int, str]] = []
     items: list[str] = []
@@ -139,9 +139,15 @@ def _svg(nodes: Sequence[Node], marks: Mapping[Element, Mark]) -> str:
     )
 
 
+def _link(node: Node) -> Element | None:
+    """The link that a box stands for, none where no link has its name."""
+    return ("link", node.name) if node.kind in (LINK, REPEATED) else None
+
+
 def _node_mark(node: Node, marks: Mapping[Element, Mark]) -> Mark | None:
-    if node.kind in (LINK, REPEATED):
-        return marks.get(("link", node.name))
+    link = _link(node)
+    if link is not None:
+        return marks.get(link)
     # A frame that a launch file makes is as good as the transform that makes it.
     return marks.get(node.edge.element) if node.kind == LAUNCH and node.edge is not None else None
 
@@ -184,7 +190,7 @@ def _label(edge: Edge, parent: Box, box: Box, is_layered: bool, mark: Mark | Non
         lines = [(edge.name, y - 5), (edge.kind, y + 14)] if edge.name else [(edge.kind, y - 5)]
         text = "".join(
             f'<text class="{"joint" if i == 0 else "type"}" x="{x + (16 if mark and i == 0 else 0):g}" y="{at:g}">'
-            f"{esc(_short(line))}</text>"
+            f"{esc(short(line))}</text>"
             for i, (line, at) in enumerate(lines)
         )
         sign = sign % f'x="{x:g}" y="{y - 15:g}"' if sign else ""
@@ -192,19 +198,20 @@ def _label(edge: Edge, parent: Box, box: Box, is_layered: bool, mark: Mark | Non
         x = box.x + box.width + GAP - 6
         sign = sign % f'x="{x:g}" y="{box.y - 6:g}"' if sign else ""
         text = (
-            f'<text class="joint" x="{x + (16 if mark else 0):g}" y="{box.y + 4:g}">{esc(_short(edge.name))}'
+            f'<text class="joint" x="{x + (16 if mark else 0):g}" y="{box.y + 4:g}">{esc(short(edge.name))}'
             f'<tspan class="type">{" · " if edge.name else ""}{esc(edge.kind)}</tspan></text>'
         )
     what = f"joint {edge.name}, {edge.kind}" if edge.is_joint else "static transform of a launch file"
     kind = _edge_class(edge, mark).replace("edge ", "label ")
     drawn = (
-        f'<g class="{kind}" fill="currentColor" font-size="11"><title>{esc(_told(what, mark))}</title>{sign}{text}</g>'
+        f'<g class="{kind}"{names_it(edge.element)} fill="currentColor" font-size="11">'
+        f"<title>{esc(_told(what, mark))}</title>{sign}{text}</g>"
     )
     return drawn if mark is None else f'<a href="#{mark.anchor}">{drawn}</a>'
 
 
 def _inline_label(edge: Edge) -> str:
-    return f"{_short(edge.name)} · {edge.kind}" if edge.name else edge.kind
+    return f"{short(edge.name)} · {edge.kind}" if edge.name else edge.kind
 
 
 def _box(node: Node, box: Box, mark: Mark | None) -> str:
@@ -219,9 +226,10 @@ def _box(node: Node, box: Box, mark: Mark | None) -> str:
     )
     left = box.x + (PAD + 18 if mark else PAD + 10)
     drawn = (
-        f'<g class="{kind}"><title>{esc(_told(what, mark))}</title><rect x="{box.x:g}" y="{top:g}" width="{box.width:g}" '
+        f'<g class="{kind}"{names_it(_link(node))}><title>{esc(_told(what, mark))}</title>'
+        f'<rect x="{box.x:g}" y="{top:g}" width="{box.width:g}" '
         f'height="{BOX}" rx="6" stroke="currentColor"{dashes}/><g fill="currentColor">{sign}'
-        f'<text x="{left:g}" y="{box.y + 4:g}">{esc(_short(node.name)) or "(no name)"}</text></g></g>'
+        f'<text x="{left:g}" y="{box.y + 4:g}">{esc(short(node.name)) or "(no name)"}</text></g></g>'
     )
     return drawn if mark is None else f'<a href="#{mark.anchor}">{drawn}</a>'
 
@@ -260,7 +268,7 @@ def _list(nodes: Sequence[Node], marks: Mapping[Element, Mark]) -> str:
 
 
 def _line(node: Node, nodes: Sequence[Node], marks: Mapping[Element, Mark]) -> str:
-    text = f"<code>{esc(node.name)}</code>"
+    text = f"<code{names_it(_link(node))}>{esc(node.name)}</code>"
     if node.kind != LINK:
         text += f" ({NOTES[node.kind]})"
     text += _mark(marks.get(("link", node.name)) if node.kind == LINK else None)
@@ -269,7 +277,7 @@ def _line(node: Node, nodes: Sequence[Node], marks: Mapping[Element, Mark]) -> s
     parent = f"<code>{esc(nodes[node.parent].name)}</code>"
     if not node.edge.is_joint:
         return f"{text}, placed on {parent} by a launch file" + _mark(marks.get(node.edge.element))
-    joint = f"<code>{esc(node.edge.name)}</code> ({esc(node.edge.kind)})"
+    joint = f"<code{names_it(node.edge.element)}>{esc(node.edge.name)}</code> ({esc(node.edge.kind)})"
     return f"{text}, on {parent} by joint {joint}" + _mark(marks.get(node.edge.element))
 
 

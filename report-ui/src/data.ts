@@ -1,0 +1,103 @@
+// What the report hands over in <script id="uc-data">: written by urdfcheck/output/html/stage.py.
+// Lengths in metres, angles in radians, 4x4 transforms row-major.
+
+export type Severity = "error" | "warning" | "info" | "";
+export type Layer = (typeof LAYERS)[number];
+export const LAYERS = [
+  "visual", "collision", "com", "box", "ellipsoid", "axes", "frames", "holes", "overlaps", "ground", "preview",
+] as const;
+
+export interface Shape {
+  at: number[];
+  color: number[] | null;
+  mesh?: number;
+  scale?: number[];
+  box?: number[];
+  cylinder?: number[];
+  sphere?: number[];
+  capsule?: number[];
+}
+
+/** Axes and size of the body that has this inertia, or why there is none. */
+export type Inertia =
+  | { at: number[]; principal: number[]; box: number[]; ellipsoid: number[]; impossible?: undefined }
+  | { impossible: string; com: number[] | null };
+
+export interface Link {
+  name: string;
+  severity: Severity;
+  at: number[] | null;
+  visual: Shape[];
+  collision: Shape[];
+  mass: number | null;
+  com: number[] | null;
+  inertia: Inertia | null;
+}
+
+export interface Joint {
+  name: string;
+  type: string;
+  severity: Severity;
+  parent: string;
+  child: string;
+  at: number[];
+  axis: number[] | null;
+  lower: number | null;
+  upper: number | null;
+  start: number;
+  mimic: { joint: string; multiplier: number; offset: number } | null;
+}
+
+export interface Preview {
+  joint?: string;
+  at?: number[];
+  link?: string;
+  inertia?: Inertia;
+}
+
+export interface Finding {
+  id: string;
+  code: string;
+  severity: Severity;
+  links: string[];
+  joints: string[];
+  layers: Layer[];
+  preview: Preview[];
+}
+
+export interface ModelData {
+  id: string;
+  name: string;
+  root: string;
+  links: Link[];
+  joints: Joint[];
+  frames: { parent: string; child: string; at: number[] }[];
+  overlaps: { a: string; b: string; points: number[][]; depth: number | null; finding: string | null }[];
+  ground: null | { height: number; contacts: { link: string; point: number[] }[]; support: number[][]; com: number[] };
+  findings: Finding[];
+}
+
+/** Where a mesh lies in the geometry, see urdfcheck/facts/mesh_codec.py. */
+export interface MeshEntry {
+  offset: number;
+  vertices: number;
+  faces: number;
+  holes: number;
+  low: number[];
+  high: number[];
+  wide: boolean;
+}
+
+export interface Stage {
+  models: ModelData[];
+  meshes: MeshEntry[];
+}
+
+/** What is selected: a finding wins over a joint, a joint over a link. */
+export interface Selection {
+  model: string;
+  link?: string;
+  joint?: string;
+  finding?: string;
+  origin: "page" | "viewer";
+}

@@ -1,0 +1,463 @@
+// The robot in 3D of urdfcheck's report.
+import { Box3, Color, Vector3 } from "three";
+import { inflated } from "./codec.ts";
+import type { Finding, Layer, ModelData, Selection, Stage as StageData } from "./data.ts";
+import { el, send } from "./dom.ts";
+import { Gizmo } from "./gizmo.ts";
+import { Labels, type Anchor } from "./labels.ts";
+import { filled, Overlays } from "./overlays.ts";
+import { JointPanel } from "./panel.ts";
+import { positionOf, Robot, worse, type LinkNode } from "./robot.ts";
+import { Shadow } from "./shadow.ts";
+import { matrix, Shapes } from "./shapes.ts";
+import { DIRECTIONS, Stage, type View } from "./stage.ts";
+import { onTheme, themeOf } from "./theme.ts";
+import { KEYED, Toolbar } from "./toolbar.ts";
+
+// How much of the picture stays free around the whole robot, and around what is selected.
+const ROOM = 0.1;
+const CLOSE = 0.42;
+// A body that an inertia in wrong units stands for is looked at up to so many sizes of the robot.
+const FARTHEST = 1.5;
+
+interface Shown {
+  robot: Robot;
+  overlays: Overlays;
+  layers: Set<Layer>;
+  offered: Set<Layer>;
+}
+
+class Viewer {
+  private readonly stage: Stage;
+  private readonly bar: HTMLElement;
+  private readonly labels: Labels;
+  private readonly panel: JointPanel;
+  private readonly toolbar: Toolbar;
+  private readonly gizmo = new Gizmo();
+  private readonly shadow = new Shadow();
+  private readonly tip = el("div", { class: "uc-tip", hidden: true });
+  private readonly scale = el("span", { class: "uc-scale" });
+  private readonly print = el("img", { id: "uc-print", alt: "" });
+  private readonly known = new Map<number, Shown>();
+  private readonly shapes: Shapes;
+  private theme;
+  private shown!: Shown;
+  private selection: Selection | null = null;
+  private finding: Finding | null = null;
+  /** Layers that the selection asks for, of its links only. */
+  private asked = new Set<Layer>();
+  private tinted = true;
+  /** While something is selected: its glyphs only. */
+  private onlySelected = true;
+  private hovered: string | null = null;
+
+  constructor(private readonly section: HTMLElement, private readonly data: StageData, geometry: Uint8Array) {
+    const part = (name: string) => section.querySelector<HTMLElement>(`.uc-${name}`)!;
+    const view = part("view");
+    this.stage = new Stage(view);
+    performance.mark("uc-stage");
+    this.bar = part("bar");
+    this.theme = themeOf(section);
+    this.shapes = new Shapes(data.meshes, geometry);
+    this.labels = new Labels(part("labels"));
+    this.panel = new JointPanel(part("joints") as HTMLDetailsElement, () => this.posed());
+    this.toolbar = new Toolbar(this.bar, data.models.map((model) => model.name), {
+      layer: (layer) => this.toggle(layer),
+      tint: () => { this.tinted = !this.tinted; this.update(); },
+      only: () => { this.onlySelected = !this.onlySelected; this.update(); },
+      view: (name) => this.look(name),
+      parallel: () => { this.stage.project(!this.stage.parallel); this.update(); },
+      home: () => this.home(),
+      picture: () => this.save(),
+      full: () => void (document.fullscreenElement ? document.exitFullscreen() : section.requestFullscreen()),
+      model: (index) => { send("uc:clear", { origin: "viewer" }); this.open(index); },
+    });
+    part("corner").append(this.gizmo.element, this.scale);
+    view.append(this.tip);
+    section.append(this.print);
+    this.stage.onRender = () => {
+      const { width, height } = this.stage.bounds;
+      this.labels.place(this.stage.camera, width, height);
+      this.gizmo.turn(this.stage.camera);
+    };
+    this.stage.onResize = () => {
+      if (!this.stage.touched) this.arrive(true);
+    };
+    this.stage.scene.add(this.shadow.mesh);
+    this.stage.paint(this.theme);
+    this.open(0);
+    this.listen();
+  }
+
+  private get robot(): Robot {
+    return this.shown.robot;
+  }
+
+  private get model(): ModelData {
+    return this.robot.data;
+  }
+
+  // -- what is shown --
+
+  private open(index: number): void {
+    if (this.shown) this.shown.robot.root.removeFromParent();
+    let shown = this.known.get(index);
+    if (!shown) {
+      const robot = new Robot(this.data.models[index], this.shapes);
+      const offered = filled(robot, this.shapes);
+      const layers = new Set<Layer>(offered.has("visual") ? ["visual"] : offered.has("collision") ? ["collision"] : []);
+      shown = { robot, overlays: new Overlays(robot, this.shapes), layers, offered };
+      this.known.set(index, shown);
+    }
+    this.shown = shown;
+    this.stage.scene.add(this.robot.root);
+    const { data } = this.robot;
+    this.stage.fit(this.robot.box, this.robot.ground, this.theme);
+    this.scale.textContent = `grid ${this.stage.cell}`;
+    this.stage.canvas.setAttribute("aria-label", `${data.name} in 3D. The findings beside it say the same in words.`);
+    this.print.alt = `${data.name}, as it stands with every joint at its start`;
+    const severities = [...this.robot.links.values()].map((link) => this.robot.severityOf(link));
+    this.toolbar.offer(shown.offered, severities.includes("error") || severities.includes("warning"));
+    if (this.toolbar.models) this.toolbar.models.selectedIndex = index;
+    this.panel.show(this.robot);
+    this.cast();
+    this.update();
+    performance.mark("uc-built");
+    this.home(true);
+  }
+
+  /** The links that the selection is about. */
+  private get subjects(): Set<string> | null {
+    if (!this.selection) return null;
+    const { link, joint } = this.selection;
+    const joints = this.finding ? this.finding.joints : joint === undefined ? [] : [joint];
+    const links = new Set(this.finding ? this.finding.links : link === undefined ? [] : [link]);
+    for (const name of joints) {
+      const child = this.robot.joints.get(name)?.data.child;
+      if (child !== undefined) links.add(child);
+    }
+    for (const { finding, a, b } of this.model.overlaps) {
+      if (this.finding && finding === this.finding.id) links.add(a).add(b);
+    }
+    return links.size ? links : null;
+  }
+
+  /** Those that stay solid: the subjects, and what a joint hangs on where that helps to see it. */
+  private lit(subjects: Set<string> | null): Set<string> | null {
+    if (!subjects) return null;
+    const lit = new Set(subjects);
+    for (const name of subjects) {
+      const node = this.robot.links.get(name);
+      const ofJoint = !this.finding && this.selection?.joint !== undefined;
+      if (node?.parent && (ofJoint || (this.finding?.joints.length && node.box.isEmpty()))) lit.add(node.parent.data.parent);
+    }
+    return lit;
+  }
+
+  private update(): void {
+    const { robot, overlays, layers } = this.shown;
+    const subjects = this.subjects;
+    const visual = layers.has("visual") || this.asked.has("visual");
+    robot.dress(
+      {
+        visual,
+        collision: layers.has("collision") || this.asked.has("collision"),
+        lit: this.lit(subjects),
+        tinted: this.tinted,
+        hovered: this.hovered,
+      },
+      this.theme,
+    );
+    robot.root.updateMatrixWorld(true);
+    this.shadow.show(visual, this.theme.dark, subjects !== null);
+    const anchors = overlays.show(layers, this.asked, subjects, this.onlySelected);
+    this.labels.set(anchors.concat(this.names(subjects, anchors)));
+    this.toolbar.show(new Set([...layers, ...this.asked]), this.tinted, this.onlySelected, this.stage.parallel, subjects !== null);
+    this.stage.request();
+  }
+
+  /** The names of the selected links, if no label says them already. */
+  private names(subjects: Set<string> | null, others: Anchor[]): Anchor[] {
+    if (!subjects || subjects.size > 6) return [];
+    const said = new Set(others.filter((anchor) => anchor.kind === "link").map((anchor) => anchor.text));
+    return [...subjects].flatMap((name) => {
+      const link = this.robot.links.get(name);
+      return link && !said.has(name) ? [{ text: name, object: link.frame, kind: "link" as const, rank: 5 }] : [];
+    });
+  }
+
+  private cast(): void {
+    this.robot.root.updateMatrixWorld(true);
+    this.shadow.cast(this.robot, this.robot.ground);
+  }
+
+  private posed(): void {
+    this.cast();
+    if (this.finding?.preview.length) this.suggest();
+    this.update();
+  }
+
+  private suggest(): Vector3[] {
+    return this.shown.overlays.suggest(this.finding);
+  }
+
+  private toggle(layer: Layer): void {
+    if (!this.shown.offered.has(layer)) return;
+    const { layers } = this.shown;
+    if (this.asked.delete(layer) || layers.has(layer)) layers.delete(layer);
+    else layers.add(layer);
+    this.update();
+  }
+
+  // -- the camera --
+
+  private look(name: string): void {
+    const { subjects } = this;
+    const box = subjects ? this.boundsOf(subjects, []) : this.robot.box;
+    this.stage.touched = false;
+    this.aim = () => this.stage.around(box, new Vector3(...DIRECTIONS[name]), subjects ? CLOSE : ROOM);
+    this.arrive();
+  }
+
+  private home(atOnce = false): void {
+    this.stage.touched = false;
+    this.aim = () => this.stage.around(this.robot.box, new Vector3(...DIRECTIONS.iso), ROOM);
+    this.arrive(atOnce);
+  }
+
+  /** Where the camera was sent last; a change of the window's size sends it there again. */
+  private aim: (() => View) | null = null;
+
+  private arrive(atOnce = false): void {
+    if (!this.aim) return;
+    // On a low picture the buttons may lie over the robot.
+    this.stage.inset = Math.min(this.bar.offsetTop + this.bar.offsetHeight, 0.3 * this.stage.bounds.height);
+    this.stage.fly(this.aim(), atOnce);
+  }
+
+  /** The bounds of links; those without shapes count as big as their glyphs. The body that an inertia stands for counts where
+   * it is looked at. */
+  private boundsOf(names: Iterable<string>, points: Vector3[]): Box3 {
+    const box = new Box3().setFromPoints(points);
+    const withInertia = this.shown.layers.has("box") || this.asked.has("box");
+    this.robot.root.updateMatrixWorld(true);
+    for (const name of names) {
+      const link = this.robot.links.get(name);
+      if (!link) continue;
+      const own = this.robot.boundsOf(link);
+      const reach = 1.6 * this.robot.unit(link);
+      if (own.isEmpty()) own.setFromCenterAndSize(positionOf(link.frame), new Vector3(reach, reach, reach));
+      box.union(own);
+      const { inertia } = link.data;
+      if (withInertia && inertia && "box" in inertia) {
+        const [x, y, z] = inertia.box.map((edge) => Math.min(edge, FARTHEST * this.robot.size) / 2);
+        const body = new Box3(new Vector3(-x, -y, -z), new Vector3(x, y, z));
+        box.union(body.applyMatrix4(matrix(inertia.at)).applyMatrix4(link.frame.matrixWorld));
+      }
+    }
+    // However small a link is, what is around it helps to tell where it is.
+    const small = 0.05 * this.robot.size;
+    const middle = box.getCenter(new Vector3());
+    return box.union(new Box3().setFromCenterAndSize(middle, new Vector3(small, small, small)));
+  }
+
+  // -- the selection --
+
+  private select(selection: Selection): void {
+    const index = this.data.models.findIndex((model) => model.id === selection.model);
+    if (index < 0) return;
+    if (this.model.id !== selection.model) this.open(index);
+    this.selection = selection;
+    this.finding = selection.finding === undefined
+      ? null
+      : this.model.findings.find((finding) => finding.id === selection.finding) ?? null;
+    const { offered, layers } = this.shown;
+    const asked: Layer[] = this.finding?.layers ?? (selection.joint !== undefined ? ["axes", "frames"] : ["frames"]);
+    this.asked = new Set(asked.filter((layer) => offered.has(layer) && !layers.has(layer)));
+    const points = this.suggest();
+    const subjects = [...(this.subjects ?? [])];
+    // Where nothing of it can be seen, its frame is shown.
+    if (subjects.length && subjects.every((name) => this.robot.links.get(name)?.box.isEmpty())) this.asked.add("frames");
+    document.body.dataset.selected = subjects[0] ?? "";
+    this.update();
+    if (!subjects.length && !points.length) return this.home();
+    const { direction } = this.stage.view();
+    // From below or straight above little can be told.
+    const level = Math.max(0.22, Math.min(0.72, direction.z));
+    const flat = Math.hypot(direction.x, direction.y) || 1;
+    const side = Math.sqrt(1 - level * level) / flat;
+    const from = new Vector3(direction.x * side, direction.y * side, level);
+    const box = this.boundsOf(subjects, points);
+    this.stage.touched = false;
+    this.aim = () => this.stage.around(box, from, CLOSE);
+    this.arrive();
+  }
+
+  private clear(): void {
+    if (!this.selection) return;
+    this.selection = null;
+    this.finding = null;
+    this.asked.clear();
+    this.suggest();
+    document.body.dataset.selected = "";
+    this.update();
+    // Back from where it was sent, but not from where a person went.
+    if (!this.stage.touched) this.home();
+  }
+
+  // -- what people and the page do --
+
+  private listen(): void {
+    const { canvas } = this.stage;
+    document.addEventListener("uc:select", (event) => this.select((event as CustomEvent<Selection>).detail));
+    document.addEventListener("uc:clear", () => this.clear());
+    onTheme(() => this.recolour());
+    addEventListener("keydown", (event) => this.key(event));
+
+    let down = [0, 0];
+    let busy = false;
+    canvas.addEventListener("pointerdown", (event) => { down = [event.clientX, event.clientY]; busy = true; this.hover(null); });
+    addEventListener("pointerup", () => { busy = false; });
+    canvas.addEventListener("click", ({ clientX, clientY }) => {
+      if (Math.hypot(clientX - down[0], clientY - down[1]) > 5) return;
+      const link = this.under(clientX, clientY);
+      if (link !== null) send("uc:select", { model: this.model.id, link, origin: "viewer" });
+      else if (this.selection) send("uc:clear", { origin: "viewer" });
+    });
+    let waiting = 0;
+    canvas.addEventListener("pointermove", ({ clientX, clientY, pointerType }) => {
+      if (busy || pointerType === "touch" || waiting) return;
+      waiting = requestAnimationFrame(() => {
+        waiting = 0;
+        if (!busy) this.hover(this.under(clientX, clientY), clientX, clientY);
+      });
+    });
+    canvas.addEventListener("pointerleave", () => this.hover(null));
+    addEventListener("beforeprint", () => this.photograph());
+    this.stage.onLost(() => fail("The browser took the graphics away. Reload the page to see the robot in 3D.", this.section));
+  }
+
+  private under(x: number, y: number): string | null {
+    return this.stage.pick(x, y, this.robot.targets);
+  }
+
+  private hover(name: string | null, x = 0, y = 0): void {
+    const link = name === null ? null : this.robot.links.get(name)!;
+    this.tip.hidden = !link;
+    this.stage.canvas.style.cursor = link ? "pointer" : "";
+    if (link) {
+      this.tip.replaceChildren(el("b", {}, link.data.name), ...this.worst(link));
+      const rect = this.stage.canvas.getBoundingClientRect();
+      const left = Math.min(x - rect.left + 14, rect.width - this.tip.offsetWidth - 8);
+      this.tip.style.transform = `translate(${Math.round(left)}px, ${Math.round(y - rect.top + 16)}px)`;
+    }
+    if (name === this.hovered) return;
+    this.hovered = name;
+    this.update();
+  }
+
+  /** The worst finding of a link and of the joint that places it, in words. */
+  private worst(link: LinkNode): HTMLElement[] {
+    const joint = link.parent?.data.name;
+    const own = this.model.findings.filter(
+      ({ links, joints }) => links.includes(link.data.name) || (joint !== undefined && joints.includes(joint)),
+    );
+    if (!own.length) return [el("span", {}, "no findings")];
+    const worst = own.reduce((a, b) => (worse(a.severity, b.severity) === a.severity ? a : b));
+    const more = own.length > 1 ? ` and ${own.length - 1} more` : "";
+    return [el("span", { class: worst.severity }, `${worst.severity} ${worst.code}${more}`)];
+  }
+
+  private key(event: KeyboardEvent): void {
+    const typing = (event.target as Element).closest?.("input, select, textarea, [contenteditable]");
+    if (typing || event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
+    const layer = KEYED[Number(event.key) - 1];
+    if (event.key === "h") this.home();
+    else if (layer && event.key !== "0") this.toggle(layer);
+    else return;
+    event.preventDefault();
+  }
+
+  private recolour(): void {
+    this.theme = themeOf(this.section);
+    this.stage.paint(this.theme);
+    this.cast();
+    this.update();
+  }
+
+  private save(): void {
+    el("a", { href: this.stage.picture(), download: `${this.model.name}.png` }).click();
+  }
+
+  /** What a printer gets, on white. */
+  photograph(): void {
+    this.print.src = this.stage.picture(new Color(1, 1, 1));
+  }
+
+  /** Numbers of the scene for tests and curious people: `urdfcheck` on the console. */
+  get handle(): object {
+    const link = (name: string) => {
+      this.robot.root.updateMatrixWorld(true);
+      return this.robot.links.get(name)!;
+    };
+    return {
+      /** The frame of a link in the world, 4x4 row-major. */
+      frame: (name: string) => link(name).frame.matrixWorld.clone().transpose().toArray(),
+      /** The corners of its inertia box in the world. */
+      corners: (name: string) => {
+        const found: number[][] = [];
+        link(name).frame.traverse((object) => {
+          if (object.name !== "box") return;
+          for (let i = 0; i < 8; i++) {
+            const corner = new Vector3(i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
+            found.push(corner.applyMatrix4(object.matrixWorld).toArray());
+          }
+        });
+        return found;
+      },
+      /** Where the middle of a link's shapes is in the window. */
+      pixel: (name: string) => {
+        const at = this.robot.boundsOf(link(name)).getCenter(new Vector3()).project(this.stage.camera);
+        const rect = this.stage.canvas.getBoundingClientRect();
+        return [rect.left + ((at.x + 1) / 2) * rect.width, rect.top + ((1 - at.y) / 2) * rect.height];
+      },
+      set: (name: string, value: number) => { this.robot.set(name, value); this.panel.refresh(); this.posed(); },
+      /** The picture as a PNG in a data URL. */
+      picture: () => this.stage.picture(),
+      software: this.stage.software,
+    };
+  }
+}
+
+function fail(reason: string, section: HTMLElement | null): void {
+  if (section) section.hidden = true;
+  const line = document.getElementById("no-viewer");
+  if (line) {
+    line.textContent = reason;
+    line.hidden = false;
+  }
+  document.body.dataset.error = reason;
+}
+
+async function start(): Promise<void> {
+  const section = document.getElementById("viewer");
+  if (!section) return;
+  try {
+    const text = (id: string) => document.getElementById(id)?.textContent ?? "";
+    const data = JSON.parse(text("uc-data")) as StageData;
+    const geometry = await inflated(text("uc-geom"));
+    performance.mark("uc-inflated");
+    section.hidden = false;
+    // The page makes room before anything is measured.
+    await null;
+    const viewer = new Viewer(section, data, geometry);
+    performance.mark("uc-ready");
+    Object.assign(window, { urdfcheck: viewer.handle });
+    document.body.dataset.ready = "1";
+    (window.requestIdleCallback ?? setTimeout)(() => viewer.photograph());
+  } catch (error) {
+    fail(`The robot cannot be shown in 3D: ${error instanceof Error ? error.message : error}.`, section);
+  }
+}
+
+void start();

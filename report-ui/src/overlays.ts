@@ -1,0 +1,436 @@
+// What is drawn over the robot: mass, inertia, axes, frames, holes, overlaps, the ground and repairs.
+import {
+  BoxGeometry, BufferAttribute, BufferGeometry, DoubleSide, Group, Material, Matrix4, Mesh, MeshLambertMaterial, Object3D,
+  Quaternion, SphereGeometry, Vector3,
+} from "three";
+import type { Finding, Inertia, Layer, Preview } from "./data.ts";
+import type { Anchor } from "./labels.ts";
+import { IN_FRONT, mark, ORDER, shared, stroke } from "./materials.ts";
+import { positionOf, type LinkNode, type Robot } from "./robot.ts";
+import {
+  axisArrow, boxEdges, brokenBox, circle, dashes, matrix, quarteredBall, strokes, triad, tubes, type Shapes,
+} from "./shapes.ts";
+
+const LEAD = 11340; // kg/m³: RViz and Gazebo show a mass as a ball of lead.
+const COLORS = {
+  box: 0xe600e6, cross: 0x12b34a, ellipsoid: 0x7c5cff, axis: 0x2f97c9, hole: 0x00c2e0, overlap: 0xff2d55,
+  broken: 0xe0263c, after: 0x12a05c,
+} as const;
+/** The colours of the layers, for their buttons. */
+export const SWATCHES: Partial<Record<Layer, string>> = {
+  visual: "#9aa6b4", collision: "#ffbe38", com: "", box: "#e600e6", ellipsoid: "#7c5cff", axes: "#2f97c9",
+  frames: "", holes: "#00c2e0", overlaps: "#ff2d55", ground: "#12a05c",
+};
+
+interface Overlay {
+  layer: Layer;
+  /** The links that it tells something about; none for the whole robot. */
+  links: string[];
+  object: Object3D;
+  label?: Anchor;
+}
+
+/** The layers that a model has something for. */
+export function filled(robot: Robot, shapes: Shapes): Set<Layer> {
+  const links = [...robot.links.values()].map((link) => link.data);
+  const joints = [...robot.joints.values()];
+  const has: Record<Layer, boolean> = {
+    visual: links.some((l) => l.visual.length > 0),
+    collision: links.some((l) => l.collision.length > 0),
+    com: links.some((l) => l.mass !== null && l.com !== null),
+    box: links.some((l) => l.inertia !== null),
+    ellipsoid: links.some((l) => l.inertia !== null && l.inertia.impossible === undefined),
+    axes: joints.some((j) => j.data.axis !== null && j.data.type !== "fixed"),
+    frames: links.length > 0,
+    holes: links.some((l) => l.visual.concat(l.collision).some((s) => s.mesh !== undefined && shapes.hasHoles(s.mesh))),
+    overlaps: robot.data.overlaps.length > 0,
+    ground: robot.data.ground !== null,
+    preview: false,
+  };
+  return new Set((Object.keys(has) as Layer[]).filter((layer) => has[layer]));
+}
+
+const glyphs = {
+  ball: quarteredBall(),
+  triad: triad(),
+  thinTriad: triad(0.015),
+  turn: axisArrow(true),
+  slide: axisArrow(false),
+  sphere: new SphereGeometry(1, 36, 20),
+  box: new BoxGeometry(1, 1, 1),
+};
+
+function placed<O extends Object3D>(object: O, at: Matrix4, order: number = ORDER.glyph): O {
+  object.matrixAutoUpdate = false;
+  object.matrix.copy(at);
+  // A group's order would overrule that of what it holds.
+  if (!(object instanceof Group)) object.renderOrder = order;
+  return object;
+}
+
+const scaled = (at: Matrix4, size: number) => at.clone().multiply(new Matrix4().makeScale(size, size, size));
+const alongZ = (axis: number[]) =>
+  new Matrix4().makeRotationFromQuaternion(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...axis).normalize()));
+const moved = (x: number, y: number, z: number) => new Matrix4().makeTranslation(x, y, z);
+
+/** Segments as a line of so many pixels, drawn over everything. */
+function line(ends: ArrayLike<number>, color: number, pixels: number, at = new Matrix4()): Mesh {
+  return placed(new Mesh(strokes(ends), stroke(color, pixels)), at);
+}
+
+export class Overlays {
+  private readonly built = new Map<Layer, Overlay[]>();
+  private preview: Overlay[] = [];
+
+  constructor(private readonly robot: Robot, private readonly shapes: Shapes) {}
+
+  /** Shows the layers: `all` of every link, `some` of the links of a selection only. */
+  show(all: Set<Layer>, some: Set<Layer>, lit: Set<string> | null, onlyLit: boolean): Anchor[] {
+    const anchors: Anchor[] = [];
+    for (const layer of new Set([...all, ...some])) if (!this.built.has(layer)) this.built.set(layer, this.build(layer));
+    for (const [layer, overlays] of this.built) {
+      for (const overlay of overlays) {
+        const ofLit = lit !== null && overlay.links.some((link) => lit.has(link));
+        const forAll = all.has(layer) && !(onlyLit && lit !== null && overlay.links.length > 0 && !ofLit);
+        overlay.object.visible = (forAll || (some.has(layer) && (ofLit || overlay.links.length === 0))) && this.current(layer);
+        if (overlay.object.visible && overlay.label) anchors.push({ ...overlay.label, rank: overlay.label.rank + (ofLit ? 4 : 0) });
+      }
+    }
+    return anchors.concat(this.preview.flatMap((overlay) => overlay.label ?? []));
+  }
+
+  /** What was found at the start does not hold in another pose. */
+  private current(layer: Layer): boolean {
+    return layer !== "ground" || this.robot.neutral;
+  }
+
+  private build(layer: Layer): Overlay[] {
+    const links = [...this.robot.links.values()].filter((link) => link.frame.parent);
+    switch (layer) {
+      case "com": return links.flatMap((link) => this.com(link));
+      case "box": return links.flatMap((link) => this.inertia(link, "box"));
+      case "ellipsoid": return links.flatMap((link) => this.inertia(link, "ellipsoid"));
+      case "axes": return this.axes();
+      case "frames": return [...links.map((link) => this.frame(link)), ...this.jointFrames(), ...this.launchFrames()];
+      case "holes": return links.flatMap((link) => this.holes(link));
+      case "overlaps": return this.overlaps();
+      case "ground": return this.ground();
+      default: return [];
+    }
+  }
+
+  private com(link: LinkNode): Overlay[] {
+    const { mass, com, name } = link.data;
+    if (mass === null || !com || !(mass > 0)) return [];
+    const lead = Math.cbrt((0.75 * mass) / (Math.PI * LEAD));
+    const radius = Math.min(Math.max(lead, 0.006 * this.robot.size), 0.2 * this.robot.size);
+    const ball = placed(new Mesh(glyphs.ball, shared.glyph), scaled(moved(com[0], com[1], com[2]), radius));
+    link.frame.add(ball);
+    return [{ layer: "com", links: [name], object: ball }];
+  }
+
+  private inertia(link: LinkNode, layer: "box" | "ellipsoid"): Overlay[] {
+    const inertia = link.data.inertia;
+    if (!inertia) return [];
+    const object = inertia.impossible === undefined
+      ? body(inertia, layer, COLORS[layer])
+      : layer === "box" ? this.broken(link, inertia.com) : null;
+    if (!object) return [];
+    link.frame.add(object);
+    const label: Anchor | undefined = inertia.impossible === undefined
+      ? undefined
+      : { text: `${link.data.name}: no real body`, title: inertia.impossible, object, kind: "error", rank: 2 };
+    return [{ layer, links: [link.data.name], object, label }];
+  }
+
+  /** Where an inertia belongs to no body there is no box to show, but that must be seen. */
+  private broken(link: LinkNode, com: number[] | null): Object3D {
+    const size = 0.8 * this.robot.unit(link);
+    const [x, y, z] = com ?? link.data.com ?? [0, 0, 0];
+    return line(brokenBox(size), COLORS.broken, 2.5, moved(x, y, z));
+  }
+
+  private axes(): Overlay[] {
+    const overlays: Overlay[] = [];
+    for (const joint of this.robot.joints.values()) {
+      const { axis, type, name, child } = joint.data;
+      if (!axis || type === "fixed") continue;
+      const geometry = type === "prismatic" ? glyphs.slide : glyphs.turn;
+      const size = 1.15 * this.robot.unit(this.robot.links.get(child)!);
+      const arrow = placed(new Mesh(geometry, mark(COLORS.axis)), scaled(alongZ(axis), size));
+      arrow.material = axisMaterial;
+      joint.origin.add(arrow);
+      overlays.push({
+        layer: "axes", links: [child], object: arrow,
+        label: { text: name, object: arrow, kind: "joint", rank: 0 },
+      });
+    }
+    return overlays;
+  }
+
+  private frame(link: LinkNode): Overlay {
+    const object = placed(new Mesh(glyphs.triad, shared.glyph), scaled(new Matrix4(), this.robot.unit(link)));
+    link.frame.add(object);
+    return {
+      layer: "frames", links: [link.data.name], object,
+      label: { text: link.data.name, object, kind: "link", rank: 0 },
+    };
+  }
+
+  /** Longer and thinner: they lie in the frames of the links until a joint moves. */
+  private jointFrames(): Overlay[] {
+    return this.robot.movable.map((joint) => {
+      const child = this.robot.links.get(joint.data.child)!;
+      const object = placed(new Mesh(glyphs.thinTriad, shared.glyph), scaled(new Matrix4(), 1.35 * this.robot.unit(child)));
+      joint.origin.add(object);
+      return { layer: "frames", links: [joint.data.child], object };
+    });
+  }
+
+  /** Frames that a launch file publishes, on whatever they hang. */
+  private launchFrames(): Overlay[] {
+    const holders = new Map<string, Object3D>([...this.robot.links].map(([name, link]) => [name, link.frame]));
+    const overlays: Overlay[] = [];
+    let waiting = this.robot.data.frames;
+    for (let before = -1; waiting.length && waiting.length !== before; ) {
+      before = waiting.length;
+      waiting = waiting.filter((frame) => {
+        const holder = holders.get(frame.parent);
+        // A frame above the root is where the root hangs: its parent is shown in the root's terms.
+        const above = !holder && holders.get(frame.child);
+        if (!holder && !above) return true;
+        const at = holder ? matrix(frame.at) : matrix(frame.at).invert();
+        const name = holder ? frame.child : frame.parent;
+        const group = placed(new Group(), at);
+        const size = 0.05 * this.robot.size;
+        const axes = placed(new Mesh(glyphs.triad, shared.glyph), scaled(new Matrix4(), size));
+        const back = new Vector3().setFromMatrixPosition(at.clone().invert());
+        group.add(axes, line(dashes(new Vector3(), back), COLORS.axis, 2));
+        (holder || above || this.robot.root).add(group);
+        if (!holders.has(name)) holders.set(name, group);
+        overlays.push({
+          layer: "frames", links: [frame.parent, frame.child], object: group,
+          label: { text: name, object: axes, kind: "frame", rank: 1 },
+        });
+        return false;
+      });
+    }
+    return overlays;
+  }
+
+  private holes(link: LinkNode): Overlay[] {
+    const overlays: Overlay[] = [];
+    // A file that is drawn and collides has the same holes twice.
+    const seen = new Set<string>();
+    for (const shape of [...link.data.visual, ...link.data.collision]) {
+      if (shape.mesh === undefined || !this.shapes.hasHoles(shape.mesh)) continue;
+      const key = JSON.stringify([shape.mesh, shape.at, shape.scale]);
+      if (seen.has(key)) continue;
+      seen.add(key);
+      const at = matrix(shape.at).multiply(new Matrix4().makeScale(...(shape.scale as [number, number, number])));
+      const ends = this.shapes.edges(shape.mesh).slice();
+      const point = new Vector3();
+      for (let i = 0; i < ends.length; i += 3) point.fromArray(ends, i).applyMatrix4(at).toArray(ends, i);
+      const object = line(ends, COLORS.hole, 2.5);
+      link.frame.add(object);
+      overlays.push({ layer: "holes", links: [link.data.name], object });
+    }
+    return overlays;
+  }
+
+  private overlaps(): Overlay[] {
+    const overlays: Overlay[] = [];
+    const start = this.startFrames();
+    for (const { a, b, points, depth } of this.robot.data.overlaps) {
+      const link = this.robot.links.get(a);
+      const frame = start.get(a);
+      if (!link || !frame || !points.length) continue;
+      const group = placed(new Group(), new Matrix4());
+      const size = 0.2 * Math.min(this.robot.unit(link), this.robot.unit(this.robot.links.get(b) ?? link));
+      for (const point of points) {
+        const at = new Vector3(...point).applyMatrix4(frame);
+        const spot = placed(new Mesh(overlapGlyph, overlapMaterial), scaled(moved(at.x, at.y, at.z), size));
+        group.add(spot);
+      }
+      link.frame.add(group);
+      const deep = depth === null ? "" : `, ${length(depth)} deep`;
+      const label: Anchor = { text: `${a} × ${b}${deep}`, object: group.children[0], kind: "error", rank: 2 };
+      overlays.push({ layer: "overlaps", links: [a, b], object: group, label });
+    }
+    return overlays;
+  }
+
+  /** From the world to each link with every joint at its start. */
+  private startFrames(): Map<string, Matrix4> {
+    const values = new Map([...this.robot.joints].map(([name, joint]) => [name, joint.value]));
+    for (const joint of this.robot.joints.values()) this.robot.set(joint.data.name, joint.data.start);
+    this.robot.root.updateMatrixWorld(true);
+    const frames = new Map([...this.robot.links].map(([name, link]) => [name, link.frame.matrixWorld.clone().invert()]));
+    for (const [name, value] of values) this.robot.set(name, value);
+    this.robot.root.updateMatrixWorld(true);
+    return frames;
+  }
+
+  private ground(): Overlay[] {
+    const ground = this.robot.data.ground;
+    if (!ground) return [];
+    const group = placed(new Group(), new Matrix4());
+    const size = this.robot.size;
+    const z = ground.height;
+    const [x, y, height] = ground.com;
+    const inside = within([x, y], ground.support);
+    const color = inside ? COLORS.after : COLORS.broken;
+    const corners = ground.support.map(([cx, cy]) => new Vector3(cx, cy, z + 0.001 * size));
+    if (corners.length >= 2) {
+      const outline = corners.flatMap((corner, i) => [...corner.toArray(), ...corners[(i + 1) % corners.length].toArray()]);
+      group.add(line(outline, color, 2));
+    }
+    if (corners.length >= 3) {
+      const fan: number[] = [];
+      for (let i = 1; i + 1 < corners.length; i++) fan.push(...corners[0].toArray(), ...corners[i].toArray(), ...corners[i + 1].toArray());
+      const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(fan), 3));
+      group.add(placed(new Mesh(geometry, mark(color, 0.2)), new Matrix4(), ORDER.shade));
+    }
+    const spot = circle(0.016 * size, 28);
+    for (const { point } of ground.contacts) {
+      group.add(line(spot, color, 2, moved(point[0], point[1], z + 0.001 * size)));
+    }
+    const top = new Vector3(x, y, height);
+    const foot = new Vector3(x, y, z + 0.001 * size);
+    const cross = 0.03 * size;
+    const lines = [
+      ...dashes(top, foot, 11),
+      x - cross, y, foot.z, x + cross, y, foot.z, x, y - cross, foot.z, x, y + cross, foot.z,
+    ];
+    group.add(line(lines, color, 2));
+    const ball = placed(new Mesh(glyphs.ball, shared.glyph), scaled(moved(x, y, height), 0.022 * size));
+    group.add(ball);
+    this.robot.root.add(group);
+    const text = inside ? "COM of the robot" : "COM of the robot, outside its support";
+    return [{ layer: "ground", links: [], object: group, label: { text, object: ball, kind: inside ? "ok" : "error", rank: 3 } }];
+  }
+
+  /** What a repair would change, as ghosts beside what there is; returns the points that should be in view. */
+  suggest(finding: Finding | null): Vector3[] {
+    for (const { object } of this.preview) object.removeFromParent();
+    this.preview = [];
+    const material = new MeshLambertMaterial({
+      color: COLORS.after, transparent: true, opacity: 0.5, depthWrite: false, side: DoubleSide, ...IN_FRONT,
+    });
+    return (finding?.preview ?? []).flatMap((step) => [
+      ...this.repairedJoint(step, material),
+      ...this.repairedInertia(step),
+    ]);
+  }
+
+  private repairedJoint({ joint: name, at }: Preview, material: Material): Vector3[] {
+    const joint = name === undefined ? undefined : this.robot.joints.get(name);
+    if (!joint || !at) return [];
+    const holder = joint.origin.parent!;
+    const after = placed(new Group(), matrix(at));
+    this.robot.root.updateMatrixWorld(true);
+    const back = joint.origin.matrixWorld.clone().invert();
+    for (const link of this.robot.subtree(joint.data.child)) {
+      for (const { mesh } of link.bodies) {
+        const from = back.clone().multiply(mesh.matrixWorld);
+        const depth = placed(new Mesh(mesh.geometry, shared.depth), from, ORDER.afterDepth);
+        after.add(depth, placed(new Mesh(mesh.geometry, material), from, ORDER.after));
+      }
+    }
+    const child = this.robot.links.get(joint.data.child)!;
+    const size = this.robot.unit(child);
+    const now = placed(new Mesh(glyphs.triad, shared.glyph), scaled(joint.origin.matrix, size));
+    const then = placed(new Mesh(glyphs.triad, shared.glyph), scaled(new Matrix4(), size));
+    after.add(then);
+    const a = new Vector3().setFromMatrixPosition(joint.origin.matrix);
+    const b = new Vector3().setFromMatrixPosition(after.matrix);
+    const between = line(dashes(a, b), COLORS.after, 2.5);
+    holder.add(after, now, between);
+    this.robot.root.updateMatrixWorld(true);
+    // A turn in place has both at one point: one label tells of both.
+    const apart = a.distanceTo(b) > 0.02 * this.robot.size;
+    const label = (when: string, object: Object3D, kind: Anchor["kind"]): Anchor => (
+      { text: `${child.data.name}, ${when}`, object, kind, rank: 9 }
+    );
+    this.preview.push(
+      { layer: "preview", links: [], object: after, label: label(apart ? "after" : "before and after", then, "ok") },
+      { layer: "preview", links: [], object: now, label: apart ? label("before", now, "frame") : undefined },
+      { layer: "preview", links: [], object: between },
+    );
+    return [positionOf(now), positionOf(then), ...(child.box.isEmpty() ? [] : corners(child, after.matrixWorld))];
+  }
+
+  private repairedInertia({ link: name, inertia }: Preview): Vector3[] {
+    const link = name === undefined ? undefined : this.robot.links.get(name);
+    if (!link || !inertia || inertia.impossible !== undefined) return [];
+    const after = body(inertia, "box", COLORS.after);
+    link.frame.add(after);
+    this.preview.push({ layer: "preview", links: [], object: after, label: { text: `${link.data.name}, after`, object: after, kind: "ok", rank: 9 } });
+    const now = link.data.inertia;
+    if (now && now.impossible === undefined) {
+      const before = body(now, "box", COLORS.box);
+      link.frame.add(before);
+      this.preview.push({ layer: "preview", links: [], object: before, label: { text: `${link.data.name}, before`, object: before, kind: "frame", rank: 9 } });
+    }
+    return [];
+  }
+}
+
+/** The box or ellipsoid of an inertia: a translucent solid where it is in front of the robot, its lines everywhere. */
+function body(inertia: Exclude<Inertia, { impossible: string }>, layer: "box" | "ellipsoid", color: number): Group {
+  const at = matrix(inertia.at);
+  const group = placed(new Group(), at);
+  const size = layer === "box" ? inertia.box : inertia.ellipsoid;
+  const scale = new Matrix4().makeScale(...(size.map((s) => Math.max(s, 1e-6)) as [number, number, number]));
+  const geometry = layer === "box" ? glyphs.box : glyphs.sphere;
+  const front = mark(color, 0.38);
+  front.setValues(IN_FRONT);
+  const solid = placed(new Mesh(geometry, front), scale, ORDER.volume);
+  solid.name = layer;
+  const hidden = placed(new Mesh(geometry, mark(color, 0.1)), scale, ORDER.veil);
+  group.add(solid, hidden);
+  if (layer === "box") {
+    const [x, y, z] = size;
+    group.add(line(boxEdges(size), color, 1.75));
+    const cross = [-x, 0, 0, x, 0, 0, 0, -y, 0, 0, y, 0, 0, 0, -z, 0, 0, z];
+    group.add(line(cross, COLORS.cross, 1.5));
+  } else {
+    const turns = [new Matrix4(), new Matrix4().makeRotationX(Math.PI / 2), new Matrix4().makeRotationY(Math.PI / 2)];
+    for (const turn of turns) {
+      const ends = circle(1);
+      const point = new Vector3();
+      const to = scale.clone().multiply(turn);
+      for (let i = 0; i < ends.length; i += 3) point.fromArray(ends, i).applyMatrix4(to).toArray(ends, i);
+      group.add(line(ends, color, 1.5));
+    }
+  }
+  return group;
+}
+
+const axisMaterial = mark(COLORS.axis);
+const overlapMaterial = mark(COLORS.overlap);
+// A star of three bars.
+const overlapGlyph = tubes(
+  [-1, 0, 0, 1, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, -1, 0, 0, 1, ...boxEdges([0.7, 0.7, 0.7])], 0.09,
+);
+
+function corners(link: LinkNode, at: Matrix4): Vector3[] {
+  const box = link.box.clone().applyMatrix4(at);
+  return [box.min, box.max];
+}
+
+function within([x, y]: number[], polygon: number[][]): boolean {
+  let inside = false;
+  for (let i = 0, j = polygon.length - 1; i < polygon.length; j = i++) {
+    const [xi, yi] = polygon[i], [xj, yj] = polygon[j];
+    if (yi > y !== yj > y && x < ((xj - xi) * (y - yi)) / (yj - yi) + xi) inside = !inside;
+  }
+  return inside;
+}
+
+/** A length that reads well: 3.2 mm, 14 cm, 1.5 m. */
+export function length(metres: number): string {
+  const size = Math.abs(metres);
+  const [factor, unit] = size < 0.01 ? [1000, "mm"] : size < 1 ? [100, "cm"] : [1, "m"];
+  return `${Number((metres * factor).toPrecision(2))} ${unit}`;
+}

@@ -1,0 +1,109 @@
+// The buttons over the picture.
+import { LAYERS, type Layer } from "./data.ts";
+import { el, icon, pressed } from "./dom.ts";
+import { SWATCHES } from "./overlays.ts";
+
+const WORDS: Record<Exclude<Layer, "preview">, [string, string]> = {
+  visual: ["Visual", "The shapes that are drawn"],
+  collision: ["Collision", "The shapes that collide"],
+  com: ["COM", "Centres of mass, as balls of lead of that mass"],
+  box: ["Inertia", "Boxes of uniform density with the mass and inertia of the links"],
+  ellipsoid: ["Ellipsoid", "Ellipsoids of uniform density with the mass and inertia of the links"],
+  axes: ["Axes", "Axes of the joints, with the sense of rotation"],
+  frames: ["Frames", "Frames of links, joints and launch files: x red, y green, z blue"],
+  holes: ["Holes", "Edges of a mesh that only one triangle has"],
+  overlaps: ["Overlaps", "Where collision shapes overlap at the start"],
+  ground: ["Ground", "Where it touches the ground, and the polygon that holds it"],
+};
+/** In the order of the keys 1 to 9. */
+export const KEYED = LAYERS.filter((layer): layer is keyof typeof WORDS => layer !== "preview");
+
+const ICONS = {
+  home: "M2 8 8 2.5 14 8M4 7v6.5h8V7",
+  full: "M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4",
+  picture: "M2 5h3l1-2h4l1 2h3v8H2zM8 11.2a2.4 2.4 0 1 0 0-4.8 2.4 2.4 0 0 0 0 4.8",
+};
+
+export interface Actions {
+  layer(layer: Layer): void;
+  tint(): void;
+  only(): void;
+  view(name: string): void;
+  parallel(): void;
+  home(): void;
+  picture(): void;
+  full(): void;
+  model(index: number): void;
+}
+
+export class Toolbar {
+  private readonly layers = new Map<Layer, HTMLButtonElement>();
+  private readonly tint: HTMLButtonElement;
+  private readonly only: HTMLButtonElement;
+  private readonly parallel: HTMLButtonElement;
+  readonly models: HTMLSelectElement | null;
+
+  constructor(bar: HTMLElement, names: string[], actions: Actions) {
+    const button = (text: string, title: string, click: () => void) => el("button", { type: "button", title, click }, text);
+    const layers = el("div", { class: "uc-group uc-layers", role: "group", "aria-label": "Layers" });
+    KEYED.forEach((layer, i) => {
+      const [word, title] = WORDS[layer];
+      const key = i < 9 ? ` (key ${i + 1})` : "";
+      const toggle = button(word, title + key, () => actions.layer(layer));
+      const swatch = el("i", { class: `uc-swatch ${layer}`, "aria-hidden": "true" });
+      if (SWATCHES[layer]) swatch.style.background = SWATCHES[layer];
+      toggle.prepend(swatch);
+      toggle.dataset.layer = layer;
+      this.layers.set(layer, toggle);
+      layers.append(toggle);
+    });
+    this.tint = button("Findings", "Colour links with errors and warnings", actions.tint);
+    this.tint.dataset.layer = "findings";
+    this.tint.prepend(el("i", { class: "uc-swatch findings", "aria-hidden": "true" }));
+    this.only = button("Selected only", "Layers of the selected link only", actions.only);
+    const ways = el("div", { class: "uc-group", role: "group", "aria-label": "What stands out" }, this.tint, this.only);
+
+    const views = el("div", { class: "uc-group", role: "group", "aria-label": "View" });
+    for (const [name, title] of [["iso", "From the front, right and above"], ["front", "Along x"], ["left", "From the left, along y"], ["top", "From above, along z"]]) {
+      const view = button(name[0].toUpperCase() + name.slice(1), title, () => actions.view(name));
+      view.dataset.view = name;
+      views.append(view);
+    }
+    this.parallel = button("Parallel", "Without perspective", actions.parallel);
+    const drawn = (path: string, label: string, click: () => void) => {
+      const made = el("button", { type: "button", class: "uc-icon", "aria-label": label, title: label, click });
+      made.append(icon(path));
+      return made;
+    };
+    const full = drawn(ICONS.full, "Full screen", actions.full);
+    full.hidden = !document.fullscreenEnabled;
+    views.append(
+      this.parallel,
+      drawn(ICONS.home, "The whole robot (key h)", actions.home),
+      drawn(ICONS.picture, "Save a picture", actions.picture),
+      full,
+    );
+    this.models = names.length > 1 ? el("select", { "aria-label": "Model" }) : null;
+    if (this.models) {
+      const { models } = this;
+      names.forEach((name, i) => models.add(new Option(name, String(i))));
+      models.addEventListener("change", () => actions.model(models.selectedIndex));
+      views.prepend(models);
+    }
+    bar.append(layers, ways, views);
+  }
+
+  /** Which layers there are at all. */
+  offer(layers: Set<Layer>, tinted: boolean): void {
+    for (const [layer, button] of this.layers) button.hidden = !layers.has(layer);
+    this.tint.hidden = !tinted;
+  }
+
+  show(layers: Set<Layer>, tinted: boolean, only: boolean, parallel: boolean, selected: boolean): void {
+    for (const [layer, button] of this.layers) pressed(button, layers.has(layer));
+    pressed(this.tint, tinted);
+    pressed(this.only, only);
+    this.only.hidden = !selected;
+    pressed(this.parallel, parallel);
+  }
+}

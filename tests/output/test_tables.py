@@ -1,0 +1,163 @@
+"""The tables of the HTML report: what was measured, told from what is unknown."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from output.documents import Document, read
+from output.runs import IDENTITY, inertial, joint, link, scene
+
+from urdfcheck.core import Scene, SceneInertia, SceneMesh, SceneShape
+from urdfcheck.output.html.tables import joints_table, meshes_table, physics_table
+
+TURNED = (0.0, -1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+def rows(markup: str) -> list[list[str]]:
+    """The text of each cell of the body and the foot."""
+    body = markup[markup.index("<tbody>") :]
+    return [[read(cell).text for cell in re.findall(r"<t[hd].*?</t[hd]>", row)] for row in body.split("<tr>")[1:]]
+
+
+def physics(**changes: object) -> list[str]:
+    return rows(physics_table(scene(links=(link("wheel", **changes),)), {}))[0]
+
+
+def document(markup: str) -> Document:
+    found = read(markup)
+    assert all("scope" in attributes for attributes in found.all("th"))
+    assert len(found.all("caption")) == len(found.all("table")) == 1
+    return found
+
+
+# -- physics -----------------------------------------------------------------------------------------------------------
+
+
+def test_physics_tells_the_file_and_how_far_it_is_from_the_solid() -> None:
+    row = physics(drawn_moments=(6.6e-6, 3.35e-6, 1.27e-5), drawn_com=(0.0001, 0.0, -0.0105))
+    assert row == [
+        *("wheel", "0.0283", "0.100", "0", "−12.500", "6.60", "6.70", "12.70", "×10⁻⁶", "1\u202f000"),
+        *("1", "2", "1", "", "2.000"),
+    ]
+
+
+@pytest.mark.parametrize(("drawn", "verdict"), [(1.3e-6, " far off"), (1.4e-6, ""), (3.2e-5, ""), (3.4e-5, " far off")])
+def test_moments_are_far_off_by_a_factor_of_five(drawn: float, verdict: str) -> None:
+    assert physics(drawn_moments=(drawn, 6.7e-6, 1.27e-5))[13] == verdict
+
+
+def test_unknown_is_not_zero() -> None:
+    assert physics(inertial=None) == ["wheel", "no inertial"]
+    bare = physics(inertial=SceneInertia(), density=None, drawn_com=(), drawn_moments=())
+    assert set(bare[1:]) == {"—", ""}
+    flat = physics(drawn_moments=(0.0, 1e-6, 1e-6))
+    assert flat[10:14] == ["—", "—", "—", ""], "nothing is a multiple of nothing"
+
+
+def test_the_whole_robot_has_a_mass_and_a_place() -> None:
+    body = inertial(mass=1.0, com=(0.1, 0.0, 0.0))
+    links = (link("a", inertial=body), link("b", inertial=body, world=TURNED), link("frame", inertial=None))
+    assert rows(physics_table(scene(links=links), {}))[-1][1:5] == ["2", "550.000", "50.000", "0"]
+
+
+@pytest.mark.parametrize("changes", [{"world": None}, {"inertial": inertial(com=())}])
+def test_the_whole_robot_has_no_place_where_a_link_has_none(changes: dict[str, object]) -> None:
+    links = (link("a", inertial=inertial(mass=1.0)), link("b", **changes))
+    assert rows(physics_table(scene(links=links), {}))[-1][1:5] == ["1.028", "—", "—", "—"]
+    assert "All together" not in physics_table(scene(links=(link("a", inertial=None),)), {})
+
+
+# -- meshes ------------------------------------------------------------------------------------------------------------
+
+
+def shape(
+    role: str, mesh: int | None = None, kind: str = "mesh", size: tuple[float, ...] = (1.0, 1.0, 1.0)
+) -> SceneShape:
+    return SceneShape(role, kind, size, IDENTITY, "" if mesh is None else "a.stl", mesh)
+
+
+def used(*links: tuple[SceneShape, ...], meshes: tuple[SceneMesh, ...] = ()) -> Scene:
+    return scene(links=tuple(link(f"l{i}", shapes=shapes) for i, shapes in enumerate(links)), meshes=meshes)
+
+
+def mesh(name: str, **changes: object) -> SceneMesh:
+    facts = {"digest": name, "format": "stl", "bytes": 1284, "triangles": 12, "extents": (10.0, 20.0, 30.0)}
+    return SceneMesh(name, **{"watertight": True, **facts, **changes})  # type: ignore[arg-type]
+
+
+def test_a_mesh_tells_who_uses_it_and_how_large() -> None:
+    both = (shape("visual", 0, size=(0.001,) * 3), shape("collision", 0, size=(0.001,) * 3))
+    mirrored = (shape("visual", 0, size=(0.001, -0.001, 0.001)),)
+    found = rows(meshes_table(used(both, both, mirrored, meshes=(mesh("m/arm.stl"),))))
+    assert found[0] == [
+        *("m/arm.stl", "l0, l1 visual and collisionl2 visual", "stl", "12", " yes", "0"),
+        *("0.0010.001 × −0.001 × 0.001", "0.01 × 0.02 × 0.03", "1\u202f284"),
+    ]
+    assert found[1] == ["1 file", "", "1\u202f284"]
+
+
+def test_copies_and_unreadable_files_are_told() -> None:
+    meshes = (
+        mesh("m/a.stl", watertight=False, open_edges=7),
+        mesh("m/b.stl", digest="m/a.stl"),
+        SceneMesh("m/c.dae", problem="no XML", bytes=3),
+    )
+    table = meshes_table(used(tuple(shape("visual", i) for i in range(3)), meshes=meshes))
+    assert "files in m/" in document(table).text
+    assert [(r[0], *r[3:6]) for r in rows(table)[:3]] == [
+        ("a.stl", "12", "no", "7"),
+        ("b.stlsame content as a.stl", "12", " yes", "0"),
+        ("c.daeno XML", "—", "—", "—"),
+    ]
+
+
+def test_other_shapes_follow_with_their_outer_size() -> None:
+    shapes = (
+        shape("collision", kind="cylinder", size=(0.1, 0.5)),
+        shape("collision", kind="capsule", size=(0.1, 0.5)),
+        shape("visual", kind="sphere", size=(0.1,)),
+        shape("visual", kind="box", size=(1.0, 2.0, 3.0)),
+        SceneShape("visual", "mesh", (1.0, 1.0, 1.0), IDENTITY, "package://gone/a.stl"),
+        SceneShape("visual", "mesh", (1.0, 1.0, 1.0), IDENTITY, "package://gone/b.stl"),
+        SceneShape("visual", "", (), ()),
+        shape("visual", 0),
+    )
+    found = rows(meshes_table(used(shapes, meshes=(mesh("a.stl"),))))
+    assert [(r[0], r[2], r[7]) for r in found[:-1]] == [
+        ("a.stl", "stl", "10 × 20 × 30"),
+        ("cylinder", "primitive", "0.2 × 0.2 × 0.5"),
+        ("capsule", "primitive", "0.2 × 0.2 × 0.7"),
+        ("sphere", "primitive", "0.2 × 0.2 × 0.2"),
+        ("box", "primitive", "1 × 2 × 3"),
+        ("package://gone/a.stl", "not found", "—"),
+        ("package://gone/b.stl", "not found", "—"),
+        ("no shape", "—", "—"),
+    ]
+    assert meshes_table(used(())) == "<p>No link has a shape.</p>"
+
+
+# -- joints ------------------------------------------------------------------------------------------------------------
+
+
+def test_limits_are_told_in_degrees_or_millimetres() -> None:
+    joints = (joint("axle", "base", "wheel"), joint("lift", "base", "fork", type="prismatic", lower=0.0, upper=0.25))
+    found = rows(joints_table(scene(joints=joints), {}))
+    assert [row[5] for row in found] == ["−1.571 … 1.571 rad (−90° … 90°)", "0 … 250.000 mm"]
+
+
+def test_joints_have_a_column_for_what_one_of_them_has() -> None:
+    plain, drive = joint("a", "base", "wheel"), joint("b", "base", "w2", effort=3.0, mimic=("a", -1.0, 0.5))
+    assert "Effort" not in joints_table(scene(joints=(plain,)), {})
+    table = joints_table(scene(joints=(plain, drive)), {})
+    assert [row[6:] for row in rows(table)] == [["—", "—"], ["−1 × a + 0.5", "3"]]
+    assert "Damping" not in table
+
+
+def test_names_can_be_found_by_the_pages_script() -> None:
+    name = "<b>"
+    tables = physics_table(scene(links=(link(name),)), {}) + meshes_table(used((shape("visual", kind="box"),)))
+    tables += joints_table(scene(joints=(joint(name, "base", name, mimic=("m", 1.0, 0.0)),)), {})
+    found = read(tables)
+    assert [a["data-link"] for _, a in found.tags if "data-link" in a] == [name, "l0", "base", name]
+    assert [a["data-joint"] for _, a in found.tags if "data-joint" in a] == [name, "m"]

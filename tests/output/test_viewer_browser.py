@@ -1,0 +1,354 @@
+"""The robot in 3D in a real browser: it is drawn, it moves as the model says, and findings and picture are one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from output.runs import IDENTITY, a_run, finding, inertial, info, joint, link, scene
+
+from urdfcheck.core import Drawing, Location, Scene, SceneInertia, SceneMesh, SceneShape
+from urdfcheck.facts.mesh_codec import pack, wide
+from urdfcheck.output.html import render
+
+Matrix = NDArray[np.float64]
+BUDGET = 210_000
+
+
+def turn(axis: tuple[float, ...], angle: float) -> Matrix:
+    """The rotation (4, 4) by Rodrigues' formula."""
+    x, y, z = np.array(axis) / np.linalg.norm(axis)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    matrix = np.eye(4)
+    matrix[:3, :3] += np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    return matrix
+
+
+def move(*xyz: float) -> Matrix:
+    matrix = np.eye(4)
+    matrix[:3, 3] = xyz
+    return matrix
+
+
+def flat(matrix: Matrix) -> tuple[float, ...]:
+    return tuple(map(float, matrix.ravel()))
+
+
+SHOULDER = move(0.1, 0, 0.1) @ turn((1, 0, 0), 0.7)
+SHOULDER_AXIS = (0.6, 0.0, 0.8)
+SLIDE = move(0, 0, 0.3)
+FINGER = move(0.05, 0.02, 0.1)
+PRINCIPAL = turn((1, 2, 3), 0.9)[:3, :3]
+COM = np.array([0.01, -0.02, 0.15])
+BOX = np.array([0.12, 0.2, 0.3])  # edge lengths of the body of this inertia
+MASS = 2.0
+
+
+def rotated() -> SceneInertia:
+    """A box of uniform density whose edges lie along no axis of its link: I1 = m (y² + z²) / 12 and so on."""
+    x, y, z = BOX**2
+    moments = MASS / 12 * np.array([y + z, z + x, x + y])
+    order = np.argsort(moments)
+    axes = PRINCIPAL[:, order]
+    return inertial(
+        mass=MASS, com=tuple(COM), moments=tuple(moments[order]), axes=tuple(axes.ravel()), tensor=(1.0,) * 6
+    )
+
+
+def an_open_box() -> SceneMesh:
+    """A cube of 0.1 m without one of its twelve triangles."""
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float) * 0.1
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    faces = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])[1:]
+    packed = pack(corners, faces, corners[[[0, 1], [1, 3], [3, 0]]], 10**6)
+    drawing = Drawing(
+        vertices=packed.vertices,
+        faces=packed.faces,
+        holes=packed.holes,
+        wide=wide(packed.vertices),
+        low=tuple(packed.low),
+        high=tuple(packed.high),
+        data=packed.data,
+    )
+    return SceneMesh("meshes/tool.stl", triangles=11, extents=(0.1, 0.1, 0.1), drawings=(drawing,))
+
+
+def a_robot() -> Scene:
+    def drawn(kind: str, *size: float, at: Matrix | None = None, **look: Any) -> tuple[SceneShape, ...]:
+        pose = IDENTITY if at is None else flat(at)
+        return tuple(SceneShape(role, kind, size, pose, **look) for role in ("visual", "collision"))
+
+    return scene(
+        root="base",
+        links=(
+            link("base", shapes=drawn("box", 0.4, 0.3, 0.1, color=(0.1, 0.3, 0.7, 1.0))),
+            link("arm", inertial=rotated(), shapes=drawn("cylinder", 0.04, 0.3, at=move(0, 0, 0.15))),
+            link("tool", shapes=drawn("mesh", 1.0, 1.0, 1.0, file=0)),
+            link("finger_a", shapes=drawn("sphere", 0.03)),
+            link("finger_b", shapes=drawn("capsule", 0.02, 0.05)),
+            link("camera_frame", inertial=None, shapes=()),
+        ),
+        joints=(
+            joint("shoulder", "base", "arm", turn=SHOULDER_AXIS, pose=flat(SHOULDER)),
+            joint(
+                "slide", "arm", "tool", type="prismatic", turn=(0.0, 0.0, 1.0), lower=0.0, upper=0.2, pose=flat(SLIDE)
+            ),
+            joint("grip", "tool", "finger_a", turn=(0.0, 1.0, 0.0), pose=flat(FINGER)),
+            joint("follow", "tool", "finger_b", turn=(0.0, 1.0, 0.0), pose=flat(FINGER), mimic=("grip", -2.0, 0.1)),
+            joint("mount", "base", "camera_frame", type="fixed", axis=None, pose=flat(move(-0.4, 0, 0.3))),
+        ),
+        frames=(),
+        meshes=(an_open_box(),),
+    )
+
+
+def about(name: str, **changes: Any) -> Any:
+    subject = f"link[{name}]/inertial/inertia"
+    return finding(location=Location(subject, None), subjects=(subject,), fix=None, related=(), **changes)
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("viewer") / "report.html"
+    findings = (about("arm"), about("camera_frame", message="this link is a frame"))
+    path.write_text(render(a_run(*findings, scenes=(a_robot(),), models=(info(),))), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def page(browser: Any, report: Path) -> Iterator[Any]:
+    """One page for all tests; what goes wrong on it is checked by the last."""
+    page = browser.new_page(viewport={"width": 1280, "height": 800}, reduced_motion="reduce", color_scheme="light")
+    page.wrong = []
+    page.on("pageerror", lambda error: page.wrong.append(str(error)))
+    page.on("request", lambda request: page.wrong.append(request.url[:80]) if elsewhere(request.url) else None)
+    page.goto(report.as_uri())
+    page.wait_for_selector("body[data-ready='1']")
+    yield page
+    page.close()
+
+
+def elsewhere(url: str) -> bool:
+    return not url.startswith(("file:", "data:"))
+
+
+@pytest.fixture(autouse=True)
+def _as_it_was(page: Any) -> None:
+    page.keyboard.press("Escape")
+    page.evaluate("['shoulder', 'slide', 'grip'].forEach(name => urdfcheck.set(name, 0))")
+
+
+def frame(page: Any, name: str) -> Matrix:
+    return np.reshape(page.evaluate("name => urdfcheck.frame(name)", name), (4, 4))
+
+
+def pixels(page: Any) -> list[str]:
+    """The colours of a picture of 64 x 64, that of the upper left corner first."""
+    colours: list[str] = page.evaluate(
+        """async () => {
+          const image = new Image();
+          image.src = urdfcheck.picture();
+          await image.decode();
+          const canvas = new OffscreenCanvas(64, 64).getContext("2d");
+          canvas.drawImage(image, 0, 0, 64, 64);
+          const { data } = canvas.getImageData(0, 0, 64, 64);
+          return Array.from({ length: 4096 }, (_, i) => data.slice(4 * i, 4 * i + 3).join());
+        }"""
+    )
+    return colours
+
+
+def test_the_robot_is_drawn(page: Any) -> None:
+    assert len(set(pixels(page))) > 50
+    assert page.locator("#viewer canvas").is_visible()
+    assert page.evaluate("document.body.dataset.error") is None
+
+
+def test_links_stand_where_numpy_puts_them(page: Any) -> None:
+    np.testing.assert_allclose(frame(page, "arm"), SHOULDER, atol=1e-6)
+    np.testing.assert_allclose(frame(page, "tool"), SHOULDER @ SLIDE, atol=1e-6)
+
+
+def test_a_slider_moves_the_child_and_what_hangs_on_it(page: Any) -> None:
+    page.locator(".uc-joints").evaluate("drawer => drawer.open = true")
+    page.get_by_label("shoulder", exact=True).fill("0.8")
+    page.get_by_label("Value of slide").fill("0.15")
+    page.get_by_label("Value of slide").press("Enter")
+    arm = SHOULDER @ turn(SHOULDER_AXIS, 0.8)
+    np.testing.assert_allclose(frame(page, "arm"), arm, atol=1e-6)
+    np.testing.assert_allclose(frame(page, "tool"), arm @ SLIDE @ move(0, 0, 0.15), atol=1e-6)
+
+
+def test_a_number_beyond_the_limits_ends_at_them(page: Any) -> None:
+    page.locator(".uc-joints").evaluate("drawer => drawer.open = true")
+    page.get_by_label("Value of slide").fill("7")
+    page.get_by_label("Value of slide").press("Enter")
+    assert page.get_by_label("Value of slide").input_value() == "0.200"
+
+
+def test_a_follower_moves_with_its_leader_and_not_by_hand(page: Any) -> None:
+    page.evaluate("urdfcheck.set('grip', 0.4)")
+    tool = SHOULDER @ SLIDE
+    np.testing.assert_allclose(frame(page, "finger_b"), tool @ FINGER @ turn((0, 1, 0), 0.1 - 2 * 0.4), atol=1e-6)
+    assert page.get_by_label("follow", exact=True).is_disabled()
+    assert "follows grip" in page.locator(".uc-joints").inner_text()
+
+
+def test_an_inertia_box_honours_the_turned_frame_of_the_inertia(page: Any) -> None:
+    page.locator("[data-layer=box]").click()
+    page.evaluate("urdfcheck.set('shoulder', 0.3)")
+    found = np.array(page.evaluate("urdfcheck.corners('arm')"))
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    in_link = COM + (signs * BOX / 2) @ PRINCIPAL.T
+    world = SHOULDER @ turn(SHOULDER_AXIS, 0.3)
+    expected = in_link @ world[:3, :3].T + world[:3, 3]
+    distances = np.linalg.norm(found[:, None] - expected[None], axis=-1)
+    assert distances.min(axis=0).max() < 1e-5
+    page.locator("[data-layer=box]").click()
+
+
+def test_a_finding_is_shown_where_it_is(page: Any) -> None:
+    page.locator(".card .in-3d").first.click()
+    assert page.evaluate("document.body.dataset.selected") == "arm"
+    assert page.evaluate("document.body.dataset.fly") == "0"
+    assert page.locator("[data-layer=box]").get_attribute("aria-pressed") == "true"
+    x, y = page.evaluate("urdfcheck.pixel('arm')")
+    box = page.locator("#viewer canvas").bounding_box()
+    assert abs(x - box["x"] - box["width"] / 2) < box["width"] / 4
+    assert abs(y - box["y"] - box["height"] / 2) < box["height"] / 4
+    page.keyboard.press("Escape")
+    assert page.locator("[data-layer=box]").get_attribute("aria-pressed") == "false"
+
+
+def test_a_link_without_shapes_shows_its_frame(page: Any) -> None:
+    before = page.evaluate("urdfcheck.pixel('base')")
+    page.locator(".card .in-3d").nth(1).click()
+    assert page.evaluate("document.body.dataset.selected") == "camera_frame"
+    assert page.locator(".uc-label", has_text="camera_frame").is_visible()
+    assert page.locator("[data-layer=frames]").get_attribute("aria-pressed") == "true"
+    assert page.evaluate("urdfcheck.pixel('base')") != before
+
+
+def test_a_click_on_the_robot_lists_what_was_found_there(page: Any) -> None:
+    page.keyboard.press("h")
+    page.mouse.click(*page.evaluate("urdfcheck.pixel('base')"))
+    assert page.evaluate("document.body.dataset.selected") == "base"
+    assert page.locator("#chip").is_visible()
+    assert "base" in page.locator("#chip").inner_text()
+
+
+def test_the_mouse_says_what_it_is_over(page: Any) -> None:
+    page.keyboard.press("h")
+    page.mouse.move(*page.evaluate("urdfcheck.pixel('arm')"))
+    page.locator(".uc-tip", has_text="error INR003").wait_for()
+
+
+def test_keys_switch_layers(page: Any) -> None:
+    for key, layer in (("2", "collision"), ("7", "frames"), ("8", "holes")):
+        button = page.locator(f"[data-layer={layer}]")
+        page.keyboard.press(key)
+        assert button.get_attribute("aria-pressed") == "true"
+        page.keyboard.press(key)
+        assert button.get_attribute("aria-pressed") == "false"
+
+
+def test_a_flight_takes_its_time_where_motion_is_welcome(page: Any) -> None:
+    page.emulate_media(reduced_motion="no-preference")
+    page.locator(".card .in-3d").first.click()
+    assert page.evaluate("document.body.dataset.fly") == "1"
+    page.wait_for_selector("body[data-fly='0']")
+    page.emulate_media(reduced_motion="reduce")
+
+
+def test_the_picture_follows_the_theme(page: Any) -> None:
+    def corner(scheme: str) -> int:
+        page.emulate_media(color_scheme=scheme)
+        # The browser tells of the change with one of its next pictures.
+        page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        return sum(map(int, pixels(page)[0].split(",")))
+
+    light, dark, again = corner("light"), corner("dark"), corner("light")
+    assert dark < 200 < 600 < light
+    assert again == light
+
+
+def test_paper_gets_a_picture(page: Any) -> None:
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    page.emulate_media(media="print")
+    picture = page.locator("#uc-print")
+    assert picture.is_visible()
+    assert picture.evaluate("image => image.naturalWidth") > 400
+    assert picture.get_attribute("src").startswith("data:image/png;base64,")
+    assert page.locator("#viewer canvas").is_hidden()
+    page.emulate_media(media="screen")
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_everything_fits(page: Any, width: int) -> None:
+    page.set_viewport_size({"width": width, "height": 800})
+    viewer = page.locator("#viewer").bounding_box()
+    for part in (".uc-view", ".uc-bar", ".uc-joints", ".uc-joint-tools"):
+        box = page.locator(part).bounding_box()
+        assert viewer["x"] <= box["x"]
+        assert box["x"] + box["width"] <= viewer["x"] + viewer["width"]
+    page.set_viewport_size({"width": 1280, "height": 800})
+
+
+def test_nothing_went_wrong_and_nothing_was_fetched(page: Any) -> None:
+    assert page.wrong == []
+
+
+def test_scripts_keep_their_budget(report: Path) -> None:
+    blocks = re.findall(
+        r'<script(?! type="application/json"| type="text/plain" id="uc-geom")[^>]*>(.*?)</script>',
+        report.read_text(),
+        re.S,
+    )
+    assert len(blocks) == 3
+    assert sum(map(len, blocks)) <= BUDGET
+
+
+def test_names_of_strangers_stay_text(browser: Any, tmp_path: Path) -> None:
+    name = "</script><img src=x onerror=\"document.title='taken'\">"
+    robot = a_robot()
+    hostile = replace(robot, root=name, links=(link(name, shapes=robot.links[0].shapes),), joints=())
+    path = tmp_path / "hostile.html"
+    path.write_text(render(a_run(about(name), scenes=(hostile,))), encoding="utf-8")
+    page = browser.new_page(reduced_motion="reduce")
+    page.goto(path.as_uri())
+    page.wait_for_selector("body[data-ready='1']")
+    page.locator(".card .in-3d").first.click()
+    assert page.locator(".uc-label", has_text="onerror").count() == 1
+    assert page.locator("img[src=x]").count() == 0
+    assert page.title() != "taken"
+    page.close()
+
+
+def test_a_view_that_the_browser_takes_away_is_hidden(browser: Any, report: Path) -> None:
+    page = browser.new_page(reduced_motion="reduce")
+    page.goto(report.as_uri())
+    page.wait_for_selector("body[data-ready='1']")
+    page.evaluate(
+        """document.querySelector("#viewer canvas").getContext("webgl2").getExtension("WEBGL_lose_context").loseContext()"""
+    )
+    page.wait_for_selector("body[data-error]")
+    assert page.locator("#viewer").is_hidden()
+    assert "Reload" in page.locator("#no-viewer").inner_text()
+    page.close()
+
+
+def test_without_webgl_the_page_says_so_and_the_rest_is_there(launch: Callable[..., Any], report: Path) -> None:
+    without = launch("--disable-webgl", "--disable-webgl2")
+    page = without.new_page()
+    page.goto(report.as_uri())
+    page.wait_for_selector("body[data-error]")
+    assert page.locator("#viewer").is_hidden()
+    assert "no WebGL" in page.locator("#no-viewer").inner_text()
+    assert page.locator(".card.error").first.is_visible()
+    without.close()

@@ -1,0 +1,247 @@
+"""What the robot in 3D is made of: the numbers of the scenes as JSON values, and the meshes as one run of bytes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from urdfcheck.core import (
+    Drawing,
+    Finding,
+    Scene,
+    SceneInertia,
+    SceneJoint,
+    SceneLink,
+    ScenePreview,
+    SceneShape,
+)
+from urdfcheck.output.html.anchors import Card, Element, Mark, element, marks
+
+# Edges of the box and semi-axes of the ellipsoid of uniform density with the moments I1, I2, I3 of a mass m:
+# edge² = 6 (I2 + I3 - I1) / m, semi-axis² = 5 (I2 + I3 - I1) / (2 m), and so on round.
+_BOX, _ELLIPSOID = 6.0, 2.5
+# What shows a finding best, by the family of its rule; single rules first.
+_LAYERS: Mapping[str, tuple[str, ...]] = {
+    "MSH002": ("visual", "holes"),
+    "DYN004": ("visual", "ground", "com"),
+    "KIN007": ("visual", "ground"),
+    "INR": ("visual", "com", "box"),
+    "COL": ("visual", "collision", "overlaps"),
+    "GEO": ("visual", "collision"),
+    "JNT": ("visual", "axes", "frames"),
+    "KIN": ("visual", "frames"),
+    "SYM": ("visual", "axes", "frames"),
+    "DYN": ("visual", "com"),
+}
+_PLAIN = ("visual",)
+# A graphics card computes with seven digits: next to what is larger, in metres, nothing of a robot can be seen.
+_LARGEST = 1e9
+_IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+def stage_data(models: Iterable[tuple[str, str, Scene, Sequence[Card]]]) -> tuple[dict[str, Any], bytes]:
+    """The JSON values and the bytes of the meshes, each content once, for models given as the id of their section in the page,
+    their name, scene and cards. Lengths in metres, poses 4x4 row-major; numbers with seven digits."""
+    found = _Meshes()
+    return {"models": [_model(*model, found) for model in models], "meshes": found.entries}, b"".join(found.data)
+
+
+class _Meshes:
+    """The drawings that the models share, by their content."""
+
+    def __init__(self) -> None:
+        self.entries: list[dict[str, Any]] = []
+        self.data: list[bytes] = []
+        self._places: dict[bytes, int] = {}
+        self._offset = 0
+
+    def place(self, drawing: Drawing) -> int:
+        if drawing.data not in self._places:
+            self._places[drawing.data] = len(self.entries)
+            self.entries.append(
+                {
+                    "offset": self._offset,
+                    "vertices": drawing.vertices,
+                    "faces": drawing.faces,
+                    "low": _rounded(drawing.low),
+                    "high": _rounded(drawing.high),
+                    "wide": drawing.wide,
+                    "holes": drawing.holes,
+                }
+            )
+            self.data.append(drawing.data)
+            self._offset += len(drawing.data)
+        return self._places[drawing.data]
+
+
+def _model(name: str, title: str, scene: Scene, cards: Sequence[Card], meshes: _Meshes) -> dict[str, Any]:
+    worst = marks(cards)
+    active = [card for card in cards if card.finding.suppressed is None]
+    links = frozenset(link.name for link in scene.links)
+    by_pair = {frozenset(pair): card.ids[0] for card in active if len(pair := _named(card.finding, links)) == 2}
+    ground = scene.ground
+    return {
+        "id": name,
+        "name": title,
+        "root": scene.root,
+        "links": [_link(link, worst, scene, meshes) for link in scene.links],
+        "joints": [_joint(joint, worst) for joint in scene.joints],
+        "frames": [{"parent": f.parent, "child": f.child, "at": _rounded(f.pose)} for f in scene.frames if f.pose],
+        "overlaps": [
+            {
+                "a": overlap.links[0],
+                "b": overlap.links[1],
+                "points": [_rounded(overlap.point)],
+                "depth": _finite(overlap.depth),
+                "finding": by_pair.get(frozenset(overlap.links)),
+            }
+            for overlap in scene.overlaps
+        ],
+        "ground": None
+        if ground is None
+        else {
+            "height": _finite(ground.height),
+            "contacts": [{"link": link, "point": _rounded(point)} for link, point in ground.contacts],
+            "support": [_rounded(corner) for corner in ground.support],
+            "com": _rounded(ground.com),
+        },
+        "findings": _findings(active, scene),
+    }
+
+
+def _link(link: SceneLink, worst: Mapping[Element, Mark], scene: Scene, meshes: _Meshes) -> dict[str, Any]:
+    inertial = link.inertial
+    return {
+        "name": link.name,
+        "severity": _severity(worst, ("link", link.name)),
+        "at": None if link.world is None else _rounded(link.world),
+        "visual": _shapes(link.shapes, "visual", scene, meshes),
+        "collision": _shapes(link.shapes, "collision", scene, meshes),
+        "mass": None if inertial is None or inertial.mass is None else _finite(inertial.mass),
+        "com": _rounded(inertial.com) if inertial is not None and inertial.com else None,
+        "inertia": None if inertial is None else _inertia(inertial),
+    }
+
+
+def _severity(worst: Mapping[Element, Mark], of: Element) -> str:
+    mark = worst.get(of)
+    return "" if mark is None else str(mark.severity)
+
+
+def _shapes(shapes: Iterable[SceneShape], role: str, scene: Scene, meshes: _Meshes) -> list[dict[str, Any]]:
+    """Without those that cannot be drawn: malformed, too large, or a mesh that could not be read."""
+    found = []
+    for shape in shapes:
+        if shape.role != role or not shape.pose or not shape.size or not _fits(shape.size):
+            continue
+        look = {"at": _rounded(shape.pose), "color": None if shape.color is None else _rounded(shape.color)}
+        if shape.kind == "mesh":
+            for drawing in () if shape.file is None else scene.meshes[shape.file].drawings:
+                if not all(
+                    _fits([s * v for s, v in zip(shape.size, e, strict=True)]) for e in (drawing.low, drawing.high)
+                ):
+                    continue
+                color = look["color"] or (None if drawing.color is None else _rounded(drawing.color))
+                scale = _rounded(shape.size)
+                found.append({"mesh": meshes.place(drawing), "scale": scale, **look, "color": color})
+        elif min(shape.size) > 0:
+            found.append({shape.kind: _rounded(shape.size), **look})
+    return found
+
+
+def _fits(lengths: Iterable[float]) -> bool:
+    return all(abs(length) <= _LARGEST for length in lengths)
+
+
+def _inertia(inertial: SceneInertia) -> dict[str, Any] | None:
+    """The body that the moments stand for, or why there is none; None for a point mass and for what is malformed."""
+    if inertial.impossible:
+        return {"impossible": inertial.impossible, "com": _rounded(inertial.com) if inertial.com else None}
+    if not inertial.mass or not inertial.com or not inertial.moments or inertial.moments[-1] <= 0.0:
+        return None
+    first, second, third = inertial.moments
+    # What rounding leaves below zero is a flat body.
+    squares = [
+        max(0.0, s) / inertial.mass for s in (second + third - first, third + first - second, first + second - third)
+    ]
+    a, x, y = inertial.axes, inertial.com, (0.0, 0.0, 0.0, 1.0)
+    return {
+        "at": _rounded((*a[0:3], x[0], *a[3:6], x[1], *a[6:9], x[2], *y)),
+        "principal": _rounded(inertial.moments),
+        "box": _rounded([math.sqrt(_BOX * s) for s in squares]),
+        "ellipsoid": _rounded([math.sqrt(_ELLIPSOID * s) for s in squares]),
+    }
+
+
+def _joint(joint: SceneJoint, worst: Mapping[Element, Mark]) -> dict[str, Any]:
+    name, *numbers = joint.mimic or ("",)
+    factors = [_reachable(number) for number in numbers]
+    return {
+        "name": joint.name,
+        "type": joint.type,
+        "severity": _severity(worst, ("joint", joint.name)),
+        "parent": joint.parent,
+        "child": joint.child,
+        "at": _rounded(joint.pose or _IDENTITY),
+        "axis": None if joint.turn is None else _rounded(joint.turn),
+        "lower": _reachable(joint.lower),
+        "upper": _reachable(joint.upper),
+        "start": _reachable(joint.start) or 0,
+        "mimic": {"joint": name, "multiplier": factors[0], "offset": factors[1]}
+        if factors and None not in factors
+        else None,
+    }
+
+
+def _reachable(value: float | None) -> float | None:
+    """A position that a slider can have: beyond the largest shape nothing is drawn."""
+    return value if value is not None and abs(value) <= _LARGEST else None
+
+
+def _findings(cards: Iterable[Card], scene: Scene) -> list[dict[str, Any]]:
+    previews: dict[object, list[dict[str, Any]]] = {}
+    for preview in scene.previews:
+        previews.setdefault((preview.code, preview.message_id, preview.at), []).append(_preview(preview))
+    links = frozenset(link.name for link in scene.links)
+    return [_finding(card, previews, links) for card in cards]
+
+
+def _finding(card: Card, previews: Mapping[object, list[dict[str, Any]]], links: frozenset[str]) -> dict[str, Any]:
+    finding = card.finding
+    touched = [e for s in finding.subjects if (e := element(s)) is not None]
+    preview = previews.get((finding.code, finding.message_id, finding.location.span), [])
+    layers = next((_LAYERS[k] for k in (finding.code, finding.code[:3]) if k in _LAYERS), _PLAIN)
+    return {
+        "id": card.ids[0],
+        "code": finding.code,
+        "severity": str(finding.severity),
+        "links": list(dict.fromkeys(name for kind, name in touched if kind == "link")) or _named(finding, links),
+        "joints": list(dict.fromkeys(name for kind, name in touched if kind == "joint")),
+        "layers": [*layers, *(["preview"] if preview else [])],
+        "preview": preview,
+    }
+
+
+def _named(finding: Finding, links: frozenset[str]) -> list[str]:
+    """The links that the values of a finding name."""
+    named = (finding.data.get(name) for name in ("link", "other", "child"))
+    return list(dict.fromkeys(name for name in named if isinstance(name, str) and name in links))
+
+
+def _preview(preview: ScenePreview) -> dict[str, Any]:
+    if preview.inertial is None:
+        return {"joint": preview.joint, "at": _rounded(preview.pose)}
+    return {"link": preview.link, "inertia": _inertia(preview.inertial)}
+
+
+def _rounded(values: Iterable[float]) -> list[float | None]:
+    return [_finite(v) for v in values]
+
+
+def _finite(value: float) -> float | None:
+    """With seven digits; what no number can be is null."""
+    if not math.isfinite(value):
+        return None
+    short = float(f"{value:.7g}")
+    return int(short) if short.is_integer() and abs(short) < 1e7 else short

@@ -1,0 +1,89 @@
+"""What several formats say in the same words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from urdfcheck.core import Finding, Run, Severity, Span
+
+ORDER = (Severity.ERROR, Severity.WARNING, Severity.INFO)
+GLYPHS = {Severity.ERROR: "✖", Severity.WARNING: "▲", Severity.INFO: "i"}
+# How the programs write themselves.
+NAMES = {
+    "bullet": "Bullet",
+    "drake": "Drake",
+    "gazebo": "Gazebo",
+    "isaac": "Isaac Sim",
+    "kdl": "KDL",
+    "moveit": "MoveIt",
+    "mujoco": "MuJoCo",
+    "pinocchio": "Pinocchio",
+    "ros": "ROS",
+    "rviz": "RViz",
+    "sdf": "SDFormat",
+    "sdformat": "SDFormat",
+}
+
+
+def plural(count: int, word: str) -> str:
+    """``2 links``; information has no plural."""
+    return f"{count} {word}" + ("" if count == 1 or word == "info" else "s")
+
+
+def looked_at(run: Run) -> str:
+    """``2 models``; ``1 file`` where all were launch files and packages."""
+    return plural(run.units, "file") if run.units and not run.models else plural(len(run.models), "model")
+
+
+def place(span: Span) -> str:
+    """``file:line:column``, as terminals and editors take it."""
+    return f"{span.file}:{span.line}:{span.col}"
+
+
+def worst_first(findings: Iterable[Finding]) -> list[Finding]:
+    """Those of one severity stay in their order."""
+    return sorted(findings, key=lambda finding: -finding.severity)
+
+
+def by_effect(consequences: Mapping[str, str]) -> dict[str, list[str]]:
+    """The programs by what they do: those that do the same thing share a line."""
+    effects: dict[str, list[str]] = {}
+    for program, effect in consequences.items():
+        effects.setdefault(effect, []).append(program)
+    return effects
+
+
+def verdict(run: Run) -> tuple[str, str]:
+    """How a run came out: error | warning | ok, and a sentence without its full stop."""
+    errors, warnings = run.count(Severity.ERROR), run.count(Severity.WARNING)
+    unread = sum(info.status != "checked" for info in run.models)
+    if run.failures:
+        return "error", "Not finished: a part of urdfcheck itself failed, so this verdict is incomplete"
+    if not run.models and not run.units and not run.findings:
+        return "warning", "Nothing was checked"
+    if errors:
+        return "error", f"{plural(errors, 'error')} to repair"
+    if unread:
+        return "warning", f"{plural(unread, 'model')} of {len(run.models)} could not be checked"
+    if warnings:
+        return "warning", f"No errors, {plural(warnings, 'warning')} to look at"
+    if not set(run.rules) - {"URC900"}:  # that one tells of crashes, whatever is selected
+        return "warning", "Nothing was looked for: no rule is selected"
+    return "ok", "No errors and no warnings"
+
+
+def details(run: Run, finding: Finding) -> Iterator[tuple[str, str]]:
+    """What is said of a finding beyond its message: a label and a sentence."""
+    if given := run.arguments_of(finding):
+        yield "With", " ".join(f"{name}:={value}" for name, value in sorted(given.items()))
+    if finding.why is not None:
+        yield "Why", finding.why
+    for effect, programs in by_effect(finding.consequences).items():
+        yield f"Then {', '.join(NAMES.get(program, program) for program in programs)}", effect
+    if finding.fix is not None:
+        yield "Fix", finding.fix.title
+
+
+def own_file(run: Run, finding: Finding) -> str:
+    """The file to name for a finding without a place: its model's, or what its id says of a package or a launch file."""
+    return next((info.path for info in run.models if info.id == finding.model), finding.model)
