@@ -6,11 +6,11 @@ import re
 from dataclasses import replace
 
 import pytest
-from output.runs import FILE, SOURCE, a_run, finding, span_of
+from output.runs import FILE, MODEL, SOURCE, a_run, finding, span_of
 from rich.cells import cell_len
 
-from urdfcheck.core import Applicability, Cause, Edit, Fix, Location
-from urdfcheck.output.text import render
+from urdfcheck.core import Applicability, Cause, Edit, Fix, Location, Severity, Skip
+from urdfcheck.output.text import Detail, render, statistics
 
 
 def test_a_finding_reads_place_severity_code_and_name_on_one_line() -> None:
@@ -39,6 +39,13 @@ def test_a_cause_that_the_message_tells_is_not_told_again() -> None:
     assert "why" not in text
 
 
+def test_programs_are_called_as_in_every_report() -> None:
+    text = render(
+        a_run(finding(consequences={"rviz": "draws it", "mujoco": "refuses it", "ros2_control": "refuses it"}))
+    )
+    assert "  then  RViz: draws it\n  then  MuJoCo, ros2_control: refuses it\n" in text
+
+
 def test_further_lines_stand_below_the_first() -> None:
     lines = render(a_run(finding(fix=Fix("straighten it " * 20))), width=60).splitlines()
     first = next(i for i, line in enumerate(lines) if line.startswith("  fix   straighten"))
@@ -51,6 +58,14 @@ def test_a_path_longer_than_a_line_is_not_broken() -> None:
     lines = render(a_run(finding(location=Location("link[wheel]", at))), width=40).splitlines()
     place = lines.index(f"{file}:{at.line}:{at.col}")
     assert lines[place + 1] == "  ✖ error INR003 triangle-inequality"
+
+
+def test_a_heading_tells_no_fact_by_half() -> None:
+    headings = [render(a_run(), width=width).splitlines()[0] for width in range(30, 80)]
+    assert [cell_len(heading) for heading in headings] == list(range(30, 80))
+    told = dict.fromkeys(heading.strip("─ ").removeprefix(MODEL).strip() for heading in headings)
+    facts = ["robot rover", "2 links", "1 joint", "0.5283 kg"]
+    assert list(told) == [" · ".join(facts[:number]) for number in range(5)]
 
 
 def test_the_span_is_underlined() -> None:
@@ -107,3 +122,69 @@ def test_a_run_without_rules_is_not_called_clean() -> None:
     text = render(replace(a_run(), findings=(), rules={}))
     assert "✔" not in text
     assert "no rule is selected" in text
+
+
+def test_in_brief_an_info_is_its_place_and_no_more_than_two_lines_of_its_message() -> None:
+    info = finding(severity=Severity.INFO, message="a word " * 60)
+    lines = render(a_run(info), width=60, detail=Detail.BRIEF).splitlines()
+    at = next(i for i, line in enumerate(lines) if line.startswith(FILE + ":"))
+    assert lines[at + 1].startswith("  a word")
+    assert lines[at + 2].endswith(" …")
+    assert len(lines[at + 2]) <= 60
+    assert lines[at + 3] == ""
+    assert "1 info in brief, in full with --verbose" in render(a_run(info), width=200, detail=Detail.BRIEF)
+    assert "put the point back" in render(a_run(info))
+
+
+def test_what_was_skipped_for_some_models_names_them() -> None:
+    skips = (Skip("MSH002", MODEL, "no meshes here"), Skip("COL001", MODEL, "no meshes here"))
+    one = a_run(skipped=skips)
+    assert "skipped COL001, MSH002: no meshes here\n" in render(one)
+    two = replace(one, models=(*one.models, replace(one.models[0], id="other.urdf")))
+    assert f"skipped COL001, MSH002: no meshes here ({MODEL})\n" in render(two)
+
+
+def test_in_brief_what_matters_stands_before_the_infos_of_its_model() -> None:
+    first = finding(severity=Severity.INFO, code="AAA001")
+    text = render(a_run(first, finding(code="ZZZ001")), detail=Detail.BRIEF)
+    assert text.index("ZZZ001") < text.index("AAA001")
+
+
+def test_quiet_is_errors_warnings_what_failed_and_one_line() -> None:
+    text = render(replace(a_run(), failures=("it broke",)), detail=Detail.QUIET)
+    assert "error INR003" in text
+    assert "warning INR001" in text
+    assert "i info" not in text.replace("i 1 info", "")
+    assert "skipped" not in text
+    assert "fixable" not in text
+    assert text.splitlines()[-2:] == [
+        "urdfcheck failed: it broke",
+        "✖ 1 error  ▲ 1 warning  i 1 info  in 1 model, 0.2 s",
+    ]
+
+
+@pytest.mark.parametrize("detail", [Detail.BRIEF, Detail.QUIET])
+def test_an_info_that_fails_the_run_is_told_in_full(detail: Detail) -> None:
+    run = a_run(finding(severity=Severity.INFO))
+    assert "put the point back" not in render(run, detail=detail)
+    assert "put the point back" in render(run, detail=detail, fail_on="info")
+    assert "put the point back" in render(replace(run, fail_on={MODEL: "info"}), detail=detail)
+
+
+def test_statistics_are_a_line_for_each_rule_the_worst_first() -> None:
+    often = [finding(severity=Severity.WARNING, code="INR001", name="mass", fix=None, model=f"m{i}") for i in range(3)]
+    lines = statistics(a_run(*often, finding(), often[0])).splitlines()
+    assert [line.split() for line in lines[:3]] == [
+        ["rule", "severity", "findings", "models", "fixable"],
+        ["INR003", "triangle-inequality", "error", "1", "1", "1"],
+        ["INR001", "mass", "warning", "4", "3", "0"],
+    ]
+    assert "\x1b[" in statistics(a_run(), color=True)
+
+
+def test_statistics_add_up_to_the_last_line() -> None:
+    """A rule whose findings are of two severities has a line for each."""
+    lines = statistics(a_run(finding(), finding(severity=Severity.INFO), finding(severity=Severity.INFO))).splitlines()
+    assert [line.split()[2:4] for line in lines[1:3]] == [["error", "1"], ["info", "2"]]
+    assert "1 error" in lines[-1]
+    assert "2 info" in lines[-1]

@@ -3,13 +3,29 @@
 from __future__ import annotations
 
 import importlib
+from typing import TYPE_CHECKING
 
-from urdfcheck.core import Run
+if TYPE_CHECKING:
+    from urdfcheck.core import Run
 
-FORMATS = ("text", "json", "html")
+FORMATS = ("text", "json", "html", "sarif", "github", "gitlab", "junit", "rdjson", "markdown")
+# What goes into a file only, because it is no text.
+PICTURE = "png"
+# Those that draw something: they need the scenes of a run.
+DRAWN = frozenset({"html", "markdown", PICTURE})
 
 
 def render(run: Run, output_format: str) -> str:
     """The run in a format of :data:`FORMATS`; the module is imported when it is asked for."""
     rendered: str = importlib.import_module(f"urdfcheck.output.{output_format}").render(run)
     return rendered
+
+
+def picture(run: Run) -> bytes:
+    """The one model of a run as a :data:`PICTURE`.
+
+    :raises UrdfcheckError: when there are several models, or none that can be drawn.
+    """
+    from urdfcheck.output import png
+
+    return png.render(run)

@@ -81,7 +81,7 @@ def finding_object(finding: Finding, arguments: Mapping[str, str] = _NONE) -> di
         "arguments": dict(arguments),
         "variants": list(finding.variants),
         "fingerprints": list(finding.fingerprints),
-        "subjects": [_subject(s) for s in finding.subjects],
+        "subjects": [subject_object(s) for s in finding.subjects],
         "location": location,
         "via": [_start(span) for span in finding.location.via],
         "related": [{"subject": r.subject, "location": _start(r.span)} for r in finding.related if r.span is not None],
@@ -95,7 +95,8 @@ def finding_object(finding: Finding, arguments: Mapping[str, str] = _NONE) -> di
     }
 
 
-def _subject(subject: str) -> dict[str, str]:
+def subject_object(subject: str) -> dict[str, str]:
+    """What a subject names, as the schema describes it."""
     match = _SUBJECT.match(subject)
     kind, name = (match["kind"], match["name"]) if match else (subject.split("/")[0].split("@")[0], "")
     return {"kind": kind, "name": name, "path": subject}

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
-from urdfcheck.core import Rule, Severity
+from urdfcheck.core import Applicability, Finding, Rule, Severity
 from urdfcheck.output.inert import for_log, one_line
 from urdfcheck.output.lines import Row, Summary
 
@@ -58,6 +59,33 @@ def _verdict(summary: Summary) -> str:
     also = "".join(f", {text}" for text in beside if not text.startswith("0 "))
     with_errors = f"; errors in {_plural(summary.erroneous, 'model')}" if summary.erroneous else ""
     return f"{counts} in {_plural(summary.kinds['model'], 'model')}{states}{also}{with_errors}"
+
+
+@dataclass(slots=True)
+class Count:
+    """What the findings of one rule and severity come to. ``models``: the ids of those that show one; ``fixable``: how many of
+    them urdfcheck can repair, with or without --unsafe-fixes."""
+
+    code: str
+    name: str
+    severity: Severity
+    findings: int = 0
+    models: set[str] = field(default_factory=set)
+    fixable: int = 0
+
+
+def counted(findings: Iterable[Finding]) -> list[Count]:
+    """The findings by rule and severity, the worst and then the most common first."""
+    counts: dict[tuple[str, Severity], Count] = {}
+    for finding in findings:
+        key = finding.code, finding.severity
+        count = counts.setdefault(key, Count(finding.code, finding.name, finding.severity))
+        count.findings += 1
+        count.models.update(finding.variants or (finding.model,))
+        count.fixable += (
+            finding.fix is not None and bool(finding.fix.edits) and finding.fix.applicability != Applicability.DISPLAY
+        )
+    return sorted(counts.values(), key=lambda c: (-c.severity, -c.findings, -len(c.models), c.code))
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:

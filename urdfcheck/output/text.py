@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from enum import Enum
 from itertools import groupby
 from typing import TYPE_CHECKING, cast
 
@@ -12,12 +13,13 @@ from urdfcheck.core import Applicability, Finding, Fix, ModelInfo, Run, Severity
 from urdfcheck.output.drops import lines as drop_lines
 from urdfcheck.output.frames import frame
 from urdfcheck.output.inert import command, one_line, visible
+from urdfcheck.output.summary import counted, table
+from urdfcheck.output.wording import GLYPHS, NAMES, ORDER, by_effect, looked_at, plural
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "bold yellow", Severity.INFO: "bold cyan"}
-GLYPHS = {Severity.ERROR: "✖", Severity.WARNING: "▲", Severity.INFO: "i"}
 # The options that apply a fix.
 HOW = {Applicability.SAFE: "--fix", Applicability.UNSAFE: "--fix --unsafe-fixes"}
 WIDTH = 100
@@ -25,11 +27,33 @@ NOTHING = Text()
 MAX_RELATED = 4
 # From here on the errors and warnings are listed once more at the end.
 FEW = 8
+# So many lines of its message an info has in brief.
+BRIEF_LINES = 2
 
 
-def render(run: Run, *, width: int = WIDTH, color: bool = False) -> str:
-    """The report as text of this width in columns, with ANSI colours if wanted."""
-    page = Text("\n").join(map(_inert, _report(run, width)))
+class Detail(Enum):
+    """How much is told of infos that fail nothing: all; where, what and no more; nothing, and nothing that is no finding."""
+
+    FULL = "full"
+    BRIEF = "brief"
+    QUIET = "quiet"
+
+
+def render(
+    run: Run, *, width: int = WIDTH, color: bool = False, detail: Detail = Detail.FULL, fail_on: str = "error"
+) -> str:
+    """The report as text of this width in columns, with ANSI colours if wanted. ``fail_on``: from which severity on a finding
+    fails the run, where its model does not say otherwise; what fails is told in full whatever the ``detail``."""
+    return _printed(_report(run, width, detail, fail_on), color)
+
+
+def statistics(run: Run, *, width: int = WIDTH, color: bool = False) -> str:
+    """A table of the rules that fired, by severity: the worst and then the most common first; and a report's closing lines."""
+    return _printed(_statistics(run, width), color)
+
+
+def _printed(lines: Iterable[Text], color: bool) -> str:
+    page = Text("\n").join(map(_inert, lines))
     text = _colored(page) if color else page.plain
     # Lines are wrapped behind blanks; a CI log and a diff are better without.
     return "".join(f"{line.rstrip()}\n" for line in text.split("\n"))
@@ -58,19 +82,58 @@ def _colored(page: Text) -> str:
     return printed.get()
 
 
-def _report(run: Run, width: int) -> Iterator[Text]:
+def _report(run: Run, width: int, detail: Detail, fail_on: str) -> Iterator[Text]:
     infos = {info.id: info for info in run.models}
+    full = [f for f in run.active if detail is Detail.FULL or _matters(run, f, fail_on)]
+    chosen = {id(f) for f in full}
+    brief = [] if detail is Detail.QUIET else [f for f in run.active if id(f) not in chosen]
     for drop in run.drops:
-        yield _rule(_heading(infos.get(drop.model), drop.model), width)
+        yield _rule(_heading(infos.get(drop.model), drop.model, width), width)
         yield from (piece for line in drop_lines(drop) for piece in _wrapped(line, width, Text("  ")))
-    for model, group in groupby(run.active, key=lambda f: f.model):
-        yield _rule(_heading(infos.get(model), model), width)
+    # What matters stands first for each model, in the order of the run.
+    shown = (f for f in run.active if id(f) in chosen or detail is not Detail.QUIET)
+    for model, group in groupby(shown, key=lambda f: f.model):
+        yield _rule(_heading(infos.get(model), model, width), width)
+        rest = []
         for finding in group:
-            yield from _finding(run, finding, width)
-    yield from _skipped(run, width)
-    yield from _recap(run, width)
+            if id(finding) in chosen:
+                yield from _finding(run, finding, width)
+            else:
+                rest.append(finding)
+        yield from _briefly(rest, width)
+    if detail is not Detail.QUIET:
+        yield from _skipped(run, width)
+        yield from _recap(run, width)
+    yield from _failures(run, width)
+    if detail is not Detail.QUIET and (closing := "; ".join(filter(None, (_fixable(run), _hidden(brief))))):
+        yield from _wrapped(Text(closing, "dim"), width)
+    yield from _wrapped(_summary(run), width)
+
+
+def _matters(run: Run, finding: Finding, fail_on: str) -> bool:
+    return finding.severity > Severity.INFO or run.fail_on.get(finding.model, fail_on) == str(Severity.INFO)
+
+
+def _failures(run: Run, width: int) -> Iterator[Text]:
     for failure in run.failures:
         yield from _wrapped(Text.assemble(("urdfcheck failed: ", "bold red"), visible(failure)), width)
+
+
+def _statistics(run: Run, width: int) -> Iterator[Text]:
+    counts = counted(run.active)
+    rows = [
+        (c.code, c.name, str(c.severity), f"{c.findings:,}", f"{len(c.models):,}", f"{c.fixable:,}") for c in counts
+    ]
+    if rows:
+        head, *lines = table(("rule", "", "severity", "findings", "models", "fixable"), rows)
+        yield Text(head, "dim")
+        for line, count in zip(lines, counts, strict=True):
+            text = Text(line)
+            start = line.index(str(count.severity), line.index(count.name) + len(count.name))
+            text.stylize(STYLES[count.severity], start, start + len(str(count.severity)))
+            yield text
+        yield Text()
+    yield from _failures(run, width)
     if fixable := _fixable(run):
         yield from _wrapped(Text(fixable, "dim"), width)
     yield from _wrapped(_summary(run), width)
@@ -98,19 +161,28 @@ def _rule(title: Text, width: int) -> Text:
     return Text.assemble(title, " ", ("─" * (width - title.cell_len - 1), "dim"))
 
 
-def _heading(info: ModelInfo | None, model: str) -> Text:
+def _heading(info: ModelInfo | None, model: str, width: int) -> Text:
+    """The model, and of what is known of it as much as the line has room for."""
     title = Text(one_line(model) or "this run", style="bold")
+    facts: list[str] = []
     if info is not None and info.status == "checked":
-        facts = [f"robot {one_line(info.robot)}", _plural(info.links, "link"), _plural(info.joints, "joint")]
+        facts = [f"robot {one_line(info.robot)}", plural(info.links, "link"), plural(info.joints, "joint")]
         if info.mass is not None:
             facts.append(f"{info.mass:.4g} kg")
-        title.append("  " + " · ".join(facts), style="dim")
     elif info is not None:
-        title.append(f"  {info.status}", style="dim")
+        facts = [info.status]
+    lead = "  "
+    for fact in facts:
+        told = Text(lead + fact, style="dim")
+        if title.cell_len + told.cell_len > width - 2:  # half a number is a wrong one
+            break
+        title.append_text(told)
+        lead = " · "
     return title
 
 
-def _finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
+def _head(finding: Finding, width: int) -> Iterator[Text]:
+    """Where it is, and what it is called, for the eye to find."""
     span = finding.location.span
     place = Text("" if span is None else f"{one_line(span.file)}:{span.line}:{span.col} ", style="bold")
     head = _title(finding)
@@ -118,6 +190,27 @@ def _finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
         yield place
         place = Text("  ")
     yield place + head
+
+
+def _briefly(findings: Sequence[Finding], width: int) -> Iterator[Text]:
+    """Where each is and what, with no more than a few lines of its message."""
+    for finding in findings:
+        for line in _head(finding, width):
+            yield Text(line.plain, "cyan")
+        lines = list(_wrapped(Text(visible(finding.message)), width, Text("  ")))
+        if len(lines) > BRIEF_LINES:
+            lines = lines[:BRIEF_LINES]
+            lines[-1].truncate(width - 2)
+            lines[-1].rstrip()
+            lines[-1].append(" …", "dim")
+        yield from lines
+    if findings:
+        yield Text()
+
+
+def _finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
+    yield from _head(finding, width)
+    span = finding.location.span
     yield from _wrapped(Text(visible(finding.message)), width, Text("  "))
     if given := run.arguments_of(finding):
         shown_with = " ".join(f"{one_line(name)}:={one_line(value)}" for name, value in sorted(given.items()))
@@ -138,8 +231,9 @@ def _finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
         yield from _labelled("see", _more(len(shown) - MAX_RELATED, "place"), width)
     if finding.why is not None:
         yield from _labelled("why", visible(finding.why), width)
-    for consumers, effect in _by_effect(finding):
-        yield from _labelled("then", f"{', '.join(consumers)}: {visible(effect)}", width)
+    for effect, programs in by_effect(finding.consequences).items():
+        named = ", ".join(NAMES.get(program, program) for program in programs)
+        yield from _labelled("then", f"{named}: {visible(effect)}", width)
     if finding.fix is not None:
         yield from _repair(finding, finding.fix, width)
     yield Text()
@@ -191,25 +285,21 @@ def _more(count: int, what: str) -> str:
     return f"… and {count} more {what}{'' if count == 1 else 's'}"
 
 
-def _by_effect(finding: Finding) -> list[tuple[list[str], str]]:
-    """Consumers that do the same thing share a line."""
-    effects: dict[str, list[str]] = {}
-    for consumer, effect in finding.consequences.items():
-        effects.setdefault(effect, []).append(consumer)
-    return [(consumers, effect) for effect, consumers in effects.items()]
-
-
 def _first_line(run: Run, span: Span) -> str:
     lines = frame(run.sources.get(span.file, ""), span, context=0)
     return visible(lines[0].text.strip()) if lines else ""
 
 
 def _skipped(run: Run, width: int) -> Iterator[Text]:
-    reasons: dict[str, set[str]] = {}
+    """By reason; with the models that it holds for, where it does not hold for all."""
+    reasons: dict[str, tuple[set[str], set[str]]] = {}
     for skip in run.skipped:
-        reasons.setdefault(skip.reason, set()).add(skip.code)
-    for reason, codes in sorted(reasons.items()):
-        yield from _wrapped(Text(f"skipped {_some(sorted(codes))}: {visible(reason)}", "dim"), width)
+        codes, models = reasons.setdefault(skip.reason, (set(), set()))
+        codes.add(skip.code)
+        models.add(skip.model)
+    for reason, (codes, models) in sorted(reasons.items()):
+        where = "" if "" in models or len(models) >= len(run.models) else f" ({_some(sorted(models), 3)})"
+        yield from _wrapped(Text(f"skipped {_some(sorted(codes))}: {visible(reason + where)}", "dim"), width)
 
 
 def _some(words: Sequence[str], most: int = 8) -> str:
@@ -239,19 +329,19 @@ def _summary(run: Run) -> Text:
     if not run.units and not run.failures:
         return Text("nothing to check: no model, launch file or package was found there", "bold")
     if not run.active and not run.failures and all(info.status != "failed" for info in run.models):
-        where = f"in {_plural(len(run.models), 'model')}{_states(run.models)}"
+        where = f"in {looked_at(run)}{_states(run.models)}"
         if not set(run.rules) - {"URC900"}:  # that one tells of crashes, whatever is selected
             return Text(f"nothing was looked for {where}: no rule is selected (urdfcheck config says by what)", "bold")
         text = Text(f"✔ no findings {where}", "bold green")
         return text.append(_known(run), "dim")
-    counts = [(s, run.count(s)) for s in (Severity.ERROR, Severity.WARNING, Severity.INFO)]
+    counts = [(s, run.count(s)) for s in ORDER]
     text = Text()
     for severity, count in counts:
-        text.append(f"{GLYPHS[severity]} {_plural(count, str(severity))}", STYLES[severity] if count else "dim")
+        text.append(f"{GLYPHS[severity]} {plural(count, str(severity))}", STYLES[severity] if count else "dim")
         text.append("  ")
     states = _states(run.models)
     took = f", {run.seconds:.1f} s" if run.seconds else ""  # a reproducible report tells no time
-    text.append(f"in {_plural(len(run.models), 'model')}{states}{took}{_known(run)}", "dim")
+    text.append(f"in {looked_at(run)}{states}{took}{_known(run)}", "dim")
     return text
 
 
@@ -263,6 +353,11 @@ def _fixable(run: Run) -> str:
     if safe and unsafe:
         return f"{safe} fixable with --fix, {unsafe} more with --unsafe-fixes"
     return f"{safe or unsafe} fixable with {HOW[kinds[0]]}" if kinds else ""
+
+
+def _hidden(brief: Sequence[Finding]) -> str:
+    """How to see the rest of what is told in brief."""
+    return f"{plural(len(brief), 'info')} in brief, in full with --verbose" if brief else ""
 
 
 def _known(run: Run) -> str:
@@ -280,7 +375,3 @@ def _states(models: Iterable[ModelInfo]) -> str:
     others = [m.status for m in models if m.status != "checked"]
     counted = [f"{others.count(s)} {s}" for s in sorted(set(others))]
     return f" ({', '.join(counted)})" if counted else ""
-
-
-def _plural(count: int, word: str) -> str:
-    return f"{count} {word}" + ("" if count == 1 or word == "info" else "s")

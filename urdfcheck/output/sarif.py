@@ -1,0 +1,350 @@
+"""SARIF 2.1.0, as GitHub's code scanning and editors read it: a result for each finding, at the text that must change.
+
+Beside the standard it keeps to what GitHub asks for: no empty text, a place for every result, and no more of anything than it
+takes. Paths are relative to the working directory, which for GitHub must be the root of the repository.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+from html import unescape
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from urdfcheck.core import NEWLINE, Confidence, Finding, Fix, Location, Rule, Run, Severity, Span, Suppression
+from urdfcheck.output.html.appendix import SHOWN
+from urdfcheck.output.html.text import base_name, inline, sections, some
+from urdfcheck.output.inert import for_json, one_line, visible
+from urdfcheck.output.json import subject_object
+from urdfcheck.output.positions import utf16
+from urdfcheck.output.wording import NAMES, by_effect, plural
+
+SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
+BASE = "%SRCROOT%"
+# More than this GitHub refuses: the whole file, or what is too much of it.
+MOST_RESULTS = 25_000
+MOST_LOCATIONS = 1_000
+MOST_TAGS = 20
+MOST_CHARACTERS = 1_024
+# So many elements a message names, and to so many places it has links; the result holds the others.
+MOST_NAMED = 100
+MOST_LINKED = 4
+
+LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "note"}
+PROBLEMS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "recommendation"}
+PRECISIONS = {Confidence.PROOF: "very-high", Confidence.STRONG: "high", Confidence.HEURISTIC: "medium"}
+RANKS = {Confidence.PROOF: 100, Confidence.STRONG: 75, Confidence.HEURISTIC: 50}
+
+_TAG = re.compile(r"</?(?:code|em|strong)>")
+_FENCE = re.compile(r"^(?:```|~~~).*\n?", re.MULTILINE)
+_CODE = re.compile(r"`([^`\n]+)`")
+_PLACEHOLDER = re.compile(r"\{\d+\}")
+_CALL = re.compile(r"<([^\s<>/]+)")
+
+Json = dict[str, Any]
+
+
+def render(run: Run) -> str:
+    """Indented JSON with a line for each result, and a newline at the end; equal runs give equal bytes."""
+    _uri.cache_clear()  # links may have changed since the last run
+    index = {code: number for number, code in enumerate(run.rules)}
+    kept = _most_important(run.findings)
+    results = ",".join(f"\n        {_dumped(_result(run, finding, index))}" for finding in kept)
+    log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [_run(run, len(run.findings) - len(kept), index)]}
+    # To indent thousands of results would take longer than all else.
+    before, after = _dumped(log, indent=2).rsplit("[]", 1)
+    return for_json(f"{before}[{results}]{after}\n")
+
+
+def _dumped(value: Json, indent: int | None = None) -> str:
+    return json.dumps(value, indent=indent, ensure_ascii=False, allow_nan=False)
+
+
+def _run(run: Run, left_out: int, index: Mapping[str, int]) -> Json:
+    """The run; its results, which come last, are still to be put in."""
+    return {
+        "tool": {
+            "driver": {
+                "name": "urdfcheck",
+                "version": run.versions["urdfcheck"],
+                "semanticVersion": run.versions["urdfcheck"],
+                "rules": [_descriptor(rule) for rule in run.rules.values()],
+            }
+        },
+        "automationDetails": {"id": _category(run)},
+        "columnKind": "utf16CodeUnits",
+        "newlineSequences": ["\r\n", "\n", "\r"],
+        "originalUriBaseIds": {BASE: {"description": {"text": "The working directory of the run."}}},
+        "invocations": [
+            {
+                "executionSuccessful": not run.failures and not run.partial,
+                "toolExecutionNotifications": list(_notifications(run, left_out, index)),
+            }
+        ],
+        "results": [],
+    }
+
+
+def _most_important(findings: Sequence[Finding]) -> Sequence[Finding]:
+    """No more than GitHub takes, in their order: those that somebody knows go first, then the least severe."""
+    if len(findings) <= MOST_RESULTS:
+        return findings
+    ranked = sorted(range(len(findings)), key=lambda i: (findings[i].suppressed is not None, -findings[i].severity))
+    return [findings[i] for i in sorted(ranked[:MOST_RESULTS])]
+
+
+def _category(run: Run) -> str:
+    """What the results of several runs over one commit are told apart by: the robot, where there is one."""
+    robots = {one_line(info.robot) for info in run.models if info.robot}
+    return f"urdfcheck/{robots.pop()}/" if len(robots) == 1 else "urdfcheck/"
+
+
+# -- rules -------------------------------------------------------------------------------------------------------------
+
+
+def _descriptor(rule: Rule) -> Json:
+    title = rule.name.replace("-", " ").capitalize()
+    texts = sections(rule.page)
+    shown = {name: _FENCE.sub("", texts[name]) for name in SHOWN if texts.get(name, "").strip()}
+    return {
+        "id": rule.code,
+        "name": rule.name,
+        "shortDescription": {"text": title},
+        "fullDescription": {"text": _cut(_plain(rule.summary) or title)},
+        "help": {
+            "text": "\n\n".join(f"{name}\n{_plain(text.strip())}" for name, text in shown.items()) or title,
+            "markdown": "\n\n".join(f"## {name}\n\n{texts[name].strip()}" for name in shown) or title,
+        },
+        "defaultConfiguration": {"level": LEVELS[rule.severity]},
+        "properties": {
+            "tags": list(dict.fromkeys(rule.tags))[:MOST_TAGS],
+            "precision": PRECISIONS[rule.confidence],
+            "problem.severity": PROBLEMS[rule.severity],
+        },
+    }
+
+
+def _plain(markdown: str) -> str:
+    """Markdown without its marks."""
+    return unescape(_TAG.sub("", inline(markdown)))
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= MOST_CHARACTERS else f"{text[: MOST_CHARACTERS - 1]}…"
+
+
+# -- what is told of the run itself ------------------------------------------------------------------------------------
+
+
+def _notifications(run: Run, left_out: int, index: Mapping[str, int]) -> Iterator[Json]:
+    for failure in run.failures:
+        yield {"level": "error", "message": _message(failure)}
+    if run.partial:
+        yield {"level": "error", "message": _message("The run was interrupted: not everything was checked.")}
+    if left_out:
+        text = f"{plural(left_out, 'finding')} are left out: code scanning takes no more than {MOST_RESULTS:,}."
+        yield {"level": "warning", "message": _message(text)}
+    paths = {info.id: info.path for info in run.models}
+    skipped: dict[tuple[str, str], list[str]] = {}
+    for skip in run.skipped:
+        skipped.setdefault((skip.code, skip.reason), []).append(paths.get(skip.model, skip.model))
+    for (code, reason), files in skipped.items():
+        what = "Nothing was checked" if code == "ALL" else f"{code} was not checked"
+        told: Json = {"level": "note", "message": _message(f"{what}: {reason}")}
+        if code in index:
+            told["associatedRule"] = {"id": code, "index": index[code]}
+        if places := [{"physicalLocation": {"artifactLocation": _artifact(f)}} for f in dict.fromkeys(files) if f]:
+            told["locations"] = places[:MOST_LOCATIONS]
+        yield told
+
+
+# -- results -----------------------------------------------------------------------------------------------------------
+
+
+def _result(run: Run, finding: Finding, index: Mapping[str, int]) -> Json:
+    related = _related(finding)
+    result: Json = {
+        "ruleId": finding.code,
+        "kind": "fail",
+        "level": LEVELS[finding.severity],
+        "message": {"text": _told(run, finding, related)},
+        "locations": [
+            {
+                "physicalLocation": _place(run, _own_place(run, finding)),
+                "logicalLocations": [_logical(s) for s in list(dict.fromkeys(finding.subjects))[:MOST_LOCATIONS]],
+            }
+        ],
+        "partialFingerprints": {"urdfcheck/v1": finding.fingerprints[0]},
+        "rank": RANKS[finding.confidence],
+        "suppressions": [] if finding.suppressed is None else [_suppression(finding.suppressed)],
+        "properties": _properties(run, finding),
+    }
+    if finding.code in index:
+        result["ruleIndex"] = index[finding.code]
+    if run.baselines:
+        is_known = finding.suppressed is not None and finding.suppressed.kind == "baseline"
+        result["baselineState"] = "unchanged" if is_known else "new"
+    if related:
+        result["relatedLocations"] = [
+            {"id": number, "physicalLocation": _place(run, span), "message": _message(subject)}
+            for number, (subject, span) in enumerate(related, 1)
+        ]
+    if finding.location.via and finding.location.span is not None:
+        result["codeFlows"] = [{"threadFlows": [{"locations": list(_flow(run, finding.location))}]}]
+    if finding.fix is not None and finding.fix.edits:
+        result["fixes"] = [_fix(run, finding.fix)]
+    return result
+
+
+def _told(run: Run, finding: Finding, related: Sequence[tuple[str, Span]]) -> str:
+    """The message and, a paragraph each, what else a reader needs who sees nothing but the message."""
+    paragraphs = [finding.message]
+    if given := run.arguments_of(finding):
+        paragraphs.append("With " + " ".join(f"{name}:={value}" for name, value in sorted(given.items())))
+    if finding.why is not None:
+        paragraphs.append(f"Why: {finding.why}")
+    for effect, programs in by_effect(finding.consequences).items():
+        paragraphs.append(f"{', '.join(NAMES.get(p, p) for p in programs)}: {effect}")
+    if finding.fix is not None:
+        paragraphs.append(f"Fix: {finding.fix.title}")
+    if len(finding.subjects) > 1:
+        paragraphs.append(f"For {some(list(finding.subjects), MOST_NAMED)}")
+    told = [_text(_sentence(paragraph)) for paragraph in paragraphs]
+    links: dict[str, int] = {}
+    for number, (_, span) in enumerate(related, 1):
+        links.setdefault(_label(span), number)
+    if links:
+        told.append(f"See {some([f'[{label}]({number})' for label, number in links.items()], MOST_LINKED)}.")
+    return "\n".join(told)
+
+
+def _sentence(text: str) -> str:
+    text = text.rstrip()
+    return text if text.endswith((".", "!", "?", "…")) else f"{text}."
+
+
+def _message(text: str) -> Json:
+    return {"text": _text(text)}
+
+
+def _text(text: str) -> str:
+    """Text that holds neither a placeholder nor a link of SARIF, and nothing that acts where it is shown.
+
+    The standard wants every brace doubled, and its readers show them doubled: only what would be a placeholder is. Backquotes
+    make GitHub put backslashes before the underscores between them."""
+    plain = _CODE.sub(r'"\1"', visible(text))
+    return _PLACEHOLDER.sub(r"{\g<0>}", plain).replace("](", "] (")
+
+
+def _label(span: Span) -> str:
+    """The text of a link."""
+    return re.sub(r"([\\\[\]])", r"\\\1", _text(f"{one_line(base_name(span.file))}:{span.line}"))
+
+
+def _related(finding: Finding) -> list[tuple[str, Span]]:
+    """The further places that are known, as many as there may be beside the first."""
+    return [(place.subject, place.span) for place in finding.related if place.span is not None][: MOST_LOCATIONS - 1]
+
+
+def _logical(subject: str) -> Json:
+    named = subject_object(subject)
+    found = {"kind": named["kind"], "name": named["name"], "fullyQualifiedName": named["path"]}
+    return {key: one_line(value) for key, value in found.items() if value}
+
+
+def _flow(run: Run, location: Location) -> Iterator[Json]:
+    """The calls and includes that brought the text there, and the text itself."""
+    assert location.span is not None
+    calls = [(span, _called(run, span)) for span in location.via[-(MOST_LOCATIONS - 1) :]]
+    for level, (span, text) in enumerate([*calls, (location.span, location.subject)]):
+        yield {
+            "location": {"physicalLocation": _place(run, span), "message": _message(text)},
+            "nestingLevel": level,
+        }
+
+
+def _called(run: Run, span: Span) -> str:
+    tag = _CALL.match(run.sources.get(span.file, ""), span.start)
+    return "A call or an include" if tag is None else f"<{tag[1]}>"
+
+
+def _suppression(known: Suppression) -> Json:
+    kind = "inSource" if known.kind == "source" else "external"
+    return {"kind": kind, "status": "accepted", "justification": visible(known.reason) or known.kind}
+
+
+def _properties(run: Run, finding: Finding) -> Json:
+    found: Json = {"confidence": str(finding.confidence), "messageId": finding.message_id}
+    if finding.model:
+        found["model"] = one_line(finding.model)
+    if finding.cause is not None:
+        found["cause"] = finding.cause.id
+    if finding.fix is not None:
+        found["applicability"] = str(finding.fix.applicability)
+    if len(finding.subjects) > 1:
+        found["fingerprints"] = list(finding.fingerprints[:MOST_LOCATIONS])
+    return found
+
+
+def _fix(run: Run, fix: Fix) -> Json:
+    changes: dict[str, list[Json]] = {}
+    for edit in sorted(fix.edits, key=lambda edit: (edit.span.start, edit.span.end)):
+        replacement: Json = {"deletedRegion": _region(run, edit.span)}
+        if edit.replacement:
+            # Line breaks as the file has them.
+            newline = NEWLINE.search(run.sources.get(edit.span.file, ""))
+            text = edit.replacement if newline is None else NEWLINE.sub(newline[0], edit.replacement)
+            replacement["insertedContent"] = {"text": text}
+        changes.setdefault(edit.span.file, []).append(replacement)
+    return {
+        "description": _message(_sentence(fix.title)),
+        "artifactChanges": [
+            {"artifactLocation": _artifact(file), "replacements": found} for file, found in sorted(changes.items())
+        ],
+    }
+
+
+# -- places ------------------------------------------------------------------------------------------------------------
+
+
+def _own_place(run: Run, finding: Finding) -> Span:
+    """Where a finding is; of one about a model as a whole the start of its file, of one about none that of the first."""
+    if finding.location.span is not None:
+        return finding.location.span
+    paths = {info.id: info.path for info in run.models}
+    file = paths.get(finding.model) or finding.model or next(iter(paths.values()), ".")
+    return Span(file, 1, 1, 1, 1, 0, 0)
+
+
+def _place(run: Run, span: Span) -> Json:
+    return {"artifactLocation": _artifact(span.file), "region": _region(run, span)}
+
+
+def _region(run: Run, span: Span) -> Json:
+    region = utf16(span, run.sources)
+    return {
+        "startLine": region.line,
+        "startColumn": region.column,
+        "endLine": region.end_line,
+        "endColumn": region.end_column,
+    }
+
+
+def _artifact(file: str) -> Json:
+    uri = _uri(file, os.getcwd())
+    return {"uri": uri} if uri.startswith("file:") else {"uri": uri, "uriBaseId": BASE}
+
+
+@lru_cache(maxsize=4096)
+def _uri(file: str, folder: str) -> str:
+    """The file that a name leads to, seen from the working directory: GitHub does not show what lies behind a symbolic link."""
+    real = os.path.realpath(file)
+    try:
+        return quote(os.fsencode(Path(os.path.relpath(real, os.path.realpath(folder))).as_posix()))
+    except ValueError:  # another drive
+        return Path(real).as_uri()
