@@ -2,33 +2,27 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
+import re
+import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from conftest import command as urdfcheck
 
 from urdfcheck import cli
+from urdfcheck.cli import terminal
 
 SOUND = '<robot name="r"><link name="base"/></robot>'
 BROKEN = (
     '<robot name="r"><link name="a"><inertial><mass value="1"/>'
     '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial></link></robot>'
 )
-
-
-def urdfcheck(*words: str, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
-    """The real command in a process of its own."""
-    return subprocess.run(
-        [sys.executable, "-m", "urdfcheck", *words],
-        cwd=cwd,
-        capture_output=True,
-        text=True,
-        encoding="utf-8",
-        env={**os.environ, **environment},
-    )
 
 
 @pytest.fixture
@@ -74,10 +68,14 @@ def test_a_path_that_does_not_exist_is_2_and_the_others_are_still_checked(folder
         (["x.urdf", "--select", "INR999"], "no rule, prefix, name or tag is called 'INR999'"),
         (["x.urdf", "--select", "triangle-inequalty"], "did you mean triangle-inequality?"),
         (["x.urdf", "--arg", "side=left"], "write NAME:=VALUE"),
+        (["x.urdf", "--package", "p"], "write NAME=DIR"),
         (["x.urdf", "--package", "p=/nowhere/at/all"], "is no folder"),
         (["x.urdf", "--target", "gazbo"], "did you mean 'gazebo'?"),
         (["x.urdf", "--jobs", "0"], "at least 1"),
         (["x.urdf", "-o", "report.html"], "write FORMAT=FILE"),
+        (["x.urdf", "--statistics", "--format", "json"], "write -o json=FILE"),
+        (["x.urdf", "--watch", "--fix"], "leave out --fix"),
+        (["x.urdf", "-q", "-v"], "not allowed with"),
         (["lsp"], "does not exist yet"),
         (["rule", "XYZ000"], "no rule"),
     ],
@@ -90,9 +88,10 @@ def test_a_wrong_command_line_is_2_and_says_what_to_write(words: list[str], says
 
 
 def test_a_report_that_cannot_be_written_is_2(folder: Path) -> None:
-    done = urdfcheck("sound.urdf", "-o", "html=sound.urdf/report.html", cwd=folder)
+    done = urdfcheck("sound.urdf", "-o", "html=sound.urdf/report.html", "-o", "text=report.txt", cwd=folder)
     assert done.returncode == cli.FAILED
     assert "cannot write" in done.stderr
+    assert (folder / "report.txt").is_file(), "it keeps no other report from being written"
 
 
 def test_several_outputs_at_once(folder: Path) -> None:
@@ -130,6 +129,99 @@ def test_fingerprints_do_not_depend_on_the_working_directory(folder: Path) -> No
         return [p for f in found for p in f["fingerprints"]]
 
     assert prints("broken.urdf", folder) == prints("../broken.urdf", folder / "sub") != []
+
+
+def test_statistics_and_quiet_say_less_and_end_alike(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def told(option: str) -> str:
+        assert cli.main([str(folder / "broken.urdf"), "--tier=source", option]) == cli.FINDINGS
+        return capsys.readouterr().out
+
+    table, brief = told("--statistics"), told("--quiet")
+    assert re.search(r"^INR003 +triangle-inequality +error +1 +1 +0$", table, re.MULTILINE)
+    assert "skipped" not in table + brief
+    assert "\n  1 │" in brief
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
+@pytest.mark.parametrize("columns", [100, 40])
+def test_a_progress_bar_fits_its_line_and_leaves_no_trace(
+    monkeypatch: pytest.MonkeyPatch, encoding: str, columns: int
+) -> None:
+    class Terminal(io.TextIOWrapper):
+        def isatty(self) -> bool:
+            return True
+
+        def fileno(self) -> int:
+            return 2
+
+    seen = io.BytesIO()
+    monkeypatch.setattr(sys, "stderr", Terminal(seen, encoding=encoding, write_through=True))
+    monkeypatch.setattr(os, "get_terminal_size", lambda _: os.terminal_size((columns, 24)))
+    monkeypatch.setattr(terminal, "PROGRESS_FROM", 0.0)
+    monkeypatch.delenv("CI", raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    show = terminal.progress()
+    assert show is not None
+    show(1, 3)
+    show(3, 3)
+    line, end = seen.getvalue().decode(encoding).split("\r")[1:]
+    assert "1 of 3 checked" in line
+    assert len(line) - len("\x1b[K") < columns
+    assert end == "\x1b[K"
+    for name, value in (("CI", "true"), ("TERM", "dumb")):
+        with monkeypatch.context() as patch:
+            patch.setenv(name, value)
+            assert terminal.progress() is None
+
+
+class TestCompletion:
+    @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+    def test_a_shell_can_read_its_script(self, shell: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        if shutil.which(shell) is None:
+            pytest.skip(f"{shell} is not installed")
+        assert cli.main(["completion", shell]) == cli.OK
+        script = tmp_path / "script"
+        script.write_text(capsys.readouterr().out, encoding="utf-8")
+        assert subprocess.run([shell, "-n", script]).returncode == 0
+        script.write_text(script.read_text(encoding="utf-8") + "\nif (", encoding="utf-8")
+        assert subprocess.run([shell, "-n", script], stderr=subprocess.DEVNULL).returncode != 0
+
+    @pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
+    def test_bash_completes_commands_options_values_and_paths(
+        self, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        cli.main(["completion", "bash"])
+        for name in ("car 3.urdf", "notes.txt"):
+            (tmp_path / name).touch()
+        (tmp_path / "folder").mkdir()
+        asked = {
+            ("c",): ["check", "cache", "config", "completion", "car 3.urdf"],
+            ("car.urdf", "--stat"): ["--statistics"],
+            ("car.urdf", "--tier", ""): ["source", "mesh", "full"],
+            ("car.urdf", "--tier", "=", "f"): ["full"],
+            (".", "--select", "INR00"): [f"INR00{i}" for i in range(1, 10)],
+            (".", "--target", "mu"): ["mujoco"],
+            (".", "-o", "js"): ["json="],
+            (".", "-o", "json", "=", "no"): ["notes.txt"],
+            ("rule", "triangle"): ["triangle-inequality"],
+            ("baseline", ""): ["write", "check", "prune"],
+            ("check", "--package-path", ""): ["folder"],
+            (".", "--", "--f"): [],
+        }
+        calls = [f"t urdfcheck {' '.join(map(shlex.quote, words))}" for words in asked]
+        ask = 't() { COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _urdfcheck; printf "%s|" "${COMPREPLY[@]}"; echo; }'
+        completion = capsys.readouterr().out
+        script = "\n".join((completion, ask, *calls))
+        told = subprocess.run(
+            ["bash", "-c", script], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        ).stdout
+        # Of a file's name bash quotes the =, and then completes no path behind it.
+        called = "compopt() { echo $2; }; COMP_WORDS=(urdfcheck -o js); COMP_CWORD=2; _urdfcheck"
+        options = subprocess.run(
+            ["bash", "-c", f"{completion}\n{called}"], cwd=tmp_path, capture_output=True, text=True
+        )
+        assert options.stdout.split() == ["nospace"]
+        assert dict(zip(asked, ([w for w in line.split("|") if w] for line in told.splitlines()), strict=True)) == asked
 
 
 def test_rule_lists_and_explains() -> None:

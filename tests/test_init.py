@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import tomli
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
+from services import accepts
 
 from urdfcheck import cli, config
 from urdfcheck.cli import init
@@ -45,7 +47,8 @@ def test_a_repository_is_set_up(repository: Path, capsys: pytest.CaptureFixture[
     filled = text.replace('# arguments = { side = "left", n = "" }', 'arguments = { side = "left", n = "1" }')
     assert tomli.loads(filled)["models"][0]["arguments"] == {"side": "left", "n": "1"}
     job = yaml.safe_load((repository / ".github/workflows/urdfcheck.yml").read_text(encoding="utf-8"))
-    assert "urdfcheck . -o html=urdfcheck.html" in [step.get("run") for step in job["jobs"]["urdfcheck"]["steps"]]
+    runs = [step.get("run") for step in job["jobs"]["urdfcheck"]["steps"]]
+    assert "urdfcheck . --format github -o html=urdfcheck.html\n" in runs
     done = subprocess.run(
         [sys.executable, "-m", "pre_commit", "validate-config", str(repository / ".pre-commit-config.yaml")]
     )
@@ -69,7 +72,9 @@ def test_a_second_time_changes_nothing(repository: Path, capsys: pytest.CaptureF
     capsys.readouterr()
     assert cli.main(["init"]) == cli.OK
     assert {path: path.read_bytes() for path in repository.rglob("*") if path.is_file()} == before
-    assert capsys.readouterr().out.count("kept") == 3
+    said = capsys.readouterr().out
+    assert said.count("kept") == 3
+    assert "how urdfcheck is installed" in said, "it is still to be written"
 
 
 def test_a_dry_run_writes_nothing_and_shows_everything(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -110,6 +115,40 @@ def test_what_is_there_is_added_to(repository: Path) -> None:
     assert yaml.safe_load(after)["ci"] == {"skip": []}
 
 
+@pytest.mark.parametrize(
+    ("address", "ci"),
+    [
+        ("", None),
+        ("https://example.org/u", None),
+        ("https://github.com/some-one/urdfcheck.git", None),
+        ("https://example.org/u", "build:\n  script: [make]\n"),
+    ],
+)
+def test_what_is_written_for_a_service_is_valid_whatever_the_folder_is_called(
+    repository: Path, monkeypatch: pytest.MonkeyPatch, address: str, ci: str | None
+) -> None:
+    monkeypatch.setattr(init, "installed_from", lambda: (address, "abc" if address else ""))
+    strange = "it's a # robot: $(touch broken)"
+    (repository / "urdf").rename(repository / strange)
+    if ci is not None:
+        (repository / ".gitlab-ci.yml").write_text(ci)
+    assert cli.main(["init", strange]) == cli.OK
+    if ci is not None:
+        text = (repository / ".gitlab-ci.yml").read_text()
+        assert accepts("gitlab-ci", text)
+        script = yaml.safe_load(text)["urdfcheck"]["script"]
+        assert shlex.split(script[-1])[1] == strange
+        return
+    text = (repository / ".github/workflows/urdfcheck.yml").read_text()
+    assert accepts("github-workflows", text)
+    steps = yaml.safe_load(text)["jobs"]["urdfcheck"]["steps"]
+    if "github.com" in address:
+        assert steps[-1]["uses"] == "some-one/urdfcheck@abc"
+        assert steps[-1]["with"]["paths"].strip() == strange
+    else:
+        assert shlex.split(steps[-2]["run"])[1] == strange
+
+
 def test_a_link_is_not_written_through(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     (repository / ".github").symlink_to(elsewhere)
@@ -122,7 +161,7 @@ def test_models_further_down_and_what_is_run_for_them(repository: Path) -> None:
     (repository / "urdf").rename(repository / "src/urdf")
     assert cli.main(["init", "src"]) == cli.OK
     assert (repository / "src/urdfcheck.toml").exists()
-    assert "urdfcheck src -o" in (repository / ".github/workflows/urdfcheck.yml").read_text()
+    assert "urdfcheck src --format github -o" in (repository / ".github/workflows/urdfcheck.yml").read_text()
 
 
 @pytest.mark.parametrize(

@@ -7,12 +7,12 @@ import os
 import sys
 from collections.abc import Sequence
 
-from urdfcheck.cli.terminal import FAILED, FINDINGS, NOTHING, OK, exit_code, say, silence_stdout
+from urdfcheck.cli.terminal import FAILED, FINDINGS, NOTHING, OK, erase_progress, exit_code, say, silence_stdout
 from urdfcheck.errors import UrdfcheckError
 
 __all__ = ["FAILED", "FINDINGS", "NOTHING", "OK", "exit_code", "main"]
 
-COMMANDS = ("check", "audit", "rule", "srdf", "cache", "baseline", "engines", "drop", "config", "init")
+COMMANDS = ("check", "audit", "rule", "srdf", "cache", "baseline", "engines", "drop", "config", "init", "completion")
 # Words that later versions use as commands: a file of this name is written ./diff.
 RESERVED = ("diff", "lsp")
 
@@ -27,6 +27,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return code
     except UrdfcheckError as error:
+        erase_progress()
         say(f"urdfcheck: {error}", sys.stderr)
     except BrokenPipeError:  # the reader of our output has gone: head, less
         silence_stdout()
@@ -35,6 +36,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         say(f"urdfcheck: cannot write the output: {error.strerror or error}", sys.stderr)
         silence_stdout()
     except KeyboardInterrupt:
+        erase_progress()
         print("urdfcheck: interrupted", file=sys.stderr)
     return FAILED
 

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from urdfcheck.cli.options import EPILOG, Parser, add_options, ensure_paths, requested
-from urdfcheck.cli.preload import prepare
+from urdfcheck.cli.preload import first_worker
 from urdfcheck.cli.terminal import NOTHING, OK, code_of, progress, say
 from urdfcheck.errors import UrdfcheckError
 
 
-def main(words: Sequence[str]) -> int:
-    """Run the command."""
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck audit``."""
     p = Parser(
         prog="urdfcheck audit",
         description="Audit many models: a line of JSON for each, a summary, a page; what was finished is kept.",
@@ -37,7 +37,12 @@ def main(words: Sequence[str]) -> int:
         help="where the work is done: here, or on a cluster that is there already (pip install urdfcheck[cluster])",
     )
     add_options(p)
-    options = p.parse_args(words)
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    options = parser().parse_args(words)
     ensure_paths(options)
     backend, _, address = options.backend.partition("=")
     if (
@@ -46,9 +51,7 @@ def main(words: Sequence[str]) -> int:
         or (backend == "dask" and not address)
     ):
         raise UrdfcheckError(f"--backend {options.backend}: write local, dask=ADDRESS, ray or ray=ADDRESS")
-    from urdfcheck import workers
-
-    first = workers.Worker.start(prepare) if workers.FORKS and backend == "local" else None
+    first = first_worker() if backend == "local" else None
 
     from urdfcheck import catalogue, cluster, dataset, engine, libraries
     from urdfcheck.output import summary

@@ -13,8 +13,8 @@ from urdfcheck.cli.terminal import FAILED, NOTHING, OK, exit_code, progress, say
 from urdfcheck.errors import UrdfcheckError
 
 
-def main(words: Sequence[str]) -> int:
-    """Run the command."""
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck baseline``."""
     p = Parser(
         prog="urdfcheck baseline",
         description="Write down the findings of today, so that a check shows only those that are new.",
@@ -29,7 +29,12 @@ def main(words: Sequence[str]) -> int:
     )
     p.add_argument("paths", nargs="*", default=["."], metavar="PATH", help="what check takes (default: this folder)")
     add_options(p)
-    options = p.parse_args(words)
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    options = parser().parse_args(words)
 
     from urdfcheck import baseline, libraries
     from urdfcheck.engine import run
@@ -70,6 +75,10 @@ def main(words: Sequence[str]) -> int:
             gone = baseline.stale(old, own)
             write(baseline.render(baseline.without(old, gone)), at)
             number = sum(sum(entries.values()) for entries in gone.values())
-            were = "was" if number == 1 else "were"
-            say(f"{display_name(at)}: {number:,} of {old.size:,} entries {were} stale, and taken out")
+            done = f"took out {_entries(number, 'stale ')}" if number else "no entry is stale"
+            say(f"{display_name(at)}: {done}, {_entries(old.size - number)} remain{'s' * (old.size - number == 1)}")
     return FAILED if outcome.failures else OK
+
+
+def _entries(number: int, kind: str = "") -> str:
+    return f"{number:,} {kind}{'entry' if number == 1 else 'entries'}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Sequence
 
 from urdfcheck.cli.options import Parser
@@ -9,11 +10,16 @@ from urdfcheck.cli.terminal import OK, say
 from urdfcheck.errors import UrdfcheckError
 
 
-def main(words: Sequence[str]) -> int:
-    """Run the command."""
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck cache``."""
     p = Parser(prog="urdfcheck cache", description="The measurements that are kept between runs.")
     p.add_argument("action", choices=("info", "clear"), help="say where they are and how large, or delete them")
-    options = p.parse_args(words)
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    options = parser().parse_args(words)
 
     from urdfcheck.cache import LARGEST, Cache, default_folder
 

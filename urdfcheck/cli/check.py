@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import os
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from urdfcheck import __version__
-from urdfcheck.cli.options import EPILOG, Parser, add_options, ensure_paths, output_file, requested
-from urdfcheck.cli.preload import prepare
-from urdfcheck.cli.terminal import FINDINGS, OK, exit_code, progress, say, show, write
+from urdfcheck.cli.job_summary import append, summary_file
+from urdfcheck.cli.options import EPILOG, Parser, add_options, ensure_paths, names_folder, output_files, requested
+from urdfcheck.cli.preload import first_worker
+from urdfcheck.cli.terminal import FINDINGS, OK, exit_code, progress, say, show, show_statistics, write_report
 from urdfcheck.errors import UrdfcheckError
+from urdfcheck.output import FORMATS
 
 if TYPE_CHECKING:
-    from urdfcheck.core import Finding
+    from urdfcheck.config import Config
+    from urdfcheck.core import Finding, Run
+    from urdfcheck.engine import Request
     from urdfcheck.fixer import Fixes
+    from urdfcheck.output.text import Detail
 
 
 def parser() -> argparse.ArgumentParser:
@@ -29,20 +35,26 @@ def parser() -> argparse.ArgumentParser:
         "       urdfcheck baseline write|check|prune [PATH...] [options]\n"
         "       urdfcheck engines MODEL | drop MODEL | srdf MODEL [options]\n"
         "       urdfcheck audit DATASET... [options]\n"
-        "       urdfcheck cache info|clear",
+        "       urdfcheck cache info|clear | completion bash|zsh|fish",
         description="Audit robot models: URDF, xacro, launch files, packages and folders of them.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     p.add_argument("paths", nargs="*", metavar="PATH", help="model, launch file, mesh, package or folder")
-    p.add_argument("--format", choices=("text", "json", "html"), default="text", help="what goes to standard output")
+    p.add_argument(
+        "--format",
+        choices=FORMATS,
+        default="text",
+        metavar="FORMAT",
+        help=f"what goes to standard output: {', '.join(FORMATS)}",
+    )
     p.add_argument(
         "-o",
         "--output",
         action="append",
         default=[],
         metavar="FORMAT=FILE",
-        help="also write a report to a file (repeatable), e.g. -o html=report.html",
+        help="also write a report to a file (repeatable), e.g. -o html=report.html; html=FOLDER/ has a page for each model",
     )
     add_options(p)
     p.add_argument(
@@ -59,6 +71,19 @@ def parser() -> argparse.ArgumentParser:
         help="print what --fix would change and change nothing, instead of a report; exit 1 when there is something",
     )
     p.add_argument(
+        "--watch", action="store_true", help="check again whenever a file is saved that matters, until Ctrl-C"
+    )
+    told = p.add_mutually_exclusive_group()
+    told.add_argument(
+        "-v", "--verbose", action="store_true", help="tell everything about infos too, as about the others"
+    )
+    told.add_argument(
+        "-q", "--quiet", action="store_true", help="errors, warnings, what failed, and one line at the end"
+    )
+    told.add_argument(
+        "--statistics", action="store_true", help="a table of how often each rule fired, not the findings"
+    )
+    p.add_argument(
         "--color", choices=("auto", "always", "never"), default="auto", help="colours (default: on a terminal)"
     )
     p.add_argument("--version", action="version", version=f"urdfcheck {__version__}")
@@ -73,24 +98,58 @@ def main(words: Sequence[str]) -> int:
         raise UrdfcheckError("--unsafe-fixes says which fixes are meant: add --fix or --diff")
     if options.diff and (options.format != "text" or options.output):
         raise UrdfcheckError("--diff prints changes and no report: leave out --format and --output")
-    from urdfcheck import workers
-
-    # It loads what an audit needs while the job is being worked out here.
-    first = workers.Worker.start(prepare) if workers.FORKS else None
-    outputs = [output_file(text) for text in options.output]
+    if options.diff and options.statistics:
+        raise UrdfcheckError("--diff prints changes and no report: leave out --statistics")
+    if options.watch and (options.fix or options.diff):
+        raise UrdfcheckError("--watch only looks: leave out --fix and --diff")
+    if options.format != "text" and (options.watch or options.statistics):
+        option = "--watch" if options.watch else "--statistics"
+        raise UrdfcheckError(f"{option} prints text: write -o {options.format}=FILE instead of --format")
+    if options.watch and not any(map(os.path.lexists, options.paths)):
+        raise UrdfcheckError(f"{', '.join(options.paths)}: does not exist, so there is nothing to watch")
+    first = first_worker()
+    outputs = output_files(options.output, options.paths)
+    folders = {file for text, (_, file) in zip(options.output, outputs, strict=True) if names_folder(text)}
     formats = {options.format, *(name for name, _ in outputs)}
+    summary = summary_file() if "github" in formats else None
+    if summary is not None:
+        formats.add("markdown")
 
     from urdfcheck import libraries, output
     from urdfcheck.engine import run
 
-    request, settings = requested(options, scene="html" in formats)
+    request, settings = requested(options, scene=bool(formats & output.DRAWN))
     libraries.prefer_own()
 
     def meanwhile() -> None:
         for name in formats:
             importlib.import_module(f"urdfcheck.output.{name}")
 
-    fail_on = options.fail_on or settings.fail_on
+    def report(outcome: Run, settings: Config) -> int:
+        fail_on = options.fail_on or settings.fail_on
+        if options.statistics:
+            show_statistics(outcome, options.color)
+        else:
+            show(outcome, options.format, options.color, _detail(options), fail_on)
+        refused = []
+        for output_format, file in outputs:
+            try:
+                write_report(outcome, output_format, file, as_pages=file in folders)
+            except UrdfcheckError as error:  # a report that cannot be written keeps no other from being written
+                refused.append(str(error))
+        if summary is not None:
+            append(outcome, [str(file) for name, file in outputs if name == "html"], summary)
+        if refused:
+            raise UrdfcheckError("; ".join(refused))
+        return exit_code(outcome, fail_on, allow_empty=options.allow_empty)
+
+    if options.watch:
+        from urdfcheck.cli.watch import watch
+
+        def ask() -> tuple[Request, Config]:
+            return requested(options, scene=bool(formats & output.DRAWN))
+
+        return watch((request, settings), ask, report, [file for _, file in outputs], first, meanwhile)
     if options.fix or options.diff:
         from urdfcheck.fixer import fixes
 
@@ -101,15 +160,18 @@ def main(words: Sequence[str]) -> int:
         outcome = fixed.outcome
         if options.diff:
             # Of the exit codes only those that are not about findings.
-            code = exit_code(replace(outcome, findings=()), fail_on, allow_empty=options.allow_empty)
+            code = exit_code(replace(outcome, findings=()), "never", allow_empty=options.allow_empty)
             return _diff(fixed, code)
         _write(fixed)
     else:
         outcome = run(request, first=first, meanwhile=meanwhile, progress=progress())
-    show(outcome, options.format, options.color)
-    for output_format, file in outputs:
-        write(output.render(outcome, output_format), file)
-    return exit_code(outcome, fail_on, allow_empty=options.allow_empty)
+    return report(outcome, settings)
+
+
+def _detail(options: argparse.Namespace) -> Detail:
+    from urdfcheck.output.text import Detail
+
+    return Detail.FULL if options.verbose else Detail.QUIET if options.quiet else Detail.BRIEF
 
 
 def _write(fixed: Fixes) -> None:

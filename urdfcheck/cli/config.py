@@ -59,8 +59,8 @@ class Answer:
     models: tuple[Setting, ...]
 
 
-def main(words: Sequence[str]) -> int:
-    """Run the command."""
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck config``."""
     p = Parser(
         prog="urdfcheck config",
         description="Print the configuration that holds for a file or folder, and where each value comes from. It takes the "
@@ -71,7 +71,12 @@ def main(words: Sequence[str]) -> int:
     p.add_argument("path", nargs="?", default=".", metavar="PATH", help="a model or a folder (default: this one)")
     p.add_argument("--format", choices=("text", "json"), default="text", help="how it is printed")
     add_options(p)
-    options = p.parse_args(words)
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    options = parser().parse_args(words)
     path = Path(options.path)
     if not path.exists():
         raise UrdfcheckError(f"{path} does not exist")

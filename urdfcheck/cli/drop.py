@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import argparse
 import importlib.util
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from urdfcheck.cli.options import Parser, add_access, add_options, output_file, requested
-from urdfcheck.cli.preload import prepare
+from urdfcheck.cli.options import Parser, add_access, add_options, output_files, requested
+from urdfcheck.cli.preload import first_worker
 from urdfcheck.cli.terminal import exit_code, progress, show, write
 from urdfcheck.errors import UrdfcheckError
 
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
 RULE = "DYN005"
 
 
-def main(words: Sequence[str]) -> int:
-    """Run the command."""
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck drop``."""
     p = Parser(
         prog="urdfcheck drop",
         description="Set a robot on a plane in MuJoCo, let go for two seconds, and look at what comes of it.",
@@ -40,21 +41,26 @@ def main(words: Sequence[str]) -> int:
     p.add_argument(
         "--color", choices=("auto", "always", "never"), default="auto", help="colours (default: on a terminal)"
     )
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
     # The rest is as a check has it without options.
     check = Parser()
     add_options(check)
-    options = p.parse_args(words, check.parse_args(["--tier=full"]))
-    outputs = [output_file(text) for text in options.output]
+    options = parser().parse_args(words, check.parse_args(["--tier=full"]))
+    outputs = output_files(options.output, options.paths)
     if importlib.util.find_spec("mujoco") is None:
         raise UrdfcheckError("a drop test needs MuJoCo: pip install 'urdfcheck[engines]'")
 
     from dataclasses import replace
 
-    from urdfcheck import catalogue, libraries, output, workers
+    from urdfcheck import catalogue, libraries, output
     from urdfcheck.core import Severity
     from urdfcheck.engine import run
 
-    first = workers.Worker.start(prepare) if workers.FORKS else None
+    first = first_worker()
     # What is wrong with the file says why there is no model.
     wanted = {RULE, *(code for code, rule in catalogue.rules().items() if "file" in rule.scopes)}
     formats = {options.format, *(name for name, _ in outputs)}

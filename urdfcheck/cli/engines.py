@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import sys
@@ -21,8 +22,8 @@ _HEADS = ("engine", "version", "verdict", "links", "mass kg", "max |ΔM|", "max 
 _DISPENSABLE = (1, 3, 6)
 
 
-def main(words: Sequence[str]) -> int:
-    """Run the command."""
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck engines``."""
     p = Parser(
         prog="urdfcheck engines",
         description="Load a model for real in every engine that is installed, and compare what they make of it.",
@@ -31,7 +32,12 @@ def main(words: Sequence[str]) -> int:
     p.add_argument("model", metavar="MODEL", help="a model, or whatever means exactly one")
     p.add_argument("--format", choices=("text", "json"), default="text", help="how to print it (default: text)")
     add_access(p)
-    options = p.parse_args(words)
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    options = parser().parse_args(words)
     path = Path(options.model)
 
     from dataclasses import replace

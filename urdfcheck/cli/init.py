@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
+import re
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -40,27 +43,44 @@ jobs:
   urdfcheck:
     runs-on: ubuntu-latest
     steps:
-      - uses: actions/checkout@v4
-      - uses: actions/setup-python@v5
+      - uses: actions/checkout@v6
+        with:
+          persist-credentials: false
+{steps}"""
+# An action is found by its address on GitHub; from elsewhere urdfcheck is installed.
+ACTION = """\
+      - uses: {action}
+        with:
+          paths: |
+            {folder}
+"""
+INSTALLED = """\
+      - uses: actions/setup-python@v6
         with:
           python-version: "3.12"
       - run: pip install {install}
-      - run: urdfcheck {folder} -o html=urdfcheck.html
-      - uses: actions/upload-artifact@v4
+      - run: |
+          urdfcheck {path} --format github -o html=urdfcheck.html
+      - uses: actions/upload-artifact@v7
         if: always()
         with:
-          name: urdfcheck
           path: urdfcheck.html
+          archive: false
 """
 GITLAB_JOB = """\
 urdfcheck:
   image: python:3.12
 {stage}  script:
     - pip install {install}
-    - urdfcheck {folder} -o html=urdfcheck.html
+    - |
+      urdfcheck {path} -o gitlab=urdfcheck.codequality.json -o junit=urdfcheck.junit.xml -o html=urdfcheck.html
   artifacts:
     when: always
+    expose_as: urdfcheck report
     paths: [urdfcheck.html]
+    reports:
+      codequality: urdfcheck.codequality.json
+      junit: urdfcheck.junit.xml
 """
 LOCAL_HOOKS = """\
 - repo: local # runs the urdfcheck that is installed; with an address: repo, rev, and only the two ids
@@ -72,10 +92,16 @@ LOCAL_HOOKS = """\
       types_or: [urdf, xacro]
       require_serial: true
     - id: urdfcheck-meshes
-      name: urdfcheck (models of changed meshes and launch files)
+      name: urdfcheck (models of changed meshes, launch files and settings)
       entry: urdfcheck --allow-empty
       language: system
-      files: (?i)\\.(stl|dae|obj|ply|off|glb|gltf|launch|launch\\.xml|launch\\.py)$
+      files: |
+        (?xi)(
+          \\.(stl|dae|obj|ply|off|glb|gltf|srdf)
+          |\\.launch|[._]launch\\.(xml|py)
+          |(^|/)package\\.xml
+          |(^|/)(config|params|controllers|control|launch)/.*\\.ya?ml
+        )$
       require_serial: true
 """
 HOOKS = """\
@@ -83,7 +109,7 @@ HOOKS = """\
   rev: {revision}
   hooks:
     - id: urdfcheck # changed URDF and xacro files
-    - id: urdfcheck-meshes # models of changed meshes and launch files
+    - id: urdfcheck-meshes # models of changed meshes, launch files and settings
 """
 
 
@@ -99,8 +125,8 @@ class Step:
     why: str = ""
 
 
-def main(words: Sequence[str]) -> int:
-    """Run the command."""
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck init``."""
     p = Parser(
         prog="urdfcheck init",
         description="Write a configuration, a pre-commit entry and a CI job for the models of a folder. Nothing that is there is "
@@ -110,7 +136,12 @@ def main(words: Sequence[str]) -> int:
         "folder", nargs="?", default=".", metavar="FOLDER", help="where the models are (default: this folder)"
     )
     p.add_argument("--dry-run", action="store_true", help="write nothing, and print what would be written")
-    options = p.parse_args(words)
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    options = parser().parse_args(words)
     folder = Path(options.folder)
     if not folder.is_dir():
         raise UrdfcheckError(f"{folder} is no folder")
@@ -123,11 +154,12 @@ def main(words: Sequence[str]) -> int:
     root = _repository(folder)
     inside = Path(os.path.relpath(folder.resolve(), root)).as_posix()
     install = f'"git+{address}@{revision}"' if address else f"{UNKNOWN} # {_WHAT_TO_INSTALL}"
+    action = _action(address, revision)
     needing = _needing(outcome, folder)
     steps = [
         _configuration(folder, needing),
         _hooks(root / PRE_COMMIT, HOOKS.format(address=address, revision=revision) if address else LOCAL_HOOKS),
-        _job(root, install, inside),
+        _job(root, install, action, inside),
     ]
     _tell_found(outcome)
     for step in steps:
@@ -277,12 +309,20 @@ def with_hooks(before: str, entry: str) -> str | None:
         return None
 
 
-def _job(root: Path, install: str, folder: str) -> Step:
+def _action(address: str, revision: str) -> str:
+    """How a workflow of GitHub names an action of this address; empty where it is none of GitHub's."""
+    found = re.fullmatch(r"https://github\.com/([\w.-]+/[\w.-]+?)(?:\.git)?/?", address)
+    return "" if found is None else f"{found.group(1)}@{revision}"
+
+
+def _job(root: Path, install: str, action: str, folder: str) -> Step:
+    word = shlex.quote(folder)  # of the shell that runs it
     if not (root / GITLAB).exists():
         path = root / GITHUB
         if path.exists():
             return Step(path, "kept", why="it is there already")
-        text = JOB.format(install=install, folder=folder)
+        steps = ACTION.format(action=action, folder=folder) if action else INSTALLED.format(install=install, path=word)
+        text = JOB.format(steps=steps)
         return Step(path, "wrote", text, text)
     import yaml
 
@@ -297,7 +337,7 @@ def _job(root: Path, install: str, folder: str) -> Step:
     keys = {key.value: value for key, value in tree.value} if isinstance(tree, yaml.MappingNode) else {}
     stages = [stage.value for stage in keys["stages"].value] if "stages" in keys else ["test"]
     stage = "" if "test" in stages or not stages else f"  stage: {stages[0]}\n"
-    job = GITLAB_JOB.format(stage=stage, install=install, folder=folder)
+    job = GITLAB_JOB.format(stage=stage, install=install, path=word)
     if tree is None or not isinstance(tree, yaml.MappingNode) or tree.flow_style:
         return Step(path, "kept", why="it cannot be added to: add what follows", added=job)
     return Step(path, "extended", _after(before, job), job)
@@ -369,7 +409,7 @@ def _tell_next(steps: Sequence[Step], needing: Mapping[Path, object], *, known: 
         told.append(
             f"give {', '.join(map(display_name, sorted(needing)))} arguments in {display_name(configuration.path)}"
         )
-    if not known and job.text is not None:
+    if not known and (job.text is not None or (job.path.is_file() and f"pip install {UNKNOWN}" in _read(job.path))):
         told.append(f"write in {display_name(job.path)} how urdfcheck is installed ({UNKNOWN}): {_WHAT_TO_INSTALL}")
     if hooks.text is not None:
         told.append("pre-commit install           the hook runs at each commit")

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 # MiB: an audit of an empty robot takes about half of it.
 LEAST_MEMORY = 512
+# No report has such a name.
+MODELS = frozenset({".urdf", ".xacro", ".srdf", ".sdf", ".launch"})
 EPILOG = """\
 exit codes: 0 nothing at or above --fail-on, 1 findings, 2 urdfcheck or its configuration failed, 3 nothing to check
 urdfcheck rule lists the rules, urdfcheck rule CODE explains one"""
@@ -85,12 +87,44 @@ def ensure_paths(options: argparse.Namespace) -> None:
 
 def output_file(text: str) -> tuple[str, Path]:
     """The format and the file of an ``--output``."""
-    from urdfcheck.output import FORMATS
+    from urdfcheck.output import FORMATS, PICTURE
 
     output_format, assigned, file = text.partition("=")
-    if not assigned or not file or output_format not in FORMATS:
-        raise UrdfcheckError(f"--output {text}: write FORMAT=FILE with one of the formats {', '.join(FORMATS)}")
+    if not assigned or not file or output_format not in (*FORMATS, PICTURE):
+        formats = ", ".join((*FORMATS, PICTURE))
+        raise UrdfcheckError(f"--output {text}: write FORMAT=FILE with one of the formats {formats}")
     return output_format, Path(file)
+
+
+def names_folder(text: str) -> bool:
+    """Whether an ``--output`` asks for a folder of pages: it is there, or its name ends with a slash or without a suffix."""
+    output_format, _, file = text.partition("=")
+    if output_format != "html":
+        return False
+    path = Path(file)
+    return file.endswith(("/", os.sep)) or path.is_dir() or not (path.suffix or path.exists())
+
+
+def output_files(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str, Path]]:
+    """The formats and files of all ``--output``; two reports do not go into one file, and none into the place of a model.
+
+    :raises UrdfcheckError: when that is asked for.
+    """
+    found = [output_file(text) for text in texts]
+    taken: dict[str, str] = {}
+    inputs = {os.path.realpath(path) for path in paths}
+    for text, (_, file) in zip(texts, found, strict=True):
+        real = os.path.realpath(file)
+        if os.path.exists(real) and not os.path.isfile(real) and not os.path.isdir(real):
+            continue  # /dev/null takes any number
+        if real in taken:
+            raise UrdfcheckError(f"--output {text}: {taken[real]} goes into the same file")
+        if (real in inputs and os.path.isfile(real)) or file.suffix.lower() in MODELS:
+            raise UrdfcheckError(
+                f"--output {text}: that is the file of a model, and a report would be put in its place"
+            )
+        taken[real] = text
+    return found
 
 
 def configuration(path: Path, options: argparse.Namespace) -> Config:
@@ -207,17 +241,17 @@ def _words(values: Sequence[str] | None) -> tuple[str, ...]:
     return tuple(w.strip() for value in values or () for w in value.split(",") if w.strip())
 
 
-def _pair(text: str, separator: str, option: str) -> tuple[str, str]:
+def _pair(text: str, separator: str, option: str, meant: str = "VALUE") -> tuple[str, str]:
     name, assigned, value = text.partition(separator)
     if not assigned or not name:
-        raise UrdfcheckError(f"{option} {text}: write NAME{separator}VALUE")
+        raise UrdfcheckError(f"{option} {text}: write NAME{separator}{meant}")
     return name, value
 
 
 def _packages(values: Sequence[str]) -> dict[str, Path]:
     found = {}
     for text in values:
-        name, folder = _pair(text, "=", "--package")
+        name, folder = _pair(text, "=", "--package", "DIR")
         if not Path(folder).is_dir():
             raise UrdfcheckError(f"--package {text}: {folder} is no folder")
         found[name] = Path(folder).absolute()

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Sequence
 
 from urdfcheck.cli.options import Parser
 from urdfcheck.cli.terminal import OK, say
 
 
-def main(words: Sequence[str]) -> int:
-    """Run the command."""
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck rule``."""
     p = Parser(prog="urdfcheck rule", description="List the rules, or explain one.")
     p.add_argument("code", nargs="?", metavar="CODE", help="a code or a name")
-    options = p.parse_args(words)
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    options = parser().parse_args(words)
 
     from urdfcheck import catalogue
 

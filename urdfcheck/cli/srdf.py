@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,9 +12,9 @@ from urdfcheck.cli.terminal import NOTHING, OK, say, show_document, write
 from urdfcheck.errors import UrdfcheckError
 
 
-def main(words: Sequence[str]) -> int:
-    """Run the command."""
-    from urdfcheck.srdf import SAMPLES, THOROUGH, render, unlike_ours, why_none
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck srdf``."""
+    from urdfcheck.srdf import SAMPLES, THOROUGH
 
     p = Parser(
         prog="urdfcheck srdf",
@@ -23,7 +24,14 @@ def main(words: Sequence[str]) -> int:
     p.add_argument("-o", "--output", type=Path, metavar="FILE", help="write to a file instead of standard output")
     p.add_argument("--thorough", action="store_true", help=f"look at {THOROUGH:,} configurations, not at {SAMPLES:,}")
     add_access(p)
-    options = p.parse_args(words)
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    from urdfcheck.srdf import SAMPLES, THOROUGH, render, unlike_ours, why_none
+
+    options = parser().parse_args(words)
     path = Path(options.model)
     if options.output is not None and unlike_ours(options.output):
         raise UrdfcheckError(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
@@ -12,10 +12,13 @@ from urdfcheck.errors import UrdfcheckError
 
 if TYPE_CHECKING:
     from urdfcheck.core import Run, Severity
+    from urdfcheck.output.text import Detail
 
 OK, FINDINGS, FAILED, NOTHING = 0, 1, 2, 3
-# Seconds from which on, and between which, a run says how far it is.
-PROGRESS_FROM, PROGRESS_EVERY = 1.0, 0.2
+# Characters of an HTML document from which on it is a burden to open.
+LARGEST = 8_000_000
+# Seconds from which on, and between which, a run says how far it is, and the columns of its bar.
+PROGRESS_FROM, PROGRESS_EVERY, BAR = 1.0, 0.2, 30
 
 
 def say(text: str, stream: TextIO | None = None) -> None:
@@ -30,8 +33,9 @@ def silence_stdout() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def show(run: Run, output_format: str, color: str) -> None:
-    """Print a run in this format; ``color``: auto | always | never."""
+def show(run: Run, output_format: str, color: str, detail: Detail | None = None, fail_on: str = "error") -> None:
+    """Print a run in this format; ``color``: auto | always | never; ``detail`` and ``fail_on``: see
+    :func:`urdfcheck.output.text.render`."""
     from urdfcheck import output
 
     if output_format != "text":
@@ -39,7 +43,24 @@ def show(run: Run, output_format: str, color: str) -> None:
         return
     from urdfcheck.output import text
 
-    width, colored = text.WIDTH, color == "always"  # a CI log has no width of its own
+    width, colored = _page(color)
+    detail = text.Detail.BRIEF if detail is None else detail
+    sys.stdout.write(text.render(run, width=width, color=colored, detail=detail, fail_on=fail_on))
+
+
+def show_statistics(run: Run, color: str) -> None:
+    """Print how often each rule fired in a run; ``color``: auto | always | never."""
+    from urdfcheck.output import text
+
+    width, colored = _page(color)
+    sys.stdout.write(text.statistics(run, width=width, color=colored))
+
+
+def _page(color: str) -> tuple[int, bool]:
+    """The columns of standard output, and whether it gets colours."""
+    from urdfcheck.output.text import WIDTH
+
+    width, colored = WIDTH, color == "always"  # a CI log has no width of its own
     if sys.stdout.isatty() or os.environ.keys() & {"COLUMNS", "FORCE_COLOR", "TTY_COMPATIBLE"}:
         from rich.console import Console
 
@@ -47,7 +68,7 @@ def show(run: Run, output_format: str, color: str) -> None:
         terminal = Console()
         colored = colored or (color == "auto" and terminal.is_terminal and not terminal.no_color)
         width = terminal.width if terminal.is_terminal or "COLUMNS" in os.environ else width
-    sys.stdout.write(text.render(run, width=width, color=colored))
+    return width, colored
 
 
 def show_document(text: str) -> None:
@@ -57,20 +78,21 @@ def show_document(text: str) -> None:
     sys.stdout.write(text)
 
 
-def write(text: str, file: Path) -> None:
+def write(content: str | bytes, file: Path) -> None:
     """Write a file whole or not at all; what is no file (``/dev/null``, a pipe) is written to, and not put in the place of."""
     import tempfile
 
+    data = content if isinstance(content, bytes) else content.encode()
     try:
         if file.exists() and not file.is_file() and not file.is_dir():
-            with open(file, "w", encoding="utf-8", newline="\n") as out:
-                out.write(text)
+            with open(file, "wb") as out:
+                out.write(data)
             return
         file.parent.mkdir(parents=True, exist_ok=True)
         handle, temporary = tempfile.mkstemp(dir=file.parent, prefix=f".{file.name}.")
         try:
-            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as out:
-                out.write(text)
+            with os.fdopen(handle, "wb") as out:
+                out.write(data)
             mask = os.umask(0)
             os.umask(mask)
             os.chmod(temporary, 0o666 & ~mask)
@@ -82,9 +104,32 @@ def write(text: str, file: Path) -> None:
         raise UrdfcheckError(f"cannot write {file}: {error.strerror or error}") from None
 
 
+def write_report(run: Run, output_format: str, file: Path, *, as_pages: bool = False) -> None:
+    """Write a run in this format; ``as_pages``: HTML, with a page for each model, into a folder."""
+    from urdfcheck import output
+
+    if output_format == output.PICTURE:
+        write(output.picture(run), file)
+        return
+    documents: Iterable[tuple[str, Path]]
+    if as_pages:
+        from urdfcheck.output import html
+
+        documents = ((text, file / name) for name, text in html.pages(run))
+    else:
+        documents = [(output.render(run, output_format), file)]
+    for text, path in documents:
+        write(text, path)
+        # All that is much in a document is ASCII.
+        if output_format == "html" and len(text) > LARGEST:
+            many = not as_pages and len(run.models) > 1
+            advice = "-o html=FOLDER/ gives each model a page" if many else "fewer rules (--select) make it smaller"
+            say(f"{path}: {len(text) / 1e6:.1f} MB, browsers will be slow with it; {advice}", sys.stderr)
+
+
 def progress() -> Callable[[int, int], None] | None:
     """Shows on a terminal how far a run is; nothing where no one watches."""
-    if not sys.stderr.isatty():
+    if not _watched():
         return None
     import time
 
@@ -95,17 +140,46 @@ def progress() -> Callable[[int, int], None] | None:
         nonlocal shown
         now = time.monotonic()
         if done == total:
-            text = ""
-        elif now - began < PROGRESS_FROM or now - shown < PROGRESS_EVERY:
-            return
-        else:
+            if shown:
+                erase_progress()
+        elif now - began >= PROGRESS_FROM and now - shown >= PROGRESS_EVERY:
             left = (now - began) / done * (total - done)
-            text = f"{done:,} of {total:,} checked, about {left:,.0f} s left"
-        if text or shown:
-            print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+            print(f"\r{_bar(done, total, left)}\x1b[K", end="", file=sys.stderr, flush=True)
             shown = now
 
     return show
+
+
+def erase_progress() -> None:
+    """Nothing is left of the line that a run shows."""
+    if _watched():
+        print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+
+
+def _watched() -> bool:
+    """Whether somebody looks at standard error, on a terminal that can take a line back."""
+    return sys.stderr.isatty() and os.environ.get("TERM") != "dumb" and not os.environ.get("CI")
+
+
+def _bar(done: int, total: int, left: float) -> str:
+    """How far it is, on one line whatever the window: a line that wraps could not be taken back."""
+    try:
+        columns = os.get_terminal_size(sys.stderr.fileno()).columns or 80
+    except OSError:
+        columns = 80
+    text = f"{done:,} of {total:,} checked, about {_time(left)} left"
+    full = BAR * done // total
+    bar = "━" * full + "─" * (BAR - full)
+    try:
+        bar.encode(sys.stderr.encoding or "ascii")
+    except UnicodeEncodeError:
+        bar = "#" * full + "." * (BAR - full)
+    return f"{bar}  {text}" if len(bar) + len(text) + 2 < columns else text[: columns - 1]
+
+
+def _time(seconds: float) -> str:
+    whole = round(seconds)
+    return f"{whole} s" if whole < 100 else f"{whole // 60:,} min {whole % 60} s"
 
 
 def exit_code(run: Run, fail_on: str, *, allow_empty: bool = False) -> int:

@@ -9,7 +9,7 @@ from typing import Any
 
 from urdfcheck.engines.outcome import Loaded, Motion, Robot, Vector
 
-INSTALL = "pip install urdfcheck[engines]"
+INSTALL = "pip install 'urdfcheck[engines]'"
 LIBRARIES = ("pybullet",)
 # Seconds of the one step that shows an acceleration.
 _STEP = 1e-4

@@ -10,7 +10,7 @@ from typing import Any
 
 from urdfcheck.engines.outcome import Loaded, Motion, Robot, Vector
 
-INSTALL = "pip install urdfcheck[engines]"
+INSTALL = "pip install 'urdfcheck[engines]'"
 LIBRARIES = ("pydrake.multibody.parsing", "pydrake.multibody.plant")
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from urdfcheck.engines.outcome import Loaded, Motion, Robot, Vector
 
-INSTALL = "pip install urdfcheck[engines]"
+INSTALL = "pip install 'urdfcheck[engines]'"
 LIBRARIES = ("mujoco",)
 
 
