@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+import yaml
 from conftest import FIXTURES, REPOSITORY
 
 
@@ -88,6 +90,48 @@ def test_a_changed_mesh_leads_to_its_models(hooks: Path, user: Path) -> None:
     assert "car_body.urdf.xacro" in done.stdout
 
 
+SETTINGS = {
+    "arm/package.xml": "<package><name>arm</name></package>",
+    "arm/urdf/arm.urdf": '<robot name="arm"><link name="base"/><link name="tip"/></robot>',
+    "arm_moveit/package.xml": "<package><name>arm_moveit</name><depend>arm</depend></package>",
+    "arm_moveit/config/arm.srdf": '<robot name="arm"/>',
+    "arm_moveit/config/joint_limits.yaml": "joint_limits: {}",
+}
+
+
+def test_changed_settings_lead_to_their_models(hooks: Path, user: Path) -> None:
+    for name, text in SETTINGS.items():
+        (user / name).parent.mkdir(parents=True, exist_ok=True)
+        (user / name).write_text(text)
+    git("add", ".", cwd=user)
+    done = try_repo(
+        hooks, user, "urdfcheck-meshes", "arm_moveit/config/joint_limits.yaml", "arm_moveit/config/arm.srdf"
+    )
+    assert "arm/urdf/arm.urdf" in done.stdout, done.stdout + done.stderr
+    assert "car-3" not in done.stdout
+
+
+def test_the_second_hook_starts_for_what_models_are_made_of_and_nothing_else() -> None:
+    hooks = {hook["id"]: hook for hook in yaml.safe_load((REPOSITORY / ".pre-commit-hooks.yaml").read_text())}
+    starts = re.compile(hooks["urdfcheck-meshes"]["files"])
+    for name in (
+        *("meshes/Wheel.STL", "a.launch.py", "launch/a_launch.xml", "package.xml", "arm/package.xml", "a b/arm.srdf"),
+        *("config/joint_limits.yaml", "moveit/config/ros2_controllers.yaml", "ur/config/ur20/physical.yml"),
+    ):
+        assert starts.search(name), name
+    for name in ("README.md", "docker-compose.yaml", ".github/workflows/ci.yml", "mypackage.xml", "a.stl.orig"):
+        assert not starts.search(name), name
+
+
 def test_other_files_do_not_start_the_hook(hooks: Path, user: Path) -> None:
     done = try_repo(hooks, user, "urdfcheck", "car-3/package.xml")
     assert "no files to check" in done.stdout
+
+
+def test_a_manifest_that_is_none_is_refused(tmp_path: Path) -> None:
+    broken = tmp_path / ".pre-commit-hooks.yaml"
+    broken.write_text(
+        (REPOSITORY / ".pre-commit-hooks.yaml").read_text().replace("language: python", "language: robot")
+    )
+    done = subprocess.run([sys.executable, "-m", "pre_commit", "validate-manifest", str(broken)], capture_output=True)
+    assert done.returncode == 1

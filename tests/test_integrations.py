@@ -1,0 +1,341 @@
+"""The files for CI services and for ROS 2: valid by the services' own schemas, and run here as far as a service is not needed."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+import yaml
+from conftest import REPOSITORY
+from services import accepts
+
+INTEGRATIONS = REPOSITORY / "integrations"
+ACTION = REPOSITORY / "action.yml"
+GITLAB = INTEGRATIONS / "gitlab/urdfcheck.gitlab-ci.yml"
+JENKINS = INTEGRATIONS / "jenkins/Jenkinsfile"
+WORKFLOWS = sorted((INTEGRATIONS / "github").glob("*.yml"))
+
+SOUND = '<robot name="sound"><link name="base"/></robot>'
+# An inertia that no body has.
+BROKEN = """<robot name="broken"><link name="base"><inertial><mass value="1"/>
+<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial></link></robot>"""
+
+
+# -- what the services say of the files --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("service", "path", "part", "broken"),
+    [
+        ("github-actions", ACTION, "using: composite", "using: compost"),
+        *(("github-workflows", path, "runs-on:", "run-on:") for path in WORKFLOWS),
+        ("gitlab-ci", GITLAB, "when: always", "when: sometimes"),
+    ],
+    ids=str,
+)
+def test_the_files_are_valid_by_the_schema_of_the_service(service: str, path: Path, part: str, broken: str) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert accepts(service, text)
+    assert part in text
+    assert not accepts(service, text.replace(part, broken))
+
+
+def workflow_steps() -> list[dict[str, Any]]:
+    jobs = [job for path in WORKFLOWS for job in yaml.safe_load(path.read_text(encoding="utf-8"))["jobs"].values()]
+    return [step for job in jobs for step in job["steps"]]
+
+
+def action_steps() -> list[dict[str, Any]]:
+    steps: list[dict[str, Any]] = yaml.safe_load(ACTION.read_text(encoding="utf-8"))["runs"]["steps"]
+    return steps
+
+
+def test_no_text_of_a_workflow_becomes_a_part_of_a_script() -> None:
+    for step in (*action_steps(), *workflow_steps()):
+        if "run" in step:
+            assert step["shell"] == "bash"
+            assert "${{" not in step["run"]
+        else:
+            assert re.search(r"@(v\d+|REVISION)$", step["uses"]), step["uses"]
+
+
+def test_every_input_is_used_and_every_one_that_is_used_is_declared() -> None:
+    text = ACTION.read_text(encoding="utf-8")
+    action = yaml.safe_load(text)
+    assert set(re.findall(r"\binputs\.([\w-]+)", text)) == set(action["inputs"])
+    given = [step for step in workflow_steps() if step.get("uses", "").startswith("OWNER/")]
+    assert given
+    assert all(set(step["with"]) <= set(action["inputs"]) for step in given)
+
+
+# -- the action, its steps run as the runner does ----------------------------------------------------------------------
+
+
+@pytest.fixture
+def commands(tmp_path: Path) -> Path:
+    """A folder with the commands that an installation of urdfcheck has."""
+    folder = tmp_path / "installed/bin"
+    folder.mkdir(parents=True)
+    for name, words in (("python", ""), ("urdfcheck", "-m urdfcheck")):
+        (folder / name).write_text(f'#!/bin/sh\nexec "{sys.executable}" {words} "$@"\n')
+        (folder / name).chmod(0o755)
+    return folder
+
+
+@pytest.fixture
+def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A repository of a user, and the working directory."""
+    (tmp_path / "checkout/.git").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "checkout")
+    return tmp_path / "checkout"
+
+
+class Runner:
+    """Runs steps of the action: expressions in ``env`` are looked up, everything else is left to bash."""
+
+    def __init__(self, folder: Path, inputs: Mapping[str, str], **github: str) -> None:
+        self.temp = folder / "temp"
+        self.temp.mkdir(exist_ok=True)
+        self.summary = folder / "summary.md"
+        declared = yaml.safe_load(ACTION.read_text(encoding="utf-8"))["inputs"]
+        assert inputs.keys() <= declared.keys()
+        self.known = {f"inputs.{name}": inputs.get(name, declared[name]["default"]) for name in declared}
+        self.known.update({f"github.{name}": value for name, value in github.items()})
+
+    def run(self, name: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+        (step,) = (step for step in action_steps() if step["name"] == name)
+        output = self.temp / "output"
+        output.write_text("")
+        done = subprocess.run(
+            ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", step["run"]],
+            cwd=cwd,
+            capture_output=True,
+            text=True,
+            env={
+                **os.environ,
+                "RUNNER_TEMP": str(self.temp),
+                "GITHUB_OUTPUT": str(output),
+                "GITHUB_STEP_SUMMARY": str(self.summary),
+                **{key: self.filled(value) for key, value in step["env"].items()},
+            },
+        )
+        for line in output.read_text(encoding="utf-8").splitlines():
+            key, _, value = line.partition("=")
+            self.known[f"steps.{step['id']}.outputs.{key}"] = value
+        return done
+
+    def filled(self, text: str) -> str:
+        # What is not there is empty, as on GitHub.
+        return re.sub(r"\$\{\{ ([\w.-]+) \}\}", lambda match: self.known.get(match.group(1), ""), text)
+
+    def output(self, name: str) -> str:
+        return self.known[f"steps.check.outputs.{name}"]
+
+    def check(self, commands: Path, cwd: Path) -> subprocess.CompletedProcess[str]:
+        self.known["steps.install.outputs.bin"] = str(commands)
+        return self.run("urdfcheck", cwd)
+
+
+def test_the_action_reports_all_and_fails_at_the_end(tmp_path: Path, commands: Path, checkout: Path) -> None:
+    names = ["a b.urdf", "it's;$(touch hacked)`touch hacked`.urdf", "-o html=hacked.urdf", "::error::x.urdf"]
+    for name in names:
+        (checkout / name).write_text(BROKEN)
+    (checkout / "left.urdf").write_text(BROKEN)
+    before = set(checkout.iterdir())
+    runner = Runner(tmp_path, {"paths": "\n".join(names) + "\n", "args": """--jobs 1 --arg 'x:=a b $(touch hacked)'"""})
+    done = runner.check(commands, checkout)
+    assert done.returncode == 0, done.stdout + done.stderr  # so that the steps that upload run
+    assert (runner.output("exit-code"), runner.output("errors")) == ("1", str(len(names)))
+    assert set(checkout.iterdir()) == before
+    assert all(name in done.stdout.replace("%3A", ":") for name in names[:2])
+    assert "left.urdf" not in done.stdout
+    assert done.stdout.count("\n::error ") + done.stdout.startswith("::error ") == len(names)
+    report = json.loads(Path(runner.output("json")).read_text(encoding="utf-8"))
+    assert {model["path"] for model in report["models"]} == set(names)
+    assert json.loads(Path(runner.output("sarif")).read_text(encoding="utf-8"))["version"] == "2.1.0"
+    assert Path(runner.output("html")).name == "urdfcheck.html"
+    assert "INR003" in runner.summary.read_text(encoding="utf-8")
+    assert runner.run("Result", checkout).returncode == 1
+
+
+def test_code_scanning_does_not_get_what_is_known_already(tmp_path: Path, commands: Path, checkout: Path) -> None:
+    known = "<!-- urdfcheck: ignore[INR003] the vendor's own numbers -->"
+    (checkout / "known.urdf").write_text(BROKEN.replace("<link", f"{known}<link", 1))
+    (checkout / "new.urdf").write_text(BROKEN)
+    runner = Runner(tmp_path, {"html": "", "args": "--select INR003"})
+    runner.check(commands, checkout)
+    found = {
+        name: [
+            result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
+            for result in json.loads(Path(runner.output(name)).read_text(encoding="utf-8"))["runs"][0]["results"]
+        ]
+        for name in ("sarif", "new")
+    }
+    assert found == {"sarif": ["known.urdf", "new.urdf"], "new": ["new.urdf"]}
+
+
+@pytest.mark.parametrize(
+    ("isolated", "event", "origin", "heeded"),
+    [
+        ("auto", "push", "", True),
+        ("auto", "pull_request", "own/robots", True),
+        ("auto", "pull_request", "stranger/robots", False),
+        ("auto", "pull_request_target", "", False),  # the repository that it came from was deleted
+        ("true", "push", "", False),
+        ("false", "pull_request", "stranger/robots", True),
+    ],
+)
+def test_the_configuration_of_a_stranger_is_not_heeded(
+    tmp_path: Path, commands: Path, isolated: str, event: str, origin: str, heeded: bool
+) -> None:
+    (commands / "urdfcheck").write_text(f'#!/bin/sh\nprintf "%s\\n" "$@" > "{tmp_path}/words"\nexit 3\n')
+    head = {"event.pull_request.head.repo.full_name": origin} if origin else {}
+    runner = Runner(tmp_path, {"isolated": isolated, "html": ""}, event_name=event, repository="own/robots", **head)
+    runner.check(commands, tmp_path)
+    assert ("--isolated" not in (tmp_path / "words").read_text().splitlines()) == heeded
+    assert runner.run("Result", tmp_path).returncode == 3
+    assert "steps.check.outputs.html" not in runner.known
+
+
+def test_what_cannot_be_run_fails_and_says_why(tmp_path: Path, commands: Path, checkout: Path) -> None:
+    (checkout / "a.urdf").write_text(SOUND)
+    for inputs, said in (
+        ({"args": "--arg 'x"}, "::error title=urdfcheck::args: No closing quotation"),
+        ({"isolated": "yes"}, "isolated is true, false or auto"),
+        ({"fail-on": "; touch hacked"}, "invalid choice"),
+        ({"paths": "none.urdf"}, "does not exist"),
+    ):
+        runner = Runner(tmp_path, inputs)
+        done = runner.check(commands, checkout)
+        assert said in done.stdout + done.stderr
+        failed = done.returncode or runner.run("Result", checkout).returncode
+        assert failed, inputs
+    assert [path.name for path in checkout.iterdir() if path.name != ".git"] == ["a.urdf"]
+
+
+def test_a_folder_of_pages_and_the_link_to_it(tmp_path: Path, commands: Path, checkout: Path) -> None:
+    (checkout / "a.urdf").write_text(SOUND)
+    (checkout / "b.urdf").write_text(SOUND)
+    runner = Runner(tmp_path, {"html": "pages/"})
+    runner.check(commands, checkout)
+    assert len(list(Path(runner.output("html")).glob("**/*.html"))) == 3  # an index and a page for each
+    runner.known["steps.artifact.outputs.artifact-url"] = "https://example.org/1"
+    assert runner.run("Where the report is", checkout).returncode == 0
+    assert "(https://example.org/1)" in runner.summary.read_text(encoding="utf-8")
+
+
+def test_what_is_installed_once_is_not_installed_again(tmp_path: Path, commands: Path) -> None:
+    """The key of the cache tells platforms and dependencies apart; an installation that is there is taken."""
+    runner = Runner(tmp_path, {}, action_path=str(REPOSITORY))
+    runner.known["steps.python.outputs.python-path"] = sys.executable
+    assert runner.run("What is installed", tmp_path).returncode == 0
+    key = runner.known["steps.key.outputs.key"]
+    assert re.fullmatch(rf"urdfcheck-pip-{sys.platform}-\S+-3\.\d+-[0-9a-f]{{32}}", key)
+    own = runner.temp / "urdfcheck-python"
+    own.mkdir()
+    (own / "installed").write_text(str(commands))
+    assert runner.run("Install urdfcheck", tmp_path).returncode == 0
+    assert runner.known["steps.install.outputs.bin"] == str(commands)
+
+
+# -- GitLab and Jenkins: their shell scripts ---------------------------------------------------------------------------
+
+
+def test_the_gitlab_job_writes_its_reports(tmp_path: Path, commands: Path, checkout: Path) -> None:
+    (checkout / "a.urdf").write_text(BROKEN)
+    (checkout / "urdfcheck.toml").write_text('fail-on = "never"')
+    job = yaml.safe_load(GITLAB.read_text(encoding="utf-8"))["urdfcheck"]
+    shutil.copytree(commands.parent, tmp_path / "urdfcheck")
+    script = "set -e\n" + "\n".join(job["script"])
+
+    def run(**variables: str) -> int:
+        environment = {**os.environ, **job["variables"], "TMPDIR": str(tmp_path), **variables}
+        return subprocess.run(["sh", "-c", script], cwd=checkout, env=environment, capture_output=True).returncode
+
+    assert run(CI_MERGE_REQUEST_SOURCE_PROJECT_ID="1", CI_MERGE_REQUEST_PROJECT_ID="1") == 0
+    written = [*job["artifacts"]["paths"], *job["artifacts"]["reports"].values()]
+    assert all((checkout / name).stat().st_size for name in written)
+    quality = json.loads((checkout / job["artifacts"]["reports"]["codequality"]).read_text(encoding="utf-8"))
+    assert [entry["location"]["path"] for entry in quality if entry["check_name"].startswith("INR003")] == ["a.urdf"]
+    assert run(CI_MERGE_REQUEST_SOURCE_PROJECT_ID="2", CI_MERGE_REQUEST_PROJECT_ID="1") == 1, "a fork's configuration"
+
+
+def test_the_jenkins_step_fails_for_what_could_not_be_checked_only(commands: Path, checkout: Path) -> None:
+    text = JENKINS.read_text(encoding="utf-8")
+    (script,) = (step for step in re.findall(r"sh '''(.*?)'''", text, re.DOTALL) if "urdfcheck check" in step)
+    shutil.copytree(commands, checkout / ".urdfcheck/bin")
+    (checkout / "a.urdf").write_text(BROKEN)
+    # In a string of Groovy a backslash at the end of a line joins it with the next.
+    script = script.replace("\\\n", "")
+
+    def run(options: str) -> int:
+        environment = {**os.environ, "URDFCHECK_PATHS": "a.urdf", "URDFCHECK_OPTIONS": options}
+        return subprocess.run(["sh", "-e", "-c", script], cwd=checkout, env=environment, capture_output=True).returncode
+
+    assert run("--select INR003") == 0
+    (failure,) = ElementTree.parse(checkout / "reports/urdfcheck.xml").iter("failure")
+    assert "triangle inequality" in (failure.get("message") or "") + (failure.text or "")
+    assert (checkout / "reports/urdfcheck/index.html").stat().st_size
+    assert run("--select NONSENSE") == 2
+    for used in ("reports/urdfcheck.xml", "reportDir: 'reports/urdfcheck'", "reportFiles: 'index.html'"):
+        assert used in text
+
+
+# -- ROS 2: a package whose test is run by CMake -----------------------------------------------------------------------
+
+
+@pytest.mark.skipif(shutil.which("cmake") is None, reason="CMAKE IS NOT INSTALLED: the ROS 2 example is not tested")
+def test_the_ros_package_is_tested_by_cmake(tmp_path: Path, commands: Path) -> None:
+    package = tmp_path / "a robot"
+    shutil.copytree(INTEGRATIONS / "ros2", package)
+    build = tmp_path / "build"
+    configure = ["cmake", "-S", package, "-B", build, f"-DURDFCHECK_EXECUTABLE={commands / 'urdfcheck'}"]
+    done = subprocess.run([*configure, f"-DAMENT_TEST_RESULTS_DIR={tmp_path / 'results'}"], capture_output=True)
+    assert done.returncode == 0, done.stderr
+
+    def test() -> tuple[int, ElementTree.Element]:
+        code = subprocess.run(["ctest"], cwd=build, capture_output=True).returncode
+        # Where colcon test-result looks.
+        return code, ElementTree.parse(tmp_path / "results/urdfcheck_example/urdfcheck.xunit.xml").getroot()
+
+    code, result = test()
+    assert (code, list(result.iter("failure"))) == (0, [])
+    assert list(result.iter("testcase"))
+    model = package / "urdf/pendulum.urdf.xacro"
+    model.write_text(model.read_text(encoding="utf-8").replace('izz="${rod * radius**2 / 2}"', 'izz="1"'))
+    code, result = test()
+    assert code != 0
+    assert [
+        case.get("name", "").split()[0] for case in result.iter("testcase") if case.find("failure") is not None
+    ] == ["INR003"]
+
+
+@pytest.mark.skipif(shutil.which("cmake") is None, reason="CMAKE IS NOT INSTALLED: the ROS 2 example is not tested")
+def test_a_ros_package_fails_its_test_where_urdfcheck_is_not_installed(tmp_path: Path) -> None:
+    build = tmp_path / "build"
+    configure = [
+        "cmake",
+        "-S",
+        INTEGRATIONS / "ros2",
+        "-B",
+        build,
+        "-DURDFCHECK_EXECUTABLE=URDFCHECK_EXECUTABLE-NOTFOUND",
+    ]
+    tools = tmp_path / "tools"
+    tools.mkdir()
+    for found in filter(None, map(shutil.which, ("cmake", "ctest", "make", "ninja"))):
+        (tools / Path(found).name).symlink_to(found)
+    environment = {**os.environ, "PATH": str(tools)}
+    done = subprocess.run(configure, capture_output=True, text=True, env=environment)
+    assert "urdfcheck was not found" in done.stderr
+    assert done.returncode == 0
+    assert subprocess.run(["ctest"], cwd=build, capture_output=True, env=environment).returncode != 0
