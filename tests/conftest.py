@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+import contextlib
+import gc
+import io
+import itertools
 import os
-from collections.abc import Iterator
+import pickle
+import shutil
+import subprocess
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any, NoReturn
 
 import pytest
+from hypothesis import settings
 
+from urdfcheck import catalogue, cli, engine, sandbox, workers
+from urdfcheck.cli.preload import prepare
 from urdfcheck.core import Run
 from urdfcheck.engine import Request, run
 from urdfcheck.source.packages import LEVELS_UP
@@ -16,11 +29,17 @@ from urdfcheck.worker import audit
 REPOSITORY = Path(__file__).parent.parent
 FIXTURES = REPOSITORY / "fixtures"
 
+# No test fails because a machine is slow.
+settings.register_profile("urdfcheck", deadline=None)
+settings.load_profile("urdfcheck")
+
+# Many tests start a Python: none of them compiles our modules anew.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
 
 def check(*paths: Path, codes: set[str] | None = None, **request: object) -> Run:
     """Check paths in this process, with all rules or the given codes."""
-    from urdfcheck import catalogue
-
     selected = frozenset(catalogue.rules()) if codes is None else frozenset(codes)
     root = paths[0] if paths[0].is_dir() else paths[0].parent
     return run(Request(tuple(paths), root, selected, **request), audit=audit)  # type: ignore[arg-type]
@@ -34,16 +53,50 @@ def check_text(folder: Path, text: str, name: str = "robot.urdf", **request: obj
     return check(path, **request)  # type: ignore[arg-type]
 
 
+def command(*words: str, cwd: Path | None = None, **environment: str) -> subprocess.CompletedProcess[str]:
+    """The command, called in this process, with workers of its own: what it wrote, what it said, and its exit code."""
+    out, said = io.StringIO(), io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(out), contextlib.redirect_stderr(said):
+        if cwd is not None:
+            patch.chdir(cwd)
+        for name, value in environment.items():
+            patch.setenv(name, value)
+        try:
+            code = cli.main(words)
+        except SystemExit as end:  # argparse's
+            code = int(end.code or 0)
+    return subprocess.CompletedProcess(words, code, out.getvalue(), said.getvalue())
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--accept", action="store_true", help="write the goldens anew; review them as a diff")
 
 
+def pytest_collection_finish() -> None:
+    """Many tests fork: what a worker process loads is loaded once, and no process looks through thousands of tests for
+    garbage."""
+    prepare()
+    for rule in catalogue.rules().values():
+        if catalogue.has_check(rule):
+            catalogue.check_of(rule)
+    gc.collect()
+    gc.freeze()
+
+
+NUMBERS = itertools.count()
+
+
 @pytest.fixture
-def tmp_path(tmp_path: Path) -> Path:
-    """A folder of the test's own, and deeper than packages are looked for around a model: not among those of other tests."""
-    deep = tmp_path.joinpath(*"abcdefg"[: LEVELS_UP + 1])
-    deep.mkdir(parents=True)
-    return deep
+def tmp_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of the test's own, and deeper than packages are looked for around a model: not among those of other tests.
+
+    Made step by step, because pathlib tries the deepest first, and numbered here, because pytest renews a link each time.
+    """
+    folder = tmp_path_factory.getbasetemp()
+    for name in (f"test_{next(NUMBERS)}", *"abcdefg"[: LEVELS_UP + 1]):
+        folder = folder / name
+        folder.mkdir()
+    return folder
 
 
 @pytest.fixture(autouse=True)
@@ -59,6 +112,60 @@ def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("URDFCHECK_CACHE_DIR", str(tmp_path_factory.mktemp("cache")))
         yield
+
+
+@pytest.fixture
+def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The command does all of its work in this process, for tests whose point is not the workers. What goes to one and comes
+    back goes through the same gate; that this process gives nothing up is the only difference."""
+
+    def in_turn(
+        function: Callable[..., Any], jobs: Sequence[Sequence[object]], *_: object, **__: object
+    ) -> Iterator[tuple[int, Any]]:
+        for index, job in enumerate(jobs):
+            called, words = pickle.loads(pickle.dumps((function, job)))
+            yield index, workers._Answer(io.BytesIO(pickle.dumps(called(*words)))).load()
+
+    monkeypatch.setattr(workers, "FORKS", False)
+    monkeypatch.setattr(engine, "in_workers", in_turn)
+    monkeypatch.setattr(sandbox, "confine", lambda *_: None)
+    monkeypatch.setattr(sandbox, "bound_memory", lambda _: None)
+
+
+def unproven(what: str) -> NoReturn:
+    """Skip what cannot be proven here, and say so louder than a skip does."""
+    warnings.warn(f"NOT TESTED: {what}", stacklevel=2)
+    pytest.skip(what)
+
+
+@pytest.fixture(scope="module")
+def launch() -> Iterator[Callable[..., Any]]:
+    """Starts a browser: the one that URDFCHECK_BROWSER names, the system's Chromium or Chrome, else Playwright's own."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    names = ("chromium", "chromium-browser", "google-chrome")
+    found = os.environ.get("URDFCHECK_BROWSER") or next(filter(None, map(shutil.which, names)), None)
+    with playwright.sync_playwright() as p:
+
+        def start(*flags: str) -> Any:
+            try:
+                return p.chromium.launch(executable_path=found, args=["--no-sandbox", *flags])
+            except playwright.Error as error:
+                if "CI" in os.environ:
+                    raise
+                reason = str(error).strip().splitlines()[0]
+                return unproven(
+                    f"the report in a browser: {reason} (sudo apt install chromium, or playwright install chromium)"
+                )
+
+        yield start
+
+
+@pytest.fixture(scope="module")
+def browser(launch: Callable[..., Any]) -> Iterator[Any]:
+    """A browser that draws WebGL without a graphics card."""
+    browser = launch("--enable-unsafe-swiftshader")
+    yield browser
+    browser.close()
 
 
 @pytest.fixture(scope="session")

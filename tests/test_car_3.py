@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -12,6 +13,8 @@ import pytest
 from conftest import FIXTURES, check
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
+from urdfcheck.output.html.anchors import cards
+from urdfcheck.output.html.launch import launch_html
 
 XACRO = "robot_description/urdf/car_body.urdf.xacro"
 GAZEBO = "robot_description/urdf/gazebo.urdf.xacro"
@@ -136,6 +139,21 @@ def test_the_edit_of_SYM001_repairs_it(run: Run, file: str, tmp_path: Path) -> N
 def test_the_gazebo_file_is_reached_through_the_include_and_the_macro_call(run: Run) -> None:
     finding = next(f for f in run.findings if f.code == "GZB002")
     assert [v.line for v in finding.location.via] == [258]
+
+
+def test_the_launch_file_is_drawn_with_what_is_wrong_in_it(run: Run) -> None:
+    scene = next(scene for scene in run.scenes if scene.launches)
+    drawn = launch_html(scene, cards(f for f in run.findings if f.model == scene.model))
+    boxes = re.findall(r'<g class="node ([^"]*)"><title>.*?<text[^>]*>([^<]*)<', drawn)
+    assert {name: kind for kind, name in boxes if " " in kind} == {
+        "empty_world.launch": "launch-file info",
+        "/robot_state_publisher": "node warning",
+        "/tf_footprint_base": "node warning",
+        "/spawn_model": "node error",
+        "/fake_joint_calibration": "node info",
+        "/robot_description": "parameter info",
+    }
+    assert {"/joint_state_publisher", "/rviz"} <= {name for kind, name in boxes if kind == "node"}
 
 
 def test_the_fixed_car_has_no_error_and_no_warning() -> None:

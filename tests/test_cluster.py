@@ -66,7 +66,7 @@ def models(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     folder = tmp_path / "models"
     folder.mkdir()
-    for i in range(24):
+    for i in range(12):
         inertia = INERTIA.format(9 if i % 3 == 0 else 1)
         (folder / f"{i:03}.urdf").write_text(f'<robot name="r{i}"><link name="base">{inertia}</link></robot>')
     (folder / "broken.urdf").write_text("<robot><link")
@@ -88,7 +88,7 @@ def test_a_cluster_gives_the_same_bytes(models: Path, two: Cluster) -> None:
 
 def test_a_lost_machine_loses_nothing(models: Path, two: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
     here = audited()
-    monkeypatch.setattr(cluster, "LEAST", 5)
+    monkeypatch.setattr(cluster, "LEAST", 3)
 
     def kill() -> None:
         journal = Path("out1", "journal")

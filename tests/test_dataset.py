@@ -473,7 +473,7 @@ def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
 
     monkeypatch.setattr(sandbox, "confine", lambda *_: None)  # or the slow check could not write
     monkeypatch.setattr(catalogue, "check_of", lambda rule: slow if rule.code == "INR003" else real(rule))
-    limits = Limits(seconds=0.5)
+    limits = Limits(seconds=2.0)
     request = Request((audit.models,), audit.models, frozenset(catalogue.rules()), tier="source", limits=limits)
 
     def outcome() -> dataset.Outcome:
@@ -560,7 +560,7 @@ def test_a_backend_that_is_none_is_refused(backend: str, capsys: pytest.CaptureF
 @posix
 def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
     """And leaves no process."""
-    models = robots(tmp_path / "models", 400)
+    models = robots(tmp_path / "models", 150)
     process = subprocess.Popen(
         [sys.executable, "-m", "urdfcheck", "audit", str(models), "-o", str(tmp_path / "out"), "--jobs", "2"],
         stdout=subprocess.PIPE,
@@ -577,7 +577,7 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
     out, said = process.communicate(timeout=20)
     assert process.returncode == FAILED
     assert re.fullmatch(
-        r"urdfcheck: interrupted: \d+ of 400 models and files are finished and kept in .*; the same command goes on "
+        r"urdfcheck: interrupted: \d+ of 150 models and files are finished and kept in .*; the same command goes on "
         "from there\n",
         said,
     )

@@ -17,7 +17,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from conftest import check
+from conftest import check, command
 from hypothesis import given
 from hypothesis import strategies as st
 from test_rules import FIXED, cases
@@ -634,8 +634,7 @@ def test_only_models_that_read_a_changed_file_are_checked_again(tmp_path: Path) 
 
 
 def urdfcheck(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "urdfcheck", *words, "--tier", "source", "--no-cache"]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, encoding="utf-8")
+    return command(*words, "--tier", "source", "--no-cache", cwd=cwd)
 
 
 def test_fix_reports_what_remains_and_stdout_stays_json(tmp_path: Path) -> None:
@@ -698,7 +697,7 @@ def test_what_was_not_fixed_is_said_once_for_each_reason(tmp_path: Path) -> None
 
 def test_the_report_tells_what_each_option_repairs(tmp_path: Path) -> None:
     written(tmp_path, robot(noisy(), AXIS))
-    done = urdfcheck("robot.urdf", "--select", "JNT002,JNT014", cwd=tmp_path)
+    done = urdfcheck("robot.urdf", "--select", "JNT002,JNT014", "--verbose", cwd=tmp_path)
     assert "fix   write 0 [--fix]" in done.stdout
     assert "[--fix --unsafe-fixes]" in done.stdout
     assert "1 fixable with --fix, 1 more with --unsafe-fixes" in done.stdout

@@ -53,8 +53,7 @@ def test_what_lies_outside_of_the_environment_is_foreign(ros: Path, monkeypatch:
     assert set(libraries.foreign()) == {"xacro", "pinocchio"}
 
 
-@pytest.mark.parametrize("models", [1, 3])
-@pytest.mark.parametrize("command", ["console script", "python -m"])
+@pytest.mark.parametrize(("command", "models"), [("console script", 1), ("python -m", 3)])
 def test_nothing_of_the_checked_folder_is_imported(command: str, models: int, tmp_path: Path) -> None:
     """A repository under check may hold a struct.py or a rich.py of its own."""
     for name in ("struct", "rich", "numpy", "xacro", "json", "urdfcheck_plugin"):

@@ -105,7 +105,7 @@ class TestSets:
         given = [Choice("a", "1", ("1", "2")), Choice("b", None, ("x", "y"))]
         assert sets(given) == [{"b": "x"}, {"b": "y"}, {"a": "2", "b": "x"}, {"a": "2", "b": "y"}]
 
-    @settings(deadline=None, max_examples=40)
+    @settings(max_examples=40)
     @given(st.lists(st.integers(2, 5), min_size=1, max_size=12))
     def test_many_have_each_value_alone_and_each_pair_together(self, sizes: list[int]) -> None:
         known = [Choice(f"a{i}", "0", tuple(map(str, range(size)))) for i, size in enumerate(sizes)]

@@ -23,7 +23,7 @@ from urdfcheck.core import Finding
 pytest.importorskip("pinocchio")
 
 # What fails is known by its number: there is nothing to shrink.
-FEW = settings(max_examples=10, deadline=None, derandomize=True, database=None, phases=[Phase.generate])
+FEW = settings(max_examples=10, derandomize=True, database=None, phases=[Phase.generate])
 
 
 def verdict_on(case: Case, *, everything: bool = False) -> Verdict:
