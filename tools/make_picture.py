@@ -8,10 +8,11 @@ from __future__ import annotations
 import os
 import shutil
 from pathlib import Path
+from typing import Any
 
 REPORTS = Path(__file__).resolve().parent.parent / "reports"
-# The part of the report that shows what the tool is about: the card of the wheel that is off by 43°.
-CARD = "article:has-text('SYM001')"
+# What the tool is about: the wheel that is off by 43°, its card and how the repair turns it.
+CARD = "article[data-code='SYM001']"
 
 
 def main() -> None:
@@ -19,10 +20,18 @@ def main() -> None:
 
     browser = os.environ.get("URDFCHECK_BROWSER") or shutil.which("chromium")
     with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=browser, args=["--no-sandbox"])
-        page = chromium.new_page(viewport={"width": 1100, "height": 900}, device_scale_factor=1.5, color_scheme="light")
-        page.goto((REPORTS / "car-3.html").as_uri())
-        page.locator(CARD).first.screenshot(path=REPORTS / "car-3.png")
+        chromium = playwright.chromium.launch(
+            executable_path=browser, args=["--no-sandbox", "--enable-unsafe-swiftshader"]
+        )
+        window: Any = {"viewport": {"width": 1440, "height": 900}, "color_scheme": "light", "reduced_motion": "reduce"}
+        report = (REPORTS / "car-3.html").as_uri()
+        page = chromium.new_page(**window)
+        page.goto(report)
+        anchor = page.locator(CARD).first.get_attribute("id")
+        page = chromium.new_page(**window)
+        page.goto(f"{report}#{anchor}")
+        page.wait_for_selector("body[data-ready='1'][data-fly='0']")
+        page.screenshot(path=REPORTS / "car-3.png")
         chromium.close()
 
 
