@@ -160,3 +160,17 @@ def test_overlaps_name_the_finding_about_them(tmp_path: Path):
     assert (overlap["a"], overlap["b"], overlap["depth"]) == ("a", "c", pytest.approx(0.1, rel=0.01))
     (finding,) = (f for f in model["findings"] if f["code"] == "COL001")
     assert overlap["finding"] == finding["id"]
+
+
+def test_the_rims_of_holes_are_drawn(tmp_path: Path):
+    box = trimesh.creation.box((1.0, 1.0, 1.0))
+    box.update_faces(np.arange(len(box.faces)) != 0)
+    box.export(tmp_path / "open.stl")
+    mesh = '<visual><geometry><mesh filename="open.stl"/></geometry></visual>'
+    run = check_text(tmp_path, f'<robot name="r"><link name="a">{mesh}</link></robot>', scene=True)
+    data, geometry = data_of(run)
+    (entry,) = data["meshes"]
+    ends = np.array(entry["low"]), np.array(entry["high"])
+    _, _, holes = unpack(Packed(geometry, entry["vertices"], entry["faces"], entry["holes"], *ends))
+    # One triangle is missing: two edges of a square, and the diagonal.
+    assert sorted(np.linalg.norm(holes[:, 1] - holes[:, 0], axis=1)) == pytest.approx([1.0, 1.0, 2**0.5], rel=1e-3)

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 MOST_TRIANGLES = 250_000
 # A mesh that has a small part of them keeps at least so many.
 FEWEST_TRIANGLES = 2_000
-# Edges of holes in one mesh that are drawn, those of the longest boundaries first.
+# Edges of holes in one mesh that are drawn.
 MOST_HOLES = 3_000
 
 
@@ -272,14 +272,15 @@ def _drawing(
 
 
 def _holes(facts: MeshFacts) -> NDArray[np.float64]:
-    """The ends (n, 2, 3) of its open edges."""
+    """The ends (n, 2, 3) of its open edges, of the longest where there are many."""
     import numpy as np
 
-    lines = [
-        np.stack((b.points, np.roll(b.points, -1, axis=0)), axis=1)[: len(b.points) - (not b.closed)]
-        for b in facts.boundaries
-    ]
-    return np.concatenate(lines)[:MOST_HOLES] if lines else np.zeros((0, 2, 3))
+    if not facts.open_edges:
+        return np.zeros((0, 2, 3))
+    lines = facts.open_lines
+    if len(lines) > MOST_HOLES:
+        lines = lines[np.argsort(-np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1), kind="stable")[:MOST_HOLES]]
+    return lines
 
 
 # -- the whole robot ---------------------------------------------------------------------------------------------------

@@ -157,6 +157,11 @@ class MeshFacts:
         return boundaries_of(self.vertices, self._edges.open) if self.open_edges else ()
 
     @cached_property
+    def open_lines(self) -> Array:
+        """Ends (n, 2, 3) of the edges of one face."""
+        return _frozen(self.vertices[self._edges.open])
+
+    @cached_property
     def non_manifold_lines(self) -> Array:
         """Ends (n, 2, 3) of the edges of three or more faces."""
         return _frozen(self.vertices[self._edges.non_manifold])
