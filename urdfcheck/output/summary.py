@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from urdfcheck.core import Applicability, Finding, Rule, Severity
 from urdfcheck.output.inert import for_log, one_line
 from urdfcheck.output.lines import Row, Summary
+from urdfcheck.output.wording import ORDER
 
-ORDER = (Severity.ERROR, Severity.WARNING, Severity.INFO)
 # So many of the worst models: the page beside the lines has them all.
 WORST = 10
 

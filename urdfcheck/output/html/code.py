@@ -23,10 +23,6 @@ _TOKEN = re.compile(
 Token = tuple[int, int, str]
 
 
-def place(span: Span) -> str:
-    return f"{span.file}:{span.line}:{span.col}"
-
-
 def code_frame(sources: Mapping[str, str], span: Span, context: int = 2) -> str:
     """The lines around ``span`` as ``<pre>``, the span in ``<mark>``; nothing when the text is not at hand."""
     lines = frame(sources.get(span.file, ""), span, context)

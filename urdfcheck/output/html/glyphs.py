@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from urdfcheck.core import Severity
-
-ORDER = (Severity.ERROR, Severity.WARNING, Severity.INFO)
+from urdfcheck.output.wording import ORDER
 
 # Drawn once; the fill is the text colour, the sign is cut out of it, so one drawing serves every background.
 SYMBOLS = (

@@ -13,12 +13,13 @@ from types import MappingProxyType
 
 from urdfcheck.core import Rule, Run, Severity
 from urdfcheck.output.html import head, style_sheet
-from urdfcheck.output.html.glyphs import ORDER, SYMBOLS, glyph, words
+from urdfcheck.output.html.glyphs import SYMBOLS, glyph, words
 from urdfcheck.output.html.groups import LAUNCH_FILE, file_kind
 from urdfcheck.output.html.model import Part
 from urdfcheck.output.html.text import NONE, base_name, esc, grouped, inline, number
 from urdfcheck.output.inert import for_html
 from urdfcheck.output.lines import Row, RuleCount, Summary, line, row
+from urdfcheck.output.wording import ORDER
 
 # So many rules are named in a model's row; all of them are found by the filter.
 MOST_CODES = 6

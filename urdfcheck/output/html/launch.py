@@ -9,8 +9,9 @@ from urdfcheck.core import Scene, SceneLaunch, SceneNode, SceneParameter, SceneP
 from urdfcheck.output.html.anchors import Card, Element, Mark, marks
 from urdfcheck.output.html.glyphs import glyph
 from urdfcheck.output.html.layers import Curve, Place, layered
-from urdfcheck.output.html.text import base_name, esc, plural, prose
+from urdfcheck.output.html.text import base_name, esc, prose
 from urdfcheck.output.html.tree import ADVANCE, SMALL, columns, short
+from urdfcheck.output.wording import plural
 
 # What is drawn: a graph with more is a tangle, and the list says the same.
 MOST_BOXES, MOST_LINES = 80, 200

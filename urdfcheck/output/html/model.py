@@ -17,9 +17,10 @@ from urdfcheck.output.html.drop import drop_html
 from urdfcheck.output.html.findings import notes_html, problems_html
 from urdfcheck.output.html.launch import launch_html
 from urdfcheck.output.html.tables import joints_table, meshes_table, physics_table
-from urdfcheck.output.html.text import base_name, esc, number, plural
+from urdfcheck.output.html.text import base_name, esc, number
 from urdfcheck.output.html.tree import tree_html
 from urdfcheck.output.png import png
+from urdfcheck.output.wording import plural
 
 MOST_VARIANTS = 6
 # Width and height of the picture, in px.

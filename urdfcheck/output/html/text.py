@@ -27,10 +27,6 @@ def prose(text: str) -> str:
     return _CODE.sub(r"<code>\1</code>", esc(text))
 
 
-def plural(count: int, word: str) -> str:
-    return f"{count} {word}" if count == 1 else f"{count} {word}s"
-
-
 def base_name(path: str) -> str:
     return path.replace("\\", "/").rsplit("/", 1)[-1]
 

@@ -10,7 +10,8 @@ from urdfcheck.core import Scene
 from urdfcheck.output.html.anchors import Element, Mark, names_it
 from urdfcheck.output.html.glyphs import glyph
 from urdfcheck.output.html.graph import LAUNCH, LINK, MISSING, REPEATED, Edge, Node, forest
-from urdfcheck.output.html.text import esc, plural
+from urdfcheck.output.html.text import esc
+from urdfcheck.output.wording import plural
 
 # The names are set in a monospaced face at 12 px, whose advance is 0.6 em in all common ones (DejaVu 0.602).
 ADVANCE = 7.3
