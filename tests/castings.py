@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdfcheck.core import Edit
-from urdfcheck.facts.diagnosis import Declared, Geometry
-from urdfcheck.facts.inertia import Solid, box_solid, combine, inertia_of, placed, principal_moments
-from urdfcheck.facts.kinematics import matrix_to_rpy
-from urdfcheck.facts.mesh import hull_of
-from urdfcheck.facts.mesh_moments import moments
+from urdfcheck.facts.inertials.diagnosis import Declared, Geometry
+from urdfcheck.facts.inertials.inertia_tensor import Solid, box_solid, combine, inertia_of, placed, principal_moments
+from urdfcheck.facts.mesh.measure import hull_of
+from urdfcheck.facts.mesh.moments import moments
+from urdfcheck.facts.motion.kinematics import matrix_to_rpy
 
 Array = NDArray[np.float64]
 Block = tuple[Sequence[float], Sequence[float]]

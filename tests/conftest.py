@@ -19,12 +19,16 @@ from typing import Any, NoReturn
 import pytest
 from hypothesis import settings
 
-from urdfcheck import catalogue, cli, engine, sandbox, workers
+from urdfcheck import cli
+from urdfcheck import rules as catalogue
 from urdfcheck.cli.preload import prepare
 from urdfcheck.core import Run
-from urdfcheck.engine import Request, run
-from urdfcheck.source.packages import LEVELS_UP
-from urdfcheck.worker import audit
+from urdfcheck.run import pipeline as engine
+from urdfcheck.run.audit import audit
+from urdfcheck.run.pipeline import Request, run
+from urdfcheck.source.package.finder import LEVELS_UP
+from urdfcheck.system import process_pool as workers
+from urdfcheck.system import sandbox
 
 REPOSITORY = Path(__file__).parent.parent
 FIXTURES = REPOSITORY / "fixtures"

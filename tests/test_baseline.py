@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from conftest import check
 
-from urdfcheck import baseline
 from urdfcheck.cli import FAILED, FINDINGS, NOTHING, OK, main
-from urdfcheck.config import Configurations, Given
 from urdfcheck.core import UrdfcheckError
+from urdfcheck.policy import baseline
+from urdfcheck.policy.config import Configurations, Given
 
 pytestmark = pytest.mark.usefixtures("one_process")
 

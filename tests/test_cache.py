@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from conftest import FIXTURES
 
-from urdfcheck.cache import Cache, default_folder
 from urdfcheck.cli import main
-from urdfcheck.facts.mesh import MeshError, known_facts, mesh_facts
+from urdfcheck.facts.mesh.measure import MeshError, known_facts, mesh_facts
+from urdfcheck.system.array_cache import Cache, default_folder
 
 WHEEL = FIXTURES / "car-3" / "meshes" / "wheel_1.STL"
 KEY = "0123456789abcdef"

@@ -13,8 +13,8 @@ import pytest
 from conftest import FIXTURES, check
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
-from urdfcheck.output.html.anchors import cards
-from urdfcheck.output.html.launch import launch_html
+from urdfcheck.output.html.svg.launch import launch_html
+from urdfcheck.output.shared.anchors import cards
 
 XACRO = "robot_description/urdf/car_body.urdf.xacro"
 GAZEBO = "robot_description/urdf/gazebo.urdf.xacro"

@@ -15,8 +15,9 @@ from pathlib import Path
 import pytest
 from test_dataset import INERTIA
 
-from urdfcheck import cluster, worker
 from urdfcheck.cli import FAILED, OK, main
+from urdfcheck.dataset import cluster
+from urdfcheck.run import audit as worker
 
 pytest.importorskip("distributed")
 pytest.importorskip("joblib")

@@ -10,13 +10,16 @@ from conftest import REPOSITORY
 from hypothesis import given
 from hypothesis import strategies as st
 
-from urdfcheck import catalogue, cli, config, engine
-from urdfcheck.config import Configurations, Given
+from urdfcheck import cli
+from urdfcheck import rules as catalogue
 from urdfcheck.core import Run, UrdfcheckError
-from urdfcheck.engine import Request
-from urdfcheck.source.globs import means, names_below
-from urdfcheck.source.toml import places
-from urdfcheck.worker import audit
+from urdfcheck.policy import config
+from urdfcheck.policy.config import Configurations, Given
+from urdfcheck.run import pipeline as engine
+from urdfcheck.run.audit import audit
+from urdfcheck.run.pipeline import Request
+from urdfcheck.source.text.globs import means, names_below
+from urdfcheck.source.text.toml import places
 
 BROKEN = (
     '<robot name="r"><link name="{}"><inertial><mass value="1"/>'

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from conftest import check
 
-from urdfcheck import catalogue
-from urdfcheck.consumers import CONSUMERS, aimed, outcomes
+from urdfcheck import rules as catalogue
 from urdfcheck.core import Confidence, Finding, Location, Severity, Verdict
+from urdfcheck.policy.consumers import CONSUMERS, aimed, outcomes
 
 RULE = catalogue.rules()["JNT009"]
 

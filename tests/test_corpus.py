@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 from conftest import REPOSITORY
 
-from urdfcheck import catalogue
+from urdfcheck import rules as catalogue
 from urdfcheck.core import Run, Severity
-from urdfcheck.engine import Request, run
-from urdfcheck.worker import audit
+from urdfcheck.run.audit import audit
+from urdfcheck.run.pipeline import Request, run
 
 ACCEPTED = REPOSITORY / "tests" / "corpus_errors.json"
 

@@ -20,15 +20,19 @@ import pytest
 from conftest import REPOSITORY, check
 from referencing import Registry, Resource
 
-from urdfcheck import catalogue, dataset, engine, sandbox, worker
+from urdfcheck import rules as catalogue
 from urdfcheck.cli import FAILED, FINDINGS, NOTHING, OK, main
 from urdfcheck.core import Finding, Severity
-from urdfcheck.engine import Request
-from urdfcheck.errors import UrdfcheckError
-from urdfcheck.limits import Limits
-from urdfcheck.output import lines
-from urdfcheck.worker import Report, Settings, Unit
-from urdfcheck.workers import Worker
+from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.dataset import dataset_audit as dataset
+from urdfcheck.output.shared import lines
+from urdfcheck.policy.limits import Limits
+from urdfcheck.run import audit as worker
+from urdfcheck.run import pipeline as engine
+from urdfcheck.run.audit import Report, Settings, Unit
+from urdfcheck.run.pipeline import Request
+from urdfcheck.system import sandbox
+from urdfcheck.system.process_pool import Worker
 
 INERTIA = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="{}"/></inertial>'
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'

@@ -15,7 +15,7 @@ from conftest import FIXTURES, REPOSITORY, check, check_text
 
 from urdfcheck.cli import main
 from urdfcheck.core import Run
-from urdfcheck.drop import STEPS, Drop
+from urdfcheck.core.drop_test import STEPS, Drop
 from urdfcheck.output import html, text
 from urdfcheck.output import json as json_output
 
@@ -71,7 +71,7 @@ def dropped(folder: Path, model: str, steps: tuple[float, ...] = (4e-3, 8e-3)) -
     """The run of a drop test of this text; other ``steps`` than those that take long."""
     pytest.importorskip("mujoco")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("urdfcheck.drop.STEPS", steps)
+        patch.setattr("urdfcheck.core.drop_test.STEPS", steps)
         run = check_text(folder, model, codes={"DYN005"}, drop=True)
     assert not run.failures, run.failures
     return run
@@ -190,7 +190,7 @@ def test_a_follower_follows(tmp_path: Path) -> None:
         joint("first", "world", "a", "0 0 2", "0 1 0"),
         joint("second", "world", "b", "0 1 2", "0 1 0", '<mimic joint="first" multiplier="2"/>'),
     )
-    from urdfcheck.facts.simulation import Simulation
+    from urdfcheck.facts.motion.simulation import Simulation
 
     pytest.importorskip("mujoco")
     one = standing_of(tmp_path, arm)
@@ -249,9 +249,9 @@ def test_why_a_robot_cannot_be_dropped(model: str, why: str, tmp_path: Path) -> 
 
 def standing_of(folder: Path, model: str):  # type: ignore[no-untyped-def]
     from urdfcheck.model import Model
-    from urdfcheck.model.mechanism import standing
+    from urdfcheck.model.motion.mechanism import standing
     from urdfcheck.source.load import load
-    from urdfcheck.source.packages import PackageFinder
+    from urdfcheck.source.package.finder import PackageFinder
 
     path = folder / "robot.urdf"
     path.write_text(model, encoding="utf-8")
@@ -267,7 +267,7 @@ def pendulum(damping: float = 0.0):  # type: ignore[no-untyped-def]
     """1 kg, 0.3 m below its hinge, let go at 1 rad."""
     np = pytest.importorskip("numpy")
     pytest.importorskip("mujoco")
-    from urdfcheck.facts.simulation import Body, Hinge, Mechanism, Simulation
+    from urdfcheck.facts.motion.simulation import Body, Hinge, Mechanism, Simulation
 
     pose = np.eye(4)
     pose[2, 3] = 1.0

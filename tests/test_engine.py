@@ -10,11 +10,13 @@ from pathlib import Path
 import pytest
 from conftest import check, check_text
 
-from urdfcheck import catalogue, engine, worker
+from urdfcheck import rules as catalogue
 from urdfcheck.cli import FAILED, exit_code
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.engine import Request, run
 from urdfcheck.output.json import render
+from urdfcheck.run import audit as worker
+from urdfcheck.run import pipeline as engine
+from urdfcheck.run.pipeline import Request, run
 
 INERTIA = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial>'
 

@@ -18,18 +18,20 @@ import pytest
 from conftest import FIXTURES, check
 from test_rules import BAD, GOOD, Case
 
-from urdfcheck import catalogue, cli, consumers
-from urdfcheck.config import TARGETS
+from urdfcheck import cli
+from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Rule, Verdict
-from urdfcheck.engines.comparing import predicted
-from urdfcheck.engines.judging import agree, judge
-from urdfcheck.engines.outcome import Loaded, Motion, Outcome, Robot, Typed
-from urdfcheck.engines.reading import robot_of
-from urdfcheck.engines.running import ENGINES, how_to_install, installed, outcomes
-from urdfcheck.limits import Limits
 from urdfcheck.model import Model
+from urdfcheck.policy import consumers
+from urdfcheck.policy.config import TARGETS
+from urdfcheck.policy.limits import Limits
+from urdfcheck.simulators.comparing import predicted
+from urdfcheck.simulators.judging import agree, judge
+from urdfcheck.simulators.outcome import Loaded, Motion, Outcome, Robot, Typed
+from urdfcheck.simulators.reading import robot_of
+from urdfcheck.simulators.running import ENGINES, how_to_install, installed, outcomes
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
 
 # Who is asked otherwise.
 QUICK = ("pinocchio", "urdfdom", "mujoco")

@@ -18,7 +18,7 @@ from typing import Any
 import pytest
 from conftest import FIXTURES, command
 
-from urdfcheck import engine
+from urdfcheck.run import pipeline as engine
 
 QUICK = ["--tier", "mesh", "--format", "json", "--fail-on", "never"]
 # As many runs on one cache at the same time; 200 were tried with URDFCHECK_RUNS=200.

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.files import TooLarge, read_regular, read_start, walk
+from urdfcheck.system.files import TooLarge, read_regular, read_start, walk
 
 needs_unix = pytest.mark.skipif(sys.platform == "win32", reason="no such files there")
 

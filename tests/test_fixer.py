@@ -22,17 +22,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_rules import FIXED, cases
 
-from urdfcheck import catalogue, config, engine, fixer, patch
+from urdfcheck import rules as catalogue
 from urdfcheck.core import Applicability, Edit, Finding, Location, ModelInfo, Rule, Run, Severity, Span, UrdfcheckError
-from urdfcheck.engine import Request
-from urdfcheck.files import overlaid, read_regular, read_start
-from urdfcheck.fixer import Fixes, apart, fixes, worse
-from urdfcheck.patch import Editable, Refused, Text
+from urdfcheck.fix import fixer, patch
+from urdfcheck.fix.fixer import Fixes, apart, fixes, worse
+from urdfcheck.fix.patch import Editable, Refused, Text
+from urdfcheck.policy import config
+from urdfcheck.run import pipeline as engine
+from urdfcheck.run.audit import Report, Settings, Unit, audit, order
+from urdfcheck.run.pipeline import Request
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
-from urdfcheck.source.words import renaming
-from urdfcheck.source.xml import SourceFile, parse
-from urdfcheck.worker import Report, Settings, Unit, audit, order
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.text.tokens import renaming
+from urdfcheck.source.text.xml import SourceFile, parse
+from urdfcheck.system.files import overlaid, read_regular, read_start
 
 LEGACY, CURRENT = "http://ros.org/wiki/xacro", "http://www.ros.org/wiki/xacro"
 JOINT = '<joint name="j{n}" type="{type}"><parent link="base"/><child link="l{n}"/>{inner}</joint><link name="l{n}"/>'

@@ -14,9 +14,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from services import accepts
 
-from urdfcheck import cli, config
-from urdfcheck.cli import init
-from urdfcheck.cli.init import HOOKS, LOCAL_HOOKS, with_hooks
+from urdfcheck import cli
+from urdfcheck.cli.commands import init
+from urdfcheck.cli.commands.init import HOOKS, LOCAL_HOOKS, with_hooks
+from urdfcheck.policy import config
 
 ARM = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
 <xacro:if value="${'$(arg side)' == 'left'}"/><xacro:if value="${'$(arg side)' == 'right'}"/>

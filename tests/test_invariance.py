@@ -17,10 +17,10 @@ from conftest import check
 from numpy.typing import NDArray
 from transforms import Robot, Transformation, each_link, renamed, rerooted, rotated_inertial, rotated_link, scaled
 
-from urdfcheck import catalogue
-from urdfcheck.facts.inertia import Solid, box_solid, cylinder_solid, inertia_of
-from urdfcheck.facts.kinematics import rpy_to_matrix
-from urdfcheck.facts.mesh_moments import moments
+from urdfcheck import rules as catalogue
+from urdfcheck.facts.inertials.inertia_tensor import Solid, box_solid, cylinder_solid, inertia_of
+from urdfcheck.facts.mesh.moments import moments
+from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 Array = NDArray[np.float64]
 

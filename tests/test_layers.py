@@ -159,14 +159,14 @@ def test_help_and_rule_load_the_standard_library_only() -> None:
 
 
 def test_the_parent_of_the_workers_loads_nothing_heavy() -> None:
-    assert not loaded_by("import urdfcheck.engine, urdfcheck.worker, urdfcheck.config") & HEAVY
+    assert not loaded_by("import urdfcheck.run.pipeline, urdfcheck.run.audit, urdfcheck.policy.config") & HEAVY
 
 
 def test_the_source_tier_never_loads_meshes_or_dynamics(tmp_path: Path) -> None:
     model = tmp_path / "r.urdf"
     model.write_text('<robot name="r"><link name="base"/></robot>')
     code = (
-        "from urdfcheck.worker import Unit, Settings, audit; from urdfcheck import catalogue\n"
+        "from urdfcheck.run.audit import Unit, Settings, audit; from urdfcheck import catalogue\n"
         f"audit(Unit('model', {str(model)!r}, 'r'), Settings(frozenset(catalogue.rules()), tier='source'))"
     )
     assert not loaded_by(code) & {"trimesh", "pinocchio", "coal", "yourdfpy", "scipy", "collada"}
@@ -186,7 +186,7 @@ def test_a_warm_audit_loads_neither_meshes_nor_dynamics(tmp_path: Path) -> None:
         '<axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="9" velocity="1"/></joint></robot>'
     )
     code = (
-        "from urdfcheck.worker import Unit, Settings, audit; from urdfcheck import catalogue\n"
+        "from urdfcheck.run.audit import Unit, Settings, audit; from urdfcheck import catalogue\n"
         f"settings = Settings(frozenset(catalogue.rules()), cache={str(tmp_path / 'cache')!r})\n"
         f"assert not audit(Unit('model', {str(model)!r}, 'r'), settings).failures"
     )

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from conftest import check_text
 
-from urdfcheck import libraries
+from urdfcheck.system import libraries
 
 
 @pytest.fixture

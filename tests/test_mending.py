@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 from castings import CASTING, MISTAKES, Declared, drawn_boxes, geometry, inertial, uniform, write_stl
 
-from urdfcheck.cache import Cache
-from urdfcheck.facts.diagnosis import diagnose
-from urdfcheck.model import Model, diagnoses
-from urdfcheck.model.mending import from_geometry, mending
+from urdfcheck.facts.inertials.diagnosis import diagnose
+from urdfcheck.model import Model
+from urdfcheck.model.inertials import inertia_diagnosis as diagnoses
+from urdfcheck.model.repairs.inertial_edits import from_geometry, mending
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.system.array_cache import Cache
 
 DRAWN = geometry(CASTING)
 TRUE = uniform(DRAWN.solid)

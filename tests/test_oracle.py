@@ -11,9 +11,9 @@ from conftest import FIXTURES
 
 from urdfcheck.core import Unavailable
 from urdfcheck.model import Model
-from urdfcheck.model.dynamics import build, geometry_free
+from urdfcheck.model.motion.pinocchio_model import build, geometry_free
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
 
 
 def model_of(path: Path, arguments: dict[str, str] | None = None, roots: tuple[Path, ...] = ()) -> Model | None:

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from urdfcheck.facts.mesh import MeshError, MeshFacts, mesh_facts
+from urdfcheck.facts.mesh.measure import MeshError, MeshFacts, mesh_facts
 
 KINDS = ("stl", "dae", "obj", "ply", "off", "glb", "gltf")
 # Decimals of the largest coordinate: double noise, residue of zero, float32 noise, and what transforms make of it.

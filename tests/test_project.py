@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 from conftest import REPOSITORY
 
-from urdfcheck import __version__, catalogue, cli
-from urdfcheck.cli.check import parser
+from urdfcheck import __version__, cli
+from urdfcheck import rules as catalogue
+from urdfcheck.cli.commands.check import parser
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import tomli
 
-from urdfcheck import pytest_plugin
+from urdfcheck.plugins import pytest_plugin
 
 pytest_plugins = "pytester"
 
@@ -39,7 +39,7 @@ def folder(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> pytest
 
 
 def run(folder: pytest.Pytester, *words: str) -> pytest.RunResult:
-    return folder.runpytest_inprocess("-p", "urdfcheck.pytest_plugin", "--urdfcheck-args=--tier=source", *words)
+    return folder.runpytest_inprocess("-p", "urdfcheck.plugins.pytest_plugin", "--urdfcheck-args=--tier=source", *words)
 
 
 def test_each_model_is_a_test_and_a_failure_reads_like_the_report(folder: pytest.Pytester) -> None:
@@ -90,7 +90,7 @@ def test_a_process_that_dies_fails_the_tests_that_wait_for_it(
     folder: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     program = (
-        "import os, urdfcheck.engine as engine; from urdfcheck.cli.serve import serve\n"
+        "import os, urdfcheck.run.pipeline as engine; from urdfcheck.cli.commands.serve import serve\n"
         "engine.stream = lambda *_: os._exit(7)\nserve()"
     )
     monkeypatch.setattr(pytest_plugin, "_PROGRAM", [sys.executable, "-c", program])
@@ -107,12 +107,10 @@ def test_with_xdist_each_process_checks_its_own(folder: pytest.Pytester) -> None
 def test_who_does_not_ask_pays_nothing() -> None:
     """pytest imports the module for everybody who has urdfcheck installed."""
     project = tomli.loads((Path(__file__).parent.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    assert project["entry-points"]["pytest11"] == {"urdfcheck": "urdfcheck.pytest_plugin"}
-    code = (
-        "import pytest, sys; before = {*sys.modules}; import urdfcheck.pytest_plugin; print(*{*sys.modules} - before)"
-    )
+    assert project["entry-points"]["pytest11"] == {"urdfcheck": "urdfcheck.plugins.pytest_plugin"}
+    code = "import pytest, sys; before = {*sys.modules}; import urdfcheck.plugins.pytest_plugin; print(*{*sys.modules} - before)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert {name for name in loaded if name.partition(".")[0] not in sys.stdlib_module_names} == {
         "urdfcheck",
-        "urdfcheck.pytest_plugin",
+        "urdfcheck.plugins.pytest_plugin",
     }

@@ -10,10 +10,10 @@ import pytest
 import trimesh
 from conftest import check
 
-from urdfcheck import catalogue
+from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Rule, Run
 from urdfcheck.output.json import render
-from urdfcheck.recall import applies
+from urdfcheck.run.findings_cache import applies
 
 ROBOT = """<robot name="r">
   <link name="part">

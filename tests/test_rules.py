@@ -15,8 +15,9 @@ from pathlib import Path
 import pytest
 from conftest import check
 
-from urdfcheck import catalogue, config
+from urdfcheck import rules as catalogue
 from urdfcheck.core import Applicability, Finding, Rule
+from urdfcheck.policy import config
 
 FENCE = re.compile(r"^```(\w+)(?: file=(\S+))?[ ]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 EXPECT = re.compile(r"expect: ([A-Z]{3}\d{3})")

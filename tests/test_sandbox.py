@@ -14,10 +14,10 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck import sandbox
 from urdfcheck.core import Severity, Span
-from urdfcheck.errors import TimeUp
-from urdfcheck.workers import Died, Overdue, in_workers
+from urdfcheck.core.errors import TimeUp
+from urdfcheck.system import sandbox
+from urdfcheck.system.process_pool import Died, Overdue, in_workers
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="forks, signals and limits are those of POSIX")
 
@@ -219,7 +219,7 @@ class Opened:
         self.folder = folder
 
     def __reduce__(self) -> tuple[object, tuple[object, ...]]:
-        from urdfcheck.journal import Journal
+        from urdfcheck.dataset.journal import Journal
 
         return Journal, (Path(self.folder), {}, frozenset())
 
@@ -286,7 +286,7 @@ def test_every_report_is_data(tmp_path: Path) -> None:
 
     from conftest import FIXTURES, check
 
-    from urdfcheck.workers import _Answer
+    from urdfcheck.system.process_pool import _Answer
 
     run = check(FIXTURES / "car-3", scene=True)
     back = _Answer(io.BytesIO(pickle.dumps((run.findings, run.models, run.scenes, run.skipped)))).load()

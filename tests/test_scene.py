@@ -10,9 +10,10 @@ import pytest
 import trimesh
 from conftest import FIXTURES, check, check_text
 
-from urdfcheck.core import Run, Scene
-from urdfcheck.facts.kinematics import rpy_to_matrix
-from urdfcheck.facts.mesh_codec import Packed, unpack
+from urdfcheck.core import Run
+from urdfcheck.core.scene import Scene
+from urdfcheck.facts.mesh.codec import Packed, unpack
+from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 from urdfcheck.output.html.model import parts_of
 from urdfcheck.output.html.stage import stage_data
 

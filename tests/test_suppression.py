@@ -9,8 +9,8 @@ import pytest
 from conftest import check
 
 from urdfcheck.core import Applicability, Finding, Run
-from urdfcheck.source.suppressions import ignores
-from urdfcheck.source.xml import SourceFile
+from urdfcheck.source.text.suppression_comments import ignores
+from urdfcheck.source.text.xml import SourceFile
 
 ROBOT = """<robot name="r">
   <link name="base"/>

@@ -12,10 +12,10 @@ from conftest import check
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from urdfcheck.config import Configurations
 from urdfcheck.core import Run
-from urdfcheck.source.packages import PackageFinder
-from urdfcheck.source.variants import MOST_COMBINATIONS, Choice, choices, sets
+from urdfcheck.policy.config import Configurations
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.xacro.argument_values import MOST_COMBINATIONS, Choice, choices, sets
 
 XACRO = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{}</robot>'
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="{}"/></inertial>'
@@ -213,10 +213,10 @@ class TestFindings:
 
     def test_what_one_model_has_twice_stays_twice(self) -> None:
         """Else a baseline would know it once, and the second would be new."""
-        from urdfcheck import catalogue
+        from urdfcheck import rules as catalogue
         from urdfcheck.core import Location
-        from urdfcheck.variants import together
-        from urdfcheck.worker import Unit
+        from urdfcheck.run.audit import Unit
+        from urdfcheck.run.variants import together
 
         rule = catalogue.rules()["URC907"]
         finding = rule.finding("shadowed", at=Location("link[a]", None), library="x", path="y")

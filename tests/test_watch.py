@@ -14,7 +14,7 @@ import pytest
 from conftest import command
 
 from urdfcheck import cli
-from urdfcheck.cli import watch
+from urdfcheck.cli.commands import watch
 
 SOUND = '<robot name="r"><link name="base"/></robot>'
 BROKEN = (
@@ -93,9 +93,9 @@ def test_each_save_is_checked_until_the_user_interrupts(tmp_path: Path) -> None:
 
 
 def test_only_reports_that_rest_on_files_that_changed_are_made_anew(tmp_path: Path) -> None:
-    from urdfcheck import catalogue
-    from urdfcheck.engine import Request, audited
-    from urdfcheck.worker import audit
+    from urdfcheck import rules as catalogue
+    from urdfcheck.run.audit import audit
+    from urdfcheck.run.pipeline import Request, audited
 
     for name in ("a", "b"):
         (tmp_path / f"{name}.urdf").write_text(SOUND)

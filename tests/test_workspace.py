@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from conftest import check
 
-from urdfcheck import catalogue
+from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Run
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from urdfcheck.facts.kinematics import matrix_to_rpy, transform
+from urdfcheck.facts.motion.kinematics import matrix_to_rpy, transform
 
 Array = NDArray[np.float64]
 Robot = ET.Element

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from urdfcheck import catalogue
-from urdfcheck.consumers import CONSUMERS
+from urdfcheck import rules as catalogue
 from urdfcheck.core import Applicability, Rule, Verdict
+from urdfcheck.policy.consumers import CONSUMERS
 
 FAMILIES = {
     "XML": "XML and the URDF grammar",

@@ -20,10 +20,10 @@ from itertools import zip_longest
 from pathlib import Path
 
 import urdfcheck
-from urdfcheck import catalogue
+from urdfcheck import rules as catalogue
 from urdfcheck.core import NEWLINE, Finding, Run, Severity
-from urdfcheck.engine import Request, run
-from urdfcheck.worker import audit
+from urdfcheck.run.audit import audit
+from urdfcheck.run.pipeline import Request, run
 
 LABELS = Path(__file__).parent / "labels.tsv"
 FAMILIES = ("INR", "SYM")

@@ -18,14 +18,14 @@ from injections import declared, truth, written
 from parts import SPLITS, part
 from robots import Robot, robots
 
-from urdfcheck import catalogue
-from urdfcheck.cache import Cache
+from urdfcheck import rules as catalogue
 from urdfcheck.core import Rule
-from urdfcheck.facts.diagnosis import diagnose
+from urdfcheck.facts.inertials.diagnosis import diagnose
 from urdfcheck.model import Model
-from urdfcheck.recall import Recall, applies
+from urdfcheck.run.findings_cache import Recall, applies
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.system.array_cache import Cache
 
 LIMIT = 2e-3
 _CODES = ("INR", "SYM", "JNT013", "JNT014", "JNT015", "JNT016", "DYN004")

@@ -16,11 +16,11 @@ from parts import SPLITS
 from robots import Robot, robots, text, write_body
 from scoring import LEAST_EFFECT, effect
 
-from urdfcheck import catalogue
+from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Severity
-from urdfcheck.engine import Request, run
-from urdfcheck.facts.diagnosis import Declared
-from urdfcheck.worker import audit
+from urdfcheck.facts.inertials.diagnosis import Declared
+from urdfcheck.run.audit import audit
+from urdfcheck.run.pipeline import Request, run
 
 # The rules that a defect of a frame, of an inertial or of limits may be told by: one defect is one finding.
 _FRAME = frozenset({"SYM001", "SYM002", "SYM004"})

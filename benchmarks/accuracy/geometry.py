@@ -7,11 +7,11 @@ from pathlib import Path
 
 from parts import Part
 
-from urdfcheck.facts.diagnosis import Geometry
-from urdfcheck.model.drawn import geometry
-from urdfcheck.model.model import Model
+from urdfcheck.facts.inertials.diagnosis import Geometry
+from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.visual_solid import geometry
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
 
 # How a link draws a mesh: right, and with the exporter's unit not undone either way.
 SCALES = (1.0, 1e3, 1e-3)

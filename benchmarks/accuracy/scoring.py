@@ -10,7 +10,7 @@ from geometry import drawn
 from injections import KINDS, Array, Body, Case, Kind, declared, digits, truth
 from parts import SPLITS, Part, part
 
-from urdfcheck.facts.diagnosis import Declared, Diagnosis, Geometry, diagnose
+from urdfcheck.facts.inertials.diagnosis import Declared, Diagnosis, Geometry, diagnose
 
 # How the diagnosis is asked: of parts of uniform density; with part of the mass in lumps; the same with the true numbers of
 # an equal part beside it; and of a true part when it is that equal part's numbers that are wrong.

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from urdfcheck.facts.mesh import mesh_facts
+from urdfcheck.facts.mesh.measure import mesh_facts
 
 # Name, file type, triangles, written how, times faster as the target (0: none is set).
 CASES = (

@@ -13,10 +13,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
-from urdfcheck import libraries
 from urdfcheck.source.load import Source, load
-from urdfcheck.source.packages import PackageFinder
-from urdfcheck.source.xml import Element
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.text.xml import Element
+from urdfcheck.system import libraries
 
 
 def expanded(path: Path, arguments: Mapping[str, str], package_paths: Sequence[Path] = ()) -> str | None:

@@ -1,4 +1,4 @@
-// The way back from what urdfcheck/facts/mesh_codec.py packs.
+// The way back from what urdfcheck/facts/mesh/codec.py packs.
 import type { MeshEntry } from "./data.ts";
 
 const STEPS = (1 << 14) - 1;

@@ -77,7 +77,7 @@ export interface ModelData {
   findings: Finding[];
 }
 
-/** Where a mesh lies in the geometry, see urdfcheck/facts/mesh_codec.py. */
+/** Where a mesh lies in the geometry, see urdfcheck/facts/mesh/codec.py. */
 export interface MeshEntry {
   offset: number;
   vertices: number;

@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 from conftest import FIXTURES, check_text
 
-from urdfcheck.cache import Cache
 from urdfcheck.core import Finding, Severity
-from urdfcheck.model import Model, Shape, collisions, poses
-from urdfcheck.model.collisions import Collisions, Pair, reaches
+from urdfcheck.model import Model, Shape
+from urdfcheck.model.motion import collisions, poses
+from urdfcheck.model.motion.collisions import Collisions, Pair, reaches
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.system.array_cache import Cache
 
 coal = pytest.importorskip("coal")
 

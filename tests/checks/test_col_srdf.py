@@ -9,10 +9,10 @@ from conftest import check
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.model import Model
-from urdfcheck.model.moveit import adjacent_links, default_state, judged, moved_links
+from urdfcheck.model.motion.moveit_pairs import adjacent_links, default_state, judged, moved_links
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
-from urdfcheck.source.srdf import load_srdf
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.ros.srdf import load_srdf
 
 GROUP = '<group name="all"><chain base_link="base" tip_link="fore"/></group>'
 NEIGHBOURS = (

@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 from conftest import FIXTURES, check, check_text
 
-from urdfcheck.cache import Cache
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts import dynamics
+from urdfcheck.facts.motion import dynamics
 from urdfcheck.model import Model
-from urdfcheck.model.loads import helped, mobility, overloads
-from urdfcheck.model.poses import sampled
+from urdfcheck.model.motion.joint_loads import helped, mobility, overloads
+from urdfcheck.model.motion.poses import sampled
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.system.array_cache import Cache
 
 pytest.importorskip("pinocchio")
 G = 9.81

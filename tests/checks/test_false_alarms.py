@@ -10,8 +10,8 @@ from castings import Block, edited, geometry, inertial, pieces, triangles, unifo
 from conftest import check_text
 
 from urdfcheck.core import Finding
-from urdfcheck.facts.diagnosis import Declared
-from urdfcheck.facts.inertia import Solid, combine
+from urdfcheck.facts.inertials.diagnosis import Declared
+from urdfcheck.facts.inertials.inertia_tensor import Solid, combine
 
 CODES = {"INR003", "INR004", "INR005", "INR006", "INR007", "INR008", "INR009", "INR010", "MSH008"}
 

@@ -11,7 +11,7 @@ import pytest
 from conftest import check_text
 
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts.kinematics import transform
+from urdfcheck.facts.motion.kinematics import transform
 
 
 def cylinder(sides: int, radius: float = 0.03, length: float = 0.01) -> str:

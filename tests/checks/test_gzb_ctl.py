@@ -9,9 +9,9 @@ from conftest import check, check_text
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.model import Model
-from urdfcheck.model.reduction import reduced
+from urdfcheck.model.inertials.fixed_joint_lumping import reduced
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
 
 ARM = """<link name="a"/><link name="b"/><link name="c"/>
 <joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>

@@ -10,7 +10,7 @@ from conftest import check_text
 from urdfcheck.core import Finding, Severity
 from urdfcheck.model import Model
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
 
 SOUND = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
 ZERO = '<inertial><mass value="{}"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'

@@ -24,10 +24,10 @@ from castings import (
 )
 from conftest import check_text
 
-from urdfcheck import catalogue
+from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts.diagnosis import HYPOTHESES, Declared
-from urdfcheck.facts.kinematics import rpy_to_matrix
+from urdfcheck.facts.inertials.diagnosis import HYPOTHESES, Declared
+from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 CODES = {"INR003", "INR004", "INR007", "INR008", "INR009", "MSH008"}
 DRAWN = geometry(CASTING)

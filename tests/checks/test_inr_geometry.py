@@ -12,14 +12,14 @@ from conftest import check_text
 from numpy.typing import NDArray
 
 from urdfcheck.core import Finding
-from urdfcheck.facts.hulls import outside
-from urdfcheck.facts.inertia import box_solid, inertia_of
-from urdfcheck.facts.kinematics import matrix_to_rpy, rpy_to_matrix
-from urdfcheck.facts.mesh import hull_of
+from urdfcheck.facts.inertials.hull_bounds import outside
+from urdfcheck.facts.inertials.inertia_tensor import box_solid, inertia_of
+from urdfcheck.facts.mesh.measure import hull_of
+from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
 from urdfcheck.model import Model
-from urdfcheck.model.drawn import geometry, rigid_points
+from urdfcheck.model.shapes.visual_solid import geometry, rigid_points
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
 
 Array = NDArray[np.float64]
 CODES = {"INR005", "INR006", "INR007", "INR008", "INR010"}

@@ -10,7 +10,7 @@ from conftest import check_text
 from urdfcheck.core import Run, Severity, Unavailable
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.tree import Tree
-from urdfcheck.source.xml import SourceFile, parse
+from urdfcheck.source.text.xml import SourceFile, parse
 
 TREE = {"KIN001", "KIN002", "KIN003", "KIN004", "KIN005", "KIN006", "KIN007", "KIN008", "XML005"}
 

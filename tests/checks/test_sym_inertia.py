@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from conftest import check_text
 
-from urdfcheck.cache import Cache
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts.kinematics import matrix_to_rpy, rpy_to_matrix
+from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
 from urdfcheck.model import Model
-from urdfcheck.model.copies import copies, twins
+from urdfcheck.model.likeness.identical_parts import copies, twins
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.system.array_cache import Cache
 
 MASS = 0.4321
 # A part without any symmetry: corners of a tetrahedron in m.

@@ -14,12 +14,12 @@ from conftest import check_text
 from transforms import Robot, Transformation, each_link, rerooted, rotated_inertial, rotated_link, scaled
 
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts.inertia import box_solid, combine, inertia_of, placed
-from urdfcheck.facts.kinematics import rpy_to_matrix
+from urdfcheck.facts.inertials.inertia_tensor import box_solid, combine, inertia_of, placed
+from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 from urdfcheck.model import Model
-from urdfcheck.model.twins import Pair, declared, twin_of
+from urdfcheck.model.likeness.mirror_pairs import Pair, declared, twin_of
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
 
 SIX = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 DENSITY = 900.0

@@ -8,7 +8,7 @@ import pytest
 from conftest import check_text
 
 from urdfcheck.core import Finding
-from urdfcheck.facts.kinematics import rpy_to_matrix
+from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 WHEEL = (
     '<inertial><origin xyz="{com}"/><mass value="0.03"/>'

@@ -8,9 +8,12 @@ import pytest
 from conftest import check, check_text
 
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts import mesh_limits
-from urdfcheck.model import graph, poses, tree
-from urdfcheck.source import launch_python, xml
+from urdfcheck.facts.mesh import decode_limits as mesh_limits
+from urdfcheck.model import link_graph as graph
+from urdfcheck.model import tree
+from urdfcheck.model.motion import poses
+from urdfcheck.source.launch import python_launch_file as launch_python
+from urdfcheck.source.text import xml
 
 CODES = {"URC905", "XML001", "MSH001"}
 DEEP = "<a>" * xml.MAX_DEPTH + "</a>" * xml.MAX_DEPTH

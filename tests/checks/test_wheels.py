@@ -15,7 +15,7 @@ from conftest import FIXTURES, check, check_text
 from numpy.typing import NDArray
 
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts.kinematics import matrix_to_rpy, rpy_to_matrix
+from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
 
 Array = NDArray[np.float64]
 # Of a cylinder along z, so that it lies along y.

@@ -8,7 +8,7 @@ import pytest
 from conftest import check, check_text
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
-from urdfcheck.facts.literals import near_miss
+from urdfcheck.facts.likeness.typed_numbers import near_miss
 
 HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">\n'
 BASE = '<link name="base"/>\n'

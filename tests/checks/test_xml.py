@@ -8,7 +8,7 @@ import pytest
 from conftest import check, check_text
 
 from urdfcheck.core import Applicability, Finding, Severity
-from urdfcheck.model.dynamics import captured_stderr
+from urdfcheck.model.motion.pinocchio_model import captured_stderr
 
 ROBOT = '<robot name="r"><link name="a"/><link name="b">{link}</link>{joint}</robot>'
 JOINT = (

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from urdfcheck.facts.collision import (
+from urdfcheck.facts.motion.collision import (
     ROUNDING,
     Colliders,
     Geometry,
@@ -23,7 +23,7 @@ from urdfcheck.facts.collision import (
     sphere_directions,
     swept,
 )
-from urdfcheck.facts.kinematics import motions, transform
+from urdfcheck.facts.motion.kinematics import motions, transform
 
 pytest.importorskip("coal")
 

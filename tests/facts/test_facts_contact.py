@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from urdfcheck.facts.contact import SLACK, fall, rocking, stand
+from urdfcheck.facts.motion.contact import SLACK, fall, rocking, stand
 
 Array = NDArray[np.float64]
 RANDOM = np.random.default_rng(4)

@@ -27,9 +27,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.diagnosis import EXACT, HYPOTHESES, Declared, Diagnosis, Geometry, diagnose, mismatch
-from urdfcheck.facts.inertia import Solid, combine, sphere_solid
-from urdfcheck.facts.kinematics import rpy_to_matrix
+from urdfcheck.facts.inertials.diagnosis import EXACT, HYPOTHESES, Declared, Diagnosis, Geometry, diagnose, mismatch
+from urdfcheck.facts.inertials.inertia_tensor import Solid, combine, sphere_solid
+from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 DRAWN = geometry(CASTING)
 TRUE = uniform(DRAWN.solid)

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts import dynamics
-from urdfcheck.facts.kinematics import motions, transform
+from urdfcheck.facts.motion import dynamics
+from urdfcheck.facts.motion.kinematics import motions, transform
 
 pinocchio = pytest.importorskip("pinocchio")
 G = 9.81

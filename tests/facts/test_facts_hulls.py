@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.optimize import nnls
 
-from urdfcheck.facts.hulls import outside, reach, spread_ratios
-from urdfcheck.facts.kinematics import rpy_to_matrix
+from urdfcheck.facts.inertials.hull_bounds import outside, reach, spread_ratios
+from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 CUBE = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 seed = st.integers(0, 10**6)

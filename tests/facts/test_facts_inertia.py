@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.inertia import (
+from urdfcheck.facts.inertials.inertia_tensor import (
     Rounding,
     Solid,
     box_solid,
@@ -31,7 +31,7 @@ from urdfcheck.facts.inertia import (
     triangle_excess,
     validity,
 )
-from urdfcheck.facts.kinematics import rpy_to_matrix
+from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 size = st.floats(0.01, 3.0)
 angle = st.floats(-3.0, 3.0)

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.kinematics import (
+from urdfcheck.facts.motion.kinematics import (
     forward,
     log_rotation,
     matrix_to_rpy,

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.kinematics import rpy_to_matrix
-from urdfcheck.facts.layout import Misplaced, misplaced
+from urdfcheck.facts.likeness.layout import Misplaced, misplaced
+from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 CORNERS = np.array([(0.07, 0.052, 0), (-0.07, 0.052, 0), (0.07, -0.052, 0), (-0.07, -0.052, 0)])
 angle = st.floats(-math.pi, math.pi)

@@ -8,7 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from urdfcheck.facts.literals import constant_of, is_noise_angle, is_noise_length, near_miss, product_noise
+from urdfcheck.facts.likeness.typed_numbers import (
+    constant_of,
+    is_noise_angle,
+    is_noise_length,
+    near_miss,
+    product_noise,
+)
 
 CONSTANTS = {
     "pi": math.pi,

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import pytest
 
-from urdfcheck.facts.materials import MATERIALS, in_words, mass_unit
+from urdfcheck.facts.inertials.materials import MATERIALS, in_words, mass_unit
 
 
 @pytest.mark.parametrize(

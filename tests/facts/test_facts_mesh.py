@@ -21,10 +21,18 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
-from urdfcheck.facts import mesh_limits
-from urdfcheck.facts.inertia import box_solid, capsule_solid, combine, cylinder_solid, inertia_of, placed, sphere_solid
-from urdfcheck.facts.kinematics import rpy_to_matrix
-from urdfcheck.facts.mesh import MeshError, MeshFacts, mesh_facts, transformed_moments
+from urdfcheck.facts.inertials.inertia_tensor import (
+    box_solid,
+    capsule_solid,
+    combine,
+    cylinder_solid,
+    inertia_of,
+    placed,
+    sphere_solid,
+)
+from urdfcheck.facts.mesh import decode_limits as mesh_limits
+from urdfcheck.facts.mesh.measure import MeshError, MeshFacts, mesh_facts, transformed_moments
+from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 BOX = trimesh.creation.box((1.0, 2.0, 3.0))
 HOLLOW = trimesh.creation.annulus(r_min=0.2, r_max=0.5, height=0.3)

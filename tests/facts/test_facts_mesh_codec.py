@@ -11,7 +11,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from urdfcheck.facts.mesh_codec import STEPS, pack, unpack, wide
+from urdfcheck.facts.mesh.codec import STEPS, pack, unpack, wide
 
 NO_HOLES = np.zeros((0, 2, 3))
 

@@ -12,9 +12,10 @@ import pytest
 import trimesh
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts import mesh_gltf, mesh_limits
-from urdfcheck.facts.mesh_decode import RawMesh, decode
-from urdfcheck.facts.mesh_limits import MeshError
+from urdfcheck.facts.mesh import decode_limits as mesh_limits
+from urdfcheck.facts.mesh import gltf as mesh_gltf
+from urdfcheck.facts.mesh.decode import RawMesh, decode
+from urdfcheck.facts.mesh.decode_limits import MeshError
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 Json = dict[str, Any]

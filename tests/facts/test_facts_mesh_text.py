@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from urdfcheck.facts.mesh_text import BadToken, Text
+from urdfcheck.facts.mesh.number_text import BadToken, Text
 
 
 def read(*tokens: str) -> list[float]:

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from urdfcheck.facts import mesh_topology
-from urdfcheck.facts.mesh_topology import component_sizes, meets, repeated_faces, weld_exact
+from urdfcheck.facts.mesh import topology as mesh_topology
+from urdfcheck.facts.mesh.topology import component_sizes, meets, repeated_faces, weld_exact
 
 # Few different numbers, so that corners and faces do coincide; -0 equals 0.
 coordinates = st.sampled_from((0.0, -0.0, 1.0, -1.0, 0.5, 1e-30, 3.0))

@@ -11,10 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.diagnosis import Declared
-from urdfcheck.facts.inertia import box_solid, combine, inertia_of, placed
-from urdfcheck.facts.kinematics import motions, rpy_to_matrix, transform
-from urdfcheck.facts.mirror import (
+from urdfcheck.facts.inertials.diagnosis import Declared
+from urdfcheck.facts.inertials.inertia_tensor import box_solid, combine, inertia_of, placed
+from urdfcheck.facts.likeness.mirror import (
     Outline,
     Plane,
     deviation,
@@ -24,6 +23,7 @@ from urdfcheck.facts.mirror import (
     principal_deviation,
     wrong_signs,
 )
+from urdfcheck.facts.motion.kinematics import motions, rpy_to_matrix, transform
 
 LEFT_RIGHT = Plane(np.array((0.0, 1.0, 0.0)), 0.0)
 AXES = tuple(np.eye(3)[[1, 0, 2]])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from urdfcheck.facts.placeholders import is_round, placeholder
+from urdfcheck.facts.inertials.placeholders import is_round, placeholder
 
 
 @pytest.mark.parametrize(

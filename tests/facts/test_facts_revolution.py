@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from urdfcheck.facts.inertia import box_solid, cylinder_solid, sphere_solid
-from urdfcheck.facts.kinematics import rpy_to_matrix
-from urdfcheck.facts.revolution import angle_of_lines, axis_of_revolution, outline
+from urdfcheck.facts.inertials.inertia_tensor import box_solid, cylinder_solid, sphere_solid
+from urdfcheck.facts.likeness.revolution import angle_of_lines, axis_of_revolution, outline
+from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 Array = NDArray[np.float64]
 RANDOM = np.random.default_rng(15)

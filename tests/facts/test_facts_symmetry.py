@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.kinematics import rpy_to_matrix
-from urdfcheck.facts.symmetry import OddOne, group_by_signature, odd_one_out, signature, suspects
+from urdfcheck.facts.likeness.symmetry import OddOne, group_by_signature, odd_one_out, signature, suspects
+from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 # Four wheels of a car as typed in its joints: xyz, rpy, axis. The right ones face the other way round, so that their
 # axes agree with the left ones' in the base; one π has five digits. The first is turned about its own axis.

@@ -49,7 +49,7 @@ Target = tuple[Callable[[bytes], None], list[bytes]]
 
 
 def _mesh(name: str) -> Target:
-    from urdfcheck.facts.mesh import MeshError, mesh_facts
+    from urdfcheck.facts.mesh.measure import MeshError, mesh_facts
 
     def target(data: bytes) -> None:
         try:
@@ -64,7 +64,7 @@ def _mesh(name: str) -> Target:
 
 
 def _xml(_name: str) -> Target:
-    from urdfcheck.source.xml import SourceFile, XmlError, parse
+    from urdfcheck.source.text.xml import SourceFile, XmlError, parse
 
     with tempfile.NamedTemporaryFile(delete=False) as file:
         path = Path(file.name)
@@ -87,10 +87,10 @@ def _xml(_name: str) -> Target:
 
 
 def _expression(_name: str) -> Target:
-    import urdfcheck.source.xacro  # noqa: F401 - else imported too late to be instrumented
+    import urdfcheck.source.xacro.expand  # noqa: F401 - else imported too late to be instrumented
     from urdfcheck.source.load import load
-    from urdfcheck.source.packages import PackageFinder
-    from urdfcheck.source.xml import quoted
+    from urdfcheck.source.package.finder import PackageFinder
+    from urdfcheck.source.text.xml import quoted
 
     folder = Path(tempfile.mkdtemp(prefix="urdfcheck-atheris-"))
     path = folder / "a.urdf.xacro"

@@ -25,16 +25,17 @@ from xml.parsers import expat
 from fuzz.cases import SECRET, Case
 from jsonschema import Draft202012Validator
 
-from urdfcheck import catalogue, sandbox
+from urdfcheck import rules as catalogue
 from urdfcheck.cli import FINDINGS, NOTHING, OK, exit_code
 from urdfcheck.core import Run, Severity
-from urdfcheck.engine import Request, run
-from urdfcheck.errors import TimeUp
-from urdfcheck.facts.mesh_decode import MeshError, decode
-from urdfcheck.limits import Limits
+from urdfcheck.core.errors import TimeUp
+from urdfcheck.facts.mesh.decode import MeshError, decode
 from urdfcheck.output import html, text
 from urdfcheck.output.json import render as render_json
-from urdfcheck.worker import audit
+from urdfcheck.policy.limits import Limits
+from urdfcheck.run.audit import audit
+from urdfcheck.run.pipeline import Request, run
+from urdfcheck.system import sandbox
 
 # An input is small: the slowest sound one takes a twentieth of this. In MiB what it may add to the process.
 SECONDS, MEMORY = 10.0, 600
@@ -335,7 +336,7 @@ def _pinocchio(data: bytes, outcome: Run) -> str | None:
         return None
     import pinocchio
 
-    from urdfcheck.model.dynamics import captured_stderr
+    from urdfcheck.model.motion.pinocchio_model import captured_stderr
 
     with captured_stderr():
         try:

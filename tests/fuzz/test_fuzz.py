@@ -17,8 +17,9 @@ from fuzz.oracle import Verdict, judge
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from urdfcheck import catalogue, worker
+from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding
+from urdfcheck.run import audit as worker
 
 pytest.importorskip("pinocchio")
 

@@ -16,17 +16,11 @@ from urdfcheck.core import (
     ModelInfo,
     Rule,
     Run,
-    Scene,
-    SceneFrame,
-    SceneInertia,
-    SceneJoint,
-    SceneLink,
-    SceneMesh,
-    SceneShape,
     Severity,
     Skip,
     Span,
 )
+from urdfcheck.core.scene import Scene, SceneFrame, SceneInertia, SceneJoint, SceneLink, SceneMesh, SceneShape
 
 SOURCE = """\
 <robot name="rover">

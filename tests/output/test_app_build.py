@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from conftest import unproven
 
-from urdfcheck.facts.mesh_codec import pack, unpack, wide
+from urdfcheck.facts.mesh.codec import pack, unpack, wide
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "report-ui"

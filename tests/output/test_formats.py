@@ -24,23 +24,13 @@ from markdown_it import MarkdownIt
 from markdown_it.token import Token
 from output.runs import FILE, MODEL, SOURCE, a_run, chain, finding, info, rule, scene, span, span_of, star
 
-from urdfcheck.cli import job_summary as job
+from urdfcheck.cli.commands import job_summary as job
 from urdfcheck.cli.options import output_files
-from urdfcheck.core import (
-    Applicability,
-    Cause,
-    Edit,
-    Fix,
-    Location,
-    Run,
-    Severity,
-    Skip,
-    Suppression,
-    UrdfcheckError,
-)
-from urdfcheck.output import FORMATS, inert, render
+from urdfcheck.core import Applicability, Cause, Edit, Fix, Location, Run, Severity, Skip, Suppression, UrdfcheckError
+from urdfcheck.output import FORMATS, render
 from urdfcheck.output.markdown import COMMENT, MARKER, job_summary
 from urdfcheck.output.mermaid import MOST_CHARACTERS, MOST_EDGES, chart, label
+from urdfcheck.output.shared import inert
 
 # -- validators --------------------------------------------------------------------------------------------------------
 

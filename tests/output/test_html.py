@@ -15,25 +15,13 @@ import pytest
 from output.documents import Document, read
 from output.runs import FILE, SOURCE, a_run, chain, finding, info, joint, link, rule, scene, span, span_of, star
 
-from urdfcheck.core import (
-    Applicability,
-    Edit,
-    Finding,
-    Fix,
-    Location,
-    Run,
-    Scene,
-    SceneFrame,
-    Severity,
-    Skip,
-    Span,
-    Suppression,
-)
+from urdfcheck.core import Applicability, Edit, Finding, Fix, Location, Run, Severity, Skip, Span, Suppression
+from urdfcheck.core.scene import Scene, SceneFrame
 from urdfcheck.output.html import render
 from urdfcheck.output.html.code import code_frame, diff
-from urdfcheck.output.html.graph import forest
+from urdfcheck.output.html.svg.tree import BOX, WIDEST, layout
 from urdfcheck.output.html.text import esc, gist, markdown, millimetres, number, scaled
-from urdfcheck.output.html.tree import BOX, WIDEST, layout
+from urdfcheck.output.shared.graph import forest
 
 HOSTILE = "<script>alert(1)</script>\"' onload=x & \u202egnp.\x1b[31m"
 

@@ -9,14 +9,14 @@ import pytest
 from output.documents import read
 from output.runs import a_run, finding, info, scene
 
-from urdfcheck import catalogue
+from urdfcheck import rules as catalogue
 from urdfcheck.cli import terminal
 from urdfcheck.cli.options import names_folder
 from urdfcheck.cli.terminal import write_report
 from urdfcheck.core import Severity
 from urdfcheck.output.html import file_names, pages
 from urdfcheck.output.html.index import page
-from urdfcheck.output.lines import Row, Summary
+from urdfcheck.output.shared.lines import Row, Summary
 
 
 def row(name: str, errors: int, status: str = "checked", *more: str, mass: float | None = 2.0) -> Row:

@@ -14,11 +14,12 @@ from hypothesis import strategies as st
 from output.runs import SOURCE, a_run, finding, info, span_of
 
 from urdfcheck.core import Location
-from urdfcheck.output import FORMATS, inert, render
+from urdfcheck.export.link_pairs import LinkPair, LinkPairs
+from urdfcheck.export.link_pairs import render as srdf
+from urdfcheck.output import FORMATS, render
 from urdfcheck.output import text as report
-from urdfcheck.source.xml import quoted
-from urdfcheck.srdf import LinkPair, LinkPairs
-from urdfcheck.srdf import render as srdf
+from urdfcheck.output.shared import inert
+from urdfcheck.source.text.xml import quoted
 
 COMMAND = re.compile(r"^\s*::|##\w*\[", re.MULTILINE)
 ACTING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]")

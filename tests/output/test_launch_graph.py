@@ -11,10 +11,11 @@ import pytest
 from output.documents import read
 from output.runs import finding, scene, span_of
 
-from urdfcheck.core import Location, SceneLaunch, SceneNode, SceneParameter, ScenePort, Severity, Span, Suppression
-from urdfcheck.output.html.anchors import cards
-from urdfcheck.output.html.launch import MOST_BOXES, MOST_LINES, launch_html
-from urdfcheck.output.html.layers import COLUMN_GAP, layered
+from urdfcheck.core import Location, Severity, Span, Suppression
+from urdfcheck.core.scene import SceneLaunch, SceneNode, SceneParameter, ScenePort
+from urdfcheck.output.html.svg.launch import MOST_BOXES, MOST_LINES, launch_html
+from urdfcheck.output.html.svg.layers import COLUMN_GAP, layered
+from urdfcheck.output.shared.anchors import cards
 
 TAG = span_of('<link name="wheel">')
 

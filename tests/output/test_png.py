@@ -16,8 +16,9 @@ from output.runs import IDENTITY, a_run, info, link, scene
 
 from urdfcheck.cli.options import output_files
 from urdfcheck.cli.terminal import write_report
-from urdfcheck.core import Drawing, Scene, SceneMesh, SceneShape, UrdfcheckError
-from urdfcheck.facts.mesh_codec import pack
+from urdfcheck.core import UrdfcheckError
+from urdfcheck.core.scene import Drawing, Scene, SceneMesh, SceneShape
+from urdfcheck.facts.mesh.codec import pack
 from urdfcheck.output import html, png
 from urdfcheck.output.png import render
 

@@ -8,7 +8,7 @@ import pytest
 from output.runs import span_of
 
 from urdfcheck.core import Span
-from urdfcheck.output.positions import Region, utf8, utf16
+from urdfcheck.output.shared.positions import Region, utf8, utf16
 
 FILE = "arm.urdf"
 # An é of one code point, one of a letter and a mark, and a robot beyond the first plane, before the word and in it.

@@ -18,12 +18,12 @@ import pytest
 from conftest import FIXTURES, check
 from output.runs import FILE, SOURCE, a_run, finding, info, rule, span_of
 
-from urdfcheck.baseline import Baseline
 from urdfcheck.core import Applicability, Edit, Fix, Location, Run, Skip, Span, Suppression
+from urdfcheck.fix.patch import Text
 from urdfcheck.output import sarif
 from urdfcheck.output.sarif import render
-from urdfcheck.patch import Text
-from urdfcheck.source.xml import SourceFile
+from urdfcheck.policy.baseline import Baseline
+from urdfcheck.source.text.xml import SourceFile
 
 SCHEMA = json.loads((Path(__file__).parent / "sarif-2.1.0.json").read_text(encoding="utf-8"))
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)

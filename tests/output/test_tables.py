@@ -8,7 +8,7 @@ import pytest
 from output.documents import Document, read
 from output.runs import IDENTITY, inertial, joint, link, scene
 
-from urdfcheck.core import Scene, SceneInertia, SceneMesh, SceneShape
+from urdfcheck.core.scene import Scene, SceneInertia, SceneMesh, SceneShape
 from urdfcheck.output.html.tables import joints_table, meshes_table, physics_table
 
 TURNED = (0.0, -1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)

@@ -13,8 +13,9 @@ import pytest
 from numpy.typing import NDArray
 from output.runs import IDENTITY, a_run, finding, inertial, info, joint, link, scene
 
-from urdfcheck.core import Drawing, Location, Scene, SceneInertia, SceneMesh, SceneShape
-from urdfcheck.facts.mesh_codec import pack, wide
+from urdfcheck.core import Location
+from urdfcheck.core.scene import Drawing, Scene, SceneInertia, SceneMesh, SceneShape
+from urdfcheck.facts.mesh.codec import pack, wide
 from urdfcheck.output.html import render
 
 Matrix = NDArray[np.float64]

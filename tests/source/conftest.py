@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 
 from urdfcheck.core import Span
-from urdfcheck.source.packages import PackageFinder
-from urdfcheck.source.problems import Problem
-from urdfcheck.source.xacro import Expansion, expand
-from urdfcheck.source.xml import Attribute, Element
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.source.xacro.expand import Expansion, expand
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from urdfcheck.source.expressions import Refused, compiled, names_in
+from urdfcheck.source.xacro.expressions import Refused, compiled, names_in
 
 Expand = Callable[..., Any]
 

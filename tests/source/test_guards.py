@@ -11,8 +11,8 @@ import xacro
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from urdfcheck.source.expressions import Refused, compiled
-from urdfcheck.source.guards import Guards
+from urdfcheck.source.xacro.expressions import Refused, compiled
+from urdfcheck.source.xacro.guards import Guards
 
 NAMES: dict[str, Any] = {
     "n": 3,

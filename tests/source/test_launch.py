@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.source import launch_python
-from urdfcheck.source.launch import Description, Launch, Obstacle, is_included, load_launch
-from urdfcheck.source.launch_python import read_python
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.launch import python_launch_file as launch_python
+from urdfcheck.source.launch.launch_file import Description, Launch, Obstacle, is_included, load_launch
+from urdfcheck.source.launch.python_launch_file import read_python
+from urdfcheck.source.package.finder import PackageFinder
 
 
 @pytest.fixture

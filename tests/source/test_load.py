@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 from conftest import FIXTURES
 
-from urdfcheck.files import recorded
 from urdfcheck.source.discover import plan
-from urdfcheck.source.launch import load_launch
-from urdfcheck.source.launch_python import read_python
+from urdfcheck.source.launch.launch_file import load_launch
+from urdfcheck.source.launch.python_launch_file import read_python
 from urdfcheck.source.load import Source, load
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.system.files import recorded
 
 XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.source.controllers import read_configuration
-from urdfcheck.source.joint_limits import read_joint_limits
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.reach import Reach
-from urdfcheck.source.xml import SourceFile
-from urdfcheck.source.yaml import MAX_CHARACTERS, Value, YamlProblem, located_yaml, problem_in
+from urdfcheck.source.ros.controllers import read_configuration
+from urdfcheck.source.ros.joint_limits import read_joint_limits
+from urdfcheck.source.text.xml import SourceFile
+from urdfcheck.source.text.yaml import MAX_CHARACTERS, Value, YamlProblem, located_yaml, problem_in
 
 TEXT = """\
 # é🤖: what stands before a value does not move it

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.core import SceneLaunch, SceneNode
-from urdfcheck.source.launch import load_launch
-from urdfcheck.source.nodes import launch_scene
-from urdfcheck.source.packages import PackageFinder
-from urdfcheck.source.started import MOST, MOST_NAMES
+from urdfcheck.core.scene import SceneLaunch, SceneNode
+from urdfcheck.source.launch.launch_file import load_launch
+from urdfcheck.source.launch.node_graph import launch_scene
+from urdfcheck.source.launch.nodes_xml import MOST, MOST_NAMES
+from urdfcheck.source.package.finder import PackageFinder
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.source.packages import PackageFinder, display_name, load_package
+from urdfcheck.source.package.finder import PackageFinder, display_name, load_package
 
 
 def make(folder: Path, name: str | None = None) -> Path:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from conftest import check, check_text
 
-from urdfcheck.source.packages import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.reach import Reach, home_of
 
 BOX = '<robot name="r"><link name="l"><visual><geometry><mesh filename="{}"/></geometry></visual></link></robot>'
@@ -173,8 +173,8 @@ class TestModels:
 
 class TestConfiguration:
     def test_of_a_stranger_cannot_widen_the_reach(self, tmp_path: Path) -> None:
-        from urdfcheck import config
         from urdfcheck.core import UrdfcheckError
+        from urdfcheck.policy import config
 
         (tmp_path / "repository" / ".git").mkdir(parents=True)
         (tmp_path / "elsewhere").mkdir()

@@ -9,8 +9,8 @@ import pytest
 
 from urdfcheck.source.discover import plan
 from urdfcheck.source.load import load
-from urdfcheck.source.packages import PackageFinder
-from urdfcheck.source.srdf import Srdf, load_srdf, srdfs_of
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.ros.srdf import Srdf, load_srdf, srdfs_of
 
 URDF = '<robot name="arm"><link name="base"/></robot>'
 SRDF = '<robot name="arm"><disable_collisions link1="a" link2="b" reason="Never"/></robot>'

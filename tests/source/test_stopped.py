@@ -8,13 +8,14 @@ from typing import Any
 
 import pytest
 
-from urdfcheck.errors import TimeUp
-from urdfcheck.source import guards, xacro
-from urdfcheck.source.packages import PackageFinder
-from urdfcheck.source.parameters import next_parameter
-from urdfcheck.source.problems import Problem
+from urdfcheck.core.errors import TimeUp
+from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.reach import Reach
-from urdfcheck.source.xacro import expand
+from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.xacro import expand as xacro
+from urdfcheck.source.xacro import guards
+from urdfcheck.source.xacro.expand import expand
+from urdfcheck.source.xacro.macro_parameters import next_parameter
 
 Expand = Callable[..., Any]
 

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from conftest import FIXTURES
 
-from urdfcheck.source.packages import PackageFinder
-from urdfcheck.source.xacro import Expansion, expand
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.xacro.expand import Expansion, expand
 
 Expand = Callable[..., Any]
 LikePlain = Callable[..., None]

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from urdfcheck.core import Span
-from urdfcheck.files import read_regular
-from urdfcheck.source import xml
-from urdfcheck.source.xml import MAX_DEPTH, Attribute, Element, SourceFile, XmlError, parse, unbound_prefix
+from urdfcheck.source.text import xml
+from urdfcheck.source.text.xml import MAX_DEPTH, Attribute, Element, SourceFile, XmlError, parse, unbound_prefix
+from urdfcheck.system.files import read_regular
 
 FILE = Path("robot.urdf")
 

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 import yaml
 
-from urdfcheck.source.xml import Definition, SourceFile
-from urdfcheck.source.yaml import MAX_CHARACTERS, read_yaml
+from urdfcheck.source.text.xml import Definition, SourceFile
+from urdfcheck.source.text.yaml import MAX_CHARACTERS, read_yaml
 
 Expand = Callable[..., Any]
 

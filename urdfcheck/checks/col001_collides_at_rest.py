@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.collisions import Contact, Pair, ensure_all_read, geometry_of
-from urdfcheck.model.drawing import rounded_off
-from urdfcheck.model.names import listed
-from urdfcheck.model.upright import Lying, lying
+from urdfcheck.model.ground.up_axis import Lying, lying
+from urdfcheck.model.motion.collisions import Contact, Pair, ensure_all_read, geometry_of
+from urdfcheck.model.shapes.mesh_marks import rounded_off
 
 
 def check(model: Model, rule: Rule, *, graze: float, always: float) -> Iterator[Finding]:

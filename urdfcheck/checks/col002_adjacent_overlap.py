@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.collisions import Contact, Pair, ensure_all_read, geometry_of
-from urdfcheck.model.names import listed
+from urdfcheck.model.motion.collisions import Contact, Pair, ensure_all_read, geometry_of
 
 
 def check(model: Model, rule: Rule, *, always: float) -> Iterator[Finding]:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from urdfcheck.core import Applicability, Finding, Rule, Severity
+from urdfcheck.core.text import SLIP, hint, listed, only_near
 from urdfcheck.model import Model
-from urdfcheck.model.collisions import Pair as Contacting
-from urdfcheck.model.collisions import ensure_all_read
-from urdfcheck.model.moveit import judged
-from urdfcheck.model.names import SLIP, hint, listed, only_near
-from urdfcheck.source.srdf import Pair, Srdf
-from urdfcheck.source.words import removal, replacing
-from urdfcheck.source.xml import Attribute
+from urdfcheck.model.motion.collisions import Pair as Contacting
+from urdfcheck.model.motion.collisions import ensure_all_read
+from urdfcheck.model.motion.moveit_pairs import judged
+from urdfcheck.source.ros.srdf import Pair, Srdf
+from urdfcheck.source.text.tokens import removal, replacing
+from urdfcheck.source.text.xml import Attribute
 
 # What Setup Assistant writes; of any other word the author knows why.
 REASONS = ("Never", "Default", "Always", "Adjacent")

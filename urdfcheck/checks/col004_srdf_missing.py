@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.collisions import ensure_all_read
-from urdfcheck.model.moveit import Judged, depth_by_default, judged, moved_links
-from urdfcheck.model.names import listed
+from urdfcheck.model.motion.collisions import ensure_all_read
+from urdfcheck.model.motion.moveit_pairs import Judged, depth_by_default, judged, moved_links
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Location, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.collisions import Reach, ensure_all_read, reaches
-from urdfcheck.model.names import listed
+from urdfcheck.model.motion.collisions import Reach, ensure_all_read, reaches
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import SLIP, hint, listed, only_near
 from urdfcheck.model import Model
-from urdfcheck.model.names import SLIP, hint, listed, only_near
-from urdfcheck.source.words import replacing
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.tokens import replacing
+from urdfcheck.source.text.xml import Attribute
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.names import listed
 from urdfcheck.model.parts import Joint
 
 _DRIVABLE = frozenset({"revolute", "continuous", "prismatic"})

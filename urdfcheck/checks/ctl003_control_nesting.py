@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.words import content_of
-from urdfcheck.source.xml import Element
+from urdfcheck.source.text.tokens import content_of
+from urdfcheck.source.text.xml import Element
 
 # The interfaces of joints in the package hardware_interface of ros_control.
 INTERFACES = (

@@ -6,8 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Finding, Located, Location, Rule, Severity
+from urdfcheck.core.text import hint, listed, nearest, only_near
 from urdfcheck.model import Model
-from urdfcheck.model.control import (
+from urdfcheck.model.likeness.sibling_robots import Elsewhere
+from urdfcheck.model.motion.controllers import (
     Associated,
     command_interfaces,
     configurations,
@@ -17,12 +19,10 @@ from urdfcheck.model.control import (
     separations,
     sides,
 )
-from urdfcheck.model.elsewhere import Elsewhere
-from urdfcheck.model.names import hint, listed, nearest, only_near
-from urdfcheck.source.controllers import Controller
-from urdfcheck.source.launch import Launch
-from urdfcheck.source.packages import display_name
-from urdfcheck.source.yaml import Value, problem_in
+from urdfcheck.source.launch.launch_file import Launch
+from urdfcheck.source.package.finder import display_name
+from urdfcheck.source.ros.controllers import Controller
+from urdfcheck.source.text.yaml import Value, problem_in
 
 # Each suggestion looks at all names.
 MOST_HINTS = 100

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.loads import mobility
+from urdfcheck.model.motion.joint_loads import mobility
 
 
 def check(model: Model, rule: Rule, *, limit: float) -> Iterator[Finding]:

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.loads import Overload, overloads
-from urdfcheck.model.names import listed
+from urdfcheck.model.motion.joint_loads import Overload, overloads
 
 
 def check(model: Model, rule: Rule, *, rare: float, far: float) -> Iterator[Finding]:

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.loads import damping, implicit, mobility
-from urdfcheck.model.names import listed
+from urdfcheck.model.motion.joint_loads import damping, implicit, mobility
 from urdfcheck.model.parts import Joint
 
 

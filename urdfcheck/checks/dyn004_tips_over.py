@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.facts.contact import SLACK, Fall, Stand, fall, stand
+from urdfcheck.core.text import listed
+from urdfcheck.facts.motion.contact import SLACK, Fall, Stand, fall, stand
 from urdfcheck.model import Model
-from urdfcheck.model.names import listed
-from urdfcheck.model.standing import LEG, Mass, contacts, corners, is_free, masses
-from urdfcheck.model.wheels import is_suspended
+from urdfcheck.model.ground.support_polygon import LEG, Mass, contacts, corners, is_free, masses
+from urdfcheck.model.ground.wheels import is_suspended
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

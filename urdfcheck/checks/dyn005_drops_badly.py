@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Finding, Located, Rule
-from urdfcheck.drop import LATER, STEP, Drop, Release
+from urdfcheck.core.drop_test import LATER, STEP, Drop, Release
 from urdfcheck.model import Model
 
 # Contacts that are as deep as the deepest but for rounding: of these the first one is told.

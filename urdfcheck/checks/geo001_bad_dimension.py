@@ -7,8 +7,8 @@ from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.model import Model, Shape
-from urdfcheck.source.values import numbers
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.values import numbers
+from urdfcheck.source.text.xml import Attribute
 
 # The attributes that hold dimensions, with what each of their numbers is called.
 _DIMENSIONS: Mapping[str, Mapping[str, tuple[str, ...]]] = {

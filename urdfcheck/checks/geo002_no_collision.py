@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import listed
 from urdfcheck.model import Link, Model
-from urdfcheck.model.body import Body, bodies
-from urdfcheck.model.bounds import bounds, is_token
-from urdfcheck.model.names import listed
+from urdfcheck.model.rigid_bodies import Body, bodies
+from urdfcheck.model.shapes.bounds import bounds, is_token
 
 
 def check(model: Model, rule: Rule, *, sheltered: float, majority: float) -> Iterator[Finding]:

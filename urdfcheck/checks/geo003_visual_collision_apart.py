@@ -11,8 +11,8 @@ import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule
 from urdfcheck.model import Link, Model
-from urdfcheck.model.body import bodies
-from urdfcheck.model.bounds import bounds, is_token
+from urdfcheck.model.rigid_bodies import bodies
+from urdfcheck.model.shapes.bounds import bounds, is_token
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

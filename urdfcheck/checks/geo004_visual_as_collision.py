@@ -7,8 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.facts.inertia import Solid, equivalent_box, equivalent_cylinder, inertia_of, principal_moments
-from urdfcheck.facts.mesh import transformed_moments
+from urdfcheck.facts.inertials.inertia_tensor import (
+    Solid,
+    equivalent_box,
+    equivalent_cylinder,
+    inertia_of,
+    principal_moments,
+)
+from urdfcheck.facts.mesh.measure import transformed_moments
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 

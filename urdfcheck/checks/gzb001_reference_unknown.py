@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import SLIP, hint, listed, only_near
 from urdfcheck.model import Model
-from urdfcheck.model.names import SLIP, hint, listed, only_near
-from urdfcheck.source.words import replacing
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.tokens import replacing
+from urdfcheck.source.text.xml import Attribute
 
 # What is left of ``${side}`` when its dollar sign is lost; with it, it is XML that nothing has expanded.
 _TEMPLATE = re.compile(r"(?<!\$)\{[^{}]*\}")

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.names import listed
-from urdfcheck.source.words import content_of, replacing
-from urdfcheck.source.xml import Attribute, Element
+from urdfcheck.source.text.tokens import content_of, replacing
+from urdfcheck.source.text.xml import Attribute, Element
 
 # Libraries of gazebo_ros_pkgs, gazebo_ros2_control, gazebo_ros_control and hector_gazebo: all are built for Classic.
 _CLASSIC = re.compile(r"^(?:lib)?(gazebo_ros\w*|hector_gazebo_ros\w*)(?:\.so)?$")

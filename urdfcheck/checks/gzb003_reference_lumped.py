@@ -7,11 +7,19 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.core.text import listed
 from urdfcheck.model import Joint, Link, Model
-from urdfcheck.model.names import listed
-from urdfcheck.model.reduction import PRESERVE, Merged, Reduction, is_merged, is_true, preserved, reduced
-from urdfcheck.source.words import replacing
-from urdfcheck.source.xml import Attribute, Element
+from urdfcheck.model.inertials.fixed_joint_lumping import (
+    PRESERVE,
+    Merged,
+    Reduction,
+    is_merged,
+    is_true,
+    preserved,
+    reduced,
+)
+from urdfcheck.source.text.tokens import replacing
+from urdfcheck.source.text.xml import Attribute, Element
 
 # What sdformat writes into each collision, and into each visual, of the link that a block names.
 _COLLISION = frozenset({

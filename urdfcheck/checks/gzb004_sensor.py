@@ -7,12 +7,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity, Unavailable
+from urdfcheck.core.text import hint, listed, nearest, only_near, words
 from urdfcheck.model import Model
-from urdfcheck.model.names import hint, listed, nearest, only_near, words
-from urdfcheck.model.reduction import Reduction, reduced
-from urdfcheck.source.values import number
-from urdfcheck.source.words import content_of, replacing
-from urdfcheck.source.xml import Element
+from urdfcheck.model.inertials.fixed_joint_lumping import Reduction, reduced
+from urdfcheck.source.text.tokens import content_of, replacing
+from urdfcheck.source.text.values import number
+from urdfcheck.source.text.xml import Element
 
 # Sensor::Load of sdformat 12 to 15, and what only Gazebo Classic has.
 _TYPES = frozenset({

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.files import read_regular, walk
-from urdfcheck.model.names import hint, nearest, only_near
-from urdfcheck.source.packages import BUILT, Package, PackageFinder
-from urdfcheck.source.yaml import Value, YamlProblem, read_located
+from urdfcheck.core.text import hint, nearest, only_near
+from urdfcheck.source.package.finder import BUILT, Package, PackageFinder
+from urdfcheck.source.text.yaml import Value, YamlProblem, read_located
+from urdfcheck.system.files import read_regular, walk
 
 # ROS type and type of Gazebo Transport, as ros_gz_bridge lists them in its README (rolling, 2026).
 _BRIDGED = """

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import listed
 from urdfcheck.model import Link, Model
-from urdfcheck.model.body import Body, bodies
-from urdfcheck.model.names import listed
+from urdfcheck.model.rigid_bodies import Body, bodies
 
 # What MuJoCo does with a body that has no mass, and what Pinocchio and Drake do where it has to hold something, or nothing.
 INFERS = "replaces what is missing by mass and inertia of the collision geometry at 1000 kg/m³"

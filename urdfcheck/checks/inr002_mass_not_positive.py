@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Located, Rule, Severity, Unavailable
 from urdfcheck.model import Link, Model
-from urdfcheck.model.body import body_mass
+from urdfcheck.model.rigid_bodies import body_mass
 
 # MuJoCo's mjMINVAL: what a consumer takes for zero.
 ZERO = 1e-15

@@ -6,14 +6,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.facts.inertia import Rounding, digits_needed, principal_moments, triangle_excess
+from urdfcheck.core.merging import alike
+from urdfcheck.core.text import listed
+from urdfcheck.facts.inertials.inertia_tensor import Rounding, digits_needed, principal_moments, triangle_excess
 from urdfcheck.model import Link, Model
-from urdfcheck.model.alike import alike
-from urdfcheck.model.body import is_point, whole_of
-from urdfcheck.model.mending import proposal
-from urdfcheck.model.names import listed
 from urdfcheck.model.parts import TENSOR
-from urdfcheck.source.xml import Element
+from urdfcheck.model.repairs.inertial_edits import proposal
+from urdfcheck.model.rigid_bodies import is_point, whole_of
+from urdfcheck.source.text.xml import Element
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:

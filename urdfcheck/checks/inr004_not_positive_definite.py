@@ -6,12 +6,12 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Located, Rule, Severity
-from urdfcheck.facts.inertia import Rounding, digits_needed, principal_moments, tensor, triangle_excess
+from urdfcheck.core.text import listed
+from urdfcheck.facts.inertials.inertia_tensor import Rounding, digits_needed, principal_moments, tensor, triangle_excess
 from urdfcheck.model import Inertial, Link, Model
-from urdfcheck.model.body import body_tensor, is_point, whole_of
-from urdfcheck.model.mending import Proposal, proposal
-from urdfcheck.model.names import listed
 from urdfcheck.model.parts import TENSOR
+from urdfcheck.model.repairs.inertial_edits import Proposal, proposal
+from urdfcheck.model.rigid_bodies import body_tensor, is_point, whole_of
 
 DIAGONAL = (0, 3, 5)
 PRODUCTS = {1: (0, 3), 2: (0, 5), 4: (3, 5)}

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.facts.hulls import outside, reach, spread_ratios
-from urdfcheck.facts.inertia import half_units
-from urdfcheck.facts.placeholders import placeholder
+from urdfcheck.core.merging import alike
+from urdfcheck.facts.inertials.hull_bounds import outside, reach, spread_ratios
+from urdfcheck.facts.inertials.inertia_tensor import half_units
+from urdfcheck.facts.inertials.placeholders import placeholder
 from urdfcheck.model import Model
-from urdfcheck.model.alike import alike
-from urdfcheck.model.drawn import draws
-from urdfcheck.model.enclosed import LITTLE, Enclosed
-from urdfcheck.model.mending import from_geometry
+from urdfcheck.model.inertials.inertial_hull import LITTLE, Enclosed
 from urdfcheck.model.parts import TENSOR
+from urdfcheck.model.repairs.inertial_edits import from_geometry
+from urdfcheck.model.shapes.visual_solid import draws
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

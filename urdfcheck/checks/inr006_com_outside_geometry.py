@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule
-from urdfcheck.facts.diagnosis import Declared
-from urdfcheck.facts.hulls import outside, reach
+from urdfcheck.facts.inertials.diagnosis import Declared
+from urdfcheck.facts.inertials.hull_bounds import outside, reach
 from urdfcheck.model import Model
-from urdfcheck.model.drawn import draws, follows_unit, geometry
-from urdfcheck.model.enclosed import LITTLE, Enclosed
-from urdfcheck.model.mending import Mending, mending
+from urdfcheck.model.inertials.inertial_hull import LITTLE, Enclosed
+from urdfcheck.model.repairs.inertial_edits import Mending, mending
+from urdfcheck.model.shapes.visual_solid import draws, follows_unit, geometry
 
 # A coordinate has the wrong sign when the other one brings the centre of mass this near to the drawn part's own, as a part of
 # its size; a motor at one end of a link moves it by as much.

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 
 from urdfcheck.core import Edit, Finding, Located, Rule, Span
-from urdfcheck.facts.inertia import inertia_of
-from urdfcheck.facts.placeholders import is_round, placeholder
+from urdfcheck.core.text import listed
+from urdfcheck.facts.inertials.inertia_tensor import inertia_of
+from urdfcheck.facts.inertials.placeholders import is_round, placeholder
 from urdfcheck.model import Link, Model
-from urdfcheck.model.body import bodies
-from urdfcheck.model.drawn import draws, follows_unit, geometry
-from urdfcheck.model.enclosed import LITTLE, body_shares, is_frame
-from urdfcheck.model.mending import from_geometry
-from urdfcheck.model.names import listed
+from urdfcheck.model.inertials.inertial_hull import LITTLE, body_shares, is_frame
 from urdfcheck.model.parts import Inertial
+from urdfcheck.model.repairs.inertial_edits import from_geometry
+from urdfcheck.model.rigid_bodies import bodies
+from urdfcheck.model.shapes.visual_solid import draws, follows_unit, geometry
 
 # Masses are compared with what is drawn where this many links have one.
 _FEWEST = 4

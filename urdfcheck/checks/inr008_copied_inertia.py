@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule
-from urdfcheck.facts.diagnosis import Geometry
-from urdfcheck.facts.inertia import covariance_of
-from urdfcheck.facts.placeholders import placeholder
+from urdfcheck.core.text import listed
+from urdfcheck.facts.inertials.diagnosis import Geometry
+from urdfcheck.facts.inertials.inertia_tensor import covariance_of
+from urdfcheck.facts.inertials.placeholders import placeholder
 from urdfcheck.model import Link, Model
-from urdfcheck.model.body import is_point
-from urdfcheck.model.drawn import draws, follows_unit, geometry
-from urdfcheck.model.names import listed
 from urdfcheck.model.parts import Inertial
+from urdfcheck.model.rigid_bodies import is_point
+from urdfcheck.model.shapes.visual_solid import draws, follows_unit, geometry
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,23 +8,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Confidence, Finding, Located, Rule, Severity, Unavailable
-from urdfcheck.facts.diagnosis import EXACT
-from urdfcheck.facts.inertia import half_units, inertia_of, principal_moments, validity
+from urdfcheck.core.merging import alike
+from urdfcheck.core.text import listed
+from urdfcheck.facts.inertials.diagnosis import EXACT
+from urdfcheck.facts.inertials.inertia_tensor import half_units, inertia_of, principal_moments, validity
 from urdfcheck.model import Link, Model
-from urdfcheck.model.alike import alike
-from urdfcheck.model.body import body_mass
-from urdfcheck.model.diagnoses import Judged
-from urdfcheck.model.drawn import geometry
-from urdfcheck.model.mending import Mending, from_geometry, undone
-from urdfcheck.model.names import listed
+from urdfcheck.model.inertials.inertia_diagnosis import Judged
+from urdfcheck.model.inertials.mirrored_inertials import contradicted
 from urdfcheck.model.parts import TENSOR
-from urdfcheck.model.twin_inertials import contradicted
-from urdfcheck.source.xml import Attribute
+from urdfcheck.model.repairs.inertial_edits import Mending, from_geometry, undone
+from urdfcheck.model.rigid_bodies import body_mass
+from urdfcheck.model.shapes.visual_solid import geometry
+from urdfcheck.source.text.xml import Attribute
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from urdfcheck.facts.diagnosis import Geometry
+    from urdfcheck.facts.inertials.diagnosis import Geometry
 
     Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ EITHER = frozenset({"other_mass", "one_piece"})
 NOTABLE, SIMILAR = 0.1, 1.33
 # What links may differ in that have one mistake: numbers and the repair that go beyond what the message measures.
 OF_EACH = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out")
-# What `urdfcheck.model.twins` knows better, because it compares the two sides' drawings.
+# What `urdfcheck.model.likeness.mirror_pairs` knows better, because it compares the two sides' drawings.
 MIRRORED = frozenset({"unmirrored"})
 
 

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule
-from urdfcheck.facts.hulls import reach
-from urdfcheck.facts.materials import DENSEST, in_words, mass_unit
-from urdfcheck.facts.mesh import hull_of
-from urdfcheck.facts.placeholders import is_round
+from urdfcheck.facts.inertials.hull_bounds import reach
+from urdfcheck.facts.inertials.materials import DENSEST, in_words, mass_unit
+from urdfcheck.facts.inertials.placeholders import is_round
+from urdfcheck.facts.mesh.measure import hull_of
 from urdfcheck.model import Link, Model
-from urdfcheck.model.body import Body, bodies, body_mass
-from urdfcheck.model.drawn import body_points, draws, follows_unit, volume_of
-from urdfcheck.model.enclosed import LITTLE, Enclosed
+from urdfcheck.model.inertials.inertial_hull import LITTLE, Enclosed
+from urdfcheck.model.rigid_bodies import Body, bodies, body_mass
+from urdfcheck.model.shapes.visual_solid import body_points, draws, follows_unit, volume_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from urdfcheck.core import Finding, Rule, Unavailable
-from urdfcheck.facts.materials import DENSEST, LIGHTEST
+from urdfcheck.core.text import listed
+from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.body import bodies, body_mass
-from urdfcheck.model.drawn import volume_of
-from urdfcheck.model.names import listed
+from urdfcheck.model.rigid_bodies import bodies, body_mass
+from urdfcheck.model.shapes.visual_solid import volume_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Finding, Located, Rule
-from urdfcheck.facts.inertia import principal_moments, triangle_excess
+from urdfcheck.facts.inertials.inertia_tensor import principal_moments, triangle_excess
 from urdfcheck.model import Link, Model
-from urdfcheck.model.body import bodies, body_inertia
+from urdfcheck.model.rigid_bodies import bodies, body_inertia
 
 # MuJoCo's mjMINVAL, in kg and kg m², and what it says.
 LEAST = 1e-15

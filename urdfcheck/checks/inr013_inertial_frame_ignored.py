@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from urdfcheck.core import Edit, Finding, Located, Rule
-from urdfcheck.facts.inertia import principal_moments
+from urdfcheck.core.text import listed
+from urdfcheck.facts.inertials.inertia_tensor import principal_moments
 from urdfcheck.model import Inertial, Link, Model
-from urdfcheck.model.names import listed
 from urdfcheck.model.parts import TENSOR
 
 # A number that is written anew has the digits of a double, less the two that turning it costs.

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Applicability, Finding, Rule
-from urdfcheck.facts.inertia import principal_moments
-from urdfcheck.facts.literals import product_noise
+from urdfcheck.facts.inertials.inertia_tensor import principal_moments
+from urdfcheck.facts.likeness.typed_numbers import product_noise
 from urdfcheck.model import Link, Model
-from urdfcheck.model.body import is_point
-from urdfcheck.source.words import replacing
-from urdfcheck.source.xml import Attribute
+from urdfcheck.model.rigid_bodies import is_point
+from urdfcheck.source.text.tokens import replacing
+from urdfcheck.source.text.xml import Attribute
 
 PRODUCTS = {"ixy": 1, "ixz": 2, "iyz": 4}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Location, Rule
-from urdfcheck.facts.inertia import equivalent_density
+from urdfcheck.facts.inertials.inertia_tensor import equivalent_density
 from urdfcheck.model import Link, Model
 
 # kg/m³ of a part without a material -> the cause that names the programs.

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.xml import Attribute
 
 
 def check(model: Model, rule: Rule, *, tol: float, rounding: float) -> Iterator[Finding]:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.names import listed
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

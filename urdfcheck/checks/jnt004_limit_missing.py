@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.source.grammar import lacks
+from urdfcheck.source.text.grammar import lacks
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.names import listed
 from urdfcheck.model.parts import Joint
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.xml import Attribute
 
 # How people write that there is no limit: such a number alone is no sign of degrees.
 _PLACEHOLDERS = frozenset({1.0, 2.0, 5.0, 9.9, 9.99})

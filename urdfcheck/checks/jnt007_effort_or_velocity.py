@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.names import listed
 from urdfcheck.model.parts import Joint
-from urdfcheck.source.grammar import lacks
+from urdfcheck.source.text.grammar import lacks
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

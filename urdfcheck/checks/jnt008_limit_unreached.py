@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.names import listed
 from urdfcheck.model.parts import Joint
 
 # Nobody runs into this: a way to write that there is no limit.

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Located, Rule, Severity
+from urdfcheck.core.text import SLIP, hint, only_near
 from urdfcheck.model import Model
-from urdfcheck.model.names import SLIP, hint, only_near
 from urdfcheck.model.parts import Joint
-from urdfcheck.source.values import attribute_number
-from urdfcheck.source.words import replacing
-from urdfcheck.source.xml import Element
+from urdfcheck.source.text.tokens import replacing
+from urdfcheck.source.text.values import attribute_number
+from urdfcheck.source.text.xml import Element
 
 _BOUNDED = frozenset({"revolute", "prismatic"})
 

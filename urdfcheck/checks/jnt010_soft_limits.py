@@ -8,9 +8,9 @@ from typing import Any
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.model.parts import Joint
-from urdfcheck.source.grammar import lacks
-from urdfcheck.source.values import attribute_number
-from urdfcheck.source.xml import Element
+from urdfcheck.source.text.grammar import lacks
+from urdfcheck.source.text.values import attribute_number
+from urdfcheck.source.text.xml import Element
 
 
 def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.source.values import attribute_number
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.values import attribute_number
+from urdfcheck.source.text.xml import Attribute
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

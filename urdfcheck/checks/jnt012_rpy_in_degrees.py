@@ -8,10 +8,10 @@ from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.source.grammar import elements
-from urdfcheck.source.values import number, numbers
-from urdfcheck.source.words import Word, words_of
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.grammar import elements
+from urdfcheck.source.text.tokens import Word, words_of
+from urdfcheck.source.text.values import number, numbers
+from urdfcheck.source.text.xml import Attribute
 
 # Angles that were added up stop at some turns; 95 is no fifteenth of a turn written with few digits.
 _MOST_TURNS = 4

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.facts.literals import NearMiss, constant_of, near_miss
+from urdfcheck.core.text import listed
+from urdfcheck.facts.likeness.typed_numbers import NearMiss, constant_of, near_miss
 from urdfcheck.model import Model
-from urdfcheck.model.names import listed
-from urdfcheck.source.values import number
-from urdfcheck.source.words import Word, words_of
+from urdfcheck.source.text.tokens import Word, words_of
+from urdfcheck.source.text.values import number
 
 
 @dataclass(slots=True)

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Applicability, Finding, Rule
-from urdfcheck.facts.literals import is_noise_angle, is_noise_length
+from urdfcheck.core.text import listed
+from urdfcheck.facts.likeness.typed_numbers import is_noise_angle, is_noise_length
 from urdfcheck.model import Model
-from urdfcheck.model.names import listed
-from urdfcheck.source.values import attribute_numbers, number
-from urdfcheck.source.words import Word, words_of
-from urdfcheck.source.xml import Element
+from urdfcheck.source.text.tokens import Word, words_of
+from urdfcheck.source.text.values import attribute_numbers, number
+from urdfcheck.source.text.xml import Element
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

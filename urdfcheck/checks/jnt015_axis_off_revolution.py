@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Edit, Finding, Location, Rule
-from urdfcheck.facts.inertia import covariance_of, validity
-from urdfcheck.facts.revolution import Round, angle_of_lines, axis_of_revolution, outline
+from urdfcheck.facts.inertials.inertia_tensor import covariance_of, validity
+from urdfcheck.facts.likeness.revolution import Round, angle_of_lines, axis_of_revolution, outline
 from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model.ground.wheels import NAMED, points_of
 from urdfcheck.model.parts import Inertial, Shape
-from urdfcheck.model.wheels import NAMED, points_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,8 +8,8 @@ from typing import Any
 
 from urdfcheck.core import Finding, Rule, Unavailable
 from urdfcheck.model import Model
-from urdfcheck.model.body import body_inertia
 from urdfcheck.model.parts import Joint
+from urdfcheck.model.rigid_bodies import body_inertia
 
 
 def check(
@@ -36,7 +36,7 @@ def _turn_about_axis(joint: Joint, parallel: float) -> float | None:
     """The angle (rad) of an origin that does nothing but turn about the joint's own axis, else None."""
     import numpy as np
 
-    from urdfcheck.facts.kinematics import log_rotation
+    from urdfcheck.facts.motion.kinematics import log_rotation
 
     matrix, axis = joint.origin.matrix, joint.axis
     length = 0.0 if axis is None else math.hypot(*axis)
@@ -72,7 +72,7 @@ def _shows(model: Model, joint: Joint, eccentric: float) -> bool:
 def _mass_shows(model: Model, joint: Joint, body: tuple[str, ...], eccentric: float) -> bool:
     import numpy as np
 
-    from urdfcheck.facts.inertia import covariance_of
+    from urdfcheck.facts.inertials.inertia_tensor import covariance_of
 
     found, axis = body_inertia(model, body), model.axes.get(joint.name)
     if found is None or axis is None:
@@ -90,7 +90,7 @@ def _drawing_shows(model: Model, joint: Joint, eccentric: float) -> bool:
     """Whether what is drawn reaches out unequally far in 16 directions across the axis."""
     import numpy as np
 
-    from urdfcheck.model.drawn import rigid_points
+    from urdfcheck.model.shapes.visual_solid import rigid_points
 
     points, axis = rigid_points(model, model.link_by_name[joint.child]), np.array(joint.axis)
     if points is None:

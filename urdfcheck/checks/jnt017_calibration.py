@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.source.values import attribute_number
+from urdfcheck.source.text.values import attribute_number
 
 
 def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:

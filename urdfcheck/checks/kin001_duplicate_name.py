@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.core.text import listed
 from urdfcheck.model import Joint, Link, Model
-from urdfcheck.model.names import listed
 
 # It needs no names of joints, but for what refers to them.
 MUJOCO = {"link": "refuses the file: repeated name", "joint": "replaces the name of the second by none"}

@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.graph import Graph
-from urdfcheck.model.names import listed
-from urdfcheck.source.xml import Attribute
+from urdfcheck.model.link_graph import Graph
+from urdfcheck.source.text.xml import Attribute
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

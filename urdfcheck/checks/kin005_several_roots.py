@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.graph import Graph
-from urdfcheck.model.names import listed
+from urdfcheck.model.link_graph import Graph
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

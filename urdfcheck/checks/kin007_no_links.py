@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.graph import Graph
+from urdfcheck.model.link_graph import Graph
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

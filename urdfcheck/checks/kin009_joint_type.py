@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.names import listed
 from urdfcheck.model.parts import Joint
-from urdfcheck.source.grammar import JOINT_TYPES, is_unexpanded, lacks
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.grammar import JOINT_TYPES, is_unexpanded, lacks
+from urdfcheck.source.text.xml import Attribute
 
 # What SDF, MJCF and others call a type of URDF, or have beside it.
 _SYNONYMS = {"hinge": "revolute", "rotational": "revolute", "slide": "prismatic", "slider": "prismatic",

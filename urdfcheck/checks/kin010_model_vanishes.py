@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.core.text import listed
 from urdfcheck.model import Link, Model
-from urdfcheck.model.names import listed
 
 # libsdformat takes a mass that differs from 0 by less as none (gz::math::equal).
 _NO_MASS = 1e-6

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from urdfcheck.core import Confidence, Finding, Location, Rule, Severity
-from urdfcheck.model.names import hint
-from urdfcheck.source.launch import Description, Include, Launch, Obstacle, declared, is_included
-from urdfcheck.source.launch_python import PythonLaunch
-from urdfcheck.source.packages import PackageFinder, display_name
-from urdfcheck.source.words import part_of
-from urdfcheck.source.xml import Element
+from urdfcheck.core.text import hint
+from urdfcheck.source.launch.launch_file import Description, Include, Launch, Obstacle, declared, is_included
+from urdfcheck.source.launch.python_launch_file import PythonLaunch
+from urdfcheck.source.package.finder import PackageFinder, display_name
+from urdfcheck.source.text.tokens import part_of
+from urdfcheck.source.text.xml import Element
 
 # How much of a command a message shows.
 _SHOWN = 80

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from itertools import zip_longest
 
 from urdfcheck.core import Edit, Finding, Location, Rule
-from urdfcheck.source.launch import Launch, executable
-from urdfcheck.source.values import number
-from urdfcheck.source.words import Word, words_of
-from urdfcheck.source.xml import Element
+from urdfcheck.source.launch.launch_file import Launch, executable
+from urdfcheck.source.text.tokens import Word, words_of
+from urdfcheck.source.text.values import number
+from urdfcheck.source.text.xml import Element
 
 _PLACE = frozenset({"-x", "-y", "-z", "-R", "-P", "-Y"})
 

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Finding, Rule
-from urdfcheck.source.launch import Launch, executable
-from urdfcheck.source.values import number
-from urdfcheck.source.words import part_of
-from urdfcheck.source.xml import Attribute, Element
+from urdfcheck.source.launch.launch_file import Launch, executable
+from urdfcheck.source.text.tokens import part_of
+from urdfcheck.source.text.values import number
+from urdfcheck.source.text.xml import Attribute, Element
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.source.launch import Launch, is_included
-from urdfcheck.source.words import removal
-from urdfcheck.source.xml import Element
+from urdfcheck.source.launch.launch_file import Launch, is_included
+from urdfcheck.source.text.tokens import removal
+from urdfcheck.source.text.xml import Element
 
 _READ = re.compile(r"\$\((?:arg|var)\s+([^\s)]+)")
 _EVAL = re.compile(r"\$\(eval\s")

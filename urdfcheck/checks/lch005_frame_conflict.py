@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import nearest
 from urdfcheck.model import Model
-from urdfcheck.model.extent import lowest_point
-from urdfcheck.model.names import nearest
-from urdfcheck.source.launch import Launch, StaticTransform
+from urdfcheck.model.shapes.extent import lowest_point
+from urdfcheck.source.launch.launch_file import Launch, StaticTransform
 
 # The line that the SolidWorks exporter writes into every launch file, whatever the robot is.
 _EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.source.launch import Launch
-from urdfcheck.source.words import removal
-from urdfcheck.source.xml import Element
+from urdfcheck.source.launch.launch_file import Launch
+from urdfcheck.source.text.tokens import removal
+from urdfcheck.source.text.xml import Element
 
 _SCOPES = frozenset({"launch", "group", "include"})
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.source.launch import Launch, executable
-from urdfcheck.source.words import removal
-from urdfcheck.source.xml import Element
+from urdfcheck.source.launch.launch_file import Launch, executable
+from urdfcheck.source.text.tokens import removal
+from urdfcheck.source.text.xml import Element
 
 
 def check(launch: Launch, rule: Rule) -> Iterator[Finding]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.roles import opened
+from urdfcheck.source.text.shape_roles import opened
 
 # A format that we cannot read, and geometry kept in a second file, need not be broken.
 OTHER = {"unsupported": Severity.WARNING, "external-buffer": Severity.INFO}

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.facts.mesh import Boundary
+from urdfcheck.core.text import listed
+from urdfcheck.facts.mesh.measure import Boundary
 from urdfcheck.model import Model
-from urdfcheck.model.drawing import drawable, rounded_off
 from urdfcheck.model.meshes import MeshUse
-from urdfcheck.model.names import listed
+from urdfcheck.model.shapes.mesh_marks import drawable, rounded_off
 
 # What a report can draw: the longest rims, each thinned to this many points.
 LOOPS, POINTS = 16, 64

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.drawing import drawable
 from urdfcheck.model.meshes import MeshUse
-from urdfcheck.model.names import listed
+from urdfcheck.model.shapes.mesh_marks import drawable
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

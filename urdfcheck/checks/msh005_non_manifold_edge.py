@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.drawing import drawable
+from urdfcheck.model.shapes.mesh_marks import drawable
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.facts.mesh import MeshFacts
+from urdfcheck.core.text import listed
+from urdfcheck.facts.mesh.measure import MeshFacts
 from urdfcheck.model import Model
-from urdfcheck.model.drawing import drawable
 from urdfcheck.model.meshes import MeshUse
-from urdfcheck.model.names import listed
+from urdfcheck.model.shapes.mesh_marks import drawable
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from urdfcheck.core import Edit, Finding, Rule, Unavailable
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
-from urdfcheck.model.names import listed
 
 # What CAD systems write files in, in metres per unit.
 UNITS = {"millimetres": 0.001, "inches": 0.0254, "centimetres": 0.01}

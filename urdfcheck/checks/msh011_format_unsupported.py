@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.facts.mesh import MeshFacts
+from urdfcheck.core.text import listed
+from urdfcheck.facts.mesh.measure import MeshFacts
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
-from urdfcheck.model.names import listed
 
 # What programs load that have loaders of their own. Those that use Assimp (RViz, MoveIt, Pinocchio) read every format that
 # is read here.

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
-from urdfcheck.model.names import listed
-from urdfcheck.source.roles import compiled
+from urdfcheck.source.text.shape_roles import compiled
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

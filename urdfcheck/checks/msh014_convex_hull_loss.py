@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
-from urdfcheck.model.names import listed
 
 # A closed mesh with less of its hull's volume than this is a sheet with two sides, whose volume is rounding.
 SHEET = 1e-6

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.core.text import listed
 from urdfcheck.model import Joint, Link, Model
-from urdfcheck.model.names import listed
 
 # Each kind of mistake: its message, its severity, and whether a link or joint (told apart by the flag) makes it.
 _KINDS: tuple[tuple[str, Severity, Callable[[str, bool], bool]], ...] = (

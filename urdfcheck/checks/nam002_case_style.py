@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Joint, Link, Model
-from urdfcheck.model.names import listed
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.xml import Attribute
 
 _CAMEL = re.compile(r"[a-z][A-Z]")
 # REP 105 and REP 199 fix the spelling of these, whatever the robot's own style is.

@@ -10,7 +10,7 @@ import numpy as np
 
 from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.model import Joint, Model
-from urdfcheck.source.words import replacing
+from urdfcheck.source.text.tokens import replacing
 
 # What a base_link may hang on: the fixed world, the frames that localisation moves, and the footprint (REP 105, REP 120).
 _ABOVE_BASE = frozenset({"world", "map", "earth", "odom", "base_footprint"})

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.names import listed
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import listed, words
 from urdfcheck.model import Joint, Link, Model
-from urdfcheck.model.names import listed, words
 
 # Words that say what kind of thing has the name, not which one.
 _KIND = frozenset({"joint", "jnt", "link", "lnk", "frame", "fixed"})

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
-from urdfcheck.model.names import listed
+from urdfcheck.core.text import listed
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import ResourceUse, is_misspelt, resource_uses
-from urdfcheck.source.roles import compiled
-from urdfcheck.source.words import part_of
+from urdfcheck.source.text.shape_roles import compiled
+from urdfcheck.source.text.tokens import part_of
 
 # Files that are looked for in other packages, to see which one is meant.
 _MOST_FILES = 50

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.files import walk
-from urdfcheck.model.names import listed, nearest
+from urdfcheck.core.text import listed, nearest
 from urdfcheck.source.load import Source
-from urdfcheck.source.packages import display_name
+from urdfcheck.source.package.finder import display_name
 from urdfcheck.source.resources import ResourceUse, is_misspelt, machine_part, resource_uses
-from urdfcheck.source.roles import compiled
+from urdfcheck.source.text.shape_roles import compiled
+from urdfcheck.system.files import walk
 
 # Files beyond this many are not looked through for one of the same name: a suggestion is not worth seconds.
 _MOST_FILES = 20_000

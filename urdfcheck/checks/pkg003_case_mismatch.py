@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from urdfcheck.core import Applicability, Edit, Finding, Location, Rule
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import ResourceUse, machine_part, resource_uses
-from urdfcheck.source.roles import compiled
-from urdfcheck.source.xml import SourceFile
+from urdfcheck.source.text.shape_roles import compiled
+from urdfcheck.source.text.xml import SourceFile
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from urdfcheck.core import Edit, Finding, Location, Rule
-from urdfcheck.model.names import listed
+from urdfcheck.core.text import listed
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import ResourceUse, machine_part, resource_uses
-from urdfcheck.source.roles import compiled
+from urdfcheck.source.text.shape_roles import compiled
 
 
 @dataclass(slots=True, eq=False)

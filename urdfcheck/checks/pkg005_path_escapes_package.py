@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from urdfcheck.core import Edit, Finding, Rule
-from urdfcheck.model.names import listed
+from urdfcheck.core.text import listed
 from urdfcheck.source.load import Source
-from urdfcheck.source.packages import display_name
+from urdfcheck.source.package.finder import display_name
 from urdfcheck.source.resources import resource_uses
-from urdfcheck.source.usage import elements, own_trees
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.xacro.usage import elements, own_trees
 
 _FIND = re.compile(r"^\s*\$\(find\s+([^\s()]+)\s*\)/([^$]*)$")
 

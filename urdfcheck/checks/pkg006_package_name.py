@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.source.packages import Package
+from urdfcheck.source.package.finder import Package
 
 # REP 144: lower case letters, digits and underscores, beginning with a letter, at least two characters.
 _REP144 = re.compile(r"[a-z][a-z0-9_]+")

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule
-from urdfcheck.model.names import listed
-from urdfcheck.source.contents import Mention, contents_of
-from urdfcheck.source.packages import Package, load_package
-from urdfcheck.source.xml import Element, SourceFile
+from urdfcheck.core.text import listed
+from urdfcheck.source.package.finder import Package, load_package
+from urdfcheck.source.package.references import Mention, contents_of
+from urdfcheck.source.text.xml import Element, SourceFile
 
 # Packages that stand for many, whose names begin otherwise.
 _PARTS_OF = {

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.model.names import listed
-from urdfcheck.source.contents import Mention, mentions_around
-from urdfcheck.source.installed import installed
-from urdfcheck.source.packages import Package
+from urdfcheck.core.text import listed
+from urdfcheck.source.package.finder import Package
+from urdfcheck.source.package.installed_folders import installed
+from urdfcheck.source.package.references import Mention, mentions_around
 
 
 def check(package: Package, rule: Rule) -> Iterator[Finding]:

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.files import read_start
-from urdfcheck.model.names import listed
+from urdfcheck.core.text import listed
 from urdfcheck.source.load import Source
-from urdfcheck.source.packages import display_name
+from urdfcheck.source.package.finder import display_name
 from urdfcheck.source.resources import ResourceUse, resource_uses
-from urdfcheck.source.roles import opened
+from urdfcheck.source.text.shape_roles import opened
+from urdfcheck.system.files import read_start
 
 POINTER = b"version https://git-lfs.github.com/spec/"
 _SIZE = re.compile(rb"^size (\d+)$", re.MULTILINE)

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Unavailable
-from urdfcheck.model.names import listed
-from urdfcheck.source.contents import MESH_SUFFIXES, contents_of, others, texts_of, users_out_of_reach
-from urdfcheck.source.packages import Package
+from urdfcheck.core.text import listed
+from urdfcheck.source.package.finder import Package
+from urdfcheck.source.package.references import MESH_SUFFIXES, contents_of, others, texts_of, users_out_of_reach
 
 _SUFFIX = re.compile(rf"(?:{'|'.join(map(re.escape, MESH_SUFFIXES))})\b", re.IGNORECASE)
 # What stands around a path, in which there may be blanks, and how long it may be.

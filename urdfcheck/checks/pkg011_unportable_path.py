@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
-from urdfcheck.model.names import listed, nearest
+from urdfcheck.core.text import listed, nearest
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import ResourceUse, is_misspelt, machine_part, plain_spelling, resource_uses
 

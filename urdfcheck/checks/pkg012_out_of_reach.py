@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.model.names import listed
-from urdfcheck.source.launch import Launch
+from urdfcheck.core.text import listed
+from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source
-from urdfcheck.source.problems import Problem
 from urdfcheck.source.resources import ResourceUse, is_misspelt, machine_part, resource_uses
-from urdfcheck.source.usage import typed_at
+from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.xacro.usage import typed_at
 
 
 def check(subject: Source | Launch, rule: Rule) -> Iterator[Finding]:

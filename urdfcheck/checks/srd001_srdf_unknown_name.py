@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import hint, only_near
 from urdfcheck.model import Model
-from urdfcheck.model.elsewhere import Elsewhere
-from urdfcheck.model.names import hint, only_near
-from urdfcheck.model.planning import group_joints
-from urdfcheck.source.srdf import Srdf, is_about, is_configured_for
-from urdfcheck.source.words import replacing
-from urdfcheck.source.xml import Attribute, Element
+from urdfcheck.model.likeness.sibling_robots import Elsewhere
+from urdfcheck.model.motion.planning_limits import group_joints
+from urdfcheck.source.ros.srdf import Srdf, is_about, is_configured_for
+from urdfcheck.source.text.tokens import replacing
+from urdfcheck.source.text.xml import Attribute, Element
 
 # How alike a name must be that nothing else in the description means, to be the one that is meant where the description may
 # be for a robot that differs: left and right fingers are alike to 0.79.

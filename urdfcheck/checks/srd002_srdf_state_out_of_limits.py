@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.planning import Range, joint_limits, own_srdfs, position_range
-from urdfcheck.source.joint_limits import JointLimits
-from urdfcheck.source.values import number
-from urdfcheck.source.xml import Attribute, Element
+from urdfcheck.model.motion.planning_limits import Range, joint_limits, own_srdfs, position_range
+from urdfcheck.source.ros.joint_limits import JointLimits
+from urdfcheck.source.text.values import number
+from urdfcheck.source.text.xml import Attribute, Element
 
 
 @dataclass(frozen=True, slots=True, eq=False)

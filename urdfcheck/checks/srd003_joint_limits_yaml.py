@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.core.text import hint, nearest
 from urdfcheck.model import Model
-from urdfcheck.model.elsewhere import Elsewhere
-from urdfcheck.model.names import hint, nearest
+from urdfcheck.model.likeness.sibling_robots import Elsewhere
+from urdfcheck.model.motion.planning_limits import LIMITS_FILE, joint_limits, own_srdfs, position_range
 from urdfcheck.model.parts import Joint
-from urdfcheck.model.planning import LIMITS_FILE, joint_limits, own_srdfs, position_range
-from urdfcheck.source.joint_limits import JointLimits
-from urdfcheck.source.packages import Package
-from urdfcheck.source.srdf import Srdf
-from urdfcheck.source.yaml import problem_in
+from urdfcheck.source.package.finder import Package
+from urdfcheck.source.ros.joint_limits import JointLimits
+from urdfcheck.source.ros.srdf import Srdf
+from urdfcheck.source.text.yaml import problem_in
 
 # What ROS 2 reads as a floating-point number, and refuses as an integer.
 _DOUBLES = ("min_position", "max_position", "max_velocity", "max_acceleration", "max_jerk")

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Located, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.control import command_interfaces, configurations
-from urdfcheck.model.planning import own_srdfs
+from urdfcheck.model.motion.controllers import command_interfaces, configurations
+from urdfcheck.model.motion.planning_limits import own_srdfs
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

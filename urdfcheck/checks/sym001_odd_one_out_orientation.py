@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Confidence, Edit, Finding, Rule, Severity
-from urdfcheck.facts.kinematics import matrix_to_rpy
-from urdfcheck.facts.symmetry import Suspects, angle_between, is_choice, odd_one_out, suspects
+from urdfcheck.core.text import listed
+from urdfcheck.facts.likeness.symmetry import Suspects, angle_between, is_choice, odd_one_out, suspects
+from urdfcheck.facts.motion.kinematics import matrix_to_rpy
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.names import listed
-from urdfcheck.model.origins import definitions_of, place_of, told
-from urdfcheck.model.siblings import base_of, chain_of
-from urdfcheck.source.values import number
+from urdfcheck.model.likeness.sibling_joints import base_of, chain_of
+from urdfcheck.model.repairs.origin_edits import definitions_of, place_of, told
+from urdfcheck.source.text.values import number
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

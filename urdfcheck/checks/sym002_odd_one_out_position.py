@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Edit, Finding, Rule
-from urdfcheck.facts.layout import Misplaced, misplaced, restored
+from urdfcheck.core.text import listed
+from urdfcheck.facts.likeness.layout import Misplaced, misplaced, restored
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.drawn import geometry
-from urdfcheck.model.footing import uneven
-from urdfcheck.model.names import listed
-from urdfcheck.model.origins import definitions_of, place_of, told
-from urdfcheck.model.siblings import base_of, chain_of
-from urdfcheck.model.wheels import NAMED
-from urdfcheck.source.values import number
-from urdfcheck.source.words import words_of
+from urdfcheck.model.ground.wheel_plane import uneven
+from urdfcheck.model.ground.wheels import NAMED
+from urdfcheck.model.likeness.sibling_joints import base_of, chain_of
+from urdfcheck.model.repairs.origin_edits import definitions_of, place_of, told
+from urdfcheck.model.shapes.visual_solid import geometry
+from urdfcheck.source.text.tokens import words_of
+from urdfcheck.source.text.values import number
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -6,16 +6,16 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from urdfcheck.core import Confidence, Finding, Rule, Severity
-from urdfcheck.facts.diagnosis import Declared
-from urdfcheck.facts.inertia import inertia_of
-from urdfcheck.facts.mirror import deviation
+from urdfcheck.core.text import listed
+from urdfcheck.facts.inertials.diagnosis import Declared
+from urdfcheck.facts.inertials.inertia_tensor import inertia_of
+from urdfcheck.facts.likeness.mirror import deviation
 from urdfcheck.model import Model
-from urdfcheck.model.copies import Opinion, differing_pairs, opinions
-from urdfcheck.model.differences import differences, place_of_difference
-from urdfcheck.model.drawn import geometry
-from urdfcheck.model.mending import mending
-from urdfcheck.model.names import listed
+from urdfcheck.model.inertials.inertial_differences import differences, place_of_difference
+from urdfcheck.model.likeness.identical_parts import Opinion, differing_pairs, opinions
 from urdfcheck.model.parts import Inertial, Link
+from urdfcheck.model.repairs.inertial_edits import mending
+from urdfcheck.model.shapes.visual_solid import geometry
 
 # A uniform part of the drawn shape has an inertial this near to that of a part with screws and bearings in it; and the wrong
 # one of two is three times as far from it.

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Finding, Located, Location, Rule, Severity
-from urdfcheck.facts.diagnosis import Declared
-from urdfcheck.facts.mirror import Deviation, principal_deviation, wrong_signs
+from urdfcheck.core.text import listed
+from urdfcheck.facts.inertials.diagnosis import Declared
+from urdfcheck.facts.likeness.mirror import Deviation, principal_deviation, wrong_signs
 from urdfcheck.model import Joint, Link, Model
-from urdfcheck.model.differences import differences, place_of_difference
-from urdfcheck.model.names import listed
-from urdfcheck.model.remedies import Change, edits_of, remedy
-from urdfcheck.model.twin_inertials import (
+from urdfcheck.model.inertials.inertial_differences import differences, place_of_difference
+from urdfcheck.model.inertials.mirrored_inertials import (
     CONTRADICTIONS,
     Side,
     cause_of,
@@ -24,9 +23,10 @@ from urdfcheck.model.twin_inertials import (
     sides,
     wrong_side,
 )
-from urdfcheck.model.twin_joints import Limited, chains, displaced, is_shifted, joints_of, limited
-from urdfcheck.model.twins import Pair
-from urdfcheck.source.values import attribute_number
+from urdfcheck.model.likeness.mirror_pairs import Pair
+from urdfcheck.model.likeness.mirrored_joints import Limited, chains, displaced, is_shifted, joints_of, limited
+from urdfcheck.model.repairs.edits import Change, edits_of, remedy
+from urdfcheck.source.text.values import attribute_number
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

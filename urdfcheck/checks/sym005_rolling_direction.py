@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.wheels import LEVEL, Driven, wheels
+from urdfcheck.model.ground.wheels import LEVEL, Driven, wheels
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.footing import uneven
+from urdfcheck.model.ground.wheel_plane import uneven
 from urdfcheck.model.parts import Joint
 
 

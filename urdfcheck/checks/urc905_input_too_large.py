@@ -8,9 +8,9 @@ from dataclasses import replace
 from urdfcheck.core import Finding, Rule, Unavailable
 from urdfcheck.model import Model
 from urdfcheck.model.tree import TooDeep
-from urdfcheck.source.launch import Launch
+from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source
-from urdfcheck.source.packages import Package
+from urdfcheck.source.package.finder import Package
 
 
 def check(subject: Source | Launch | Package | Model, rule: Rule) -> Iterator[Finding]:

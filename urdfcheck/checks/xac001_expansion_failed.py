@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Finding, Location, Rule
-from urdfcheck.model.names import hint, listed, nearest
+from urdfcheck.core.text import hint, listed, nearest
 from urdfcheck.source.load import Source
-from urdfcheck.source.packages import display_name
-from urdfcheck.source.problems import Problem
-from urdfcheck.source.usage import elements, macros, properties, typed_at, unprefixed
-from urdfcheck.source.xml import Element
+from urdfcheck.source.package.finder import display_name
+from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.text.xml import Element
+from urdfcheck.source.xacro.usage import elements, macros, properties, typed_at, unprefixed
 
 _EXPRESSIONS = " when evaluating expression '"
 _PATH = re.compile(r"(?<![\w./])/[^\s'\",:]+")

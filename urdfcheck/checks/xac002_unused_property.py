@@ -6,20 +6,14 @@ import re
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.extent import size_of
-from urdfcheck.model.names import listed
+from urdfcheck.model.shapes.extent import size_of
 from urdfcheck.source.load import Source
-from urdfcheck.source.usage import (
-    mentioned_elsewhere,
-    names_read,
-    own_trees,
-    properties,
-    reads_unseen_files,
-)
-from urdfcheck.source.values import number
-from urdfcheck.source.words import removal
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.tokens import removal
+from urdfcheck.source.text.values import number
+from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.xacro.usage import mentioned_elsewhere, names_read, own_trees, properties, reads_unseen_files
 
 # A property that by its name is a side of a link: base_x of base or base_link.
 _SIDE = re.compile(r"^(\w+?)_(?:size_|dim_)?([xyz])$")

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.names import listed
 from urdfcheck.source.load import Source
-from urdfcheck.source.usage import (
+from urdfcheck.source.xacro.usage import (
     Macro,
     macros,
     macros_called,

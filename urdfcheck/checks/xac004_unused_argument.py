@@ -6,12 +6,12 @@ from collections import Counter
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.names import listed
 from urdfcheck.source.load import Source
-from urdfcheck.source.usage import arguments_read, elements, mentioned_elsewhere, own_trees, reads_unseen_files
-from urdfcheck.source.words import removal
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.tokens import removal
+from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.xacro.usage import arguments_read, elements, mentioned_elsewhere, own_trees, reads_unseen_files
 
 # Lines that are deleted in one go, beside the first.
 _MOST_EDITED = 100

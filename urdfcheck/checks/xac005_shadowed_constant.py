@@ -10,12 +10,19 @@ from functools import cached_property
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
-from urdfcheck.facts.literals import near_miss
+from urdfcheck.facts.likeness.typed_numbers import near_miss
 from urdfcheck.source.load import Source
-from urdfcheck.source.usage import Mentions, mentioned_elsewhere, names_read, own_trees, properties, reads_unseen_files
-from urdfcheck.source.values import number
-from urdfcheck.source.words import removal
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.tokens import removal
+from urdfcheck.source.text.values import number
+from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.xacro.usage import (
+    Mentions,
+    mentioned_elsewhere,
+    names_read,
+    own_trees,
+    properties,
+    reads_unseen_files,
+)
 
 _PI = re.compile(r"(?:M_)?PI", re.IGNORECASE)
 _FRACTION = re.compile(r"(?:^|_)(?:half|two|2)?_?PI(?:_|\d|$|half|over)|^(?:M_)?2PI$", re.IGNORECASE)

@@ -8,9 +8,9 @@ from dataclasses import replace
 
 from urdfcheck.core import Applicability, Finding, Rule
 from urdfcheck.source.load import Source
-from urdfcheck.source.usage import own_trees
-from urdfcheck.source.words import replacing
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.tokens import replacing
+from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.xacro.usage import own_trees
 
 CURRENT = "http://www.ros.org/wiki/xacro"
 # What the wiki's own pages declared at some time; every release of xacro takes it.

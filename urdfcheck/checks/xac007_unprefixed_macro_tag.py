@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
-from urdfcheck.model.names import listed
+from urdfcheck.core.text import listed
 from urdfcheck.source.load import Source
-from urdfcheck.source.usage import own_trees, unprefixed
-from urdfcheck.source.xml import Element, SourceFile
+from urdfcheck.source.text.xml import Element, SourceFile
+from urdfcheck.source.xacro.usage import own_trees, unprefixed
 
 # Tags of one file that are listed, and mended in one go.
 _MOST_EDITED = 500

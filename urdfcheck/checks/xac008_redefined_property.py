@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 
 from urdfcheck.core import Finding, Location, Rule, Span
 from urdfcheck.model import Model
-from urdfcheck.source.usage import elements, own_trees
-from urdfcheck.source.values import number
-from urdfcheck.source.xml import Element
+from urdfcheck.source.text.values import number
+from urdfcheck.source.text.xml import Element
+from urdfcheck.source.xacro.usage import elements, own_trees
 
 _CONDITIONS = frozenset({"xacro:if", "xacro:unless"})
 

@@ -8,12 +8,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.model.names import listed
-from urdfcheck.model.variation import Column, variation
+from urdfcheck.core.text import listed
+from urdfcheck.model.likeness.repeated_blocks import Column, variation
 from urdfcheck.source.load import Source
-from urdfcheck.source.usage import own_trees
-from urdfcheck.source.values import number
-from urdfcheck.source.xml import Attribute, Element
+from urdfcheck.source.text.values import number
+from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.source.xacro.usage import own_trees
 
 # Digits that CAD exports of one part differ in: residue of the arithmetic, not another part.
 _SAME = {"rel_tol": 1e-6, "abs_tol": 1e-12}

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.source.load import Source
-from urdfcheck.source.usage import elements, typed_at, unprefixed
+from urdfcheck.source.xacro.usage import elements, typed_at, unprefixed
 
 _READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.source.load import Source
-from urdfcheck.source.usage import typed_at
+from urdfcheck.source.xacro.usage import typed_at
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.grammar import elements, version_of_urdf
-from urdfcheck.source.xml import Attribute, Element
+from urdfcheck.source.text.grammar import elements, version_of_urdf
+from urdfcheck.source.text.xml import Attribute, Element
 
 # What a later version of URDF brought: since when, how it is called, and the attributes by which it is known.
 _NEWER: Mapping[str, tuple[tuple[int, int], str, frozenset[str]]] = {

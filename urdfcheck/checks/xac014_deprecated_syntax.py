@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Applicability, Edit, Finding, Location, Rule
-from urdfcheck.source.launch import Launch
+from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source
 
 _DIRECT = re.compile(r"^Using (\w+)\(\) directly is deprecated\. Use (\w+)\.")

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.model.names import listed
-from urdfcheck.outline import Outline
+from urdfcheck.core.text import listed
+from urdfcheck.export.outline import Outline
 
 # Of the name of a part, in characters, of which none that was typed has so many.
 _LONGEST = 1_000

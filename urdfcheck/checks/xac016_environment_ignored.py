@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.model.names import listed
+from urdfcheck.core.text import listed
 from urdfcheck.source.load import Source
 
 

@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.source.launch import Launch
+from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source
-from urdfcheck.source.packages import Package
-from urdfcheck.source.problems import Problem
-from urdfcheck.source.srdf import broken_srdfs
-from urdfcheck.source.xml import SourceFile, unbound_prefix
+from urdfcheck.source.package.finder import Package
+from urdfcheck.source.ros.srdf import broken_srdfs
+from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.text.xml import SourceFile, unbound_prefix
 
 _KINDS = ("malformed", "encoding", "utf-16", "instruction", "doctype", "prefix", "unreadable")
 # How a file that was never XML begins, and what that tells.

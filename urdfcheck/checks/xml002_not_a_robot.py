@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.source.launch import Launch
+from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source
-from urdfcheck.source.packages import Package
-from urdfcheck.source.words import renaming
+from urdfcheck.source.package.finder import Package
+from urdfcheck.source.text.tokens import renaming
 
 _FORMATS = {
     "sdf": "an SDF model",

@@ -8,10 +8,10 @@ from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.grammar import CHILDREN, elements, meant_element
-from urdfcheck.source.roles import collides
-from urdfcheck.source.words import renaming
-from urdfcheck.source.xml import Element
+from urdfcheck.source.text.grammar import CHILDREN, elements, meant_element
+from urdfcheck.source.text.shape_roles import collides
+from urdfcheck.source.text.tokens import renaming
+from urdfcheck.source.text.xml import Element
 
 # Elements that a program other than urdfdom reads where they stand, or that name an extension of their own.
 _EXTENSIONS: dict[str, frozenset[str]] = {

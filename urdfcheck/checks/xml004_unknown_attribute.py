@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity, Span
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.names import listed
-from urdfcheck.source.grammar import (
+from urdfcheck.source.text.grammar import (
     NUMBERS,
     REQUIRED,
     WORDS,
@@ -20,9 +20,9 @@ from urdfcheck.source.grammar import (
     meant,
     without,
 )
-from urdfcheck.source.values import number
-from urdfcheck.source.words import name_of
-from urdfcheck.source.xml import Attribute, Element, SourceFile
+from urdfcheck.source.text.tokens import name_of
+from urdfcheck.source.text.values import number
+from urdfcheck.source.text.xml import Attribute, Element, SourceFile
 
 # Labels and notes; what nothing is expected to read.
 _LABELS = frozenset({"name", "id", "comment", "description"})

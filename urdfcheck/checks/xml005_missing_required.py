@@ -7,8 +7,8 @@ from typing import Any
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.source.grammar import REQUIRED, elements, lacks, loss, without
-from urdfcheck.source.xml import Element
+from urdfcheck.source.text.grammar import REQUIRED, elements, lacks, loss, without
+from urdfcheck.source.text.xml import Element
 
 # A limit's effort and velocity, a joint's type and a safety controller's k_velocity have rules of their own.
 _CHILDREN = {

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import listed
 from urdfcheck.model import Model
-from urdfcheck.model.names import listed
-from urdfcheck.source.grammar import CHILDREN, elements
-from urdfcheck.source.words import removal
-from urdfcheck.source.xml import Element
+from urdfcheck.source.text.grammar import CHILDREN, elements
+from urdfcheck.source.text.tokens import removal
+from urdfcheck.source.text.xml import Element
 
 # Children of which there may be many.
 _MANY = frozenset({"link", "joint", "visual", "collision"})

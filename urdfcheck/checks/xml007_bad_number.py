@@ -9,9 +9,9 @@ from typing import Any
 
 from urdfcheck.core import Applicability, Edit, Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.grammar import NUMBERS, elements, is_unexpanded, loss
-from urdfcheck.source.values import DECIMAL, LARGEST, computable, number
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.grammar import NUMBERS, elements, is_unexpanded, loss
+from urdfcheck.source.text.values import DECIMAL, LARGEST, computable, number
+from urdfcheck.source.text.xml import Attribute
 
 _NOT_A_NUMBER = re.compile(r"[+-]?nan(\(\w*\))?", re.IGNORECASE)
 _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.source.grammar import NUMBERS, elements, loss
-from urdfcheck.source.values import number
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.grammar import NUMBERS, elements, loss
+from urdfcheck.source.text.values import number
+from urdfcheck.source.text.xml import Attribute
 
 # What is probably meant by fewer numbers: one scale for all axes, a colour without its alpha.
 _COMPLETED = {("mesh", "scale", 1): "{0} {0} {0}", ("color", "rgba", 3): "{0} {1} {2} 1"}

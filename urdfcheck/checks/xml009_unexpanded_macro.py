@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Location, Rule
-from urdfcheck.source.grammar import NUMBERS, elements, is_unexpanded
 from urdfcheck.source.load import Source
-from urdfcheck.source.xml import Element
+from urdfcheck.source.text.grammar import NUMBERS, elements, is_unexpanded
+from urdfcheck.source.text.xml import Element
 
 _SUBSTITUTION = re.compile(r"\$\{[^}]*\}?|\$\([^)]*\)?")
 

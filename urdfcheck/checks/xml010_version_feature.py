@@ -8,9 +8,9 @@ from dataclasses import replace
 
 from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.grammar import elements, is_unexpanded, loss, version_of_urdf
-from urdfcheck.source.values import numbers
-from urdfcheck.source.xml import Element
+from urdfcheck.source.text.grammar import elements, is_unexpanded, loss, version_of_urdf
+from urdfcheck.source.text.values import numbers
+from urdfcheck.source.text.xml import Element
 
 _LIMITS = ("acceleration", "deceleration", "jerk")
 

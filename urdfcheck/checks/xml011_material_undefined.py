@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import hint
 from urdfcheck.model import Model
-from urdfcheck.model.names import hint
-from urdfcheck.source.packages import display_name
+from urdfcheck.source.package.finder import display_name
 from urdfcheck.source.resources import ResourceUse, machine_part, resource_uses
-from urdfcheck.source.xml import Element
+from urdfcheck.source.text.xml import Element
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -8,8 +8,8 @@ from itertools import chain
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.values import attribute_numbers
-from urdfcheck.source.xml import Element
+from urdfcheck.source.text.values import attribute_numbers
+from urdfcheck.source.text.xml import Element
 
 # Colours are shown with 8 bits per channel: half a step cannot be seen.
 _STEP = 0.5 / 255

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.source.grammar import elements
-from urdfcheck.source.values import numbers
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.text.grammar import elements
+from urdfcheck.source.text.values import numbers
+from urdfcheck.source.text.xml import Attribute
 
 _SCALE = 255
 

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 
 from urdfcheck.cli.terminal import FAILED, FINDINGS, NOTHING, OK, erase_progress, exit_code, say, silence_stdout
-from urdfcheck.errors import UrdfcheckError
+from urdfcheck.core.errors import UrdfcheckError
 
 __all__ = ["FAILED", "FINDINGS", "NOTHING", "OK", "exit_code", "main"]
 
@@ -50,5 +50,5 @@ def _command(words: list[str]) -> int:
     if name in RESERVED:
         raise UrdfcheckError(f"the command {name!r} does not exist yet; to check a file of this name write ./{name}")
     command, rest = (name, words[1:]) if name in COMMANDS else ("check", words)
-    code: int = importlib.import_module(f"urdfcheck.cli.{command}").main(rest)
+    code: int = importlib.import_module(f"urdfcheck.cli.commands.{command}").main(rest)
     return code

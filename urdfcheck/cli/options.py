@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
-from urdfcheck.errors import UrdfcheckError
+from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
-    from urdfcheck.baseline import Baseline
-    from urdfcheck.config import Config, Configurations, Given
-    from urdfcheck.engine import Request
-    from urdfcheck.limits import Limits
+    from urdfcheck.policy.baseline import Baseline
+    from urdfcheck.policy.config import Config, Configurations, Given
+    from urdfcheck.policy.limits import Limits
+    from urdfcheck.run.pipeline import Request
 
 # MiB: an audit of an empty robot takes about half of it.
 LEAST_MEMORY = 512
@@ -29,7 +29,7 @@ class Parser(argparse.ArgumentParser):
     """A word of the command line may be a stranger's file name: what is wrong with it is told like everything else."""
 
     def error(self, message: str) -> NoReturn:
-        from urdfcheck.output.inert import for_log
+        from urdfcheck.output.shared.inert import for_log
 
         super().error(for_log(message))
 
@@ -129,15 +129,15 @@ def output_files(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str, 
 
 def configuration(path: Path, options: argparse.Namespace) -> Config:
     """The configuration that holds for a path."""
-    from urdfcheck.config import Configurations
+    from urdfcheck.policy.config import Configurations
 
     return Configurations(isolated=options.isolated).of(path)
 
 
 def reading(options: argparse.Namespace, settings: Config, paths: tuple[Path, ...], codes: frozenset[str]) -> Request:
     """What the options of `add_access` and the configuration ask for."""
-    from urdfcheck.cache import default_folder
-    from urdfcheck.engine import Request
+    from urdfcheck.run.pipeline import Request
+    from urdfcheck.system.array_cache import default_folder
 
     return Request(
         paths=paths,
@@ -158,7 +158,7 @@ def requested(options: argparse.Namespace, *, scene: bool = False) -> tuple[Requ
     what belongs to no file."""
     from dataclasses import replace
 
-    from urdfcheck.engine import SAMPLES, THOROUGH
+    from urdfcheck.run.pipeline import SAMPLES, THOROUGH
 
     paths = tuple(Path(p) for p in options.paths)
     configured = configurations(options, paths)
@@ -192,15 +192,15 @@ def requested(options: argparse.Namespace, *, scene: bool = False) -> tuple[Requ
 
 def configurations(options: argparse.Namespace, paths: tuple[Path, ...]) -> Configurations:
     """The configurations of a run, and what the options of `add_options` say that wins over them."""
-    from urdfcheck.config import Configurations
+    from urdfcheck.policy.config import Configurations
 
     return Configurations(given(options), options.isolated, paths)
 
 
 def given(options: argparse.Namespace) -> Given:
     """What the options of `add_options` say about the rules."""
-    from urdfcheck import catalogue
-    from urdfcheck.config import Given
+    from urdfcheck import rules as catalogue
+    from urdfcheck.policy.config import Given
 
     def codes(values: Sequence[str] | None) -> frozenset[str] | None:
         words = _words(values)
@@ -218,7 +218,7 @@ def given(options: argparse.Namespace) -> Given:
 
 def known(options: argparse.Namespace, settings: Config) -> Baseline | None:
     """The baseline that was named, or else the one that stands beside the configuration."""
-    from urdfcheck import baseline
+    from urdfcheck.policy import baseline
 
     file = baseline_file(options, settings)
     to_be_made = getattr(options, "action", "") == "write"  # urdfcheck baseline write --baseline FILE
@@ -231,7 +231,7 @@ def known(options: argparse.Namespace, settings: Config) -> Baseline | None:
 
 def baseline_file(options: argparse.Namespace, settings: Config) -> Path:
     """Where the baseline is, or will be."""
-    from urdfcheck.baseline import DEFAULT
+    from urdfcheck.policy.baseline import DEFAULT
 
     named: Path | None = options.baseline or settings.baseline
     return settings.root / DEFAULT if named is None else named
@@ -266,7 +266,7 @@ def _folders(values: Sequence[str], option: str) -> list[Path]:
 
 
 def _targets(text: str) -> tuple[str, ...]:
-    from urdfcheck.config import unknown_target
+    from urdfcheck.policy.config import unknown_target
 
     names = _words([text])
     for name in names:
@@ -276,7 +276,7 @@ def _targets(text: str) -> tuple[str, ...]:
 
 
 def _limits(seconds: float | None, memory: int | None) -> Limits:
-    from urdfcheck.limits import Limits
+    from urdfcheck.policy.limits import Limits
 
     if seconds is not None and not 0 <= seconds < 1e9:
         raise UrdfcheckError(f"--timeout {seconds:g}: a number of seconds, 0 for no limit")

@@ -7,7 +7,7 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from urdfcheck.workers import Worker
+    from urdfcheck.system.process_pool import Worker
 
 
 def first_worker() -> Worker | None:
@@ -15,13 +15,15 @@ def first_worker() -> Worker | None:
 
     :raises UrdfcheckError: when a page of a rule is none.
     """
-    from urdfcheck import catalogue, libraries, workers
+    from urdfcheck import rules as catalogue
+    from urdfcheck.system import libraries
+    from urdfcheck.system import process_pool as workers
 
     if not workers.FORKS:
         return None
     libraries.prefer_own()
     # What both of them need is loaded before they part: once instead of twice.
-    for module in ("urdfcheck.engine", "urdfcheck.worker"):
+    for module in ("urdfcheck.run.pipeline", "urdfcheck.run.audit"):
         importlib.import_module(module)
     catalogue.rules()
     return workers.Worker.start(prepare)
@@ -29,11 +31,12 @@ def first_worker() -> Worker | None:
 
 def prepare() -> None:
     """What a worker loads while the parent works its job out: all but the checks whose findings may be recalled."""
-    from urdfcheck import catalogue, libraries
+    from urdfcheck import rules as catalogue
+    from urdfcheck.system import libraries
 
     libraries.prefer_own()
     importlib.import_module("numpy")
-    from urdfcheck.recall import applies
+    from urdfcheck.run.findings_cache import applies
 
     for rule in catalogue.rules().values():
         if catalogue.has_check(rule) and not applies(rule):

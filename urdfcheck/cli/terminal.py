@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
-from urdfcheck.errors import UrdfcheckError
+from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
     from urdfcheck.core import Run, Severity
@@ -23,7 +23,7 @@ PROGRESS_FROM, PROGRESS_EVERY, BAR = 1.0, 0.2, 30
 
 def say(text: str, stream: TextIO | None = None) -> None:
     """Print a line for a person; on standard output, if on no other stream."""
-    from urdfcheck.output.inert import for_log
+    from urdfcheck.output.shared.inert import for_log
 
     print(for_log(text), file=stream)
 

@@ -8,22 +8,19 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from urdfcheck.cache import Cache, origin_of, version_of
-from urdfcheck.files import MAX_MESH, TooLarge, read_regular
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.source.load import Source
-from urdfcheck.source.packages import Resource
-from urdfcheck.source.xml import Attribute
+from urdfcheck.source.package.finder import Resource
+from urdfcheck.source.text.xml import Attribute
+from urdfcheck.system.array_cache import Cache, origin_of, version_of
+from urdfcheck.system.files import MAX_MESH, TooLarge, read_regular
 
 if TYPE_CHECKING:
-    from urdfcheck.cache import Entry
-    from urdfcheck.facts.mesh import MeshError, MeshFacts
+    from urdfcheck.facts.mesh.measure import MeshError, MeshFacts
+    from urdfcheck.system.array_cache import Entry
 
 # What the measurements of a mesh depend on beside its content.
-MEASURING = tuple(
-    f"urdfcheck.facts.{name}"
-    for name in ("mesh", "mesh_decode", "mesh_gltf", "mesh_limits", "mesh_moments", "mesh_text", "mesh_topology")
-)
+MEASURING = ("urdfcheck.facts.mesh",)
 # The libraries that read what is not read by our own.
 READERS = {"dae": "collada", "ply": "trimesh"}
 
@@ -93,7 +90,7 @@ class Meshes:
         return None if digest is None else f"{digest}-{_kind(path)}"
 
     def _read(self, cache: Cache) -> Meshes:
-        from urdfcheck.facts.mesh import MeshError, known_facts
+        from urdfcheck.facts.mesh.measure import MeshError, known_facts
 
         facts: dict[Path, MeshFacts] = {}
         errors: dict[Path, MeshError] = {}
@@ -122,14 +119,14 @@ class Meshes:
 
 
 def _measure(path: Path, parts: Entry, data: bytes | None = None) -> MeshFacts:
-    from urdfcheck.facts.mesh import mesh_facts
+    from urdfcheck.facts.mesh.measure import mesh_facts
 
     return mesh_facts(read_regular(path, MAX_MESH) if data is None else data, _kind(path), parts)
 
 
 def _unread(error: OSError | ImportError | MemoryError) -> MeshError:
     """Why a file could not even be looked at; nothing that another run must find as well."""
-    from urdfcheck.facts.mesh import MeshError
+    from urdfcheck.facts.mesh.measure import MeshError
 
     if isinstance(error, TooLarge):
         return MeshError("too-large", error.message.removeprefix("the file "))

@@ -11,8 +11,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location
-from urdfcheck.source.values import LARGEST, attribute_number, attribute_numbers, computable
-from urdfcheck.source.xml import Attribute, Element
+from urdfcheck.source.text.values import LARGEST, attribute_number, attribute_numbers, computable
+from urdfcheck.source.text.xml import Attribute, Element
 
 if TYPE_CHECKING:
     import numpy as np
@@ -44,7 +44,7 @@ class Pose:
     @cached_property
     def matrix(self) -> NDArray[np.float64] | None:
         """4x4, child to parent; None when a number is malformed. ``quat_xyzw`` counts where the rpy is absent."""
-        from urdfcheck.facts.kinematics import quaternion_to_matrix, transform
+        from urdfcheck.facts.motion.kinematics import quaternion_to_matrix, transform
 
         xyz, rpy = self.xyz, self.rpy
         if xyz is None or rpy is None:

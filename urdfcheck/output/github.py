@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Run, Severity
-from urdfcheck.output.inert import for_log
-from urdfcheck.output.positions import utf16
-from urdfcheck.output.wording import GLYPHS, ORDER, details, looked_at, own_file, plural, verdict, worst_first
+from urdfcheck.output.shared.inert import for_log
+from urdfcheck.output.shared.positions import utf16
+from urdfcheck.output.shared.wording import GLYPHS, ORDER, details, looked_at, own_file, plural, verdict, worst_first
 
 COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "notice"}
 # GitHub shows no more of each kind from a step.

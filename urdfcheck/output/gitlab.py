@@ -6,10 +6,10 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from urdfcheck.consumers import verdict
 from urdfcheck.core import Confidence, Finding, Rule, Run, Severity, Verdict
-from urdfcheck.output.inert import for_json, for_markdown
-from urdfcheck.output.wording import details, own_file, worst_first
+from urdfcheck.output.shared.inert import for_json, for_markdown
+from urdfcheck.output.shared.wording import details, own_file, worst_first
+from urdfcheck.policy.consumers import verdict
 
 
 def render(run: Run) -> str:

@@ -8,10 +8,10 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from urdfcheck.consumers import outcomes
 from urdfcheck.core import Finding, Fix, ModelInfo, Run, Severity, Skip, Span
-from urdfcheck.output.drops import drop_object
-from urdfcheck.output.inert import for_json
+from urdfcheck.output.shared.drops import drop_object
+from urdfcheck.output.shared.inert import for_json
+from urdfcheck.policy.consumers import outcomes
 
 SCHEMA = "urdfcheck/1"
 _NONE: Mapping[str, str] = {}

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from xml.etree import ElementTree
 
 from urdfcheck.core import Finding, ModelInfo, Run, Severity
-from urdfcheck.output.diffs import rows
-from urdfcheck.output.frames import frame
-from urdfcheck.output.inert import for_xml, one_line, visible
-from urdfcheck.output.wording import details, place
+from urdfcheck.output.shared.code_frames import frame
+from urdfcheck.output.shared.diffs import rows
+from urdfcheck.output.shared.inert import for_xml, one_line, visible
+from urdfcheck.output.shared.wording import details, place
 
 BESIDE = "launch files and packages"
 STATUS = {

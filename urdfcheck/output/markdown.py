@@ -8,11 +8,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 
-from urdfcheck.core import Applicability, Finding, Run, Scene, Severity
-from urdfcheck.output.diffs import rows
-from urdfcheck.output.inert import as_code, for_log, for_markdown, one_line, visible
+from urdfcheck.core import Applicability, Finding, Run, Severity
+from urdfcheck.core.scene import Scene
 from urdfcheck.output.mermaid import chart
-from urdfcheck.output.wording import NAMES, ORDER, by_effect, looked_at, place, plural, verdict, worst_first
+from urdfcheck.output.shared.diffs import rows
+from urdfcheck.output.shared.inert import as_code, for_log, for_markdown, one_line, visible
+from urdfcheck.output.shared.wording import NAMES, ORDER, by_effect, looked_at, place, plural, verdict, worst_first
 
 # At the top of a comment, so that a bot finds its own and writes it anew.
 MARKER = "<!-- urdfcheck report -->"

@@ -6,10 +6,11 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from urdfcheck.core import Finding, Scene, Severity
-from urdfcheck.output.html.anchors import Element, Mark, cards, marks
-from urdfcheck.output.html.graph import LAUNCH, REPEATED, Edge, Node, forest
-from urdfcheck.output.inert import one_line
+from urdfcheck.core import Finding, Severity
+from urdfcheck.core.scene import Scene
+from urdfcheck.output.shared.anchors import Element, Mark, cards, marks
+from urdfcheck.output.shared.graph import LAUNCH, REPEATED, Edge, Node, forest
+from urdfcheck.output.shared.inert import one_line
 
 # What Mermaid draws unless a site allows it more: characters, and edges.
 MOST_CHARACTERS = 50_000

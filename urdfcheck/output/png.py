@@ -8,7 +8,8 @@ import zlib
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from urdfcheck.core import Run, Scene, SceneShape, UrdfcheckError
+from urdfcheck.core import Run, UrdfcheckError
+from urdfcheck.core.scene import Scene, SceneShape
 
 if TYPE_CHECKING:
     import numpy as np
@@ -110,7 +111,7 @@ def _triangles(scene: Scene) -> Iterator[tuple[Array, tuple[float, ...], int]]:
 def _parts(scene: Scene, shape: SceneShape) -> Iterator[tuple[Array, tuple[float, ...] | None]]:
     import numpy as np
 
-    from urdfcheck.facts.mesh_codec import Packed, unpack
+    from urdfcheck.facts.mesh.codec import Packed, unpack
 
     if shape.file is not None:
         for part in scene.meshes[shape.file].drawings:

@@ -6,9 +6,9 @@ import json
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Run, Severity, Span
-from urdfcheck.output.inert import for_json, for_markdown
-from urdfcheck.output.positions import utf8
-from urdfcheck.output.wording import details, own_file, worst_first
+from urdfcheck.output.shared.inert import for_json, for_markdown
+from urdfcheck.output.shared.positions import utf8
+from urdfcheck.output.shared.wording import details, own_file, worst_first
 
 
 def render(run: Run) -> str:

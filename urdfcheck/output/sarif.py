@@ -19,10 +19,10 @@ from urllib.parse import quote
 from urdfcheck.core import NEWLINE, Confidence, Finding, Fix, Location, Rule, Run, Severity, Span, Suppression
 from urdfcheck.output.html.appendix import SHOWN
 from urdfcheck.output.html.text import base_name, inline, sections, some
-from urdfcheck.output.inert import for_json, one_line, visible
 from urdfcheck.output.json import subject_object
-from urdfcheck.output.positions import utf16
-from urdfcheck.output.wording import NAMES, by_effect, plural
+from urdfcheck.output.shared.inert import for_json, one_line, visible
+from urdfcheck.output.shared.positions import utf16
+from urdfcheck.output.shared.wording import NAMES, by_effect, plural
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 BASE = "%SRCROOT%"

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, cast
 from rich.text import Text
 
 from urdfcheck.core import Applicability, Finding, Fix, ModelInfo, Run, Severity, Span
-from urdfcheck.output.drops import lines as drop_lines
-from urdfcheck.output.frames import frame
-from urdfcheck.output.inert import command, one_line, visible
-from urdfcheck.output.summary import counted, table
-from urdfcheck.output.wording import GLYPHS, NAMES, ORDER, by_effect, looked_at, plural
+from urdfcheck.output.shared.code_frames import frame
+from urdfcheck.output.shared.drops import lines as drop_lines
+from urdfcheck.output.shared.inert import command, one_line, visible
+from urdfcheck.output.shared.summary import counted, table
+from urdfcheck.output.shared.wording import GLYPHS, NAMES, ORDER, by_effect, looked_at, plural
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -14,13 +14,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from urdfcheck.errors import UrdfcheckError
-from urdfcheck.files import read_regular
-from urdfcheck.source.launch import Launch, load_launch
-from urdfcheck.source.launch_python import read_python
-from urdfcheck.source.packages import BUILT, PackageFinder, display_name
+from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.source.launch.launch_file import Launch, load_launch
+from urdfcheck.source.launch.python_launch_file import read_python
+from urdfcheck.source.package.finder import BUILT, PackageFinder, display_name
 from urdfcheck.source.reach import OUT_OF_REACH, Reach
-from urdfcheck.source.xml import Element, SourceFile, XmlError, parse, unbound_prefix
+from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse, unbound_prefix
+from urdfcheck.system.files import read_regular
 
 MESH_SUFFIXES = frozenset({".stl", ".dae", ".obj", ".ply", ".off", ".glb", ".gltf"})
 # Where a package keeps its configurations.
@@ -113,7 +113,7 @@ def plan(
 ) -> Plan:
     """Everything that the given paths mean, each model once, in a stable order. ``reach``: which files may be opened;
     ``configured`` finds the configuration for a path, which the other arguments win over; ``all_arguments``: each xacro with all
-    values of its arguments that are known (:mod:`urdfcheck.source.variants`)."""
+    values of its arguments that are known (:mod:`urdfcheck.source.xacro.argument_values`)."""
     planner = _Planner(arguments, packages, package_paths, reach, configured, all_arguments)
     for path in paths:
         planner.add(path)
@@ -340,7 +340,7 @@ class _Planner:
         first = targets[0]
         if not self.all_arguments or not (first.path.suffix == ".xacro" or any(t.xacro for t in targets)):
             return []
-        from urdfcheck.source.variants import MOST_ARGUMENTS, choices, sets
+        from urdfcheck.source.xacro.argument_values import MOST_ARGUMENTS, choices, sets
 
         free = [c for c in choices(first.path, self.finder(first.path)) if c.name not in self.arguments]
         if len(free) > MOST_ARGUMENTS:

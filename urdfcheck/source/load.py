@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from urdfcheck.core import Location, Span
-from urdfcheck.source.packages import Package, PackageFinder, display_name
-from urdfcheck.source.problems import Problem
+from urdfcheck.source.package.finder import Package, PackageFinder, display_name
 from urdfcheck.source.reach import OUT_OF_REACH
-from urdfcheck.source.xml import Element, SourceFile, XmlError, parse, unbound_prefix
+from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse, unbound_prefix
 
 _USES_XACRO = re.compile(r"<xacro:|\$\{|\$\((?:find|arg|eval|env|optenv|dirname)\b")
 
@@ -105,7 +105,7 @@ def load(
             )
     arguments_read: frozenset[str] = frozenset()
     if root is not None and is_xacro:
-        from urdfcheck.source.xacro import expand
+        from urdfcheck.source.xacro.expand import expand
 
         expansion = expand(path, arguments, finder, environment)
         root, problems = expansion.root, [*problems, *expansion.problems]

@@ -9,8 +9,8 @@ from functools import lru_cache
 
 from urdfcheck.core import Location
 from urdfcheck.source.load import Source
-from urdfcheck.source.packages import Resource
-from urdfcheck.source.xml import Attribute, Definition, Element
+from urdfcheck.source.package.finder import Resource
+from urdfcheck.source.text.xml import Attribute, Definition, Element
 
 _ONE_SLASH = re.compile(r"^(package|model|file):/?(?=[^/])")
 _COMPUTED = re.compile(r"\$\((?:find|dirname|cwd|env|optenv|eval)\b|abs_filename")

@@ -20,7 +20,7 @@ from urdfcheck.output.html.model import Part, model_html, parts_of
 from urdfcheck.output.html.stage import stage_data
 from urdfcheck.output.html.text import esc
 from urdfcheck.output.html.viewer import scripts_html, viewer_html, viewer_style
-from urdfcheck.output.inert import for_html, for_json
+from urdfcheck.output.shared.inert import for_html, for_json
 
 INDEX = "index.html"
 LONGEST_NAME = 60

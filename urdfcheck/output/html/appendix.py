@@ -5,7 +5,7 @@ from __future__ import annotations
 from urdfcheck.core import Rule, Run
 from urdfcheck.output.html.tables import rules_table, skipped_table
 from urdfcheck.output.html.text import esc, markdown, sections
-from urdfcheck.output.wording import plural
+from urdfcheck.output.shared.wording import plural
 
 SHOWN = ("What it checks", "Why it matters", "How to fix", "When to ignore")
 

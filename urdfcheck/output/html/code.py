@@ -6,9 +6,9 @@ import re
 from collections.abc import Mapping, Sequence
 
 from urdfcheck.core import Edit, Span
-from urdfcheck.output.diffs import rows
-from urdfcheck.output.frames import FrameLine, frame
 from urdfcheck.output.html.text import esc
+from urdfcheck.output.shared.code_frames import FrameLine, frame
+from urdfcheck.output.shared.diffs import rows
 
 # A file in one line must neither flood the report nor hide the span: this much of it is shown on each side.
 MARGIN = 160

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 
-from urdfcheck.consumers import Outcome, outcomes
 from urdfcheck.core import Finding, Verdict
 from urdfcheck.output.html.glyphs import glyph
 from urdfcheck.output.html.tables import table
 from urdfcheck.output.html.text import NONE, esc
-from urdfcheck.output.wording import NAMES
+from urdfcheck.output.shared.wording import NAMES
+from urdfcheck.policy.consumers import Outcome, outcomes
 
 TOLD = {
     Verdict.LOADS: ("ok", "loads it as typed"),

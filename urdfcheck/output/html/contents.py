@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from urdfcheck.core import Severity
-from urdfcheck.output.html.anchors import Card
 from urdfcheck.output.html.glyphs import glyph
 from urdfcheck.output.html.groups import active, by_file
 from urdfcheck.output.html.text import base_name, esc, gist
+from urdfcheck.output.shared.anchors import Card
 
 MOST_LINES = 12
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from urdfcheck.drop import SECONDS, STEP, Curve, Drop, Release
-from urdfcheck.output.drops import (
+from urdfcheck.core.drop_test import SECONDS, STEP, Curve, Drop, Release
+from urdfcheck.output.html.tables import table
+from urdfcheck.output.html.text import esc, number
+from urdfcheck.output.shared.drops import (
     CONTACT_HEAD,
     OUTCOMES,
     alike,
@@ -18,8 +20,6 @@ from urdfcheck.output.drops import (
     step_told,
     told_speed,
 )
-from urdfcheck.output.html.tables import table
-from urdfcheck.output.html.text import esc, number
 
 # Of the drawing, and of what is inside its axes.
 WIDTH, HEIGHT = 640, 260

@@ -6,12 +6,12 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from urdfcheck.core import Confidence, Finding, Fix, Location, Run, Severity, Span
-from urdfcheck.output.html.anchors import Card, element, names_it
 from urdfcheck.output.html.code import code_frame, diff
 from urdfcheck.output.html.glyphs import glyph, words
 from urdfcheck.output.html.groups import FileGroup, active, by_file
 from urdfcheck.output.html.text import base_name, esc, prose
-from urdfcheck.output.wording import NAMES, by_effect, place, plural
+from urdfcheck.output.shared.anchors import Card, element, names_it
+from urdfcheck.output.shared.wording import NAMES, by_effect, place, plural
 
 MOST_SUBJECTS = 6
 MOST_EDITS = 4

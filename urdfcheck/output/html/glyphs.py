@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from urdfcheck.core import Severity
-from urdfcheck.output.wording import ORDER
+from urdfcheck.output.shared.wording import ORDER
 
 # Drawn once; the fill is the text colour, the sign is cut out of it, so one drawing serves every background.
 SYMBOLS = (

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from urdfcheck.core import Severity
-from urdfcheck.output.html.anchors import Card
+from urdfcheck.output.shared.anchors import Card
 
 MODEL, LAUNCH_FILE = "model file", "launch file"
 _LAUNCH = re.compile(r"\.launch(?:\.\w+)?$|[._]launch\.(?:py|xml|ya?ml)$", re.IGNORECASE)

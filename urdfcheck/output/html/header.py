@@ -8,7 +8,7 @@ from urdfcheck.core import ModelInfo, Run, Severity
 from urdfcheck.output.html.glyphs import badges, glyph, words
 from urdfcheck.output.html.model import Part, path_html
 from urdfcheck.output.html.text import NONE, base_name, esc, number
-from urdfcheck.output.wording import ORDER, plural, verdict
+from urdfcheck.output.shared.wording import ORDER, plural, verdict
 
 MOST_NAMES = 3
 # So many models and files have a place in the bar; more of them are in a menu.

@@ -17,9 +17,9 @@ from urdfcheck.output.html.glyphs import SYMBOLS, glyph, words
 from urdfcheck.output.html.groups import LAUNCH_FILE, file_kind
 from urdfcheck.output.html.model import Part
 from urdfcheck.output.html.text import NONE, base_name, esc, grouped, inline, number
-from urdfcheck.output.inert import for_html
-from urdfcheck.output.lines import Row, RuleCount, Summary, line, row
-from urdfcheck.output.wording import ORDER
+from urdfcheck.output.shared.inert import for_html
+from urdfcheck.output.shared.lines import Row, RuleCount, Summary, line, row
+from urdfcheck.output.shared.wording import ORDER
 
 # So many rules are named in a model's row; all of them are found by the filter.
 MOST_CODES = 6

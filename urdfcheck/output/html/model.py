@@ -8,19 +8,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from urdfcheck.core import ModelInfo, Run, Scene, Severity
-from urdfcheck.drop import Drop
-from urdfcheck.output.html.anchors import Card, cards, marks
+from urdfcheck.core import ModelInfo, Run, Severity
+from urdfcheck.core.drop_test import Drop
+from urdfcheck.core.scene import Scene
 from urdfcheck.output.html.consumers import consumers_table
 from urdfcheck.output.html.contents import contents_html
 from urdfcheck.output.html.drop import drop_html
 from urdfcheck.output.html.findings import notes_html, problems_html
-from urdfcheck.output.html.launch import launch_html
+from urdfcheck.output.html.svg.launch import launch_html
+from urdfcheck.output.html.svg.tree import tree_html
 from urdfcheck.output.html.tables import joints_table, meshes_table, physics_table
 from urdfcheck.output.html.text import base_name, esc, number
-from urdfcheck.output.html.tree import tree_html
 from urdfcheck.output.png import png
-from urdfcheck.output.wording import plural
+from urdfcheck.output.shared.anchors import Card, cards, marks
+from urdfcheck.output.shared.wording import plural
 
 MOST_VARIANTS = 6
 # Width and height of the picture, in px.

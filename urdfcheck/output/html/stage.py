@@ -6,17 +6,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from urdfcheck.core import (
-    Drawing,
-    Finding,
-    Scene,
-    SceneInertia,
-    SceneJoint,
-    SceneLink,
-    ScenePreview,
-    SceneShape,
-)
-from urdfcheck.output.html.anchors import Card, Element, Mark, element, marks
+from urdfcheck.core import Finding
+from urdfcheck.core.scene import Drawing, Scene, SceneInertia, SceneJoint, SceneLink, ScenePreview, SceneShape
+from urdfcheck.output.shared.anchors import Card, Element, Mark, element, marks
 
 # Edges of the box and semi-axes of the ellipsoid of uniform density with the moments I1, I2, I3 of a mass m:
 # edge² = 6 (I2 + I3 - I1) / m, semi-axis² = 5 (I2 + I3 - I1) / (2 m), and so on round.

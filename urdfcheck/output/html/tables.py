@@ -6,11 +6,12 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from urdfcheck.core import Rule, Run, Scene, SceneInertia, SceneJoint, SceneLink, SceneMesh, SceneShape
-from urdfcheck.output.html.anchors import Element, Mark, names_it
+from urdfcheck.core import Rule, Run
+from urdfcheck.core.scene import Scene, SceneInertia, SceneJoint, SceneLink, SceneMesh, SceneShape
 from urdfcheck.output.html.glyphs import glyph
 from urdfcheck.output.html.text import NONE, esc, grouped, inline, millimetres, number, scaled, some
-from urdfcheck.output.wording import plural
+from urdfcheck.output.shared.anchors import Element, Mark, names_it
+from urdfcheck.output.shared.wording import plural
 
 MOST_MODELS = 4
 MOST_USERS = 12

@@ -6,7 +6,7 @@ import html
 import math
 import re
 
-from urdfcheck.output.inert import visible
+from urdfcheck.output.shared.inert import visible
 
 NONE = "—"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

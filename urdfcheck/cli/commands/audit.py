@@ -1,0 +1,84 @@
+"""``urdfcheck audit DATASET…``: thousands of models, each kept as soon as it is finished."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from urdfcheck.cli.options import EPILOG, Parser, add_options, ensure_paths, requested
+from urdfcheck.cli.preload import first_worker
+from urdfcheck.cli.terminal import NOTHING, OK, code_of, progress, say
+from urdfcheck.core.errors import UrdfcheckError
+
+
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck audit``."""
+    p = Parser(
+        prog="urdfcheck audit",
+        description="Audit many models: a line of JSON for each, a summary, a page; what was finished is kept.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    p.add_argument("paths", nargs="*", metavar="DATASET", help="folder of models, or whatever check takes")
+    p.add_argument(
+        *("-o", "--output"),
+        type=Path,
+        default=Path("urdfcheck-audit"),
+        metavar="FOLDER",
+        help="where the lines and the page go, and what the next run needs (default: urdfcheck-audit)",
+    )
+    p.add_argument("--restart", action="store_true", help="forget what the folder holds, and check everything")
+    p.add_argument(
+        "--backend",
+        default="local",
+        metavar="local|dask=ADDRESS|ray[=ADDRESS]",
+        help="where the work is done: here, or on a cluster that is there already (pip install urdfcheck[cluster])",
+    )
+    add_options(p)
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    options = parser().parse_args(words)
+    ensure_paths(options)
+    backend, _, address = options.backend.partition("=")
+    if (
+        backend not in {"local", "dask", "ray"}
+        or (backend == "local" and address)
+        or (backend == "dask" and not address)
+    ):
+        raise UrdfcheckError(f"--backend {options.backend}: write local, dask=ADDRESS, ray or ray=ADDRESS")
+    first = first_worker() if backend == "local" else None
+
+    from urdfcheck import rules as catalogue
+    from urdfcheck.dataset import cluster
+    from urdfcheck.dataset import dataset_audit as dataset
+    from urdfcheck.output.shared import summary
+    from urdfcheck.run import pipeline as engine
+    from urdfcheck.system import libraries
+
+    request, settings = requested(options)
+    libraries.prefer_own()
+    done = dataset.audit(
+        request,
+        options.output,
+        lambda units, work: (
+            engine.stream(units, work, request.jobs, first=first)
+            if backend == "local"
+            else cluster.stream(units, work, backend, address or None)
+        ),
+        restart=options.restart,
+        progress=progress(),
+    )
+    if not done.checked and not done.unchanged:
+        say("nothing to check: no model, launch file or package was found there")
+        return OK if options.allow_empty else NOTHING
+    sys.stdout.write(summary.render(done.summary, catalogue.rules()))
+    known = f"{done.unchanged:,} unchanged, " if done.unchanged else ""
+    say(f"{known}{done.checked:,} checked; {options.output / dataset.LINES}, {options.output / dataset.INDEX}")
+    fail_on = options.fail_on or settings.fail_on
+    codes = [code_of(False, worst, level or fail_on) for level, worst in done.worst.items()]
+    return max((code_of(bool(done.summary.failed), None, fail_on), *codes))

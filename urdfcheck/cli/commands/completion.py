@@ -1,0 +1,252 @@
+"""``urdfcheck completion bash|zsh|fish``: a script that lets a shell complete commands, options and their values.
+
+The scripts are made from the parsers of the commands. They hold all words themselves, so that a key press starts no Python.
+A generator for argparse (shtab) has no way to say that the first word may be a command or already a file to check.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import shlex
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from urdfcheck.cli import COMMANDS
+from urdfcheck.cli.options import Parser
+from urdfcheck.cli.terminal import OK
+
+FILES, FOLDERS = "files", "folders"
+_KINDS = {
+    **dict.fromkeys(("PATH", "MODEL", "DATASET", "FILE"), FILES),
+    **dict.fromkeys(("DIR", "FOLDER"), FOLDERS),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """An option with its ``flags``, or without any a word of a command. ``words``: the values to choose from; ``kind``: files,
+    folders, or nothing that the shell knows; ``takes``: whether an option has a value at all."""
+
+    flags: tuple[str, ...]
+    help: str
+    words: tuple[str, ...]
+    kind: str
+    takes: bool
+    meta: str
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A command, its options, and what it takes besides, in order."""
+
+    name: str
+    help: str
+    options: tuple[Argument, ...]
+    operands: tuple[Argument, ...]
+
+    @property
+    def first(self) -> tuple[str, ...]:
+        """What its first word may be chosen from."""
+        return self.operands[0].words if self.operands else ()
+
+    @property
+    def kind(self) -> str:
+        """What its words are beside those."""
+        return self.operands[-1].kind if self.operands else ""
+
+
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck completion``."""
+    p = Parser(
+        prog="urdfcheck completion",
+        description="Print a script that completes the words of this command in a shell.",
+        epilog="bash:  urdfcheck completion bash > ~/.local/share/bash-completion/completions/urdfcheck\n"
+        "zsh:   urdfcheck completion zsh > a/folder/of/your/fpath/_urdfcheck\n"
+        "fish:  urdfcheck completion fish > ~/.config/fish/completions/urdfcheck.fish",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    p.add_argument("shell", choices=tuple(SHELLS), help="the shell that will read it")
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    options = parser().parse_args(words)
+    for line in SHELLS[options.shell](_commands()):
+        print(line)
+    return OK
+
+
+def _commands() -> list[Command]:
+    from urdfcheck import rules as catalogue
+    from urdfcheck.output import FORMATS, PICTURE
+    from urdfcheck.policy.config import TARGETS
+
+    codes = tuple(catalogue.rules())
+    values = {
+        "CODES": ("ALL", *dict.fromkeys(code[:3] for code in codes), *codes),
+        "CODE": (*codes, *(rule.name for rule in catalogue.rules().values())),
+        "NAMES": tuple(TARGETS),
+        "FORMAT=FILE": tuple(f"{name}=" for name in (*FORMATS, PICTURE)),
+    }
+    return [_command(name, values) for name in COMMANDS]
+
+
+def _command(name: str, values: dict[str, tuple[str, ...]]) -> Command:
+    made: argparse.ArgumentParser = importlib.import_module(f"urdfcheck.cli.commands.{name}").parser()
+    arguments = []
+    for action in made._actions:
+        meta = str(action.metavar or action.dest)
+        words = tuple(map(str, action.choices)) if action.choices else values.get(meta, ())
+        kind = FILES if meta == "FORMAT=FILE" else _KINDS.get(meta, "")
+        text = (action.help or "") % {"default": action.default}
+        arguments.append(Argument(tuple(action.option_strings), text, words, kind, action.nargs != 0, meta))
+    summary = (made.description or "").partition(". ")[0].rstrip(".")
+    return Command(
+        name,
+        summary,
+        tuple(a for a in arguments if a.flags),
+        tuple(a for a in arguments if not a.flags),
+    )
+
+
+def _bash(commands: Iterable[Command]) -> Iterator[str]:
+    commands = list(commands)
+    names = " ".join(c.name for c in commands)
+    yield f"""\
+# bash completion for urdfcheck
+_urdfcheck() {{
+    local cur=${{COMP_WORDS[COMP_CWORD]}} prev=${{COMP_WORDS[COMP_CWORD-1]}} command=check
+    local words= options= kind=files reply
+    COMPREPLY=()
+    # --format=json is three words here.
+    if [[ $cur == = ]]; then cur=; elif [[ $prev == = ]]; then prev=${{COMP_WORDS[COMP_CWORD-2]}}; fi
+    if (( COMP_CWORD > 1 )) && [[ " {names} " == *" ${{COMP_WORDS[1]}} "* ]]; then
+        command=${{COMP_WORDS[1]}}
+    fi
+    case $command in"""
+    for command in commands:
+        flags = " ".join(flag for option in command.options for flag in option.flags)
+        yield f"        {command.name}) options={shlex.quote(flags)} kind={command.kind or 'none'}"
+        if command.first:
+            yield f"            (( COMP_CWORD == 2 )) && words={shlex.quote(' '.join(command.first))} kind=none"
+        yield "            case $prev in"
+        for option in command.options:
+            if option.takes:
+                told = f"words={shlex.quote(' '.join(option.words))} kind={option.kind or 'none'}"
+                yield f"                {'|'.join(option.flags)}) {told} options= ;;"
+        yield "            esac ;;"
+    yield f"""\
+    esac
+    (( COMP_CWORD == 1 )) && words="{names}"
+    [[ " ${{COMP_WORDS[*]:0:COMP_CWORD}} " == *" -- "* ]] && options=
+    [[ $cur == -* && -n $options ]] && words=$options kind=none
+    while IFS= read -r reply; do COMPREPLY+=("$reply"); done < <(compgen -W "$words" -- "$cur")
+    # A file follows; as the name of one itself its = would be quoted, and Tab would not go on behind it.
+    [[ ${{#COMPREPLY[@]}} == 1 && $COMPREPLY == *= ]] && {{ compopt -o nospace 2>/dev/null; return; }}
+    case $kind in files) set -- -f ;; folders) set -- -d ;; *) return ;; esac
+    compopt -o filenames 2>/dev/null
+    while IFS= read -r reply; do COMPREPLY+=("$reply"); done < <(compgen "$1" -- "$cur")
+}}
+complete -F _urdfcheck urdfcheck"""
+
+
+def _zsh(commands: Iterable[Command]) -> Iterator[str]:
+    commands = list(commands)
+    listed = " ".join(shlex.quote(f"{c.name}:{c.help}") for c in commands)
+    yield f"""\
+#compdef urdfcheck
+_urdfcheck_reports() {{
+    if compset -P '*='; then _files; else compadd -S '' -- "$@"; fi
+}}
+_urdfcheck() {{
+    local command=check
+    local -a commands
+    commands=({listed})
+    if (( CURRENT == 2 )) && [[ $words[2] != -* ]]; then
+        _describe -t commands command commands
+        _files
+        return
+    fi
+    if (( ${{commands[(I)$words[2]:*]}} )); then
+        command=$words[2]
+        shift words
+        (( CURRENT-- ))
+    fi
+    case $command in"""
+    for command in commands:
+        yield f"        {command.name}) _arguments -s \\"
+        for option in command.options:
+            for flag in option.flags:
+                after = f":{_of_zsh(option.meta)}:{_action(option)}" if option.takes else ""
+                sign = "=" if option.takes and flag.startswith("--") else ""
+                yield f"            {shlex.quote(f'*{flag}{sign}[{_of_zsh(option.help)}]{after}')} \\"
+        for number, operand in enumerate(command.operands, 1):
+            place = "*" if number == len(command.operands) else str(number)
+            yield f"            {shlex.quote(f'{place}:{_of_zsh(operand.meta)}:{_action(operand)}')} \\"
+        yield "            && return ;;"
+    yield """\
+    esac
+}
+if [[ $funcstack[1] == _urdfcheck ]]; then _urdfcheck "$@"; else compdef _urdfcheck urdfcheck; fi"""
+
+
+def _action(argument: Argument) -> str:
+    """How zsh completes a value."""
+    if argument.words and argument.kind:
+        return f"_urdfcheck_reports {' '.join(argument.words)}"
+    if argument.words:
+        return f"({' '.join(argument.words)})"
+    return {FILES: "_files", FOLDERS: "_files -/"}.get(argument.kind, " ")
+
+
+def _of_zsh(text: str) -> str:
+    return "".join(f"\\{c}" if c in "\\[]:" else c for c in text)
+
+
+def _fish(commands: Iterable[Command]) -> Iterator[str]:
+    commands = list(commands)
+    yield f"""\
+# fish completion for urdfcheck
+function __urdfcheck_is
+    set -l words (commandline -opc)
+    if set -q words[2]; and contains -- $words[2] {" ".join(c.name for c in commands)}
+        test $words[2] = $argv[1]
+    else
+        test $argv[1] = check
+    end
+end
+function __urdfcheck_at
+    test (count (commandline -opc)) -eq $argv[1]
+end"""
+    for command in commands:
+        yield f"complete -c urdfcheck -n '__urdfcheck_at 1' -a {command.name} -d {_of_fish(command.help)}"
+    for command in commands:
+        here = f"complete -c urdfcheck -n '__urdfcheck_is {command.name}'"
+        for option in command.options:
+            flags = " ".join(f"-l {f[2:]}" if f.startswith("--") else f"-s {f[1:]}" for f in option.flags)
+            yield f"{here} {flags} -d {_of_fish(option.help)}{_values(option)}"
+        if command.first:
+            place = f"'__urdfcheck_is {command.name}; and __urdfcheck_at 2'"
+            yield f"complete -c urdfcheck -n {place} -f -a {_of_fish(' '.join(command.first))}"
+        if not command.kind:
+            yield f"{here} -f"
+
+
+def _values(option: Argument) -> str:
+    """How fish completes the value of an option."""
+    if not option.takes:
+        return ""
+    words = f" -a {_of_fish(' '.join(option.words))}" if option.words else ""
+    if option.kind == FOLDERS:
+        return " -x -a '(__fish_complete_directories)'"
+    return f" -r -F{words}" if option.kind else f" -x{words}"
+
+
+def _of_fish(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace("'", "\\'")
+    return f"'{escaped}'"
+
+
+SHELLS = {"bash": _bash, "zsh": _zsh, "fish": _fish}

@@ -1,0 +1,245 @@
+"""``urdfcheck config [PATH]``: what holds for a file or folder, and who said so."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from urdfcheck.cli.options import EPILOG, Parser, add_options, baseline_file, configurations
+from urdfcheck.cli.terminal import OK, say, show_document
+from urdfcheck.core.errors import UrdfcheckError
+
+if TYPE_CHECKING:
+    from rich.text import Text
+
+    from urdfcheck.policy.config import Config, Configurations
+
+DEFAULT, COMMAND_LINE = "default", "command line"
+# Columns before the place of a value; a longer value has its place on a line of its own.
+INDENT, NAMES, PLACES = 2, 14, 64
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A value that holds, and who said so: a ``file:line``, the command line, or the default."""
+
+    name: str
+    value: Any
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class RuleSetting:
+    """What is different from a rule's page: its severity (``option`` is None) or one of its options."""
+
+    code: str
+    name: str
+    option: str | None
+    value: Any
+    default: Any
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """All that is printed. ``selected``: the codes of the rules; ``known``: the findings that ``[[suppress]]`` knows."""
+
+    path: str
+    file: str | None
+    root: str
+    settings: tuple[Setting, ...]
+    selected: tuple[str, ...]
+    rules: tuple[RuleSetting, ...]
+    known: tuple[Setting, ...]
+    models: tuple[Setting, ...]
+
+
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck config``."""
+    p = Parser(
+        prog="urdfcheck config",
+        description="Print the configuration that holds for a file or folder, and where each value comes from. It takes the "
+        "options of check, which win over every file.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    p.add_argument("path", nargs="?", default=".", metavar="PATH", help="a model or a folder (default: this one)")
+    p.add_argument("--format", choices=("text", "json"), default="text", help="how it is printed")
+    add_options(p)
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    options = parser().parse_args(words)
+    path = Path(options.path)
+    if not path.exists():
+        raise UrdfcheckError(f"{path} does not exist")
+
+    configured = configurations(options, (path,))
+    config = configured.of(path)
+    baseline = baseline_file(options, config)
+    there = baseline.is_file() and not options.isolated
+    answer = _answer(configured, config, path, baseline if there or options.baseline or config.baseline else None)
+    if options.format == "json":
+        from urdfcheck.output.shared.inert import for_json
+
+        show_document(for_json(json.dumps(asdict(answer), indent=2, ensure_ascii=False) + "\n"))
+    else:
+        _print(answer)
+    return OK
+
+
+def _answer(configured: Configurations, config: Config, path: Path, baseline: Path | None) -> Answer:
+    from urdfcheck.policy.config import typed
+    from urdfcheck.source.package.finder import display_name
+
+    given, holds = configured.given, configured.holds(config, path)
+    table, at = typed(config)
+    sections = [(s.key, _inner(table, s.key)) for s in config.sections_of(path)]
+
+    def said(*key: str | int) -> str:
+        return at[key]
+
+    def last(key: str) -> str:
+        """Where the last section stands that says something about a key."""
+        return next((said(*where, key) for where, section in reversed(sections) if key in section), DEFAULT)
+
+    def words(key: str, default: str, on_command_line: frozenset[str] | None) -> Iterator[Setting]:
+        if on_command_line is not None:
+            yield Setting(key, _few(sorted(on_command_line)), COMMAND_LINE)
+            return
+        typed_so = [Setting(key, ", ".join(s[key]), said(*where, key)) for where, s in sections if key in s]
+        yield from typed_so or [Setting(key, default, DEFAULT)]
+
+    def one(key: str, value: Any, on_command_line: bool = False) -> Setting:
+        return Setting(key, value, COMMAND_LINE if on_command_line else last(key))
+
+    beside = "found beside the configuration" if config.baseline is None else last("baseline")
+    settings = [
+        *words("select", "ALL", given.select),
+        *words("ignore", "", given.ignore),
+        one("fail-on", holds.fail_on, given.fail_on is not None),
+        one("tier", holds.tier, given.tier is not None),
+        one("target", ", ".join(holds.targets), given.target is not None),
+        one("exclude", ", ".join(config.exclude)),
+        *(Setting("packages", f"{n} = {display_name(p)}", at["packages", n]) for n, p in config.packages.items()),
+        one("package-path", ", ".join(map(display_name, config.package_path))),
+        Setting("baseline", "", DEFAULT)
+        if baseline is None
+        else Setting("baseline", display_name(baseline), COMMAND_LINE if given.baseline is not None else beside),
+    ]
+    known = [
+        Setting(_few(_typed_codes(table, i)), f"{entry.subject}: {entry.reason}", at["suppress", i])
+        for i, (_, entry) in enumerate(config.suppress)
+        if entry in holds.suppress
+    ]
+    models = [
+        Setting(m.name or "no name", " ".join(f"{n}:={v}" for n, v in m.arguments.items()), at["models", i])
+        for i, m in enumerate(config.models)
+        if m.path.resolve() == path.resolve()
+    ]
+    return Answer(
+        display_name(path),
+        None if config.file is None else display_name(config.file),
+        display_name(config.root),
+        tuple(settings),
+        tuple(sorted(holds.codes)),
+        tuple(_rules(configured, config, path, sections, at)),
+        tuple(known),
+        tuple(models),
+    )
+
+
+def _inner(table: Mapping[str, Any], key: Sequence[str | int]) -> Mapping[str, Any]:
+    found: Any = table
+    for part in key:
+        found = found[part]
+    section: Mapping[str, Any] = found
+    return section
+
+
+def _typed_codes(table: Mapping[str, Any], index: int) -> list[str]:
+    words: list[str] = table["suppress"][index]["codes"]
+    return words
+
+
+def _rules(
+    configured: Configurations,
+    config: Config,
+    path: Path,
+    sections: Sequence[tuple[tuple[str | int, ...], Mapping[str, Any]]],
+    at: Mapping[tuple[str | int, ...], str],
+) -> Iterator[RuleSetting]:
+    from urdfcheck import rules as catalogue
+
+    holds = configured.holds(config, path)
+    severities: dict[str, str] = {}
+    options: dict[tuple[str, str], str] = {}
+    for where, section in sections:
+        # The same order as the configuration's: what means fewer rules comes later, and wins.
+        for word in sorted(section.get("severity", {}), key=lambda w: -len(catalogue.select([w]))):
+            place = (*where, "severity", word)
+            severities.update(dict.fromkeys(catalogue.select([word]), at[place]))
+        for word in sorted(section.get("options", {}), key=lambda w: -len(catalogue.select([w]))):
+            for name in section["options"][word]:
+                place = (*where, "options", word, name)
+                options.update(dict.fromkeys(((code, name) for code in catalogue.select([word])), at[place]))
+    for code, rule in catalogue.rules().items():
+        if code in holds.codes and holds.severities.get(code, str(rule.severity)) != str(rule.severity):
+            value = holds.severities[code]
+            yield RuleSetting(code, rule.name, None, value, str(rule.severity), severities[code])
+        for name, value in holds.options.get(code, {}).items() if code in holds.codes else ():
+            yield RuleSetting(code, rule.name, name, value, rule.options[name].default, options[code, name])
+
+
+def _few(words: Sequence[str]) -> str:
+    return ", ".join(words) if len(words) <= 8 else f"{', '.join(words[:8])} and {len(words) - 8} more"
+
+
+# -- for a person ------------------------------------------------------------------------------------------------------
+
+
+def _print(answer: Answer) -> None:
+    from rich.console import Console
+    from rich.text import Text
+
+    from urdfcheck import rules as catalogue
+    from urdfcheck.output.shared.inert import one_line
+
+    def row(name: str, value: str, source: str) -> Text:
+        line = Text(" " * INDENT).append(one_line(name).ljust(NAMES), "" if value else "dim")
+        line.append(one_line(value) or "none", "" if value else "dim")
+        line.pad_right(max(PLACES - line.cell_len, 2))
+        return line.append(one_line(source), "dim" if source == DEFAULT else "cyan")
+
+    def block(title: str, rows: Sequence[Text]) -> list[Text]:
+        return [Text(), Text(f"  {title}", "bold"), *rows] if rows else []
+
+    lines = [Text.assemble((one_line(answer.path), "bold"))]
+    lines.append(Text.assemble("  configured by ", (one_line(answer.file or "no file: the defaults hold"), "cyan")))
+    lines.append(Text.assemble("  models are named from ", (one_line(answer.root), "")))
+    lines.append(Text())
+    lines += [row(s.name, str(s.value), s.source) for s in answer.settings]
+    lines.append(row("rules", f"{len(answer.selected)} of {len(catalogue.rules())}", ""))
+    severities = [row(r.code, f"{r.name}: {r.default} → {r.value}", r.source) for r in answer.rules if r.option is None]
+    options = [
+        row(r.code, f"{r.name}: {r.option} = {r.value}, on the page {r.default}", r.source)
+        for r in answer.rules
+        if r.option is not None
+    ]
+    lines += block("severities that differ from the rule's page", severities)
+    lines += block("options that differ", options)
+    lines += block("checked with these arguments", [row(m.name, str(m.value), m.source) for m in answer.models])
+    lines += block("known findings", [row(k.name, str(k.value), k.source) for k in answer.known])
+    console = Console()
+    for line in lines:
+        if console.is_terminal:
+            console.print(line, soft_wrap=True)
+        else:
+            say(line.plain.rstrip(), sys.stdout)

@@ -1,0 +1,95 @@
+"""``urdfcheck drop MODEL``: what happens when it is set on the ground in a simulator."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from urdfcheck.cli.options import Parser, add_access, add_options, output_files, requested
+from urdfcheck.cli.preload import first_worker
+from urdfcheck.cli.terminal import exit_code, progress, show, write
+from urdfcheck.core.errors import UrdfcheckError
+
+if TYPE_CHECKING:
+    from urdfcheck.core import Run
+
+RULE = "DYN005"
+
+
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck drop``."""
+    p = Parser(
+        prog="urdfcheck drop",
+        description="Set a robot on a plane in MuJoCo, let go for two seconds, and look at what comes of it.",
+        epilog="exit codes: 0 nothing at or above --fail-on, 1 findings (DYN005 is a warning), 2 it could not be dropped",
+    )
+    p.add_argument("paths", nargs=1, metavar="MODEL", help="a model, or a launch file, package or folder with some")
+    p.add_argument("--format", choices=("text", "json", "html"), default="text", help="what goes to standard output")
+    p.add_argument(
+        *("-o", "--output"),
+        action="append",
+        default=[],
+        metavar="FORMAT=FILE",
+        help="also write it to a file (repeatable); html is the whole report of the model",
+    )
+    p.add_argument(
+        "--fail-on", choices=("error", "warning", "info", "never"), help="exit 1 from here on (default: error)"
+    )
+    add_access(p)
+    p.add_argument(
+        "--color", choices=("auto", "always", "never"), default="auto", help="colours (default: on a terminal)"
+    )
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    # The rest is as a check has it without options.
+    check = Parser()
+    add_options(check)
+    options = parser().parse_args(words, check.parse_args(["--tier=full"]))
+    outputs = output_files(options.output, options.paths)
+    if importlib.util.find_spec("mujoco") is None:
+        raise UrdfcheckError("a drop test needs MuJoCo: pip install 'urdfcheck[engines]'")
+
+    from dataclasses import replace
+
+    from urdfcheck import output
+    from urdfcheck import rules as catalogue
+    from urdfcheck.core import Severity
+    from urdfcheck.run.pipeline import run
+    from urdfcheck.system import libraries
+
+    first = first_worker()
+    # What is wrong with the file says why there is no model.
+    wanted = {RULE, *(code for code, rule in catalogue.rules().items() if "file" in rule.scopes)}
+    formats = {options.format, *(name for name, _ in outputs)}
+    if "html" not in formats:
+        options.select = [",".join(sorted(wanted))]
+    request, settings = requested(options, scene="html" in formats)
+    libraries.prefer_own()
+    outcome = run(replace(request, drop=True), first=first, progress=progress())
+    if outcome.models and not outcome.drops:
+        raise UrdfcheckError(f"{options.paths[0]}: {_why_none(outcome)}")
+    # Whatever is written beside it, the command says the same: what the drop shows, and errors of the file.
+    findings = (f for f in outcome.findings if f.code == RULE or (f.code in wanted and f.severity == Severity.ERROR))
+    told = replace(outcome, findings=tuple(findings), scenes=())
+    show(outcome if options.format == "html" else told, options.format, options.color)
+    for output_format, file in outputs:
+        write(output.render(outcome if output_format == "html" else told, output_format), file)
+    return exit_code(told, options.fail_on or settings.fail_on)
+
+
+def _why_none(outcome: Run) -> str:
+    """Why no model could be dropped."""
+    from urdfcheck.core import Severity
+
+    reasons = [*outcome.failures, *(skip.reason for skip in outcome.skipped if skip.code in {RULE, "ALL"})]
+    for finding in outcome.findings:
+        span = finding.location.span
+        if finding.severity == Severity.ERROR:
+            place = "" if span is None else f" ({span.file}:{span.line}:{span.col})"
+            return f"{finding.message}{place}"
+    return reasons[0] if reasons else "it could not be set down"

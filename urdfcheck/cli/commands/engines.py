@@ -1,0 +1,163 @@
+"""``urdfcheck engines MODEL``: what the simulators that are installed really do with a model."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from urdfcheck.cli.options import Parser, add_access, configuration, reading
+from urdfcheck.cli.terminal import FINDINGS, OK, show_document
+
+if TYPE_CHECKING:
+    from urdfcheck.simulators.comparing import Comparison, Row
+
+SCHEMA = "urdfcheck-engines/1"
+# The columns, and those that are left out first where there is no room.
+_HEADS = ("engine", "version", "verdict", "links", "mass kg", "max |ΔM|", "max |Δg|")
+_DISPENSABLE = (1, 3, 6)
+
+
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck engines``."""
+    p = Parser(
+        prog="urdfcheck engines",
+        description="Load a model for real in every engine that is installed, and compare what they make of it.",
+        epilog="exit codes: 0 all load it that should, 1 one does not, 2 urdfcheck or its configuration failed",
+    )
+    p.add_argument("model", metavar="MODEL", help="a model, or whatever means exactly one")
+    p.add_argument("--format", choices=("text", "json"), default="text", help="how to print it (default: text)")
+    add_access(p)
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    options = parser().parse_args(words)
+    path = Path(options.model)
+
+    from dataclasses import replace
+
+    from urdfcheck import rules as catalogue
+    from urdfcheck.simulators.comparing import compare
+    from urdfcheck.system import libraries
+
+    libraries.prefer_own()
+    settings = configuration(path, options)
+    request = reading(options, settings, (path,), frozenset(catalogue.rules()))
+    done = compare(replace(request, jobs=os.cpu_count() or 1))
+    if options.format == "json":
+        show_document(json.dumps(_document(done), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    else:
+        from urdfcheck.output.shared.inert import for_log
+
+        for line in _lines(done, _width()):
+            print(for_log(line))
+    failed = any(_fails(row, settings.target) for row in done.rows)
+    return FINDINGS if failed else OK
+
+
+def _fails(row: Row, targets: Sequence[str]) -> bool:
+    """Whether an engine refuses the model that should load it: one that it is meant for, or of which no finding says so."""
+    from urdfcheck.core import Verdict
+
+    refused = row.judgement.verdict is Verdict.REFUSES
+    return refused and (row.engine in targets or row.predicted is not Verdict.REFUSES)
+
+
+def _width() -> int:
+    import shutil
+
+    return shutil.get_terminal_size((100, 24)).columns if sys.stdout.isatty() else 100
+
+
+def _lines(done: Comparison, width: int) -> Iterator[str]:
+    import textwrap
+
+    table = [_HEADS, *(_cells(row) for row in done.rows)]
+    widths = [max(len(line[i]) for line in table) for i in range(len(_HEADS))]
+    shown = list(range(len(_HEADS)))
+    for dispensable in _DISPENSABLE:
+        if sum(widths[i] + 2 for i in shown) - 2 > width:
+            shown.remove(dispensable)
+    for place, line in enumerate(table):
+        yield "  ".join(line[i].ljust(widths[i]) if i < 3 else line[i].rjust(widths[i]) for i in shown).rstrip()
+        for note in _notes(done.rows[place - 1]) if place else ():
+            yield from textwrap.wrap(note, max(width, 40), initial_indent="    ", subsequent_indent="      ")
+    yield ""
+    info = done.info
+    mass = "" if info.mass is None else f", {info.mass:.4g} kg"
+    explained = (
+        f"{info.path}: {info.links} links{mass} as typed. ΔM and Δg: mass matrix and gravity torques at random "
+        "configurations, the largest difference from what was typed by the largest number. Engines that fix the root to the "
+        "world do not count its mass."
+    )
+    yield from textwrap.wrap(explained, max(width, 40))
+    for name, command in done.missing.items():
+        yield f"{name} is not installed: {command}"
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    loaded, judgement = row.outcome.loaded, row.judgement
+    return (
+        row.engine,
+        row.version,
+        _word(row.judgement.verdict.name),
+        "-" if loaded is None or not loaded.links else str(len(loaded.links)),
+        "-" if loaded is None or not loaded.links else f"{sum(loaded.links.values()):.4g}",
+        "-" if judgement.matrix is None else f"{judgement.matrix:.1e}",
+        "-" if judgement.torque is None else f"{judgement.torque:.1e}",
+    )
+
+
+def _word(verdict: str) -> str:
+    return "NaN" if verdict == "NAN" else verdict.lower()
+
+
+def _notes(row: Row) -> Iterator[str]:
+    yield from row.judgement.reasons
+    if row.surprise and row.because:
+        yield f"{', '.join(row.because)} said that it {_word(row.predicted.name)} it"
+    elif row.surprise:
+        yield "no finding said so"
+    elif row.because:
+        yield f"see {', '.join(row.because)}"
+    said = [m for m in row.outcome.messages if not any(m in reason for reason in row.judgement.reasons)]
+    if said:
+        more = f" (and {len(said) - 1} more)" if len(said) > 1 else ""
+        yield f"it prints: {said[0]}{more}"
+
+
+def _document(done: Comparison) -> dict[str, Any]:
+    return {
+        "schema": SCHEMA,
+        "model": {"path": done.info.path, "links": done.info.links, "mass": done.info.mass},
+        "engines": {row.engine: _entry(row) for row in done.rows},
+        "missing": dict(done.missing),
+    }
+
+
+def _entry(row: Row) -> dict[str, Any]:
+    loaded, judgement = row.outcome.loaded, row.judgement
+    return {
+        "version": row.version,
+        "verdict": _word(judgement.verdict.name),
+        "predicted": _word(row.predicted.name),
+        "because": list(row.because),
+        "reasons": list(judgement.reasons),
+        "links": None if loaded is None else sorted(loaded.links),
+        "mass": None if loaded is None else _finite(sum(loaded.links.values())),
+        "matrix": _finite(judgement.matrix),
+        "torque": _finite(judgement.torque),
+        "messages": list(row.outcome.messages),
+    }
+
+
+def _finite(value: float | None) -> float | None:
+    import math
+
+    return value if value is not None and math.isfinite(value) else None

@@ -1,0 +1,420 @@
+"""``urdfcheck init [FOLDER]``: a configuration, a pre-commit entry and a CI job for the models of a repository."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from urdfcheck.cli.options import Parser
+from urdfcheck.cli.terminal import NOTHING, OK, progress, say, write
+from urdfcheck.core.errors import UrdfcheckError
+
+if TYPE_CHECKING:
+    from urdfcheck.core import Run
+
+PRE_COMMIT, GITHUB, GITLAB = ".pre-commit-config.yaml", ".github/workflows/urdfcheck.yml", ".gitlab-ci.yml"
+# How the README says it: whoever installed urdfcheck from an address need not fill it in.
+UNKNOWN = "…"
+_WHAT_TO_INSTALL = "the address or a checkout of urdfcheck"
+
+CONFIGURATION = """\
+# What holds for the models below this folder: urdfcheck config PATH shows it, urdfcheck rule lists the rules.
+{table}fail-on = "error"                  # the exit code is 1 from here on: error, warning, info, never
+# ignore = ["cad-noise"]           # codes, prefixes, names and tags of rules
+# target = ["gazebo", "moveit"]    # who will read the models
+# exclude = ["third_party"]        # not looked at when a folder is checked
+
+# [{prefix}severity]
+# INR010 = "info"
+"""
+JOB = """\
+name: urdfcheck
+on: [push, pull_request]
+permissions:
+  contents: read
+jobs:
+  urdfcheck:
+    runs-on: ubuntu-latest
+    steps:
+      - uses: actions/checkout@v6
+        with:
+          persist-credentials: false
+{steps}"""
+# An action is found by its address on GitHub; from elsewhere urdfcheck is installed.
+ACTION = """\
+      - uses: {action}
+        with:
+          paths: |
+            {folder}
+"""
+INSTALLED = """\
+      - uses: actions/setup-python@v6
+        with:
+          python-version: "3.12"
+      - run: pip install {install}
+      - run: |
+          urdfcheck {path} --format github -o html=urdfcheck.html
+      - uses: actions/upload-artifact@v7
+        if: always()
+        with:
+          path: urdfcheck.html
+          archive: false
+"""
+GITLAB_JOB = """\
+urdfcheck:
+  image: python:3.12
+{stage}  script:
+    - pip install {install}
+    - |
+      urdfcheck {path} -o gitlab=urdfcheck.codequality.json -o junit=urdfcheck.junit.xml -o html=urdfcheck.html
+  artifacts:
+    when: always
+    expose_as: urdfcheck report
+    paths: [urdfcheck.html]
+    reports:
+      codequality: urdfcheck.codequality.json
+      junit: urdfcheck.junit.xml
+"""
+LOCAL_HOOKS = """\
+- repo: local # runs the urdfcheck that is installed; with an address: repo, rev, and only the two ids
+  hooks:
+    - id: urdfcheck
+      name: urdfcheck
+      entry: urdfcheck --allow-empty
+      language: system
+      types_or: [urdf, xacro]
+      require_serial: true
+    - id: urdfcheck-meshes
+      name: urdfcheck (models of changed meshes, launch files and settings)
+      entry: urdfcheck --allow-empty
+      language: system
+      files: |
+        (?xi)(
+          \\.(stl|dae|obj|ply|off|glb|gltf|srdf)
+          |\\.launch|[._]launch\\.(xml|py)
+          |(^|/)package\\.xml
+          |(^|/)(config|params|controllers|control|launch)/.*\\.ya?ml
+        )$
+      require_serial: true
+"""
+HOOKS = """\
+- repo: {address}
+  rev: {revision}
+  hooks:
+    - id: urdfcheck # changed URDF and xacro files
+    - id: urdfcheck-meshes # models of changed meshes, launch files and settings
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What happens to a file. ``text`` is what it holds afterwards, None where it is left as it is, and ``why`` says why;
+    ``added`` is the part that is new."""
+
+    path: Path
+    verb: str
+    text: str | None = None
+    added: str = ""
+    why: str = ""
+
+
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck init``."""
+    p = Parser(
+        prog="urdfcheck init",
+        description="Write a configuration, a pre-commit entry and a CI job for the models of a folder. Nothing that is there is "
+        "overwritten: text is added to it, or it is left as it is.",
+    )
+    p.add_argument(
+        "folder", nargs="?", default=".", metavar="FOLDER", help="where the models are (default: this folder)"
+    )
+    p.add_argument("--dry-run", action="store_true", help="write nothing, and print what would be written")
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    options = parser().parse_args(words)
+    folder = Path(options.folder)
+    if not folder.is_dir():
+        raise UrdfcheckError(f"{folder} is no folder")
+
+    outcome = _look(folder)
+    if not outcome.models:
+        say(f"no model was found in {folder}: there is nothing to set up")
+        return NOTHING
+    address, revision = installed_from()
+    root = _repository(folder)
+    inside = Path(os.path.relpath(folder.resolve(), root)).as_posix()
+    install = f'"git+{address}@{revision}"' if address else f"{UNKNOWN} # {_WHAT_TO_INSTALL}"
+    action = _action(address, revision)
+    needing = _needing(outcome, folder)
+    steps = [
+        _configuration(folder, needing),
+        _hooks(root / PRE_COMMIT, HOOKS.format(address=address, revision=revision) if address else LOCAL_HOOKS),
+        _job(root, install, action, inside),
+    ]
+    _tell_found(outcome)
+    for step in steps:
+        _do(step, root, dry=options.dry_run)
+    _tell_next(steps, needing, known=bool(address), dry=options.dry_run)
+    return OK
+
+
+# -- what is there -----------------------------------------------------------------------------------------------------
+
+
+def _look(folder: Path) -> Run:
+    """The models of a folder, expanded to see which of them need arguments."""
+    from urdfcheck.policy.config import without_file
+    from urdfcheck.run.pipeline import Request, run
+    from urdfcheck.system import libraries
+
+    libraries.prefer_own()
+    request = Request(
+        (folder,), without_file(folder).root, frozenset({"XAC010"}), tier="source", jobs=os.cpu_count() or 1
+    )
+    return run(request, progress=progress())
+
+
+def _needing(outcome: Run, folder: Path) -> dict[Path, dict[str, tuple[str, ...]]]:
+    """The models that cannot be expanded without arguments, with these and the values of them that their text knows."""
+    from urdfcheck.source.package.finder import PackageFinder
+    from urdfcheck.source.reach import Reach
+    from urdfcheck.source.xacro.argument_values import choices
+
+    paths = {info.id: Path(info.path) for info in outcome.models if info.status == "needs-arguments"}
+    found: dict[Path, dict[str, tuple[str, ...]]] = {}
+    for finding in outcome.findings:
+        path = paths.get(finding.model)
+        if path is not None:
+            finder = PackageFinder(path.absolute(), reach=Reach.around([folder], []))
+            known = {choice.name: choice.values for choice in choices(path, finder)}
+            names = [str(name) for name in finding.data["missing"]]
+            found.setdefault(path, {}).update({name: known.get(name, ()) for name in names})
+    return found
+
+
+def _repository(folder: Path) -> Path:
+    """The work tree around a folder, where CI and pre-commit look; itself where there is none."""
+    real = folder.resolve()
+    return next((f for f in (real, *real.parents) if (f / ".git").exists()), real)
+
+
+def installed_from() -> tuple[str, str]:
+    """The address and the commit that urdfcheck was installed from (PEP 610); empty where pip did not write them down."""
+    from importlib.metadata import PackageNotFoundError, distribution
+
+    try:
+        told = json.loads(distribution("urdfcheck").read_text("direct_url.json") or "{}")
+    except (PackageNotFoundError, ValueError):
+        return "", ""
+    commit = told.get("vcs_info", {}).get("commit_id", "")
+    return (told["url"], commit) if commit else ("", "")
+
+
+# -- what is to be written ---------------------------------------------------------------------------------------------
+
+
+def _configuration(folder: Path, needing: Mapping[Path, Mapping[str, Sequence[str]]]) -> Step:
+    import tomli
+
+    own, project = folder / "urdfcheck.toml", folder / "pyproject.toml"
+    if own.exists():
+        return Step(own, "kept", why="it is there already")
+    if not project.is_file():
+        text = CONFIGURATION.format(table="", prefix="") + _models(needing, folder, "")
+        return Step(own, "wrote", text, text)
+    before = _read(project)
+    table, prefix = "[tool.urdfcheck]\n", "tool.urdfcheck."
+    added = CONFIGURATION.format(table=table, prefix=prefix) + _models(needing, folder, prefix)
+    try:
+        if "urdfcheck" in tomli.loads(before).get("tool", {}):
+            return Step(project, "kept", why="it has a table [tool.urdfcheck] already")
+        text = _after(before, added)
+        tomli.loads(text)
+    except (tomli.TOMLDecodeError, AttributeError, TypeError):
+        return Step(project, "kept", why="nothing can be added to it: put what follows in urdfcheck.toml", added=added)
+    return Step(project, "extended", text, added)
+
+
+def _models(needing: Mapping[Path, Mapping[str, Sequence[str]]], folder: Path, prefix: str) -> str:
+    entries = []
+    for path, arguments in sorted(needing.items()):
+        relative = Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+        values = ", ".join(f"{_key(n)} = {_quoted(known[0] if known else '')}" for n, known in arguments.items())
+        notes = [f"# {_key(name)}: {', '.join(map(_quoted, known))}\n" for name, known in arguments.items() if known]
+        entries.append(
+            f"\n[[{prefix}models]]                       # it cannot be expanded without these arguments\n"
+            f"path = {_quoted(relative)}\n# arguments = {{ {values} }}\n{''.join(notes)}"
+        )
+    return "".join(entries)
+
+
+def _quoted(text: str) -> str:
+    # A string of JSON is one of TOML, but for the character that ends ASCII.
+    return json.dumps(text, ensure_ascii=True).replace("\x7f", "\\u007f")
+
+
+def _key(name: str) -> str:
+    return name if name.replace("_", "").replace("-", "").isalnum() and name.isascii() else _quoted(name)
+
+
+def _hooks(path: Path, entry: str) -> Step:
+    if not path.exists():
+        text = "repos:\n" + _indented(entry, 2)
+        return Step(path, "wrote", text, text)
+    before = _read(path)
+    if "urdfcheck" in before:
+        return Step(path, "kept", why="it names urdfcheck already")
+    after = with_hooks(before, entry)
+    if after is None:
+        return Step(
+            path, "kept", why="its list of repos is not one that text can be added to: add what follows", added=entry
+        )
+    return Step(path, "extended", after, entry)
+
+
+def with_hooks(before: str, entry: str) -> str | None:
+    """A pre-commit configuration with one more entry at the end of its repos, every other byte as it was; None where this does
+    not give what is meant."""
+    import yaml
+
+    try:
+        tree = yaml.compose(before, yaml.SafeLoader)
+        pairs = tree.value if isinstance(tree, yaml.MappingNode) else []
+        repos = next((value for key, value in pairs if key.value == "repos"), None)
+        if not isinstance(repos, yaml.SequenceNode) or repos.flow_style or not repos.value:
+            return None
+        node: Any = repos
+        while isinstance(node, (yaml.SequenceNode, yaml.MappingNode)) and node.value and not node.flow_style:
+            last = node.value[-1]
+            node = last if isinstance(node, yaml.SequenceNode) else last[1]
+        end = node.end_mark.index
+        if node.end_mark.column:
+            newline = before.find("\n", end)
+            end = len(before) if newline < 0 else newline + 1
+        text = _after(before[:end], _indented(entry, repos.start_mark.column), blank=False) + before[end:]
+        meant = yaml.safe_load(before)
+        meant["repos"].extend(yaml.safe_load(entry))
+        return text if yaml.safe_load(text) == meant else None
+    except (yaml.YAMLError, AttributeError, RecursionError):
+        return None
+
+
+def _action(address: str, revision: str) -> str:
+    """How a workflow of GitHub names an action of this address; empty where it is none of GitHub's."""
+    found = re.fullmatch(r"https://github\.com/([\w.-]+/[\w.-]+?)(?:\.git)?/?", address)
+    return "" if found is None else f"{found.group(1)}@{revision}"
+
+
+def _job(root: Path, install: str, action: str, folder: str) -> Step:
+    word = shlex.quote(folder)  # of the shell that runs it
+    if not (root / GITLAB).exists():
+        path = root / GITHUB
+        if path.exists():
+            return Step(path, "kept", why="it is there already")
+        steps = ACTION.format(action=action, folder=folder) if action else INSTALLED.format(install=install, path=word)
+        text = JOB.format(steps=steps)
+        return Step(path, "wrote", text, text)
+    import yaml
+
+    path = root / GITLAB
+    before = _read(path)
+    if "urdfcheck" in before:
+        return Step(path, "kept", why="it names urdfcheck already")
+    try:
+        tree = yaml.compose(before, yaml.SafeLoader)
+    except yaml.YAMLError:
+        tree = None
+    keys = {key.value: value for key, value in tree.value} if isinstance(tree, yaml.MappingNode) else {}
+    stages = [stage.value for stage in keys["stages"].value] if "stages" in keys else ["test"]
+    stage = "" if "test" in stages or not stages else f"  stage: {stages[0]}\n"
+    job = GITLAB_JOB.format(stage=stage, install=install, path=word)
+    if tree is None or not isinstance(tree, yaml.MappingNode) or tree.flow_style:
+        return Step(path, "kept", why="it cannot be added to: add what follows", added=job)
+    return Step(path, "extended", _after(before, job), job)
+
+
+def _after(before: str, added: str, *, blank: bool = True) -> str:
+    """A text with another behind it, with its own ends of lines."""
+    newline = "\r\n" if "\r\n" in before else "\n"
+    end = "" if not before or before.endswith("\n") else newline
+    return before + end + (newline if blank and before.strip() else "") + added.replace("\n", newline)
+
+
+def _indented(text: str, columns: int) -> str:
+    return "".join(" " * columns + line for line in text.splitlines(keepends=True))
+
+
+def _read(path: Path) -> str:
+    from urdfcheck.system.files import read_regular
+
+    try:
+        return read_regular(path).decode("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UrdfcheckError(f"{path}: {error}") from None
+
+
+# -- writing and telling -----------------------------------------------------------------------------------------------
+
+
+def _do(step: Step, root: Path, *, dry: bool) -> None:
+    from urdfcheck.source.package.finder import display_name
+
+    name = display_name(step.path)
+    text = step.text
+    real = Path(os.path.realpath(step.path))
+    if text is not None and (step.path.is_symlink() or not real.is_relative_to(root)):
+        text = None
+        step = Step(step.path, "kept", why="it is a link, or lies outside of the repository")
+    if text is None:
+        say(f"  kept      {name}: {step.why}")
+        if step.added:
+            say(_indented(step.added, 6).rstrip())
+        return
+    if dry:
+        say(
+            f"  {'would write' if step.verb == 'wrote' else 'would add to'} {name}:\n{_indented(step.added, 6).rstrip()}"
+        )
+        return
+    write(text, step.path)
+    say(f"  {step.verb:<9} {name}")
+
+
+def _tell_found(outcome: Run) -> None:
+    number = len(outcome.models)
+    needing = sum(info.status == "needs-arguments" for info in outcome.models)
+    failed = sum(info.status == "failed" for info in outcome.models)
+    notes = [f"{needing} {'needs' if needing == 1 else 'need'} arguments"] if needing else []
+    notes += [f"{failed} cannot be expanded"] if failed else []
+    say(f"found {number} {'model' if number == 1 else 'models'}{''.join(', ' + note for note in notes)}")
+
+
+def _tell_next(steps: Sequence[Step], needing: Mapping[Path, object], *, known: bool, dry: bool) -> None:
+    from urdfcheck.source.package.finder import display_name
+
+    if dry:
+        return
+    configuration, hooks, job = steps
+    told = []
+    if needing and configuration.text is not None:
+        told.append(
+            f"give {', '.join(map(display_name, sorted(needing)))} arguments in {display_name(configuration.path)}"
+        )
+    if not known and (job.text is not None or (job.path.is_file() and f"pip install {UNKNOWN}" in _read(job.path))):
+        told.append(f"write in {display_name(job.path)} how urdfcheck is installed ({UNKNOWN}): {_WHAT_TO_INSTALL}")
+    if hooks.text is not None:
+        told.append("pre-commit install           the hook runs at each commit")
+    told.append("urdfcheck .                  what is wrong today")
+    told.append("urdfcheck baseline write     from then on only what is new is told")
+    say("next")
+    for line in told:
+        say(f"  {line}")

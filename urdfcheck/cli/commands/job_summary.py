@@ -1,0 +1,38 @@
+"""The summary of a GitHub job: a file that the runner names, and that every command of a step appends Markdown to."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from urdfcheck.core.errors import UrdfcheckError
+
+if TYPE_CHECKING:
+    from urdfcheck.core import Run
+
+# Below this nothing that is worth reading has room. GitHub shows none of a summary that is too large.
+LEAST = 2_000
+
+
+def summary_file() -> Path | None:
+    """Where the summary goes; None outside of a job."""
+    name = os.environ.get("GITHUB_STEP_SUMMARY")
+    return Path(name) if name else None
+
+
+def append(run: Run, reports: Sequence[str], file: Path) -> None:
+    """Append what a run found, as much as the file has room for; ``reports``: where its HTML reports are.
+
+    :raises UrdfcheckError: when the file cannot be written.
+    """
+    from urdfcheck.output.markdown import SUMMARY, job_summary
+
+    try:
+        room = SUMMARY - (file.stat().st_size if file.is_file() else 0)
+        if room >= LEAST:
+            with open(file, "a", encoding="utf-8", newline="\n") as out:
+                out.write(job_summary(run, reports, room) + "\n")
+    except OSError as error:
+        raise UrdfcheckError(f"cannot write the summary of the job, {file}: {error.strerror or error}") from None

@@ -1,0 +1,30 @@
+"""``urdfcheck rule [CODE]``: the catalogue, or one page."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+
+from urdfcheck.cli.options import Parser
+from urdfcheck.cli.terminal import OK, say
+
+
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck rule``."""
+    p = Parser(prog="urdfcheck rule", description="List the rules, or explain one.")
+    p.add_argument("code", nargs="?", metavar="CODE", help="a code or a name")
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    options = parser().parse_args(words)
+
+    from urdfcheck import rules as catalogue
+
+    if options.code is None:
+        for known in catalogue.rules().values():
+            say(f"{known.code}  {known.severity!s:7}  {known.confidence!s:9}  {known.name}")
+        return OK
+    say("\n\n".join(catalogue.explain(catalogue.rules()[code]) for code in sorted(catalogue.select([options.code]))))
+    return OK

@@ -1,0 +1,113 @@
+"""What the plugin for pytest asks, in a process of its own: which models there are, and how they fare.
+
+pytest's process has threads, other people's modules and captured streams; nothing of ours is loaded there. Both sides write a
+line of JSON at a time. The first line asked is ``{"words": [...], "folder": ..., "width": ..., "color": ...}``, the words of
+``urdfcheck check`` and where it runs; it is answered by ``{"units": [...]}`` or ``{"error": ...}``. Each further line is a list
+of numbers of units, and is answered by a line for each of them, in the order in which they are finished.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from urdfcheck.cli.commands.check import parser
+from urdfcheck.cli.options import requested
+from urdfcheck.cli.preload import prepare
+from urdfcheck.cli.terminal import FAILED, FINDINGS, exit_code
+from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.output.shared.inert import for_log, one_line
+
+if TYPE_CHECKING:
+    import argparse
+
+    from urdfcheck.run.audit import Report, Unit
+    from urdfcheck.run.pipeline import Request
+    from urdfcheck.source.discover import Plan
+
+# Options of a command that prints a report, which pytest does itself.
+_OTHERS = ("fix", "diff", "watch", "statistics", "output", "format", "color", "verbose", "quiet")
+
+
+def serve() -> None:
+    """Answer until nobody asks any more."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(FAILED))  # and clean up on the way out
+    out = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8", errors="surrogatepass")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # nobody else writes there
+    asked = json.loads(sys.stdin.readline())
+    os.chdir(asked["folder"])
+    try:
+        for answer in _answers(asked):
+            print(json.dumps(answer), file=out, flush=True)
+    except UrdfcheckError as error:
+        print(json.dumps({"error": for_log(str(error))}), file=out, flush=True)
+    except (BrokenPipeError, KeyboardInterrupt):
+        sys.exit(FAILED)
+
+
+def _answers(asked: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    options = _options(asked["words"])
+    request, settings = requested(options)
+    from urdfcheck.run.pipeline import auditing, planned, stream
+    from urdfcheck.system.process_pool import FORKS
+
+    found, units = planned(request)
+    for path, reason in found.missing:
+        raise UrdfcheckError(f"{path}: {reason}")
+    yield {"units": [_told(unit) for unit in units]}
+    if FORKS:
+        prepare()  # the processes for the models are copies of this one
+    with auditing(request, units, found.reach or request.reach) as held:
+        for line in sys.stdin:
+            numbers = json.loads(line)
+            for place, report in stream([units[n] for n in numbers], held, request.jobs):
+                unit = units[numbers[place]]
+                yield {
+                    "unit": numbers[place],
+                    **_fared(request, found, unit, report, options.fail_on or settings.fail_on, asked),
+                }
+
+
+def _told(unit: Unit) -> dict[str, Any]:
+    """What a test needs to know of a unit: where it is, and what tells it from others of the same file."""
+    _, _, arguments = unit.id.partition(f"{os.path.basename(unit.path)} ")
+    return {"kind": unit.kind, "path": unit.path, "launches": unit.launches, "arguments": one_line(arguments)}
+
+
+def _options(words: Sequence[str]) -> argparse.Namespace:
+    made = parser()
+    options = made.parse_args(words)
+    for name in _OTHERS:
+        if getattr(options, name) != made.get_default(name):
+            raise UrdfcheckError(f"--{name} has no meaning for tests")
+    return options
+
+
+def _fared(
+    request: Request, found: Plan, unit: Unit, report: Report, fail_on: str, asked: dict[str, Any]
+) -> dict[str, Any]:
+    """How a unit fared (passed | failed | crashed | skipped), and what there is to say about it."""
+    from urdfcheck.core import Severity
+    from urdfcheck.output import text
+    from urdfcheck.run.pipeline import is_nothing
+    from urdfcheck.run.summary import assemble
+
+    if is_nothing(unit, report, found):
+        return {"outcome": "skipped", "text": "it makes neither link nor joint: it is no model"}
+    run = assemble(request, replace(found, unused=(), wrong=()), [(unit, report)], 0.0)
+    code = exit_code(run, fail_on)
+    if code not in {FAILED, FINDINGS} and report.info is not None and report.info.status == "needs-arguments":
+        reason = max(report.findings, key=lambda f: f.severity).message if report.findings else "it needs arguments"
+        how = '--urdfcheck-args="--arg NAME:=VALUE", or [[models]] in urdfcheck.toml'
+        return {"outcome": "skipped", "text": for_log(f"{one_line(reason)} ({how})")}
+    page = text.render(run, width=asked["width"], color=asked["color"], detail=text.Detail.QUIET, fail_on=fail_on)
+    # Its first line is what pytest's summary has room for.
+    worst = sorted((f for f in run.active if f.severity > Severity.INFO), key=lambda f: -f.severity)
+    more = f" and {len(worst) - 1} more" if len(worst) > 1 else ""
+    head = f"{worst[0].code} {worst[0].name}{more}\n" if worst else ""
+    return {"outcome": {FAILED: "crashed", FINDINGS: "failed"}.get(code, "passed"), "text": head + page}

@@ -1,0 +1,69 @@
+"""``urdfcheck srdf MODEL``: the pairs of links that MoveIt need not check."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from urdfcheck.cli.options import Parser, add_access, configuration, reading
+from urdfcheck.cli.terminal import NOTHING, OK, say, show_document, write
+from urdfcheck.core.errors import UrdfcheckError
+
+
+def parser() -> argparse.ArgumentParser:
+    """The options of ``urdfcheck srdf``."""
+    from urdfcheck.export.link_pairs import SAMPLES, THOROUGH
+
+    p = Parser(
+        prog="urdfcheck srdf",
+        description="Write the disable_collisions of a robot's SRDF, as MoveIt's Setup Assistant does, with the evidence.",
+    )
+    p.add_argument("model", metavar="MODEL", help="a model, or whatever means exactly one")
+    p.add_argument("-o", "--output", type=Path, metavar="FILE", help="write to a file instead of standard output")
+    p.add_argument("--thorough", action="store_true", help=f"look at {THOROUGH:,} configurations, not at {SAMPLES:,}")
+    add_access(p)
+    return p
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command."""
+    from urdfcheck.export.link_pairs import SAMPLES, THOROUGH, render, unlike_ours, why_none
+
+    options = parser().parse_args(words)
+    path = Path(options.model)
+    if options.output is not None and unlike_ours(options.output):
+        raise UrdfcheckError(
+            f"{options.output} was not written by urdfcheck srdf alone: what else it says would be lost"
+        )
+
+    from dataclasses import replace
+
+    from urdfcheck import rules as catalogue
+    from urdfcheck.run.pipeline import run_one
+    from urdfcheck.system import libraries
+
+    # What is wrong with the file says why there is no model.
+    codes = frozenset(code for code, rule in catalogue.rules().items() if "file" in rule.scopes)
+    libraries.prefer_own()
+    report = run_one(
+        replace(
+            reading(options, configuration(path, options), (path,), codes),
+            samples=THOROUGH if options.thorough else SAMPLES,
+            pairs=True,
+        )
+    )
+    if report.pairs is None:
+        raise UrdfcheckError(f"{path}: {why_none(report)}")
+    if not report.pairs.pairs:
+        say(f"urdfcheck: {path}: no two links have collision geometry that can be read", sys.stderr)
+        return NOTHING
+    from urdfcheck.output.shared.inert import for_xml
+
+    document = for_xml(render(report.pairs))
+    if options.output is not None:
+        write(document, options.output)
+    else:
+        show_document(document)
+    return OK

@@ -1,0 +1,214 @@
+"""What a check reports: findings with their place, cause, consequences and repair. Standard library only."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum, IntEnum
+from typing import Any, Protocol, runtime_checkable
+
+# What ends a line for every span: str.splitlines() would also break at form feeds and Unicode separators.
+NEWLINE = re.compile(r"\r\n|\n|\r")
+
+
+class Severity(IntEnum):
+    """How bad a finding is. ``error``: a reference parser refuses or drops it, or it is impossible."""
+
+    INFO = 1
+    WARNING = 2
+    ERROR = 3
+
+    def __str__(self) -> str:
+        return self.name.lower()
+
+    @classmethod
+    def parse(cls, text: str) -> Severity:
+        """:raises ValueError: when ``text`` names no severity."""
+        try:
+            return cls[text.upper()]
+        except KeyError:
+            raise ValueError(f"{text!r} is no severity: error, warning or info") from None
+
+
+class Confidence(str, Enum):
+    """How sure a finding is. ``proof``: follows from the file whatever the author meant."""
+
+    PROOF = "proof"
+    STRONG = "strong"
+    HEURISTIC = "heuristic"
+
+    __str__ = str.__str__
+
+
+class Applicability(str, Enum):
+    """Whether a fix may be applied without asking (``safe``), on request (``unsafe``) or only shown (``display``)."""
+
+    SAFE = "safe"
+    UNSAFE = "unsafe"
+    DISPLAY = "display"
+
+    __str__ = str.__str__
+
+
+class Verdict(IntEnum):
+    """What a program does with a defect, the worst last, as the sentences of the pages' ``[consumers]`` begin.
+
+    ``loads``: takes the model as it was typed; ``ignores``, ``replaces``, ``swaps``: what it simulates or plans with is not
+    what was typed; ``computes NaN``: loads it, and has no number to show for it; ``drops``: a link, a joint or a shape is
+    missing, with all below it; ``refuses``: there is no model."""
+
+    LOADS = 0
+    IGNORES = 1
+    REPLACES = 2
+    SWAPS = 3
+    NAN = 4
+    DROPS = 5
+    REFUSES = 6
+
+    def __str__(self) -> str:
+        return "computes NaN" if self is Verdict.NAN else self.name.lower()
+
+    @classmethod
+    def of(cls, sentence: str) -> Verdict:
+        """The verdict that a sentence begins with."""
+        first = sentence.partition(" ")[0].rstrip(",:;")
+        return cls.NAN if sentence.startswith("computes NaN") else _VERDICTS.get(first, cls.LOADS)
+
+
+_VERDICTS = {
+    "ignores": Verdict.IGNORES,
+    "replaces": Verdict.REPLACES,
+    "swaps": Verdict.SWAPS,
+    "drops": Verdict.DROPS,
+    "refuses": Verdict.REFUSES,
+}
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Span:
+    """A piece of source text. Lines and columns are 1-based code points, ends exclusive; offsets count code points."""
+
+    file: str
+    line: int
+    col: int
+    end_line: int
+    end_col: int
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Location:
+    """Where a finding is: its subject in the model, its text, and the calls that brought the text there.
+
+    ``subject`` reads like ``link[wheel_1]/inertial/inertia@izz``; ``via`` holds macro calls and includes, outermost first.
+    """
+
+    subject: str
+    span: Span | None
+    via: tuple[Span, ...] = ()
+
+
+class Located(Protocol):
+    """Anything that knows where it was typed: an element, an attribute, a link, a joint."""
+
+    @property
+    def location(self) -> Location: ...
+
+
+@runtime_checkable
+class Computed(Located, Protocol):
+    """A located thing whose text was computed from definitions that stand elsewhere."""
+
+    def related(self) -> Iterable[Located]: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """Replace the text at ``span``, which must still read ``expected``."""
+
+    span: Span
+    expected: str
+    replacement: str
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """What repairs a finding. Without edits it is advice (``display``)."""
+
+    title: str
+    applicability: Applicability = Applicability.DISPLAY
+    edits: tuple[Edit, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """Why it happened: a stable id and a sentence."""
+
+    id: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Suppression:
+    """Why a finding does not count. ``kind``: source (a comment), configuration or baseline."""
+
+    kind: str
+    reason: str
+
+    def __str__(self) -> str:
+        return "in the baseline" if self.kind == "baseline" else f"suppressed in the {self.kind}: {self.reason}"
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One defect at its cause. ``subjects`` has more than one entry when one source text made several elements.
+
+    ``variants``: where a xacro was expanded with several sets of arguments, the ids of the models that show it, with its subjects
+    there; ``model`` is then the one with the fewest arguments."""
+
+    code: str
+    name: str
+    severity: Severity
+    confidence: Confidence
+    message_id: str
+    message: str
+    location: Location
+    subjects: tuple[str, ...]
+    related: tuple[Location, ...] = ()
+    cause: Cause | None = None
+    consequences: Mapping[str, str] = field(default_factory=dict)
+    data: Mapping[str, Any] = field(default_factory=dict)
+    fix: Fix | None = None
+    model: str = ""
+    suppressed: Suppression | None = None
+    variants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def why(self) -> str | None:
+        """What its cause says beyond the message."""
+        # A message that says it goes on with a small letter.
+        return None if self.cause is None or self.cause.text[1:] in self.message else self.cause.text
+
+    @property
+    def fingerprints(self) -> tuple[str, ...]:
+        """One per subject; they change neither with lines nor with the working directory."""
+        import hashlib  # loads OpenSSL: only outputs that show fingerprints pay for it
+
+        return tuple(
+            hashlib.sha256(
+                # A file name may be no text in any encoding.
+                "\0".join((self.code, self.model, subject, self.message_id)).encode(errors="surrogatepass")
+            ).hexdigest()[:32]
+            for subject in self.subjects
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Skip:
+    """A check that could not run on a model, and why."""
+
+    code: str
+    model: str
+    reason: str

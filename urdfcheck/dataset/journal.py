@@ -1,0 +1,241 @@
+"""What an audit of many models has finished, kept as it comes, so that the next run goes on from there.
+
+The file begins with a line that says under which settings everything in it was found. After it stand the entries, in the
+order in which they came: a line of JSON (whose entry, the files that it rests on, the length and checksum of the text) and
+the text itself on the next line. It only grows, so that whatever stops a run can spoil no more than the last entry.
+
+It is believed only where it was written: a journal that came with a dataset could say that all is well. The first line names the
+inode, which nobody knows before the file is there.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import zlib
+from collections.abc import Iterator, Mapping, Set
+from functools import lru_cache
+from io import BufferedReader, BufferedWriter
+from pathlib import Path
+from typing import Any
+
+from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.system.files import Stamp, stamp_of
+
+NAME = "journal"
+_FIRST = b'{"urdfcheck audit": 1, '
+_PLACE = "inode"
+# What is written aside and then put in the place of another file.
+TEMPORARY = ".urdfcheck-"
+# Of so many files it is known for a while whether they are as they were: those that models share.
+_REMEMBERED = 10_000
+
+
+class Journal:
+    """The entries of a folder by key; only one process at a time has it open."""
+
+    def __init__(self, folder: Path, settings: Mapping[str, Any], wanted: Set[str], *, restart: bool = False) -> None:
+        """Open the journal of a folder, or begin it. Of what it holds, only entries of ``wanted`` keys are of use whose files
+        are as they were; ``restart`` forgets all.
+
+        :raises UrdfcheckError: when the folder holds something else, was begun under other settings, is in use, or cannot be
+            written.
+        """
+        self._folder = folder
+        self._settings = settings
+        self._places: dict[str, tuple[int, int, int]] = {}
+        self._superseded = False
+        with saying(folder):
+            self._descriptor = _opened(folder)
+        try:
+            with saying(folder):
+                _lock(self._descriptor, folder)
+                self._end = self._read(wanted, restart)
+        except BaseException:
+            self.close()
+            raise
+
+    def __enter__(self) -> Journal:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        os.close(self._descriptor)
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._places
+
+    def text(self, key: str) -> bytes:
+        """The text of an entry.
+
+        :raises KeyError: for a key without one.
+        """
+        _, start, length = self._places[key]
+        with open(self._descriptor, "rb", closefd=False) as file:
+            file.seek(start)
+            return file.read(length)
+
+    def add(self, key: str, text: bytes, reads: Mapping[str, Stamp]) -> None:
+        """Keep an entry: one line of text, and the files that decide about it as they were.
+
+        :raises UrdfcheckError: when it cannot be written; everything else is still there.
+        """
+        head = json.dumps({"key": key, "bytes": len(text), "sum": zlib.crc32(text), "reads": reads}).encode() + b"\n"
+        with saying(self._folder):
+            self._write(head + text + b"\n")
+        self._superseded = self._superseded or key in self._places
+        self._places[key] = self._end, self._end + len(head), len(text)
+        self._end += len(head) + len(text) + 1
+
+    def trim(self) -> None:
+        """Drop the entries that are of no use any more: the file is written anew. Without room for that it stays as it is."""
+        if not self._superseded:
+            return
+        temporary = self._folder / f"{TEMPORARY}{NAME}"
+        with contextlib.suppress(OSError):
+            try:
+                with aside(temporary) as out, open(self._descriptor, "rb", closefd=False) as file:
+                    out.write(_first_line(self._settings, out.fileno()))
+                    for place, start, length in sorted(self._places.values()):
+                        file.seek(place)
+                        out.write(file.read(start + length + 1 - place))
+                os.replace(temporary, self._folder / NAME)
+            finally:
+                temporary.unlink(missing_ok=True)
+
+    def _read(self, wanted: Set[str], restart: bool) -> int:
+        """Look through the entries, and cut off what was not finished; where the next one goes."""
+        first = _first_line(self._settings, self._descriptor)
+        with open(self._descriptor, "rb", closefd=False) as file:
+            file.seek(0)
+            known = file.readline()
+            if restart or not known.endswith(b"\n"):
+                os.ftruncate(self._descriptor, 0)
+                self._end = 0
+                self._write(first)
+                return len(first)
+            if known != first:
+                raise UrdfcheckError(_changed(self._folder, known, first))
+            end = len(known)
+            fresh = _Freshness()
+            while (entry := _entry(file)) is not None:
+                head, text = entry
+                start = end + len(head)
+                facts = json.loads(head)
+                useful = facts["key"] in wanted and fresh(facts["reads"])
+                self._superseded = self._superseded or facts["key"] in self._places or not useful
+                self._places.pop(facts["key"], None)
+                if useful:
+                    self._places[facts["key"]] = end, start, len(text)
+                end = start + len(text) + 1
+        os.ftruncate(self._descriptor, end)
+        return end
+
+    def _write(self, data: bytes) -> None:
+        """Append all of it, or nothing."""
+        os.lseek(self._descriptor, self._end, os.SEEK_SET)
+        rest = memoryview(data)
+        try:
+            while rest:
+                rest = rest[os.write(self._descriptor, rest) :]
+        except OSError:
+            os.ftruncate(self._descriptor, self._end)
+            raise
+
+
+class _Freshness:
+    """Whether files are as they were."""
+
+    def __init__(self) -> None:
+        self._stamp = lru_cache(_REMEMBERED)(stamp_of)
+
+    def __call__(self, reads: Mapping[str, object]) -> bool:
+        """An entry that rests on no file that is there may rest on anything."""
+        return any(reads.values()) and all(self._now(path) == known for path, known in reads.items())
+
+    def _now(self, path: str) -> object:
+        stamp = self._stamp(path)
+        return None if stamp is None else list(stamp)
+
+
+@contextlib.contextmanager
+def saying(folder: Path) -> Iterator[None]:
+    """Turn what goes wrong with the files of a folder into a clear word."""
+    try:
+        yield
+    except OSError as error:
+        raise UrdfcheckError(f"cannot write {folder}: {error.strerror or error}") from None
+
+
+def aside(path: Path) -> BufferedWriter:
+    """A new file, opened for writing: never one that a link of its name leads to."""
+    path.unlink(missing_ok=True)
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+    return os.fdopen(os.open(path, flags, 0o666), "wb")
+
+
+def _opened(folder: Path) -> int:
+    """The journal of a folder, opened; begun where there is none and nothing else."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / NAME
+    flags = os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
+    try:
+        descriptor = os.open(path, flags)
+    except FileNotFoundError:
+        if any(not name.startswith(TEMPORARY) for name in os.listdir(folder)):
+            raise UrdfcheckError(
+                f"{folder} holds something else than an audit: name a folder that is empty or does not exist (-o)"
+            ) from None
+        return os.open(path, flags | os.O_CREAT | os.O_EXCL, 0o666)
+    begins = os.read(descriptor, len(_FIRST))
+    if not _FIRST.startswith(begins):
+        os.close(descriptor)
+        raise UrdfcheckError(f"{path} is no journal of an audit: name another folder (-o)")
+    return descriptor
+
+
+def _lock(descriptor: int, folder: Path) -> None:
+    try:
+        import fcntl
+    except ImportError:  # Windows: nobody looks
+        return
+    try:
+        # One that a worker does not inherit: it may outlive a killed audit. It goes with the first descriptor that is closed.
+        fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (BlockingIOError, PermissionError):
+        raise UrdfcheckError(f"another audit is at work in {folder}") from None
+    except OSError:  # a file system that has no locks
+        return
+
+
+def _entry(file: BufferedReader) -> tuple[bytes, bytes] | None:
+    """The next entry, None where there is no whole one."""
+    head = file.readline()
+    try:
+        facts = json.loads(head)
+        text = file.read(facts["bytes"] + 1)
+        whole = len(text) == facts["bytes"] + 1 and zlib.crc32(text[:-1]) == facts["sum"]
+        whole = whole and isinstance(facts["key"], str) and isinstance(facts["reads"], dict)
+    except (ValueError, KeyError, TypeError):
+        return None
+    return (head, text[:-1]) if whole else None
+
+
+def _first_line(settings: Mapping[str, Any], descriptor: int) -> bytes:
+    here = {**settings, _PLACE: os.fstat(descriptor).st_ino}
+    return _FIRST + json.dumps(here, sort_keys=True).encode()[1:] + b"\n"
+
+
+def _changed(folder: Path, known: bytes, now: bytes) -> str:
+    try:
+        before, after = json.loads(known), json.loads(now)
+    except ValueError:
+        before = after = {}
+    names = [name for name in sorted({*before, *after}) if before.get(name) != after.get(name)]
+    if names == [_PLACE]:
+        return f"what is in {folder} was not written there but copied: --restart forgets it, -o names another folder"
+    what = ", ".join(name for name in names if name != _PLACE) or "of another kind"
+    return f"what is in {folder} was found under other settings ({what}): --restart forgets it, -o names another folder"

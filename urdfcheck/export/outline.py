@@ -1,0 +1,68 @@
+"""A model as plain comparable values, so that two models of one package can be held side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from urdfcheck.core import Location
+from urdfcheck.model import Model
+from urdfcheck.source.text.values import number
+from urdfcheck.source.text.xml import Element
+
+Value = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """``parts`` maps ``link[wheel_1]/inertial/mass@value`` to its value; extensions are counted in ``extensions``."""
+
+    model: str
+    robot: str
+    package: str | None
+    path: str
+    is_xacro: bool
+    location: Location
+    links: frozenset[str]
+    joints: frozenset[str]
+    parts: Mapping[str, Value]
+    extensions: Mapping[str, int]
+
+
+def outline_of(model: Model) -> Outline:
+    """The outline of a model; ``model`` (its id) is filled in by whoever compares."""
+    parts: dict[str, Value] = {}
+    extensions: dict[str, int] = {}
+    for element in model.robot.children:
+        if element.tag in {"link", "joint"}:
+            for inner in element.walk():
+                for name, attribute in inner.attributes.items():
+                    parts[f"{inner.subject}@{name}"] = _canonical(attribute.value)
+                if not inner.attributes:
+                    parts[inner.subject] = ()
+        else:
+            extensions[element.tag] = extensions.get(element.tag, 0) + 1
+    package = model.package
+    return Outline(
+        model="",
+        robot=model.name,
+        package=None if package is None else package.path.as_posix(),
+        path=model.source.name,
+        is_xacro=model.source.is_xacro,
+        location=_robot_location(model.robot),
+        links=frozenset(link.name for link in model.links),
+        joints=frozenset(joint.name for joint in model.joints),
+        parts=parts,
+        extensions=extensions,
+    )
+
+
+def _robot_location(robot: Element) -> Location:
+    name = robot.attributes.get("name")
+    return robot.location if name is None else name.location
+
+
+def _canonical(value: str) -> Value:
+    """Numbers compare as numbers (``1`` and ``1.0`` are one value), everything else as words."""
+    words = value.split()
+    return tuple(word if number(word) is None else repr(number(word)) for word in words)

@@ -1,0 +1,461 @@
+"""Mesh files as raw triangles. A file that common loaders would take as silently empty is refused with the reason.
+
+STL, OBJ and OFF are decoded here because trimesh returns an empty or shortened mesh for broken ones without a word;
+glTF because it decodes images and would decompress; COLLADA goes through pycollada and PLY through trimesh, from memory, so
+that no other file is ever read.
+"""
+
+from __future__ import annotations
+
+import codecs
+import io
+import logging
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_few
+from urdfcheck.facts.mesh.gltf import parts_of_glb, parts_of_gltf
+from urdfcheck.facts.mesh.number_text import BadToken, Text
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Indices = NDArray[np.int64]
+
+_STL_HEADER = 84
+_STL_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+_COMMENT = re.compile(rb"#[^\r\n]*")
+_LINE_END = re.compile(rb"[\r\n]")
+_BOM = b"\xef\xbb\xbf"
+# First bytes that tell a format whatever the file is called. STL, OBJ and OFF readers would find garbage or nothing.
+_SIGNATURES = {"dae": (b"<?xml", b"<COLLADA"), "ply": (b"ply\n", b"ply\r"), "glb": (b"glTF",)}
+# In UTF-16 too.
+_ENTITY = re.compile(rb"<\0?!\0?E\0?N\0?T\0?I\0?T\0?Y")
+_ZIP_END = b"PK\5\6"
+# Nobody draws in units of less than a picometre, or of more than a thousand million kilometres. Their squares are numbers.
+_SMALLEST_UNIT = 1e-12
+# pycollada makes 0 of a NaN; a number too large for it stays infinite.
+_NAN = re.compile(rb"(?<=[\s>])[-+]?nan(?=[\s<])", re.IGNORECASE)
+# The XML declaration of a COLLADA file, and what must spell the same in the encoding that it names.
+_DECLARED = re.compile(rb"""^<\?xml[^>]{0,300}?encoding\s{0,9}=\s{0,9}["']([A-Za-z0-9._-]{1,40})["']""")
+_ASCII = bytes(range(32, 127))
+# Where the header of a PLY file ends at the latest, and the lines in it that say how many there are.
+_PLY_HEADER = 64 * 1024
+_PLY_ELEMENT = re.compile(rb"^element\s+(\S+)\s+(\d+)\s*$", re.MULTILINE)
+
+
+Color = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RawMesh:
+    """Triangles as a file stores them: ``vertices`` (V, 3) in file units, float32 or float64, ``faces`` (F, 3), scene
+    transforms applied. Without faces each three vertices in turn are a triangle.
+
+    ``format``: the file type, but ``stl-binary`` or ``stl-ascii``. ``solid_header``: a binary STL that begins with
+    ``solid`` as an ASCII one must. ``unit`` (metres per file unit) and ``up_axis``: COLLADA's. ``bad_unit``: what it
+    declares as its unit, if that is no length that anybody draws in; ``unit`` is None then. ``colors``: runs of faces with
+    the r g b a (0 to 1, as shown) of their material, None where that has none; empty where the format or file has none.
+    """
+
+    format: str
+    vertices: NDArray[np.floating]
+    faces: NDArray[np.int64] | None
+    solid_header: bool = False
+    unit: float | None = None
+    up_axis: str | None = None
+    bad_unit: str | None = None
+    colors: tuple[tuple[int, Color | None], ...] = ()
+
+    @property
+    def n_triangles(self) -> int:
+        return len(self.vertices) // 3 if self.faces is None else len(self.faces)
+
+
+def decode(data: bytes, file_type: str) -> RawMesh:
+    """The triangles of a mesh file; ``file_type`` is its extension in lower case, without the dot.
+
+    :raises MeshError: when the file gives none, or not all that it declares.
+    :raises ImportError: when the library that reads the format is not there.
+    :raises MemoryError: when there is no room for what the file holds or declares.
+    """
+    _refuse_impostors(data, file_type)
+    try:
+        mesh = _DECODERS[file_type](data)
+    except (MeshError, ImportError, MemoryError):
+        raise
+    except Exception as error:  # loaders raise whatever their internals do: AttributeError, IndexError, DaeError …
+        text = " ".join(str(error).split())[:200]
+        raise MeshError("malformed", f"cannot be read as {file_type}: {type(error).__name__}: {text}") from error
+    if not mesh.n_triangles:
+        raise MeshError("no-triangles", "holds no triangles")
+    return mesh
+
+
+def _refuse_impostors(data: bytes, file_type: str) -> None:
+    start = data[:512].removeprefix(_BOM).lstrip()
+    if not data:
+        raise MeshError("empty", "is empty (0 bytes)")
+    if start.startswith(b"version https://git-lfs.github.com/spec/"):
+        size = re.search(rb"^size (\d+)", start, re.MULTILINE)
+        real = f" of {int(size[1]):,} bytes" if size else ""
+        raise MeshError("lfs-pointer", f"is a Git LFS pointer; the file{real} was never fetched (git lfs pull)")
+    if start[:14].lower().startswith((b"<!doctype html", b"<html")):
+        raise MeshError("html", "is a web page, not a mesh: the download saved an error or a preview page")
+    if file_type not in _DECODERS:
+        raise MeshError("unsupported", f"has the format {file_type or '(none)'!r}; known are {', '.join(_DECODERS)}")
+    for name, signatures in _SIGNATURES.items():
+        if name != file_type and start.startswith(signatures):
+            raise MeshError("malformed", f"is named {file_type} and begins as a {name} file does")
+
+
+def _from_stl(data: bytes) -> RawMesh:
+    # The size decides, not the word: CAD systems write binary files whose header begins with "solid".
+    declared = int.from_bytes(data[80:84], "little") if len(data) >= _STL_HEADER else 0
+    expected = _STL_HEADER + declared * _STL_FACET.itemsize
+    solid = data[:512].lstrip()[:5].lower() == b"solid"
+    if len(data) >= _STL_HEADER and len(data) == expected:
+        ensure_few(declared)
+        corners = np.frombuffer(data, _STL_FACET, count=declared, offset=_STL_HEADER)["corners"]
+        return RawMesh("stl-binary", np.ascontiguousarray(corners, dtype=np.float32).reshape(-1, 3), None, solid)
+    text = data.rstrip(b"\0")
+    if solid and b"\0" not in text:
+        return _from_ascii_stl(text)
+    if len(data) < _STL_HEADER:
+        raise MeshError("truncated", f"is truncated: {len(data)} bytes, and a binary STL's header alone has 84")
+    present = (len(data) - _STL_HEADER) // _STL_FACET.itemsize
+    if len(data) < expected:
+        raise MeshError(
+            "truncated",
+            f"is truncated: it declares {declared:,} triangles ({expected:,} bytes) and has {present:,} "
+            f"({len(data):,} bytes)",
+        )
+    raise MeshError(
+        "wrong-size",
+        f"declares {declared:,} triangles ({expected:,} bytes) and has {len(data) - expected:,} bytes more, "
+        f"room for {present:,} triangles",
+    )
+
+
+def _from_ascii_stl(data: bytes) -> RawMesh:
+    text = Text(_nameless(data))
+    begins, ends = np.flatnonzero(text.spell(b"outer")), np.flatnonzero(text.spell(b"endloop"))
+    corners = np.flatnonzero(text.spell(b"vertex"))
+    facets = int(np.count_nonzero(text.spell(b"facet")))
+    if len(ends) < facets:
+        raise MeshError("truncated", f"is truncated: {facets:,} facets begin and {len(ends):,} are complete")
+    # Some writers leave "endsolid" out, of which `_nameless` keeps "end". Nothing else follows the last facet.
+    closing = text.spell(b"end")
+    if facets and not closing[ends[-1] :].any() and not text.spell(b"endfacet")[-1]:
+        raise MeshError(
+            "truncated", f"is truncated: it ends with {text.token(len(text) - 1)[:80].decode(errors='replace')!r}"
+        )
+    if len(begins) != len(ends):
+        raise MeshError("malformed", f"has {len(begins):,} times 'outer loop' and {len(ends):,} times 'endloop'")
+    ensure_few(facets)
+    counts = np.searchsorted(corners, ends) - np.searchsorted(corners, begins)
+    for number in np.flatnonzero(counts != 3)[:1]:
+        raise MeshError("malformed", f"has {counts[number]} vertices in facet {number + 1}, where a triangle has 3")
+    inside = corners[np.searchsorted(begins, corners) > np.searchsorted(ends, corners)]
+    return RawMesh("stl-ascii", _numbers(text, inside[:, None] + (1, 2, 3), "stl"), None)
+
+
+def _nameless(data: bytes) -> bytes:
+    """Without the lines that begin and end a solid: its name may hold any word."""
+    word = b"SOLID" if data[:512].lstrip().startswith(b"SOLID") else b"solid"
+    parts, at = [], 0
+    while (begin := data.find(word, at)) >= 0:
+        parts.append(data[at:begin])
+        end = _LINE_END.search(data, begin)
+        if end is None:
+            return b"".join(parts)
+        at = end.start()
+    return b"".join((*parts, data[at:]))
+
+
+def _from_obj(data: bytes) -> RawMesh:
+    if b"\0" in data:
+        raise MeshError("malformed", "holds binary data, and OBJ is text")
+    if b"\\" in data:
+        data = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").replace(b"\\\r", b" ")
+    text = Text(_COMMENT.sub(b"", data.removeprefix(_BOM)))
+    starts = text.line_starts()
+    counts = np.diff(starts, append=len(text)) - 1
+    is_vertex, is_face = (text.spell(word)[starts] for word in (b"v", b"f"))
+    for line in np.flatnonzero((is_vertex | is_face) & (counts < 3))[:1]:
+        raise _bad_line(text, starts[line], "obj")
+    vertices = _numbers(text, starts[is_vertex][:, None] + (1, 2, 3), "obj")
+    faces, line = _fans(text, starts[is_face] + 1, counts[is_face], "obj")
+    # Negative indices count back from the vertices so far; there is no vertex 0.
+    before = np.cumsum(is_vertex)[is_face][line][:, None]
+    return _checked("obj", vertices, np.where(faces > 0, faces - 1, np.where(faces < 0, before + faces, -1)))
+
+
+def _from_off(data: bytes) -> RawMesh:
+    text = Text(_COMMENT.sub(b"", data.removeprefix(_BOM)))
+    starts = text.line_starts()
+    header = text.token(0) if len(text) else b""
+    if not re.fullmatch(rb"(ST)?C?N?OFF", header):
+        raise MeshError("malformed", "does not begin as an off file does")
+    # The counts stand beside the header word or on a line of their own.
+    beside = len(starts) == 1 or starts[1] > 1
+    n_vertices, n_faces = map(int, _indices(text, np.array((0, 1)) + (1 if beside else starts[1]), "off"))
+    body = starts[1:] if beside else starts[2:]
+    if len(body) < n_vertices + n_faces:
+        raise MeshError(
+            "truncated",
+            f"is truncated: it declares {n_vertices:,} vertices and {n_faces:,} faces, "
+            f"{n_vertices + n_faces:,} lines, and has {len(body):,}",
+        )
+    if len(body) > n_vertices + n_faces:
+        raise _bad_line(text, body[n_vertices + n_faces], "off")
+    points, polygons = body[:n_vertices], body[n_vertices : n_vertices + n_faces]
+    if len(points) and points[-1] + 3 >= len(text):
+        raise _bad_line(text, points[-1], "off")
+    counts = _indices(text, polygons, "off")
+    for polygon in np.flatnonzero(counts < 1)[:1]:
+        raise _bad_line(text, polygons[polygon], "off")
+    corners, _ = _fans(text, polygons + 1, counts, "off")
+    return _checked("off", _numbers(text, points[:, None] + (0, 1, 2), "off"), corners)
+
+
+def _fans(text: Text, first: Indices, counts: Indices, name: str) -> tuple[Indices, Indices]:
+    """Polygons as triangles (F, 3) around their first corner, and the polygon (F,) that each is of.
+
+    ``first`` and ``counts``: the token of each polygon's first corner and how many it has."""
+    triangles, owners = [np.empty((0, 3), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
+    # In floats, because what a file claims may be any number.
+    ensure_few(float(np.minimum(np.maximum(counts - 2, 0), len(text)).sum(dtype=np.float64)))
+    by_count = np.argsort(counts, kind="stable")
+    for count, begin, times in zip(*np.unique(counts[by_count], return_index=True, return_counts=True), strict=True):
+        if count < 3:
+            continue
+        polygon = by_count[begin : begin + times]
+        if first[polygon[-1]] + count > len(text):
+            raise _bad_line(text, first[polygon[-1]] - 1, name)
+        corners = _indices(text, first[polygon][:, None] + np.arange(count), name)
+        fan = np.stack((np.zeros(count - 2, dtype=np.int64), np.arange(1, count - 1), np.arange(2, count)), axis=1)
+        triangles.append(corners[:, fan].reshape(-1, 3))
+        owners.append(np.repeat(polygon, count - 2))
+    owner = np.concatenate(owners)
+    order = np.argsort(owner, kind="stable")
+    return np.concatenate(triangles)[order], owner[order]
+
+
+def _numbers(text: Text, tokens: Indices, name: str) -> NDArray[np.float64]:
+    with _complaining(text, tokens, name):
+        return text.numbers(tokens)
+
+
+def _indices(text: Text, tokens: Indices, name: str) -> Indices:
+    with _complaining(text, tokens, name):
+        return text.indices(tokens)
+
+
+@contextmanager
+def _complaining(text: Text, tokens: Indices, name: str) -> Iterator[None]:
+    """Name the line of a token that is no number, or the last one when the text ends too early."""
+    if tokens.size and tokens.max() >= len(text):
+        raise _bad_line(text, len(text) - 1, name)
+    try:
+        yield
+    except BadToken as bad:
+        raise _bad_line(text, bad.index, name) from None
+
+
+def _bad_line(text: Text, token: int, name: str) -> MeshError:
+    number, line = text.place(token)
+    return MeshError("malformed", f"cannot be read as {name}: line {number} is {line!r}")
+
+
+def _checked(name: str, vertices: NDArray[np.float64], faces: Indices) -> RawMesh:
+    _refuse_outside(faces, len(vertices))
+    return RawMesh(name, vertices, faces)
+
+
+def _refuse_outside(faces: Indices, n_vertices: int) -> None:
+    if faces.size and (faces.min() < 0 or faces.max() >= n_vertices):
+        outside = ((faces < 0) | (faces >= n_vertices)).any(axis=1)
+        raise MeshError("malformed", f"has {int(outside.sum()):,} faces that name a vertex it lacks")
+
+
+def _from_dae(data: bytes) -> RawMesh:
+    from collada import Collada
+    from collada.common import DaeError
+
+    if _ZIP_END in data:  # pycollada would unpack it, whatever its size
+        raise MeshError("malformed", "is a zip archive, not a COLLADA document")
+    _refuse_encoding(data)
+    if _ENTITY.search(data):
+        raise MeshError("entities", "declares XML entities, which no exporter writes and no loader should expand")
+    # A broken material or light is no concern here, and other loaders pass over it.
+    with _silent("collada"):
+        document = Collada(io.BytesIO(_NAN.sub(b"1e999", data) if b"nan" in data.lower() else data), ignore=[DaeError])
+    parts: list[tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]] = []
+    colors: list[tuple[int, Color | None]] = []
+    if document.scene is not None:
+        _refuse_bomb(document.scene.nodes)
+        for geometry in document.scene.objects("geometry"):
+            for primitive in geometry.primitives():
+                triangles = primitive.triangleset() if hasattr(primitive, "triangleset") else primitive
+                if hasattr(triangles, "ntriangles") and triangles.vertex is not None and triangles.ntriangles:
+                    faces = np.asarray(triangles.vertex_index, dtype=np.int64).reshape(-1, 3)
+                    parts.append((np.asarray(triangles.vertex, dtype=np.float64), faces, geometry.matrix))
+                    colors.append((len(faces), _diffuse(primitive.material)))
+    if not parts and document.scene is None:
+        raise MeshError("no-triangles", "has no <scene> that places its geometry")
+    if not parts and document.errors:
+        raise MeshError("malformed", f"cannot be read as dae: {' '.join(str(document.errors[0]).split())[:200]}")
+    declared = document.xmlnode.find("{*}asset/{*}unit")
+    text = None if declared is None else declared.get("meter")
+    unit = None if text is None else _length(text)
+    bad_unit = text if unit is None else None
+    known = tuple(colors) if any(color is not None for _, color in colors) else ()
+    joined = _joined("dae", parts)
+    return replace(joined, unit=unit, up_axis=document.assetInfo.upaxis, bad_unit=bad_unit, colors=known)
+
+
+def _diffuse(material: Any) -> Color | None:
+    """The diffuse colour of pycollada's material; None without one, and for a texture, which is another file."""
+    color = getattr(getattr(material, "effect", None), "diffuse", None)
+    if not isinstance(color, tuple) or len(color) < 3 or not all(0.0 <= part <= 1.0 for part in color[:3]):
+        return None
+    red, green, blue = map(float, color[:3])
+    return red, green, blue, 1.0
+
+
+def _refuse_encoding(data: bytes) -> None:
+    """Refuse text in which the declaration of an entity could be spelled in other bytes than those that are looked for."""
+    start = data[:400].removeprefix(_BOM).lstrip()
+    declared = _DECLARED.match(start)
+    encoding = "utf-8" if declared is None else declared[1].decode("ascii")
+    try:
+        spells = (
+            _ASCII.decode(encoding, "replace") == _ASCII.decode("ascii") and codecs.lookup(encoding).name != "utf-7"
+        )
+    except (LookupError, UnicodeError):
+        spells = False
+    # UTF-16 is looked for by its zero bytes; four bytes for each letter are not.
+    utf_16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE, b"<\0", b"\0<"))
+    if data.startswith((codecs.BOM_UTF32_LE, b"\0\0", b"<\0\0")) or not (utf_16 or (spells and start.startswith(b"<"))):
+        raise MeshError("unsupported", f"is text in an encoding ({encoding[:40]!r} or another) that is not read")
+
+
+def _refuse_bomb(nodes: list[Any]) -> None:
+    """Refuse nodes of pycollada that place too much, or geometry that is not all there, before anything is expanded."""
+    known: dict[int, NDArray[np.float64]] = {}  # geometries and triangles that a node places
+
+    def placed(node: Any) -> NDArray[np.float64]:
+        if id(node) not in known:
+            total = np.zeros(2)
+            if hasattr(node, "geometry"):
+                total += 1, sum(_triangles(primitive) for primitive in node.geometry.primitives)
+            for child in (node.node,) if hasattr(node, "node") else getattr(node, "children", ()):
+                total += placed(child)
+            known[id(node)] = total
+        return known[id(node)]
+
+    geometries, triangles = sum((placed(node) for node in nodes), np.zeros(2))
+    ensure_few(float(triangles), float(geometries))
+
+
+def _triangles(primitive: Any) -> int:
+    """About how many triangles a primitive has.
+
+    :raises MeshError: when it declares more polygons than there are.
+    """
+    present = getattr(primitive, "ntriangles", getattr(primitive, "npolygons", None))
+    if present is None:
+        return 0
+    kind, declared = primitive.xmlnode.tag.rpartition("}")[2], primitive.xmlnode.get("count", "")
+    if kind in {"triangles", "polylist", "polygons"} and declared.isdecimal() and present < int(declared):
+        raise MeshError("truncated", f"is truncated: it declares {int(declared):,} {kind} and has {present:,}")
+    return len(primitive.index)
+
+
+def _length(text: str) -> float | None:
+    """The number that a text is, if that can be the length of a unit in metres."""
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if _SMALLEST_UNIT <= value <= 1 / _SMALLEST_UNIT else None
+
+
+@contextmanager
+def _silent(library: str) -> Iterator[None]:
+    """Keep from stderr what a library logs about a stranger's file: tracebacks, among others."""
+    logger, handler = logging.getLogger(library), logging.NullHandler()
+    before = logger.propagate
+    logger.addHandler(handler)
+    logger.propagate = False
+    try:
+        yield
+    finally:
+        logger.propagate = before
+        logger.removeHandler(handler)
+
+
+def _from_gltf(data: bytes) -> RawMesh:
+    return _joined("gltf", parts_of_gltf(data))
+
+
+def _from_glb(data: bytes) -> RawMesh:
+    return _joined("glb", parts_of_glb(data))
+
+
+def _from_ply(data: bytes) -> RawMesh:
+    header, end, _ = data[:_PLY_HEADER].partition(b"end_header")
+    if not end:
+        raise MeshError("malformed", "cannot be read as ply: its header does not end")
+    declared = {name.lower(): int(count) for name, count in _PLY_ELEMENT.findall(header)}
+    present = len(data) - len(header) - len(end)
+    if sum(declared.values()) > present:  # each takes a byte at least
+        claims = " and ".join(f"{count:,} {name[:20].decode(errors='replace')}" for name, count in declared.items())
+        raise MeshError("truncated", f"is truncated: it declares {claims}, and has {present:,} bytes of them")
+    ensure_few(declared.get(b"face", 0))
+    import trimesh  # half a second: only where a format needs it
+
+    with _silent("trimesh"):
+        # Without materials: an image is decoded by another library.
+        part = trimesh.load_mesh(io.BytesIO(data), file_type="ply", process=False, skip_materials=True)
+    faces = np.asarray(getattr(part, "faces", ()), dtype=np.int64).reshape(-1, 3)
+    mesh = _checked("ply", np.asarray(part.vertices, dtype=np.float64), faces)
+    # trimesh reads as many lines of an ASCII file as there are.
+    if 0 < mesh.n_triangles < declared.get(b"face", 0):
+        raise MeshError(
+            "truncated", f"is truncated: it declares {declared[b'face']:,} faces and has {mesh.n_triangles:,}"
+        )
+    return mesh
+
+
+def _joined(
+    name: str,
+    parts: list[tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]],
+) -> RawMesh:
+    """One mesh of a scene's parts: placed vertices, faces, and the (4, 4) matrix that placed them."""
+    vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
+    for points, corners, matrix in parts:
+        _refuse_outside(corners, len(points))
+        # A mirroring node turns triangles inside out; their order is reversed to keep the outside outside.
+        outward = corners[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0.0 else corners
+        vertices.append(points)
+        faces.append(outward + count)
+        count += len(points)
+    return RawMesh(name, np.concatenate(vertices), np.concatenate(faces))
+
+
+_DECODERS: dict[str, Callable[[bytes], RawMesh]] = {
+    "stl": _from_stl,
+    "obj": _from_obj,
+    "dae": _from_dae,
+    "ply": _from_ply,
+    "off": _from_off,
+    "glb": _from_glb,
+    "gltf": _from_gltf,
+}

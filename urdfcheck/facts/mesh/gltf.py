@@ -1,0 +1,195 @@
+"""glTF 2.0, as text and binary (GLB): the triangles that its default scene places. Materials, images, animations and skins
+are passed over, nothing is decompressed, and no other file is opened.
+
+Khronos Group, *glTF 2.0 Specification*, sections 3.5 (scenes), 3.6 (accessors), 3.7 (primitives) and 4.4 (GLB).
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Iterator, Mapping
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdfcheck.facts.mesh.decode_limits import MOST_NESTED, MOST_PLACED, MeshError, ensure_few
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+    Indices = NDArray[np.int64]
+    Json = Mapping[str, Any]
+
+_COMPRESSED = {"KHR_draco_mesh_compression": "Draco", "EXT_meshopt_compression": "meshopt"}
+_NUMBERS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+_TRIANGLES, _STRIP, _FAN = _DRAWN = (4, 5, 6)
+_GLB_HEADER, _CHUNK_HEADER = 12, 8
+
+
+def parts_of_gltf(data: bytes) -> list[tuple[Array, Indices, Array]]:
+    """Placed vertices (V, 3), faces (F, 3) and the matrix (4, 4) that placed them, for each primitive of each node.
+
+    :raises MeshError: when the geometry is elsewhere, compressed, cut off, or more than is read.
+    """
+    return _Scene(json.loads(data), b"").parts()
+
+
+def parts_of_glb(data: bytes) -> list[tuple[Array, Indices, Array]]:
+    """As :func:`parts_of_gltf`, of the binary form."""
+    version = int.from_bytes(data[4:8], "little")
+    if version != 2:
+        raise MeshError("unsupported", f"is glTF {version}, and only glTF 2 is read")
+    chunks: dict[bytes, bytes] = {}
+    at = _GLB_HEADER
+    while at + _CHUNK_HEADER <= len(data):
+        size, kind = int.from_bytes(data[at : at + 4], "little"), data[at + 4 : at + 8]
+        at += _CHUNK_HEADER
+        if at + size > len(data):
+            raise MeshError(
+                "truncated", f"is truncated: a chunk of {size:,} bytes ends {at + size - len(data):,} too early"
+            )
+        chunks.setdefault(kind, data[at : at + size])
+        at += size
+    if b"JSON" not in chunks:
+        raise MeshError("malformed", "cannot be read as glb: it has no JSON chunk")
+    return _Scene(json.loads(chunks[b"JSON"]), chunks.get(b"BIN\0", b"")).parts()
+
+
+class _Scene:
+    """One document; ``binary`` is the buffer that it holds beside its JSON."""
+
+    def __init__(self, document: Json, binary: bytes) -> None:
+        self.document = document
+        self.binary = binary
+        self.buffers: dict[int, bytes] = {}
+
+    def parts(self) -> list[tuple[Array, Indices, Array]]:
+        self.refuse_unread()
+        placed = list(islice(self.placed(), MOST_PLACED + 1))
+        primitives = ((p, matrix) for mesh, matrix in placed for p in self.document["meshes"][mesh]["primitives"])
+        drawn = list(islice((pair for pair in primitives if _mode(pair[0]) in _DRAWN), MOST_PLACED + 1))
+        ensure_few(sum(self.n_triangles(p) for p, _ in drawn), max(len(placed), len(drawn)))
+        found = []
+        for primitive, matrix in drawn:
+            points = self.numbers(primitive["attributes"]["POSITION"], "VEC3")
+            found.append((points @ matrix[:3, :3].T + matrix[:3, 3], self.faces(primitive), matrix))
+        return found
+
+    def refuse_unread(self) -> None:
+        outside = [b["uri"] for b in self.document.get("buffers", ()) if not b.get("uri", "data:").startswith("data:")]
+        if outside:
+            raise MeshError(
+                "external-buffer", f"keeps its geometry in another file ({outside[0][:200]!r}), which is not read"
+            )
+        for extension, name in _COMPRESSED.items():
+            if extension in self.document.get("extensionsRequired", ()):
+                raise MeshError("unsupported", f"is compressed with {name} ({extension}), which is not read")
+
+    def placed(self) -> Iterator[tuple[int, Array]]:
+        """Each mesh of the default scene with its matrix (4, 4), in document order."""
+        scenes, nodes = self.document.get("scenes", ()), self.document.get("nodes", ())
+        if not scenes:
+            raise MeshError("no-triangles", "has no scene that places its geometry")
+        roots = scenes[_index(self.document.get("scene", 0))].get("nodes", ())
+        seen: set[int] = set()
+        stack = [(_index(root), np.eye(4), 1) for root in reversed(roots)]
+        while stack:
+            index, around, level = stack.pop()
+            if index in seen or level > MOST_NESTED:  # a node has one parent: so no circle, and no bomb
+                why = "has more than one parent" if index in seen else f"is nested more than {MOST_NESTED} deep"
+                raise MeshError("malformed", f"cannot be read as glTF: node {index} {why}")
+            seen.add(index)
+            node = nodes[index]
+            matrix = around @ _transform(node)
+            if "mesh" in node:
+                yield _index(node["mesh"]), matrix
+            stack.extend((_index(child), matrix, level + 1) for child in reversed(node.get("children", ())))
+
+    def n_triangles(self, primitive: Json) -> int:
+        """How many it declares, before any is read."""
+        accessor = primitive.get("indices", primitive["attributes"]["POSITION"])
+        count = _index(self.document["accessors"][_index(accessor)]["count"])
+        return count // 3 if _mode(primitive) == _TRIANGLES else max(count - 2, 0)
+
+    def faces(self, primitive: Json) -> Indices:
+        position, indices = primitive["attributes"]["POSITION"], primitive.get("indices")
+        if indices is None:
+            corners = np.arange(_index(self.document["accessors"][_index(position)]["count"]))
+        else:
+            corners = self.numbers(indices, "SCALAR", whole=True).astype(np.int64).reshape(-1)
+        if _mode(primitive) == _TRIANGLES:
+            return corners.reshape(-1, 3)
+        first, second, third = corners[:-2], corners[1:-1], corners[2:]
+        if _mode(primitive) == _FAN:
+            return np.stack((second, third, np.broadcast_to(corners[0], second.shape)), axis=1)
+        odd = np.arange(len(first)) % 2 == 1
+        return np.stack((first, np.where(odd, third, second), np.where(odd, second, third)), axis=1)
+
+    def numbers(self, accessor: Any, kind: str, *, whole: bool = False) -> NDArray[Any]:
+        """The numbers (count, width) of an accessor: float64, or as stored where they are ``whole``."""
+        entry = self.document["accessors"][_index(accessor)]
+        if entry["type"] != kind:
+            raise MeshError("malformed", f"cannot be read as glTF: an accessor is {entry['type']!r:.40}, not {kind}")
+        if "sparse" in entry or "bufferView" not in entry:
+            raise MeshError("unsupported", "keeps its geometry in a sparse accessor, which is not read")
+        view = self.document["bufferViews"][_index(entry["bufferView"])]
+        numbers = np.dtype(_NUMBERS[entry["componentType"]])
+        if whole and numbers.kind != "u":
+            raise MeshError("malformed", "cannot be read as glTF: its indices are no unsigned numbers")
+        count, width = _index(entry["count"]), 3 if kind == "VEC3" else 1
+        row = width * numbers.itemsize
+        stride = _index(view.get("byteStride", row))
+        within, begin = _index(entry.get("byteOffset", 0)), _index(view.get("byteOffset", 0))
+        buffer, length = self.buffer(_index(view["buffer"])), _index(view["byteLength"])
+        end = within + (count - 1) * stride + row if count else 0
+        if stride < row or end > length or begin + length > len(buffer):
+            raise MeshError(
+                "truncated", f"is truncated: it declares {count:,} rows of numbers, which its buffer does not hold"
+            )
+        found: NDArray[Any] = np.ndarray((count, width), numbers, buffer, begin + within, (stride, numbers.itemsize))
+        if whole:
+            return found
+        values = found.astype(np.float64)
+        if entry.get("normalized") and numbers.kind != "f":
+            values = np.maximum(values / np.iinfo(numbers).max, -1.0)
+        return values
+
+    def buffer(self, index: int) -> bytes:
+        if index not in self.buffers:
+            entry = self.document["buffers"][index]
+            uri = entry.get("uri")
+            self.buffers[index] = self.binary if uri is None else base64.b64decode(uri.partition(",")[2])
+        return self.buffers[index]
+
+
+def _mode(primitive: Json) -> Any:
+    """What its corners make; triangles where it does not say."""
+    return primitive.get("mode", _TRIANGLES)
+
+
+def _index(value: Any) -> int:
+    """A whole number from 0 on; a negative one would count from the end of a list."""
+    if not isinstance(value, int) or value < 0:
+        raise ValueError(f"{str(value)[:40]!r} is no count and no index")
+    return value
+
+
+def _transform(node: Json) -> Array:
+    """The matrix (4, 4) of a node: its own, stored by columns, or that of its translation, rotation and scale."""
+    if "matrix" in node:
+        by_columns: Array = np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
+        return by_columns
+    matrix = np.eye(4)
+    turn = np.array(node.get("rotation", (0, 0, 0, 1)), dtype=np.float64)
+    x, y, z, w = turn / (np.linalg.norm(turn) or 1.0)
+    matrix[:3, :3] = (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+        (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+        (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
+    )
+    matrix[:3, :3] *= np.array(node.get("scale", (1, 1, 1)), dtype=np.float64)
+    matrix[:3, 3] = node.get("translation", (0, 0, 0))
+    return matrix

@@ -1,0 +1,401 @@
+"""What a mesh file is, from its bytes: size, mass properties, topology. Lengths are in file units throughout.
+
+Loaders built on trimesh or Assimp as Pinocchio and coal use them ignore COLLADA's ``<unit>`` and ``<up_axis>``; so do
+these numbers, and ``MeshFacts.unit`` and ``up_axis`` say what the file declares.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, MutableMapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdfcheck.facts.inertials.inertia_tensor import Solid, placed
+from urdfcheck.facts.mesh.decode import RawMesh, decode
+from urdfcheck.facts.mesh.decode_limits import MeshError
+from urdfcheck.facts.mesh.moments import moments
+from urdfcheck.facts.mesh.topology import (
+    Boundary,
+    Edges,
+    Surface,
+    boundaries_of,
+    bounds_of,
+    component_sizes,
+    meets,
+    near_rim,
+    origins,
+    repeated_faces,
+    weld_exact,
+    weld_near,
+    without_repeated,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Array = NDArray[np.float64]
+    Parts = MutableMapping[str, Mapping[str, NDArray[Any]]]
+
+__all__ = ["Boundary", "Hull", "MeshError", "MeshFacts", "hull_of", "known_facts", "mesh_facts", "transformed_moments"]
+
+# Exporters write one corner of several triangles with different float noise. The least of these, as fractions of the
+# diagonal, that leaves the fewest edges open is taken: residue of zero, one float32 rounding, and up to five micrometres on
+# a metre where transforms came between (a part of 0.1 m that was placed 1 m from the origin when single precision rounded
+# its corners: 1.2e-6), which is still far below any feature of a part.
+_NOISE = (1e-9, 6e-8, 1e-6, 5e-6)
+# Single precision ends at 3.4028e38: what lies beyond is infinite to every program that loads meshes in it.
+_INFINITE = 3.4e38
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hull:
+    """A convex hull: corners ``vertices`` (K, 3), triangles ``faces`` (F, 3) of them that face outwards, ``volume``, ``area``.
+
+    Of a flat or straight mesh it is the bounding box, which contains it, with the volume 0."""
+
+    vertices: Array
+    faces: NDArray[np.int64]
+    volume: float
+    area: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeshFacts:
+    """A mesh, measured. Arrays are read-only; lengths are in file units.
+
+    ``vertices`` (V, 3) and ``faces`` (F, 3): equal corners merged whatever their normals and texture coordinates,
+    triangles with a corner that is not finite (or beyond 3.4e38) or repeated dropped. Where edges have more than two
+    triangles or two that run the same way, triangles with the corners of an earlier one are dropped too, unless the
+    surface is closed with them and not open without. If merging the corners of open edges with those within
+    ``weld_distance``, at most 5e-6 of the diagonal, leaves fewer edges open, they are merged; else ``weld_distance`` is
+    0.
+
+    ``n_triangles``: as stored in the file; the counts ``degenerate_faces`` (a repeated corner or no area),
+    ``duplicate_faces`` (the same corners as an earlier face, either way round) and ``non_finite_vertices`` (as stored)
+    refer to that too.
+
+    ``open_edges`` belong to one face and make the ``boundaries``, longest first; ``non_manifold_edges`` to three or
+    more. ``watertight``: every edge belongs to two faces. ``winding_consistent``: each two faces that share an edge run
+    along it in opposite directions. ``closed``: every edge is run along equally often either way; unlike ``watertight``
+    it holds for closed bodies that touch along an edge, and it is what the volume integrals need.
+    ``inside_out``: closed, with negative volume.
+
+    ``volume`` (signed), ``com`` (3,) and ``covariance`` (3, 3) about the COM: exact integrals over the solid at uniform
+    density; NaN for the latter two without volume. They mean something when ``closed``. ``area``, ``surface_centroid`` (3,)
+    and ``surface_covariance`` (3, 3): the same of the surface as a thin shell; they always mean something.
+
+    ``unit``: metres per unit as COLLADA declares it, None where it or another format does not. ``up_axis``: COLLADA's
+    ``X_UP``, ``Y_UP`` (where it declares none) or ``Z_UP``; None in other formats. ``bad_unit``: COLLADA's unit as written
+    where that is no length that anybody draws in. ``format`` and ``solid_header``:
+    see `urdfcheck.facts.mesh.decode.RawMesh`.
+
+    ``colors``: for each face its place in a list of colours, -1 for none, and that list (n, 4), r g b a from 0 to 1; None where
+    the file has no colours, or a format of which they are not read (all but COLLADA).
+
+    ``parts`` holds the arrays, and what is computed when it is first asked for: hull, components, duplicate faces. Where
+    they are kept elsewhere some may be lost: ``again`` measures the file once more.
+    """
+
+    format: str
+    solid_header: bool
+    unit: float | None
+    up_axis: str | None
+    bad_unit: str | None
+    n_triangles: int
+    n_vertices: int
+    bounds: Array
+    volume: float
+    com: Array
+    covariance: Array
+    area: float
+    surface_centroid: Array
+    surface_covariance: Array
+    watertight: bool
+    winding_consistent: bool
+    closed: bool
+    open_edges: int
+    non_manifold_edges: int
+    degenerate_faces: int
+    dropped_duplicates: int
+    non_finite_vertices: int
+    weld_distance: float
+    parts: Parts
+    again: Callable[[], object] | None = None
+
+    @property
+    def inside_out(self) -> bool:
+        return self.closed and self.volume < 0.0
+
+    @cached_property
+    def vertices(self) -> Array:
+        return _frozen(self._surface["vertices"].astype(np.float64))
+
+    @cached_property
+    def faces(self) -> NDArray[np.int64]:
+        return _frozen(self._surface["faces"].astype(np.int64))
+
+    @property
+    def _surface(self) -> Mapping[str, NDArray[Any]]:
+        if self.parts.get("surface") is None and self.again is not None:
+            self.again()
+        return self.parts["surface"]
+
+    @property
+    def colors(self) -> tuple[NDArray[np.int64], Array] | None:
+        if "colors" not in self.parts:
+            return None
+        part = self.parts["colors"]
+        return part["faces"].astype(np.int64), np.asarray(part["rgba"], dtype=np.float64)
+
+    @cached_property
+    def boundaries(self) -> tuple[Boundary, ...]:
+        return boundaries_of(self.vertices, self._edges.open) if self.open_edges else ()
+
+    @cached_property
+    def open_lines(self) -> Array:
+        """Ends (n, 2, 3) of the edges of one face."""
+        return _frozen(self.vertices[self._edges.open])
+
+    @cached_property
+    def non_manifold_lines(self) -> Array:
+        """Ends (n, 2, 3) of the edges of three or more faces."""
+        return _frozen(self.vertices[self._edges.non_manifold])
+
+    @cached_property
+    def flipped_lines(self) -> Array:
+        """Ends (n, 2, 3) of the edges along which their two faces run the same way."""
+        return _frozen(self.vertices[self._edges.flipped])
+
+    @cached_property
+    def _edges(self) -> Edges:
+        return meets(self.faces, self.n_vertices)
+
+    @property
+    def duplicate_faces(self) -> int:
+        def count() -> Mapping[str, NDArray[Any]]:
+            return {"count": repeated_faces(self.faces).sum()}
+
+        return self.dropped_duplicates + int(self._part("duplicates", count)["count"])
+
+    @property
+    def components(self) -> NDArray[np.int64]:
+        """Number of faces of each piece that hangs together by vertices, largest first."""
+        return self._part("components", lambda: {"sizes": component_sizes(self.faces, self.n_vertices)})["sizes"]
+
+    @cached_property
+    def hull(self) -> Hull:
+        def compute() -> Mapping[str, NDArray[Any]]:
+            hull = hull_of(self.vertices)
+            return {"vertices": hull.vertices, "faces": hull.faces, "sizes": np.array((hull.volume, hull.area))}
+
+        part = self._part("hull", compute)
+        volume, area = map(float, part["sizes"])
+        return Hull(part["vertices"], part["faces"], volume, area)
+
+    def _part(self, name: str, compute: Callable[[], Mapping[str, NDArray[Any]]]) -> Mapping[str, NDArray[Any]]:
+        if name not in self.parts:
+            self.parts[name] = compute()
+        return {key: _frozen(np.asarray(array)) for key, array in self.parts[name].items()}
+
+
+def mesh_facts(data: bytes, file_type: str, parts: Parts | None = None) -> MeshFacts:
+    """Measure the mesh file ``data``; ``file_type`` is its extension in lower case, without the dot.
+
+    What is found is put into ``parts``, from which `known_facts` gives it back.
+
+    :raises MeshError: when it is no complete mesh file, or holds no triangle with finite corners.
+    :raises ImportError, MemoryError: see `urdfcheck.facts.mesh.decode.decode`; nothing is put into ``parts``.
+    """
+    parts = {} if parts is None else parts
+    try:
+        with np.errstate(all="ignore"):  # numbers without sense are a finding, not a warning on stderr
+            return _measure(decode(data, file_type), parts)
+    except MeshError as error:
+        parts["error"] = {"text": _packed([error.reason_id, error.message])}
+        raise
+
+
+def known_facts(parts: Parts, again: Callable[[], object] | None = None) -> MeshFacts | None:
+    """The facts that an earlier `mesh_facts` put into ``parts``; None when there are none. ``again`` puts them there once
+    more, should some have been lost.
+
+    :raises MeshError: the one that it raised.
+    """
+    if "error" in parts:
+        raise MeshError(*_unpacked(parts["error"]["text"]))
+    if "summary" not in parts:
+        return None
+    fields = _unpacked(parts["summary"]["text"])
+    arrays = {name: _frozen(np.array(v)) for name, v in fields.items() if isinstance(v, list)}
+    return MeshFacts(**{**fields, **arrays}, parts=parts, again=again)
+
+
+def _measure(raw: RawMesh, parts: Parts) -> MeshFacts:
+    surface, non_finite = _welded(raw)
+    edges = meets(surface.faces, len(surface.vertices))
+    weld_distance = 0.0
+    if not edges.watertight:
+        surface, edges, weld_distance = _mended(surface, edges)
+    vertices, faces = surface.vertices, surface.faces
+    integrals = moments(vertices, faces)
+    narrow = vertices.astype(np.float32)
+    parts["surface"] = {
+        "vertices": _frozen(narrow if np.array_equal(narrow, vertices) else vertices),
+        "faces": _frozen(faces.astype(np.int32)),
+    }
+    if raw.colors and raw.faces is not None:
+        parts["colors"] = _colors(raw, surface)
+    fields: dict[str, Any] = {
+        "format": raw.format,
+        "solid_header": raw.solid_header,
+        "unit": raw.unit,
+        "up_axis": raw.up_axis,
+        "bad_unit": raw.bad_unit,
+        "n_triangles": raw.n_triangles,
+        "n_vertices": len(vertices),
+        "bounds": bounds_of(vertices),
+        "volume": integrals.volume,
+        "com": integrals.com,
+        "covariance": integrals.covariance,
+        "area": integrals.area,
+        "surface_centroid": integrals.surface_centroid,
+        "surface_covariance": integrals.surface_covariance,
+        "watertight": edges.watertight,
+        "winding_consistent": edges.winding_consistent,
+        "closed": edges.closed,
+        "open_edges": len(edges.open),
+        "non_manifold_edges": len(edges.non_manifold),
+        "degenerate_faces": surface.collapsed + integrals.flat,
+        "dropped_duplicates": surface.repeated,
+        "non_finite_vertices": non_finite,
+        "weld_distance": weld_distance,
+    }
+    parts["summary"] = {"text": _packed({k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in fields.items()})}
+    frozen: dict[str, Any] = {k: _frozen(v) if isinstance(v, np.ndarray) else v for k, v in fields.items()}
+    facts = MeshFacts(**frozen, parts=parts)
+    # In memory already, and as precise as they were measured.
+    facts.__dict__.update(vertices=_frozen(vertices), faces=_frozen(faces), _edges=edges)
+    return facts
+
+
+# So many colours of one file are told apart.
+_MOST_COLORS = 100
+
+
+def _colors(raw: RawMesh, surface: Surface) -> dict[str, NDArray[Any]]:
+    """See `MeshFacts.colors`."""
+    assert raw.faces is not None
+    rgba = list(dict.fromkeys(color for _, color in raw.colors if color is not None))[:_MOST_COLORS]
+    place = {color: i for i, color in enumerate(rgba)}
+    number = np.array([-1 if color is None else place.get(color, -1) for _, color in raw.colors])
+    of_face = np.append(np.repeat(number, [count for count, _ in raw.colors]), -1)
+    return {"faces": of_face[origins(raw.vertices, raw.faces, surface)].astype(np.int8), "rgba": np.array(rgba)}
+
+
+def _welded(raw: RawMesh) -> tuple[Surface, int]:
+    """The surface of the triangles with finite corners, equal corners merged, and how many corners are not finite."""
+    finite = np.abs(raw.vertices) < _INFINITE
+    if finite.all():
+        points, faces, non_finite = raw.vertices, raw.faces, 0
+    else:
+        usable = finite.all(axis=1)
+        non_finite = int((~usable).sum())
+        corners = np.arange(len(raw.vertices)).reshape(-1, 3) if raw.faces is None else raw.faces
+        points, faces = raw.vertices, corners[usable[corners].all(axis=1)]
+        if not len(faces):
+            raise MeshError(
+                "no-triangles", "has a corner that is NaN or infinite, or beyond single precision, in every triangle"
+            )
+    surface = weld_exact(points, faces)
+    if not len(surface.faces):
+        raise MeshError("no-triangles", "has nothing but triangles that repeat a corner")
+    return surface, non_finite
+
+
+def _mended(surface: Surface, edges: Edges) -> tuple[Surface, Edges, float]:
+    """Without repeated faces; and with float noise merged, and by how much, if that leaves fewer edges open."""
+    surface, edges = _single(surface, edges)
+    best = surface, edges, 0.0
+    diagonal = float(np.linalg.norm(np.ptp(bounds_of(surface.vertices), axis=0)))
+    if not len(edges.open) or not diagonal > 0.0:
+        return best
+    nearby = near_rim(surface, edges.open, _NOISE[-1] * diagonal)
+    for distance in (noise * diagonal for noise in _NOISE):
+        welded = weld_near(surface, nearby, distance) if len(best[1].open) else None
+        if welded is not None and len(welded.faces):
+            welded, met = _single(welded, meets(welded.faces, len(welded.vertices)))
+            closed = len(best[1].open) - len(met.open)
+            # What has become a point was no crack: the edges that are gone were longer than that.
+            if closed > 0 and _length(*best[:2]) - _length(welded, met) > 4.0 * distance * closed:
+                best = welded, met, distance
+    return best
+
+
+def _length(surface: Surface, edges: Edges) -> float:
+    """Of all open edges."""
+    starts, ends = surface.vertices[edges.open[:, 0]], surface.vertices[edges.open[:, 1]]
+    return float(np.linalg.norm(ends - starts, axis=1).sum())
+
+
+def _single(surface: Surface, edges: Edges) -> tuple[Surface, Edges]:
+    """Without repeated faces. Bodies that share a face keep both copies, which each needs to be closed; of a sheet with two
+    sides one is enough, and it is open."""
+    if not len(edges.non_manifold) and not len(edges.flipped):
+        return surface, edges  # two faces with the same corners would share all three edges with nothing else
+    single = without_repeated(surface)
+    if single is surface:
+        return surface, edges
+    met = meets(single.faces, len(single.vertices))
+    return (single, met) if not edges.closed or len(met.open) else (surface, edges)
+
+
+def hull_of(points: Array) -> Hull:
+    """The convex hull of ``points`` (n, 3)."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        hull = ConvexHull(points)
+    except (QhullError, ValueError):
+        corners = np.array(list(product(*zip(points.min(axis=0), points.max(axis=0), strict=True))))
+        quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+        faces = np.array([(a, b, c) for a, b, c, _ in quads] + [(a, c, d) for a, _, c, d in quads])
+        return Hull(corners, faces, 0.0, float(moments(corners, faces).area))
+    number = np.zeros(len(points), dtype=np.int64)
+    number[hull.vertices] = np.arange(len(hull.vertices))
+    faces = number[hull.simplices]
+    vertices: Array = points[hull.vertices]
+    a, b, c = (vertices[column] for column in faces.T)
+    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0.0
+    faces[inward] = faces[inward][:, ::-1]
+    return Hull(vertices, faces, float(hull.volume), float(hull.area))
+
+
+def transformed_moments(facts: MeshFacts, scale: Sequence[float], rotation: ArrayLike, translation: ArrayLike) -> Solid:
+    """The solid that a URDF ``<mesh scale>`` under an ``<origin>`` fills: ``x -> rotation (scale * x) + translation``.
+
+    ``scale`` (3,) in metres per file unit, mirrored where negative; the volume is positive all the same, and for a mesh
+    that is inside out. Meaningful for ``closed`` meshes.
+    """
+    factors = np.asarray(scale, dtype=float)
+    volume = abs(facts.volume * float(factors.prod()))
+    local = Solid(volume, factors * facts.com, facts.covariance * np.outer(factors, factors))
+    return placed(local, rotation, translation)
+
+
+def _packed(value: object) -> NDArray[np.uint8]:
+    """Plain values as bytes; floats survive to the last bit."""
+    return np.frombuffer(json.dumps(value).encode(), dtype=np.uint8)
+
+
+def _unpacked(packed: NDArray[np.uint8]) -> Any:
+    return json.loads(packed.tobytes())
+
+
+def _frozen(array: NDArray[Any]) -> NDArray[Any]:
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,374 @@
+"""Triangles as a surface: merged corners, edges, and the boundaries of what is open.
+
+Corners, edges and faces are grouped by hashing, vectorised: every item writes its index into a slot of a table, reads back
+who got there first, and those who find a stranger try another table. That is a few passes over memory, where sorting takes
+twenty.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+    Indices = NDArray[np.int64]
+
+# Odd multipliers without structure: digits of the golden ratio, of pi and of e.
+_MIX = tuple(np.uint64(factor) for factor in (0x9E3779B97F4A7C15, 0x243F6A8885A308D3, 0xB7E151628AED2A6B))
+# Tables that are tried before what is left is sorted. Chance leaves nothing after three or four.
+_ROUNDS = 8
+# Grids that are half a cell apart.
+_SHIFTS = tuple(np.array(shift) for shift in product((0.0, 0.5), repeat=3))
+# Items worked on at a time: their temporaries stay in the processor's cache.
+_CHUNK = 16384
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Boundary:
+    """A run of edges that belong to one triangle only: the rim of a hole when ``closed``.
+
+    ``points`` (k, 3), the first not repeated at the end of a closed one; ``length``; ``centre`` (3,) of the line.
+    """
+
+    points: Array
+    closed: bool
+    length: float
+    centre: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """Triangles ``faces`` (F, 3) over ``vertices`` (V, 3), all of them used, and how many were dropped for a repeated corner
+    (``collapsed``) or for having the corners of an earlier one (``repeated``)."""
+
+    vertices: Array
+    faces: Indices
+    collapsed: int = 0
+    repeated: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Edges:
+    """How faces meet; see `urdfcheck.facts.mesh.measure.MeshFacts`. ``open`` (n, 2): the vertices of each edge that belongs to
+    one face, in the direction in which that face runs along it. ``non_manifold`` and ``flipped`` (n, 2): the vertices of
+    edges of three or more faces, and of edges along which their two faces run the same way."""
+
+    open: Indices
+    non_manifold: Indices
+    flipped: Indices
+    watertight: bool
+    winding_consistent: bool
+    closed: bool
+
+
+def bounds_of(points: Array) -> Array:
+    """Lowest and highest coordinates (2, 3). A column at a time: numpy takes twenty times as long for all at once."""
+    return np.array([[column.min() for column in points.T], [column.max() for column in points.T]])
+
+
+def weld_exact(points: NDArray[Any], faces: Indices | None) -> Surface:
+    """Merge equal ``points`` (n, 3), float32 or float64; each three in turn are a triangle where ``faces`` is None.
+
+    Vertices stay in the order in which they first occur; those that no face uses are left out.
+    """
+    if faces is not None:
+        points, faces = _used(points, faces)
+    points = points + points.dtype.type(0)  # -0 is 0
+    # A corner of a closed mesh is stored about six times, where each triangle stores its own.
+    first = _first_equal_row(points, len(points) // 4 if faces is None else 4 * len(points))
+    is_first = first == np.arange(len(first))
+    number = np.cumsum(is_first) - 1
+    group = np.take(number, first)
+    corners = group.reshape(-1, 3) if faces is None else np.take(group, faces)
+    return without_collapsed(Surface(points[is_first].astype(np.float64), corners))
+
+
+def _first_equal_row(rows: NDArray[Any], slots: int) -> Indices:
+    """Index of the first row that equals each row of ``rows`` (n, 3), any numbers of 4 or 8 bytes without -0.
+
+    Rows are told apart by a hash; should two share it, they are sorted instead. ``slots``: about how large the table is.
+    """
+    keys = _hashes(rows)
+    bits = max(4, slots.bit_length())
+    first = _first_equal(keys, (keys >> np.uint64(64 - bits)).view(np.int64), 1 << bits)
+    return first if np.array_equal(np.take(rows, first, axis=0), rows) else _first_equal_by_sorting(rows)
+
+
+def _hashes(rows: NDArray[Any]) -> NDArray[np.uint64]:
+    words = np.ascontiguousarray(rows).view(np.uint32 if rows.itemsize == 4 else np.uint64)
+    keys = np.empty(len(rows), dtype=np.uint64)
+    for start in range(0, len(rows), _CHUNK):
+        chunk, key = words[start : start + _CHUNK], keys[start : start + _CHUNK]
+        if chunk.itemsize == 8:  # a product keeps the low bits of its factors, and round numbers have theirs high up
+            chunk = chunk ^ (chunk >> np.uint64(32))
+        np.multiply(chunk[:, 0], _MIX[0], out=key)
+        key += chunk[:, 1] * _MIX[1]
+        key += chunk[:, 2] * _MIX[2]
+        key ^= key >> np.uint64(32)
+        key *= _MIX[0]
+    return keys
+
+
+def _first_equal(keys: NDArray[np.uint64], slot: Indices, size: int) -> Indices:
+    """Index of the first of ``keys`` (n,) that equals each one. ``slot`` (n,), below ``size``: where equal keys meet."""
+    indices = np.arange(len(keys))
+    first = _first_in_slot(slot, size, indices)
+    left = np.flatnonzero(np.take(keys, first) != keys)
+    for turn in range(_ROUNDS):
+        if not len(left):
+            return first
+        some = np.take(keys, left)
+        bits = (4 * len(left)).bit_length()
+        other = _first_in_slot(((some * _MIX[turn % 3]) >> np.uint64(64 - bits)).view(np.int64), 1 << bits, left)
+        first[left] = other
+        left = left[np.take(keys, other) != some]
+    _, where, group = np.unique(keys[left], return_index=True, return_inverse=True)
+    first[left] = left[where[group]]
+    return first
+
+
+def _first_in_slot(slot: Indices, size: int, indices: Indices) -> Indices:
+    """The lowest of the ``indices``, which rise, that has the same slot as each one."""
+    table = np.empty(size, dtype=np.int32 if indices[-1] < 2**31 else np.int64)
+    table[slot[::-1]] = indices[::-1]  # the last to write, which is the first in order, stays
+    return np.take(table, slot).astype(np.int64)
+
+
+def _first_equal_by_sorting(rows: NDArray[Any]) -> Indices:
+    order = np.lexsort(rows.T)
+    ranked = rows[order]
+    starts = np.flatnonzero(np.concatenate(((True,), (ranked[1:] != ranked[:-1]).any(axis=1))))
+    first = np.empty(len(rows), dtype=np.int64)
+    first[order] = np.repeat(order[starts], np.diff(starts, append=len(rows)))
+    return first
+
+
+def _used(points: NDArray[Any], faces: Indices) -> tuple[NDArray[Any], Indices]:
+    """Without the points that no face uses."""
+    used = np.zeros(len(points), dtype=bool)
+    used[faces] = True
+    if used.all():
+        return points, faces
+    return points[used], (np.cumsum(used) - 1)[faces]
+
+
+def without_collapsed(surface: Surface) -> Surface:
+    """Without the faces that have a repeated corner."""
+    a, b, c = surface.faces.T
+    collapsed = (a == b) | (b == c) | (c == a)
+    count = int(collapsed.sum())
+    if not count:
+        return surface
+    vertices, faces = _used(surface.vertices, surface.faces[~collapsed])
+    return Surface(vertices, faces, surface.collapsed + count, surface.repeated)
+
+
+def without_repeated(surface: Surface) -> Surface:
+    """Without the faces that have the corners of an earlier one, either way round."""
+    again = repeated_faces(surface.faces)
+    if not again.any():
+        return surface
+    count = surface.repeated + int(again.sum())
+    return Surface(surface.vertices, surface.faces[~again], surface.collapsed, count)
+
+
+def repeated_faces(faces: Indices) -> NDArray[np.bool_]:
+    """Which of the faces (F, 3) have the corners of an earlier one, either way round."""
+    again: NDArray[np.bool_] = _first_equal_row(np.sort(faces, axis=1), 4 * len(faces)) != np.arange(len(faces))
+    return again
+
+
+def origins(points: NDArray[Any], faces: Indices, surface: Surface) -> Indices:
+    """Which of the triangles ``faces`` (F, 3) over ``points`` each face of the surface made of them was; F for a face of which
+    a corner was moved."""
+    count, total = len(surface.vertices), len(faces)
+    number = _first_equal_row(
+        np.concatenate((surface.vertices, points.astype(np.float64))) + 0.0, 4 * (count + len(points))
+    )
+    corners = np.concatenate((np.take(number[count:], faces), surface.faces))
+    first = _first_equal_row(np.sort(corners, axis=1), 4 * len(corners))[total:]
+    return np.minimum(first, total)
+
+
+def near_rim(surface: Surface, rim: Indices, distance: float) -> Indices:
+    """Indices of all vertices that lie within ``distance`` of one of the open edges ``rim`` (n, 2), and of few others.
+
+    Two points within half a cell of each other along every axis share a cell in one of eight grids, each shifted by half a
+    cell along some of the axes: no pair is missed because a cell's border runs between its points.
+    """
+    points = _in_cells(surface.vertices, distance)
+    some, near = np.unique(rim), np.zeros(len(points), dtype=bool)
+    for shift in _SHIFTS:
+        near |= _shares_cell(np.floor(points + shift) + 0.0, some)
+    return np.flatnonzero(near)
+
+
+def weld_near(surface: Surface, some: Indices, distance: float) -> Surface | None:
+    """Merge those of ``some`` vertices that lie within ``distance`` of each other, or in one cell of twice that size (see
+    `near_rim`). None where there is nothing to merge."""
+    points = _in_cells(surface.vertices[some], distance)
+    label, changed = np.arange(len(points)), True
+    while changed:
+        before = label
+        for shift in _SHIFTS:
+            cell = _first_equal_row(np.floor(points + shift) + 0.0, 4 * len(points))
+            lowest = np.full(len(points), len(points))
+            np.minimum.at(lowest, cell, label)
+            label = lowest[cell]
+        changed = bool((label != before).any())
+    if (label == np.arange(len(points))).all():
+        return None
+    whole = np.arange(len(surface.vertices))
+    whole[some] = some[label]
+    vertices, faces = _used(surface.vertices, whole[surface.faces])
+    return without_collapsed(Surface(vertices, faces, surface.collapsed, surface.repeated))
+
+
+def _in_cells(points: Array, distance: float) -> Array:
+    """Coordinates from the lowest corner on, in cells of twice the distance."""
+    cells: Array = (points - bounds_of(points)[0]) / (2.0 * distance)
+    return cells
+
+
+def _shares_cell(cells: NDArray[Any], some: Indices) -> NDArray[np.bool_]:
+    """Which rows of ``cells`` (n, 3) may equal one of ``some`` of them: all that do, and few others."""
+    keys = _hashes(cells)
+    bits = max(16, (16 * len(some)).bit_length())
+    slot = (keys >> np.uint64(64 - bits)).view(np.int64)
+    taken = np.zeros(1 << bits, dtype=bool)
+    taken[slot[some]] = True
+    found: NDArray[np.bool_] = np.take(taken, slot)
+    return found
+
+
+def meets(faces: Indices, n_vertices: int) -> Edges:
+    """How the faces (F, 3), at least one, meet."""
+    keys, slot, backward = _half_edges(faces, n_vertices)
+    first = _first_equal(keys, slot, n_vertices << 2)
+    if _is_perfect(first, backward):
+        none = np.empty((0, 2), dtype=np.int64)
+        return Edges(none, none, none, True, True, True)
+    count = np.bincount(first)
+    balance = np.bincount(first, weights=np.where(backward, -1.0, 1.0))
+    edge = np.flatnonzero(count)
+    count, balance = count[edge], balance[edge]
+    low, high = np.divmod(keys[edge].view(np.int64), n_vertices)
+    ends = np.stack((low, high), axis=1)
+    single = count == 1
+    return Edges(
+        open=np.where((balance < 0)[:, None], ends[:, ::-1], ends)[single],
+        non_manifold=ends[count > 2],
+        flipped=ends[(count == 2) & (balance != 0)],
+        watertight=bool((count == 2).all()),
+        winding_consistent=not balance[count == 2].any(),
+        closed=not balance.any(),
+    )
+
+
+def _half_edges(faces: Indices, n_vertices: int) -> tuple[NDArray[np.uint64], Indices, NDArray[np.bool_]]:
+    """Each face's three edges (all first ones, all second, all third) as ``low * n_vertices + high``; a slot for each that
+    lies near those of its neighbours, so that memory is read where it was read before; and whether it runs from high to low."""
+    corners = np.ascontiguousarray(faces.T)
+    keys = np.empty((3, len(faces)), dtype=np.uint64)
+    slot = np.empty((3, len(faces)), dtype=np.int64)
+    backward = np.empty((3, len(faces)), dtype=bool)
+    for start in range(0, len(faces), _CHUNK):
+        chunk = slice(start, start + _CHUNK)
+        for row in range(3):
+            a, b = corners[row, chunk], corners[(row + 1) % 3, chunk]
+            low, high = np.minimum(a, b), np.maximum(a, b).view(np.uint64)
+            keys[row, chunk] = low * n_vertices
+            keys[row, chunk] += high
+            slot[row, chunk] = (low << 2) + ((high * _MIX[0]) >> np.uint64(62)).view(np.int64)
+            backward[row, chunk] = a > b
+    return keys.reshape(-1), slot.reshape(-1), backward.reshape(-1)
+
+
+def _is_perfect(first: Indices, backward: NDArray[np.bool_]) -> bool:
+    """Whether every edge belongs to two faces that run along it in opposite directions."""
+    second = np.flatnonzero(first != np.arange(len(first)))
+    if 2 * len(second) != len(first):
+        return False
+    partner = np.take(first, second)
+    taken = np.zeros(len(first), dtype=bool)
+    taken[partner] = True
+    if np.count_nonzero(taken) != len(second):
+        return False
+    return bool((np.take(backward, second) != np.take(backward, partner)).all())
+
+
+def component_sizes(faces: Indices, n_vertices: int) -> Indices:
+    """Number of faces of each piece that hangs together by vertices, largest first."""
+    sizes: Indices = np.sort(np.bincount(component_labels(faces, n_vertices)))[::-1]
+    return sizes
+
+
+def component_labels(faces: Indices, n_vertices: int) -> Indices:
+    """To which piece that hangs together by vertices each face belongs: numbers from 0, one per face."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    a, b, c = faces.T
+    start, end = np.concatenate((a, b)), np.concatenate((b, c))
+    graph = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(n_vertices, n_vertices))
+    _, label = connected_components(graph, directed=False)
+    # Vertices that no face has are pieces of their own there: number those that faces have.
+    _, numbers = np.unique(label[a], return_inverse=True)
+    labels: Indices = numbers.astype(np.int64)
+    return labels
+
+
+def boundaries_of(vertices: Array, open_edges: Indices) -> tuple[Boundary, ...]:
+    """The boundaries (longest first) that the edges (n, 2) of one face form."""
+    found = [_boundary(vertices, path, closed) for path, closed in _paths(open_edges.tolist())]
+    return tuple(sorted(found, key=lambda boundary: (-boundary.length, boundary.centre.tolist())))
+
+
+def _paths(open_edges: list[list[int]]) -> Iterator[tuple[list[int], bool]]:
+    """Split a graph's edges into simple loops, and paths where odd vertices leave none.
+
+    A walk that comes back to a vertex it has passed gives off the loop in between, so that holes which touch in one
+    vertex come out apart.
+    """
+    neighbours: dict[int, set[int]] = {}
+    for a, b in open_edges:
+        neighbours.setdefault(a, set()).add(b)
+        neighbours.setdefault(b, set()).add(a)
+    # Paths end at odd vertices: starting there leaves loops only for the rest.
+    for start in sorted(neighbours, key=lambda vertex: (len(neighbours[vertex]) % 2 == 0, vertex)):
+        while neighbours[start]:
+            path, place = [start], {start: 0}
+            while following := neighbours[path[-1]]:
+                here, there = path[-1], min(following)
+                following.discard(there)
+                neighbours[there].discard(here)
+                if there in place:
+                    loop = path[place[there] :]
+                    yield loop, True
+                    for vertex in loop[1:]:
+                        del place[vertex]
+                    del path[place[there] + 1 :]
+                else:
+                    place[there] = len(path)
+                    path.append(there)
+            if len(path) > 1:
+                yield path, False
+
+
+def _boundary(vertices: Array, path: list[int], closed: bool) -> Boundary:
+    points = vertices[path]
+    following = np.roll(points, -1, axis=0) if closed else points[1:]
+    starts = points if closed else points[:-1]
+    lengths = np.linalg.norm(following - starts, axis=1)
+    length = float(lengths.sum())
+    centre = lengths @ (starts + following) / 2.0 / length if length > 0.0 else points.mean(axis=0)
+    points.setflags(write=False)
+    centre.setflags(write=False)
+    return Boundary(points, closed, length, centre)

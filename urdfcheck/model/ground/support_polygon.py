@@ -1,0 +1,97 @@
+"""The robot set down on the ground upright, all joints at zero: where it can touch, and where its mass is."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.core import Unavailable
+from urdfcheck.facts.motion.contact import Stand
+from urdfcheck.model.ground.wheels import CASTER, Wheel, points_of
+from urdfcheck.model.parts import Link
+from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.bounds import is_token
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+
+LEG = re.compile(r"leg|foot|feet|hip|knee|ankle|thigh|calf|shank|tibia|toe", re.IGNORECASE)
+# A root of these names is the ground itself, and what is fixed to it cannot fall.
+_GROUND = frozenset({"world", "map"})
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mass:
+    """What a link weighs: ``mass`` in kg and its ``com`` (3,) in root coordinates."""
+
+    link: Link
+    mass: float
+    com: Array
+
+
+def is_free(model: Model) -> bool:
+    """Whether the robot has wheels or legs and is not fixed to the ground.
+
+    :raises Unavailable: when the tree is broken or an origin is malformed.
+    """
+    return model.tree.root not in _GROUND and bool(model.wheels or any(LEG.search(link.name) for link in model.links))
+
+
+def masses(model: Model) -> tuple[Mass, ...]:
+    """The links that have mass.
+
+    :raises Unavailable: when the tree is broken, or a mass or an origin is malformed or negative.
+    """
+    found = []
+    for link in model.links:
+        inertial = link.inertial
+        if inertial is None:
+            continue
+        pose = inertial.origin.matrix
+        if inertial.mass is None or pose is None or inertial.mass < 0:
+            raise Unavailable(f"the mass or the centre of mass of link {link.name!r} is not known")
+        if inertial.mass > 0:
+            found.append(Mass(link, inertial.mass, (model.frames[link.name] @ pose)[:3, 3]))
+    return tuple(found)
+
+
+def corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Array, NDArray[np.int64]]:
+    """Points (n, 3) in root coordinates whose hull is that of the robot, and the place (n,) of each point's link in the tree's
+    order.
+
+    Collision shapes count where a link has them, what it draws otherwise; tokens do not, unless they are casters. ``wheels`` by
+    link add the two lowest points of their treads, between which the corners of a mesh may hang in the air.
+
+    :raises Unavailable: when the tree is broken, or a shape is not known.
+    """
+    parts: list[Array] = []
+    owners: list[int] = []
+    for place, name in enumerate(model.tree.order):
+        frame = model.frames[name]
+        link = model.link_by_name[name]
+        shapes = [s for s in link.collisions or link.visuals if CASTER.search(name) or not is_token(s)]
+        points = points_of(model, shapes)
+        if points is None:
+            raise Unavailable(f"a shape of link {name!r} is not known")
+        placed = points @ frame[:3, :3].T + frame[:3, 3]
+        wheel = wheels.get(name)
+        if wheel is not None:
+            side = wheel.width / 2 * wheel.axis
+            placed = np.concatenate((placed, [wheel.contact - side, wheel.contact + side]))
+        parts.append(placed)
+        owners += [place] * len(placed)
+    return np.concatenate(parts), np.array(owners, dtype=np.int64)
+
+
+def contacts(model: Model, points: Array, owners: NDArray[np.int64], now: Stand) -> dict[str, Array]:
+    """The middle (3,) of the points with which each link touches the ground, in root coordinates; arrays as of `corners`."""
+    places, links = points[now.touching], owners[now.touching]
+    return {model.tree.order[i]: places[links == i].mean(axis=0) for i in sorted(set(links.tolist()))}

@@ -1,0 +1,153 @@
+"""The wheels that carry a robot."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.facts.likeness.revolution import outline
+from urdfcheck.model.parts import Joint, Link, Shape
+from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.visual_solid import shape_points
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+# A wheel's axis is level to within its camber, and parallel axes are parallel to within its toe: 6°.
+LEVEL = 0.1
+NAMED = re.compile(r"wheel|tyre|tire", re.IGNORECASE)
+CASTER = re.compile(r"cast[eo]r", re.IGNORECASE)
+# Wheels that turn freely or in another sense, or do not stand on the ground.
+OTHER = re.compile(r"caster|castor|roller|steer|swivel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
+_ALOFT = re.compile(r"roller|steering_?wheel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Wheel:
+    """``centre`` (3,), in the middle of the wheel's width, and unit ``axis`` (3,) in root coordinates; ``radius`` in m, the
+    farthest point from the axis, and ``width``; ``bottom``: height of the lowest drawn point in root coordinates."""
+
+    joint: Joint
+    centre: Array
+    axis: Array
+    radius: float
+    width: float
+    bottom: float
+
+    @property
+    def contact(self) -> Array:
+        """The lowest point (3,) of the wheel, as a circle of its radius, in root coordinates with z up."""
+        down = self.axis[2] * self.axis - (0.0, 0.0, 1.0)
+        lowest: Array = self.centre + self.radius / np.linalg.norm(down) * down
+        return lowest
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Driven:
+    """A wheel of which only the ``joint`` and its unit ``axis`` (3,) in root coordinates matter."""
+
+    joint: Joint
+    axis: Array
+
+
+def wheels(model: Model) -> tuple[Driven, ...]:
+    """The wheels on which the robot stands and that no joint steers, when all joints are at zero and z is up.
+
+    One whose shapes are not known is taken for a wheel when it is called one.
+
+    :raises Unavailable: when the tree is broken or an origin is malformed.
+    """
+    known = model.wheels
+    driven = [w for w in known if not OTHER.search(_words(w.joint)) and not _is_steered(model, w.joint, w.axis)]
+    ground = min((w.bottom for w in driven), default=0.0)
+    standing = [Driven(w.joint, w.axis) for w in driven if w.bottom - ground < 0.2 * w.radius]
+    return (*standing, *_unseen(model))
+
+
+def rolling(model: Model) -> tuple[Wheel, ...]:
+    """All wheels that can stand on the ground, driven, steered or free.
+
+    A wheel is the child of a continuous joint with a level axis, drawn round about it; it is called one or a caster, or is as
+    low as anything of the robot.
+
+    :raises Unavailable: when the tree is broken or an origin is malformed.
+    """
+    found = [wheel for joint in model.joints if (wheel := _wheel(model, joint)) is not None]
+    named = [w for w in found if NAMED.search(_words(w.joint)) or CASTER.search(_words(w.joint))]
+    if len(named) == len(found):
+        return tuple(named)
+    ground = min(_lowest(model, link) for link in model.links)
+    return tuple(w for w in found if w in named or w.bottom - ground < 0.1 * w.radius)
+
+
+def is_suspended(model: Model, link: str) -> bool:
+    """Whether the link can move up and down against the robot: a joint before its own does anything but steer about z."""
+    before = [joint for joint in model.tree.path(link)[:-1] if joint.moves]
+    axes = [model.axes.get(joint.name) if joint.type in {"revolute", "continuous"} else None for joint in before]
+    return any(axis is None or abs(float(axis[2])) < 1 - LEVEL for axis in axes)
+
+
+def points_of(model: Model, shapes: Iterable[Shape]) -> Array | None:
+    """Points (n, 3) on these shapes, in their link's frame, whose hull is theirs; None when one of them is not known."""
+    parts = [shape_points(model, shape, around=False) for shape in shapes]
+    known = [part for part in parts if part is not None]
+    if len(known) != len(parts):
+        return None
+    return np.concatenate(known) if known else np.zeros((0, 3))
+
+
+def _wheel(model: Model, joint: Joint) -> Wheel | None:
+    axis = model.axes.get(joint.name)
+    if joint.type != "continuous" or axis is None or abs(axis[2]) > LEVEL or _ALOFT.search(_words(joint)):
+        return None
+    link = model.link_by_name[joint.child]
+    frame = model.frames[link.name]
+    # What collides with the ground, where that is round: some collide as boxes.
+    for shapes in (link.collisions, link.visuals):
+        points = points_of(model, shapes)
+        if points is None or not len(points):
+            continue
+        placed = points @ frame[:3, :3].T + frame[:3, 3]
+        seen = outline(placed, axis, frame[:3, 3])
+        if seen.is_round() and seen.width <= 4 * seen.radius:
+            return Wheel(joint, seen.centre, axis, seen.radius, seen.width, float(placed[:, 2].min()))
+    return None
+
+
+def _unseen(model: Model) -> Iterator[Driven]:
+    for joint in model.joints:
+        axis = model.axes.get(joint.name)
+        if joint.type != "continuous" or axis is None or abs(axis[2]) > LEVEL:
+            continue
+        if not NAMED.search(_words(joint)) or OTHER.search(_words(joint)) or _is_steered(model, joint, axis):
+            continue
+        link = model.link_by_name[joint.child]
+        shapes = (*link.visuals, *link.collisions)
+        if all(shape_points(model, shape, around=False) is None for shape in shapes):
+            yield Driven(joint, axis)
+
+
+def _is_steered(model: Model, joint: Joint, axis: Array) -> bool:
+    """Whether a joint before the wheel turns the wheel's axis."""
+    before = [other for other in model.tree.path(joint.child)[:-1] if other.moves and other.type != "prismatic"]
+    axes = [model.axes.get(other.name) for other in before]
+    return any(own is None or abs(float(own @ axis)) < 1 - LEVEL for own in axes)
+
+
+def _words(joint: Joint) -> str:
+    return f"{joint.name} {joint.child}"
+
+
+def _lowest(model: Model, link: Link) -> float:
+    frame = model.frames[link.name]
+    parts = [
+        p for shape in (*link.visuals, *link.collisions) if (p := shape_points(model, shape, around=False)) is not None
+    ]
+    return min((float((p @ frame[2, :3]).min() + frame[2, 3]) for p in parts), default=math.inf)

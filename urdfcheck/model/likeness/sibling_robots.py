@@ -1,0 +1,116 @@
+"""Names that the model lacks and another robot of its package, or another variant of it, may have.
+
+A file beside a model (a controller configuration, a semantic description) often serves several robots of one package, or a
+xacro with every choice of its arguments. A name is nowhere only where no file of the package can make it.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from urdfcheck.model.robot import Model
+from urdfcheck.source.package.finder import BUILT, display_name
+from urdfcheck.system.files import read_regular, walk
+
+_SUFFIXES = frozenset({".urdf", ".xacro"})
+# Of a hundred published packages none has more files of robots; a larger file is an expanded model among many.
+_MOST_FILES = 200
+_LARGEST = 1_000_000
+_NAMED = re.compile(r"""<(joint|link)\s[^<>]*?\bname\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
+_QUOTED = re.compile(r""""([^"<>]*)"|'([^'<>]*)'""")
+_EXPRESSION = re.compile(r"\$[({][^)}]*[)}]")
+_PIECE = re.compile(r"[^\W_]+")
+# More expressions in one name are not taken apart: it may become anything.
+_MOST_EXPRESSIONS = 3
+_LONGEST = 200
+
+
+@dataclass(frozen=True, eq=False)
+class Elsewhere:
+    """What the files of a model and of its package call links and joints."""
+
+    model: Model
+
+    def may_have(self, kind: str, name: str) -> bool:
+        """Whether a ``kind`` (link or joint) of this name stands in one of the files, spelled out or with expressions whose
+        values are words of the files."""
+        return self._in(kind, name, self._texts)
+
+    def variants_may_have(self, kind: str, name: str) -> bool:
+        """Whether the files that the model is made of can make the name with any arguments."""
+        files = self._used
+        spelled = name in files.literal[kind] or any(p.fullmatch(name) for p in files.patterns[kind])
+        return spelled or bool(files.anything[kind])
+
+    def others_have(self, kind: str, name: str) -> bool:
+        """The same for the files that the model itself does not use."""
+        return self._in(kind, name, self._others)
+
+    def _in(self, kind: str, name: str, files: _Texts) -> bool:
+        if name in files.literal[kind] or len(name) > _LONGEST:
+            return True
+        for pattern in files.patterns[kind]:
+            match = pattern.fullmatch(name)
+            if match and all(piece in self._pieces for filled in match.groups() for piece in _PIECE.findall(filled)):
+                return True
+        return bool(files.anything[kind])
+
+    @cached_property
+    def _texts(self) -> _Texts:
+        return _Texts([file.text for file in self.model.source.files.values()] + self._unused)
+
+    @cached_property
+    def _used(self) -> _Texts:
+        return _Texts([file.text for file in self.model.source.files.values()])
+
+    @cached_property
+    def _others(self) -> _Texts:
+        return _Texts(self._unused)
+
+    @cached_property
+    def _pieces(self) -> frozenset[str]:
+        """The words of everything that stands in quotes."""
+        texts = [file.text for file in self.model.source.files.values()] + self._unused
+        quoted = (found for text in texts for match in _QUOTED.finditer(text) for found in match.groups("") if found)
+        return frozenset(piece for found in quoted for piece in _PIECE.findall(_EXPRESSION.sub(" ", found)))
+
+    @cached_property
+    def _unused(self) -> list[str]:
+        """The texts of the package's other robots and macros; without a package, of those beside the model."""
+        source = self.model.source
+        folder = source.path.absolute().parent if source.package is None else source.package.path
+        texts: list[str] = []
+        for here, names, files in walk(folder):
+            names[:] = [n for n in names if not n.startswith(".") and n not in BUILT and source.package is not None]
+            for path in (Path(here, name) for name in files):
+                if path.suffix not in _SUFFIXES or display_name(path) in source.files or not source.finder.allows(path):
+                    continue
+                if len(texts) == _MOST_FILES:
+                    return texts
+                try:
+                    texts.append(read_regular(path, _LARGEST).decode("utf-8", "replace"))
+                except OSError:
+                    continue
+        return texts
+
+
+class _Texts:
+    """The names in some texts: ``literal`` ones, ``patterns`` of those with expressions, and whether one may be ``anything``."""
+
+    def __init__(self, texts: list[str]) -> None:
+        self.literal: dict[str, set[str]] = {"joint": set(), "link": set()}
+        self.patterns: dict[str, set[re.Pattern[str]]] = {"joint": set(), "link": set()}
+        self.anything: dict[str, set[str]] = {"joint": set(), "link": set()}
+        for text in texts:
+            for match in _NAMED.finditer(text):
+                kind, name = match.group(1), match.group(2) or match.group(3) or ""
+                fixed = _EXPRESSION.split(name)
+                if len(fixed) == 1:
+                    self.literal[kind].add(name)
+                elif len(fixed) - 1 > _MOST_EXPRESSIONS or len(name) > _LONGEST or "$" in "".join(fixed):
+                    self.anything[kind].add(name)
+                else:
+                    self.patterns[kind].add(re.compile("(.*)".join(map(re.escape, fixed)), re.DOTALL))

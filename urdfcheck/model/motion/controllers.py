@@ -1,0 +1,222 @@
+"""Which controller configurations belong to a model, and what its description offers to controllers."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.core import Located
+from urdfcheck.facts.likeness.revolution import outline
+from urdfcheck.model.ground.wheels import points_of
+from urdfcheck.model.robot import Model
+from urdfcheck.source.discover import FOLDERS
+from urdfcheck.source.launch.launch_file import Launch
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.ros.controllers import Configuration, Controller, brought_up, read_configuration, yaml_files
+from urdfcheck.source.ros.srdf import is_about, srdf_folders
+from urdfcheck.source.text.tokens import content_of
+from urdfcheck.source.text.xml import Element
+from urdfcheck.source.text.yaml import Value
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+_CONTROL_PLUGIN = re.compile(r"ros2?_control")
+_FIND = re.compile(r"\$\((?:find|find-pkg-share)\s+([^\s()]+)\s*\)")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Associated:
+    """A configuration and what says that it is the model's: ``named`` is where the model (or a launch file that loads the
+    model) names it, None where it lies beside the model and most of its joints are the model's."""
+
+    configuration: Configuration
+    named: Located | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ParameterFile:
+    """The ``<parameters>`` of a control plugin in the model. ``text`` is the path; ``path`` the file, None where it is not
+    known which, and ``missing`` says that there is none in the package that it names."""
+
+    element: Element
+    text: str
+    path: Path | None
+    missing: bool = False
+    literal: bool = False
+
+
+def configurations(model: Model) -> list[Associated]:
+    """The controller configurations of a model: those that it names, and of those in its package, in its MoveIt configuration
+    and in packages that bring it up the ones that fit it."""
+    finder, found = model.source.finder, dict[str, Associated]()
+    for parameters in parameter_files(model):
+        if parameters.path is not None:
+            _add(found, parameters.path, finder, parameters.element)
+    known = frozenset(model.joint_by_name)
+    package = model.package
+    srdfs = [srdf for srdf in model.srdfs if is_about(srdf, model.source)]
+    folders = [] if package is None else [package.path / folder for folder in FOLDERS]
+    for path in (*yaml_files([*folders, *srdf_folders(srdfs)]), *brought_up(model.source)):
+        if os.path.realpath(path) not in found:
+            _add(found, path, finder, None, known)
+    return list(found.values())
+
+
+def launched(launch: Launch, model: Model) -> list[Associated]:
+    """The configurations that a launch file loads beside its one robot and that fit it."""
+    found: dict[str, Associated] = {}
+    if launch.root is None or len({description.path for description in launch.descriptions}) != 1:
+        return []
+    for element in launch.root.walk():
+        name = {"rosparam": "file", "param": "from"}.get(element.tag, "")
+        attribute = element.attributes.get(name)
+        path = None if attribute is None else _launch_path(attribute.value, launch)
+        if attribute is not None and path is not None:
+            _add(found, path, launch.finder, attribute, frozenset(model.joint_by_name))
+    return list(found.values())
+
+
+def _add(
+    found: dict[str, Associated],
+    path: Path,
+    finder: PackageFinder,
+    named: Located | None,
+    known: frozenset[str] | None = None,
+) -> None:
+    """Read a configuration; where ``known`` is given, at least half of the joints it names must be among these."""
+    configuration = read_configuration(path, finder)
+    if configuration is None:
+        return
+    names = configuration.names
+    if known is None or 2 * len(names & known) >= len(names):
+        found[os.path.realpath(path)] = Associated(configuration, named)
+
+
+def parameter_files(model: Model) -> Iterator[ParameterFile]:
+    """What the control plugins of the model name as their parameters."""
+    for block in model.robot.all("gazebo"):
+        for plugin in block.all("plugin"):
+            if not _CONTROL_PLUGIN.search(plugin.get("filename")):
+                continue
+            for element in plugin.all("parameters"):
+                text = element.text.strip()
+                if text:
+                    yield _parameter_file(model, element, text)
+
+
+def _parameter_file(model: Model, element: Element, text: str) -> ParameterFile:
+    source = model.source
+    literal = content_of(element, source.files) is not None
+    path = Path(text)
+    own = source.package
+    if not path.is_absolute():
+        return ParameterFile(element, text, None, literal=literal)
+    if literal:
+        # A path of the author's machine: of its own package the file is known all the same.
+        tail = None if own is None else text.rpartition(f"/{own.name}/")[2]
+        inside = None if own is None or tail is None or tail == text else own.path / tail
+        known = inside if inside is not None and source.finder.allows(inside) and os.path.isfile(inside) else None
+        return ParameterFile(element, text, known, literal=True)
+    if not source.finder.allows(path):
+        return ParameterFile(element, text, None)
+    exists = os.path.isfile(path)  # of a name too long pathlib raises
+    return ParameterFile(element, text, path if exists else None, missing=not exists)
+
+
+def _launch_path(text: str, launch: Launch) -> Path | None:
+    """A path in a launch file, None where its arguments decide."""
+    match = _FIND.match(text.strip())
+    folder = None if match is None else launch.finder.find(match.group(1))
+    rest = "" if match is None else text.strip()[match.end() :]
+    if folder is None or "$" in rest or "\0" in rest:
+        return None
+    path = folder / rest.lstrip("/")
+    return path if launch.finder.allows(path) and os.path.isfile(path) else None
+
+
+# -- what the description offers ----------------------------------------------------------------------------------------
+
+
+def command_interfaces(model: Model) -> dict[str, set[str]] | None:
+    """The command interfaces of each joint in the model's ``<ros2_control>`` blocks; None where it has none of them."""
+    blocks = model.robot.all("ros2_control")
+    if not blocks:
+        return None
+    offered: dict[str, set[str]] = {}
+    for block in blocks:
+        for component in (*block.all("joint"), *block.all("gpio")):
+            names = {element.get("name") for element in component.all("command_interface")}
+            offered.setdefault(component.get("name"), set()).update(names)
+    return offered
+
+
+# -- wheels of a differential drive -------------------------------------------------------------------------------------
+
+
+def sides(controller: Controller) -> tuple[list[Value], list[Value]]:
+    """The wheel joints that a differential drive names on its left and on its right."""
+    kinds = ("left_wheel", "left_wheel_names"), ("right_wheel", "right_wheel_names")
+    left, right = ([j for name in kind if (j := controller.parameters.get(name)) is not None] for kind in kinds)
+    return [j for value in left for j in value.items or (value,)], [
+        j for value in right for j in value.items or (value,)
+    ]
+
+
+def radii(model: Model, joint: str) -> list[float]:
+    """The radii (m) about its axis of what the joint's child collides as and draws, where these are round and known.
+
+    :raises Unavailable: when the tree is broken or an origin is malformed.
+    """
+    axis = model.axes.get(joint)
+    if axis is None:
+        return []
+    link = model.link_by_name[model.joint_by_name[joint].child]
+    return [
+        float(seen.radius)
+        for placed in _placed(model, link.name)
+        if (seen := outline(placed, axis, _at(model, joint))).is_round()
+    ]
+
+
+def separations(model: Model, left: str, right: str) -> list[float]:
+    """The distances (m) along their common axis between two wheels: of the joints, and of the middles of what is known of
+    the wheels; none where the axes are not parallel.
+
+    :raises Unavailable: when the tree is broken or an origin is malformed.
+    """
+    axes = model.axes
+    if left not in axes or right not in axes or abs(float(axes[left] @ axes[right])) < 0.99:
+        return []
+    axis = axes[left]
+    found = [abs(float((_at(model, left) - _at(model, right)) @ axis))]
+    one, other = _middles(model, left, axis), _middles(model, right, axis)
+    return [*found, *(abs(a - b) for a, b in zip(one, other, strict=False))]
+
+
+def _middles(model: Model, joint: str, axis: Array) -> list[float]:
+    placed = _placed(model, model.joint_by_name[joint].child)
+    return [float(along.min() + along.max()) / 2 for points in placed for along in (points @ axis,)]
+
+
+def _placed(model: Model, name: str) -> Iterator[Array]:
+    """Points in root coordinates on what a link collides as, and on what it draws."""
+    link, frame = model.link_by_name[name], model.frames[name]
+    for shapes in (link.collisions, link.visuals):
+        points = points_of(model, shapes)
+        if points is not None and len(points):
+            yield points @ frame[:3, :3].T + frame[:3, 3]
+
+
+def _at(model: Model, joint: str) -> Array:
+    """Where a joint is (3,), in root coordinates."""
+    at: Array = model.frames[model.joint_by_name[joint].child][:3, 3]
+    return at

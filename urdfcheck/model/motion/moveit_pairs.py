@@ -1,0 +1,158 @@
+"""How MoveIt looks at a robot's self-collisions: which pairs of links its Setup Assistant disables, and why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from urdfcheck.model.motion import poses
+from urdfcheck.model.motion.collisions import Pair
+from urdfcheck.model.motion.poses import Poses
+from urdfcheck.model.robot import Model
+from urdfcheck.source.ros.srdf import Srdf
+from urdfcheck.source.text.xml import Element
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+Reason = Literal["Adjacent", "Default", "Always", "Never"]
+
+# Setup Assistant: a pair that collides in more than this share of 200 random states is always in collision
+# (compute_default_collisions.cpp, min_collision_fraction).
+ALWAYS_SHARE = 0.95
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Judged:
+    """A ``pair`` of links and why Setup Assistant disables it, None where it does not; ``by_default``: whether the two
+    meet in MoveIt's default state."""
+
+    pair: Pair
+    reason: Reason | None
+    by_default: bool
+
+    @property
+    def always(self) -> bool:
+        """Whether they collide so often that Setup Assistant says always."""
+        return self.pair.share > ALWAYS_SHARE
+
+
+def judged(model: Model) -> tuple[Judged, ...]:
+    """Every pair of links with collision geometry, as MoveIt's Setup Assistant would judge it.
+
+    :raises Unavailable: when the collisions are not known.
+    """
+    adjacent = adjacent_links(model)
+    pairs = zip(model.collisions.pairs, _met_by_default(model).tolist(), strict=True)
+    return tuple(Judged(pair, _reason(pair, frozenset(pair.links) in adjacent, met), met) for pair, met in pairs)
+
+
+def default_state(model: Model) -> Poses:
+    """The one configuration that MoveIt begins with: every joint at zero, or in the middle of a range without zero
+    (getVariableDefaultPositions of its joint models); followers where ``<mimic>`` puts them.
+
+    :raises Unavailable: when the tree is broken.
+    """
+    joints = poses.neutral(model).joints
+    bounds = [poses.limits(joint) for joint in joints]
+    values = [0.0 if lower <= 0.0 <= upper else (lower + upper) / 2 for lower, upper in bounds]
+    return poses.following(Poses(joints, np.array(values).reshape(1, -1)))
+
+
+def depth_by_default(model: Model, pair: Pair) -> float:
+    """How deep (m) two links that meet in MoveIt's default state overlap there; 0 where they just touch.
+
+    :raises Unavailable: when the collisions are not known.
+    """
+    bench = model.collisions.bench
+    place = {link.name: i for i, link in enumerate(bench.links)}
+    found = bench.colliders.separation(bench.placements(default_state(model))[0], *(place[name] for name in pair.links))
+    return 0.0 if found is None else found.depth
+
+
+def _met_by_default(model: Model) -> NDArray[np.bool_]:
+    """Whether each pair meets in MoveIt's default state (K,)."""
+    state, collisions = default_state(model), model.collisions
+    if np.array_equal(state.values, poses.neutral(model).values):
+        return np.array([pair.by_default for pair in collisions.pairs], dtype=bool)
+    bench = collisions.bench
+    try:
+        known: NDArray[np.bool_] = collisions.entry["default"]["hits"]
+        return known
+    except KeyError:
+        hits = bench.colliders.hits(bench.placements(state), bench.pairs)[:, 0]
+        collisions.entry["default"] = {"hits": hits}
+        return hits
+
+
+def _reason(pair: Pair, adjacent: bool, by_default: bool) -> Reason | None:
+    """The first reason that holds, in Setup Assistant's order. Of a pair with a shape that had to be left out nobody can
+    say that it never meets."""
+    if adjacent:
+        return "Adjacent"
+    if by_default:
+        return "Default"
+    if pair.share > ALWAYS_SHARE:
+        return "Always"
+    return "Never" if pair.never_seen and pair.complete else None
+
+
+def adjacent_links(model: Model) -> frozenset[frozenset[str]]:
+    """The pairs of links with collision geometry that are connected by a joint of any type, or by joints with only links
+    without such geometry in between.
+
+    :raises Unavailable: when the tree is broken.
+    """
+    solid = {link.name for link in model.links if any(shape.kind for shape in link.collisions)}
+    found: set[frozenset[str]] = set()
+    # Connected links without geometry are one socket, called by the topmost of them; what plugs into it is adjacent.
+    socket: dict[str, str] = {}
+    plugged: dict[str, list[str]] = {}
+    for name in model.tree.order:
+        joint = model.tree.parent_joint.get(name)
+        parent = None if joint is None else joint.parent
+        if name in solid and parent in solid:
+            found.add(frozenset((name, parent)))
+        elif name in solid and parent is not None:
+            plugged[socket[parent]].append(name)
+        elif name not in solid and parent in socket:
+            socket[name] = socket[parent]
+        elif name not in solid:
+            socket[name] = name
+            plugged[name] = [] if parent is None else [parent]
+    return frozenset(found.union(*(map(frozenset, combinations(links, 2)) for links in plugged.values())))
+
+
+def moved_links(model: Model, srdf: Srdf) -> frozenset[str]:
+    """The links that a planning group of the semantic description moves: MoveIt checks a group's states only for
+    collisions of these with each other and with the rest. All links where the description has no group.
+
+    :raises Unavailable: when the tree is broken.
+    """
+    groups = srdf.root.all("group")
+    if not groups:
+        return frozenset(model.link_by_name)
+    joints = {name for group in groups for name in _joints(model, group)}
+    moved: set[str] = set()
+    for name in model.tree.order:
+        joint = model.tree.parent_joint.get(name)
+        if joint is not None and (joint.parent in moved or (joint.moves and joint.name in joints)):
+            moved.add(name)
+    return frozenset(moved)
+
+
+def _joints(model: Model, group: Element) -> set[str]:
+    """The joints that a group lists, itself or by its links and chains; the groups in it are listed on their own."""
+    named = {e.get("name").strip() for e in group.all("joint")}
+    above = model.tree.parent_joint
+    for link in (e.get("name").strip() for e in group.all("link")):
+        named |= {above[link].name} if link in above else set()
+    for chain in group.all("chain"):
+        base, tip = chain.get("base_link").strip(), chain.get("tip_link").strip()
+        if base in model.link_by_name and tip in model.link_by_name:
+            # A chain may lead over a common ancestor: the joints that are on one of the two ways from the root only.
+            named |= {j.name for j in model.tree.path(tip)} ^ {j.name for j in model.tree.path(base)}
+    return named

@@ -1,0 +1,235 @@
+"""The model in Pinocchio, built from URDF text without geometry, with what the reference parser said about it.
+
+Pinocchio reads URDF through urdfdom, the parser of ROS. Meshes are left out: it would give up the whole model at the
+first mesh that it cannot read, and geometry is our own business.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import IO, TYPE_CHECKING, Any
+
+from urdfcheck.core import Unavailable
+from urdfcheck.model.parts import Joint
+from urdfcheck.source.text.grammar import JOINT_TYPES, NUMBERS, elements, lacks, version_of_urdf
+from urdfcheck.source.text.values import attribute_number, numbers
+from urdfcheck.source.text.xml import Element, quoted
+from urdfcheck.system.array_cache import origin_of, version_of
+
+if TYPE_CHECKING:
+    from urdfcheck.model.robot import Model
+
+# What urdfdom reads of a model, without visual and collision.
+_KEPT = {
+    "robot": {"link", "joint"},
+    "link": {"inertial"},
+    "inertial": {"origin", "mass", "inertia"},
+    "joint": {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "safety_controller", "calibration"},
+}
+# What Pinocchio raises when urdfdom gave it no model; whatever else it raises is its own.
+_NO_MODEL = "does not contain a valid URDF model"
+_SOURCE_LINE = re.compile(r"^\s*at line \d+ in .*$")
+_ANSI = re.compile(r"\x1b\[[0-9;]*m")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Dynamics:
+    """``model`` is the ``pinocchio.Model``, None when ``refused_by`` urdfdom or by pinocchio, which then had urdfdom's model;
+    ``messages`` is what both said."""
+
+    model: Any
+    refused_by: str | None
+    messages: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What loading said; see `Dynamics`."""
+
+    refused_by: str | None
+    messages: tuple[str, ...]
+
+
+def verdict(model: Model) -> Verdict:
+    """What urdfdom and Pinocchio say about the model; kept, so that a model they have seen does not load them again.
+
+    :raises Unavailable: as :func:`build`.
+    """
+    import numpy as np
+
+    place = origin_of("pinocchio")
+    if place is None:
+        return _verdict(model.dynamics)
+    _ensure_sound(model)
+    parts = (version_of(__name__, library=place), geometry_free(model.robot))
+    entry = model.cache.entry("verdicts", hashlib.sha256("\0".join(parts).encode()).hexdigest())
+    if "verdict" not in entry:
+        found = _verdict(model.dynamics)
+        text = json.dumps([found.refused_by, found.messages])
+        entry["verdict"] = {"text": np.frombuffer(text.encode(), dtype=np.uint8)}
+    refused_by, messages = json.loads(entry["verdict"]["text"].tobytes())
+    return Verdict(refused_by, tuple(messages))
+
+
+def _verdict(dynamics: Dynamics) -> Verdict:
+    return Verdict(dynamics.refused_by, dynamics.messages)
+
+
+def build(model: Model) -> Dynamics:
+    """Hand a sound tree to Pinocchio.
+
+    :raises Unavailable: when Pinocchio is not installed, or when the tree, an axis or a number would make it compute
+        nonsense (it loads a zero axis and gives NaN accelerations), or when it is known to be refused.
+    """
+    try:
+        import pinocchio
+    except ImportError:
+        raise Unavailable("Pinocchio is not installed (there are no wheels of pin for this platform)") from None
+    _ensure_sound(model)
+    built: Any = None
+    said, refused_by = "", None
+    with captured_stderr() as read:
+        try:
+            built = pinocchio.buildModelFromXML(geometry_free(model.robot))
+        except (ValueError, RuntimeError) as error:
+            said = str(error)
+            refused_by = "urdfdom" if _NO_MODEL in said else "pinocchio"
+        said += "\n" + read()
+    return Dynamics(built, refused_by, tuple(_lines(said)))
+
+
+@lru_cache(maxsize=1)
+def geometry_free(robot: Element) -> str:
+    """The expanded model as URDF text with links, inertials and joints only."""
+
+    def write(element: Element) -> Iterator[str]:
+        attributes = "".join(f" {a.name}={quoted(a.value)}" for a in element.attributes.values() if ":" not in a.name)
+        kept = [c for c in element.children if c.tag in _KEPT.get(element.tag, set())]
+        if not kept:
+            yield f"<{element.tag}{attributes}/>"
+            return
+        yield f"<{element.tag}{attributes}>"
+        for child in kept:
+            yield from write(child)
+        yield f"</{element.tag}>"
+
+    return '<?xml version="1.0"?>\n' + "".join(write(robot))
+
+
+def _ensure_sound(model: Model) -> None:
+    """:raises Unavailable: naming the rule, for every defect that is refused and that a rule of its own reports."""
+    if "name" not in model.robot.attributes:
+        raise Unavailable("the robot has no name (XML002)")
+    _ = model.tree
+    inertials = [link.inertial.element for link in model.links if link.inertial is not None]
+    for part in (*(joint.element for joint in model.joints), *inertials):
+        for element in elements(part):
+            _ensure_numbers(element)
+    _ensure_version(model.robot)
+    for joint in model.joints:
+        if joint.type not in JOINT_TYPES:
+            raise Unavailable(f"joint {joint.name!r} has no type that there is (KIN009)")
+        if joint.origin.xyz is None or joint.origin.rpy is None or joint.axis is None:
+            raise Unavailable(f"the origin or the axis of joint {joint.name!r} is out of range (XML007)")
+        if joint.has_axis and not any(joint.axis):
+            raise Unavailable(f"the axis of joint {joint.name!r} is zero (JNT001)")
+        if joint.has_axis and joint.axis_element is not None and "xyz" not in joint.axis_element.attributes:
+            raise Unavailable(f"the <axis> of joint {joint.name!r} has no xyz, which makes it zero (XML005)")
+        _ensure_limit(joint)
+        _ensure_complete(joint)
+    for link in model.links:
+        if link.inertial is not None and (link.inertial.mass is None or link.inertial.six is None):
+            raise Unavailable(f"the inertial of link {link.name!r} is incomplete or out of range (XML005, XML007)")
+
+
+def _ensure_numbers(element: Element) -> None:
+    for name, count in NUMBERS.get(element.tag, {}).items():
+        attribute = element.attributes.get(name)
+        if attribute is None:
+            continue
+        # urdfdom skips white space before a single number and not after it.
+        trailing = count == 1 and attribute.value != attribute.value.rstrip()
+        if trailing or numbers(attribute.value, count) is None:
+            raise Unavailable(f"the number in {element.subject}@{name} is malformed (XML007, XML008)")
+
+
+def _ensure_limit(joint: Joint) -> None:
+    limit = joint.limit
+    if limit is None and joint.type in {"revolute", "prismatic"}:
+        raise Unavailable(f"joint {joint.name!r} has no <limit> (JNT004)")
+    for name in ("effort", "velocity") if limit is not None else ():
+        value = joint.limit_value(name)
+        if limit is not None and value is None:
+            code = "JNT007" if lacks(limit, name) else "XML004"
+            raise Unavailable(f"the <limit> of joint {joint.name!r} has no {name} ({code})")
+        if value is not None and value < 0 and joint.is_driven:
+            raise Unavailable(f"the {name} limit of joint {joint.name!r} is negative (JNT007)")
+
+
+def _ensure_complete(joint: Joint) -> None:
+    for tag, wanted, code in (
+        ("dynamics", {"damping", "friction"}, "XML005"),
+        ("mimic", {"joint"}, "XML005"),
+        ("safety_controller", {"k_velocity"}, "JNT010"),
+    ):
+        element = joint.element.child(tag)
+        if element is not None and not wanted & set(element.attributes):
+            told = code if all(lacks(element, name) for name in wanted) else "XML004"
+            raise Unavailable(f"the <{tag}> of joint {joint.name!r} is incomplete ({told})")
+    if joint.moves and (attribute_number(joint.element.child("dynamics"), "friction") or 0) < 0:
+        raise Unavailable(f"the friction of joint {joint.name!r} is negative (JNT011)")
+
+
+def _ensure_version(robot: Element) -> None:
+    """:raises Unavailable: when urdfdom reads no such version, or an orientation that is given twice in this one."""
+    version = version_of_urdf(robot)
+    if version is None:
+        raise Unavailable(f"there is no version {robot.get('version')!r} of URDF (XML010)")
+    for element in elements(robot) if version > (1, 0) else ():
+        if element.tag == "origin" and {"rpy", "quat_xyzw"} <= set(element.attributes):
+            raise Unavailable(f"{element.subject} has two orientations (XML010)")
+
+
+@contextmanager
+def captured_stderr() -> Iterator[Any]:
+    """What C++ writes to file descriptor 2 meanwhile; the yielded function reads it so far."""
+    sys.stderr.flush()
+    saved = os.dup(2)
+    with _sink() as sink:
+        os.dup2(sink.fileno(), 2)
+
+        def read() -> str:
+            sink.seek(0)
+            return sink.read().decode("utf-8", "replace")
+
+        try:
+            yield read
+        finally:
+            os.dup2(saved, 2)
+            os.close(saved)
+
+
+def _sink() -> IO[bytes]:
+    """An open file: in memory where the platform can, for a confined process may write nowhere else."""
+    if sys.platform == "linux":
+        return os.fdopen(os.memfd_create("stderr"), "w+b")
+    return tempfile.TemporaryFile()
+
+
+def _lines(text: str) -> Iterator[str]:
+    """The messages without colours and without the lines that name urdfdom's own source."""
+    seen: set[str] = set()
+    for raw in text.splitlines():
+        line = re.sub(r"^(?:Error|Warning):\s*", "", _ANSI.sub("", raw)).strip()
+        if line and not _SOURCE_LINE.match(line) and line not in seen:
+            seen.add(line)
+            yield line

@@ -1,0 +1,217 @@
+"""Edits that put other numbers into an ``<inertial>``, as its author would write them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from urdfcheck.core import Edit
+from urdfcheck.facts.inertials.diagnosis import Declared
+from urdfcheck.facts.inertials.inertia_tensor import inertia_of, validity
+from urdfcheck.facts.motion.kinematics import matrix_to_rpy
+from urdfcheck.model.parts import TENSOR, Inertial, Link
+from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.visual_solid import geometry
+from urdfcheck.source.text.xml import Attribute, Element
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+# A flat part's tensor that was typed with three digits may miss the triangle inequality by so much of its largest moment.
+ROUNDING = 5e-3
+# Numbers are the same when they agree to what a file's digits can tell.
+_SAME = 1e-6
+_DIGITS = 6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mending:
+    """``edits`` that change the numbers where they were typed, and ``text``, what they say, for a person: ``ixy="…" iyz="…"``;
+    ``places``: the attributes in question, or the elements that lack them.
+
+    Without edits where a number is computed, or an element to write it in is missing.
+    """
+
+    edits: tuple[Edit, ...]
+    text: str
+    places: tuple[Attribute | Element | None, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proposal:
+    """The repair of an inertial that cannot be right. ``found``: what a message says of it, from its semicolon on; ``remedy``:
+    how the advice begins. Both empty, and no ``edits``, where nothing is known."""
+
+    edits: tuple[Edit, ...] = ()
+    found: str = ""
+    remedy: str = ""
+
+
+def proposal(model: Model, link: Link) -> Proposal:
+    """The single edit that makes an inertial possible and that of the drawn part or of its twin, where there is one; else the
+    inertia of the drawn part."""
+    judged = model.diagnoses.get(link.name)
+    change = undone(model, link)
+    if judged is not None and change is not None and judged.diagnosis.mended is not None:
+        diagnosis, possible = judged.diagnosis, validity(judged.diagnosis.mended.tensor, ROUNDING)
+        if possible.positive_definite and possible.triangle:
+            reference = "the part that is drawn" if diagnosis.by == "mesh" else f"its twin {', '.join(judged.twins)}"
+            mistake = (diagnosis.cause or "").replace("_", " ")
+            found = f"undoing one mistake ({mistake}) makes it possible and brings it near to that of {reference}"
+            if diagnosis.unique:
+                found = f"one edit ({mistake}) makes it that of {reference}, and no other single edit does"
+            return Proposal(change.edits, f"; {found}: {change.text}", f"write {change.text}; or ")
+    drawn = from_geometry(model, link)
+    if drawn is None or not drawn.text:
+        return Proposal()
+    return Proposal(
+        drawn.edits, "", f"write {drawn.text}, which is the drawn part's at this mass and uniform density; or "
+    )
+
+
+def undone(model: Model, link: Link) -> Mending | None:
+    """What undoes the mistake that was found in a link's inertial; None where none is certain, or it is not in the inertial.
+
+    Without edits where a macro wrote the same text for other links, in which this mistake was not found.
+    """
+    judged, inertial = model.diagnoses.get(link.name), link.inertial
+    if judged is None or inertial is None or judged.diagnosis.mended is None:
+        return None
+    change = mending(inertial, judged.diagnosis.mended)
+    if not change.text:
+        return None
+    return change if _agree(model, inertial, _mistake) else replace(change, edits=())
+
+
+def mending(inertial: Inertial, wanted: Declared) -> Mending:
+    """What to change for an inertial to say ``wanted``. Only what differs is changed; a sign or a power of ten keeps its
+    digits."""
+    changes = [change for change in _changes(inertial, wanted) if not _says(change[0], change[2])]
+    edits = [edit for attribute, _, text in changes if (edit := _edit(attribute, text)) is not None]
+    told = " ".join(f'{name}="{text}"' for _, name, text in changes)
+    places = tuple(place for place, _, _ in changes)
+    return Mending(tuple(edits) if len(edits) == len(changes) else (), told, places)
+
+
+def from_geometry(model: Model, link: Link) -> Mending | None:
+    """The COM and the inertia tensor of what the link draws, at its declared mass and uniform density.
+
+    None when that is not known, or there is no mass. Without edits where a macro wrote the same text for links that draw or
+    weigh something else.
+    """
+    change = _from_geometry(model, link)
+    if change is None or link.inertial is None:
+        return None
+    return change if _agree(model, link.inertial, _drawn_text) else replace(change, edits=())
+
+
+def _agree(model: Model, inertial: Inertial, told: Callable[[Model, Link], Hashable]) -> bool:
+    """Whether the same is told of all links whose inertials are one text."""
+    place = inertial.element.span
+    key = (told.__name__, place)
+    if key not in model.computed:
+        model.computed[key] = {told(model, link) for link in model.written_alike[place]}
+    return len(model.computed[key]) == 1
+
+
+def _mistake(model: Model, link: Link) -> Hashable:
+    judged = model.diagnoses.get(link.name)
+    return None if judged is None else (judged.diagnosis.cause, judged.diagnosis.detail)
+
+
+def _drawn_text(model: Model, link: Link) -> str | None:
+    change = _from_geometry(model, link)
+    return None if change is None else change.text
+
+
+def _from_geometry(model: Model, link: Link) -> Mending | None:
+    inertial, drawn = link.inertial, geometry(model, link)
+    if inertial is None or drawn is None or inertial.mass is None or not inertial.mass > 0:
+        return None
+    size = float(np.trace(drawn.solid.covariance))
+    if not size > 0.0:  # a surface that is no solid, or numbers that no computer can square
+        return None
+    matrix = inertial.origin.matrix
+    rotation = np.eye(3) if matrix is None else matrix[:3, :3]  # the axes that the author chose are kept
+    tensor = rotation.T @ inertia_of(drawn.solid, inertial.mass) @ rotation
+    # What a mesh of single precision leaves of a zero is no number to write.
+    com = np.where(np.abs(drawn.solid.com) > _SAME * size**0.5, drawn.solid.com, 0.0)
+    tensor = np.where(np.abs(tensor) > _SAME * np.abs(tensor).max(), tensor, 0.0)
+    return mending(inertial, Declared(inertial.mass, com, tensor, rotation))
+
+
+def _changes(inertial: Inertial, wanted: Declared) -> Iterator[tuple[Attribute | Element | None, str, str]]:
+    """The attribute (or the element that lacks it), its name and its new text, for each that has to change."""
+    if inertial.mass is None or not math.isclose(inertial.mass, wanted.mass, rel_tol=_SAME):
+        attribute = inertial.mass_attribute
+        yield attribute, "mass value", _numbers([] if attribute is None else [attribute.value], [wanted.mass])
+    xyz = inertial.origin.xyz
+    reach = max(float(np.abs(wanted.com).max()), *map(abs, xyz or ()), 1e-12)
+    if xyz is None or float(np.abs(np.array(xyz) - wanted.com).max()) > _SAME * reach:
+        com = np.where(np.abs(wanted.com) > _SAME * reach, wanted.com, 0.0)
+        yield _place(inertial, "xyz"), "xyz", _numbers(_words(inertial, "xyz"), com)
+    matrix = inertial.origin.matrix
+    if matrix is None or float(np.abs(matrix[:3, :3] - wanted.rotation).max()) > _SAME:
+        angles = np.array(matrix_to_rpy(wanted.rotation))
+        angles[np.abs(angles) < 1e-12] = 0.0
+        yield _place(inertial, "rpy"), "rpy", _numbers(_words(inertial, "rpy"), angles)
+    six = inertial.six or (math.nan,) * 6
+    values = [float(wanted.tensor[i, j]) for i in range(3) for j in range(i, 3)]
+    largest = max(map(abs, values))
+    written = {} if inertial.tensor_element is None else inertial.tensor_element.attributes
+    typed = [written[name].value if name in written else "" for name in TENSOR]
+    for i, (name, old, new) in enumerate(zip(TENSOR, six, values, strict=True)):
+        if not abs(old - new) <= _SAME * max(abs(new), 1e-3 * largest):
+            yield written.get(name), name, _like(typed[i], new if abs(new) > 1e-9 * largest else 0.0, typed)
+
+
+def _says(attribute: Attribute | Element | None, text: str) -> bool:
+    """Whether an attribute says so already, to the digits that it has."""
+    return isinstance(attribute, Attribute) and attribute.value.split() == text.split()
+
+
+def _place(inertial: Inertial, name: str) -> Attribute | Element | None:
+    element = inertial.origin.element
+    return None if element is None else element.attributes.get(name, element)
+
+
+def _words(inertial: Inertial, name: str) -> list[str]:
+    attribute = inertial.origin.attribute(name)
+    return [] if attribute is None else attribute.value.split()
+
+
+def _edit(attribute: Attribute | Element | None, text: str) -> Edit | None:
+    if not isinstance(attribute, Attribute) or not attribute.literal or attribute.span is None:
+        return None
+    return Edit(attribute.span, attribute.typed, text)
+
+
+def _numbers(typed: Sequence[str], values: Sequence[float] | NDArray[np.float64]) -> str:
+    words = typed if len(typed) == len(values) else [""] * len(values)
+    return " ".join(_like(word, float(value), words) for word, value in zip(words, values, strict=True))
+
+
+def _like(typed: str, value: float, others: Iterable[str] = ()) -> str:
+    """A number as it was typed where only its sign or a power of ten changes, or as one of its neighbours ``others`` where
+    they changed places; else with six digits."""
+    for word, powers in ((typed, True), *((other, False) for other in others)):
+        try:
+            old = Decimal(word.strip())
+        except ArithmeticError:
+            continue
+        if old and value and old.is_finite() and abs(old.adjusted()) < 300:
+            shift = round(math.log10(abs(value)) - math.log10(abs(float(old)))) if powers else 0
+            scaled = old.scaleb(shift).copy_sign(Decimal(value))
+            if math.isclose(float(scaled), value, rel_tol=_SAME):
+                return word.strip() if scaled == old else _plain(scaled)
+    return f"{value:.{_DIGITS}g}" if value else "0"
+
+
+def _plain(value: Decimal) -> str:
+    text = format(value, "f")
+    return text if len(text) <= len(str(value)) + 6 else str(value).replace("E", "e")

@@ -1,0 +1,78 @@
+"""How far shapes reach: the lowest point of a robot at the neutral pose, and what a link measures."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from urdfcheck.core import Unavailable
+from urdfcheck.model.parts import Link, Shape
+from urdfcheck.model.robot import Model
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+def lowest_point(model: Model, frame: str) -> tuple[float, str] | None:
+    """The lowest z (m) in the axes of link ``frame``, all joints at zero, and the link that reaches it.
+
+    Collision shapes count where a link has them, what it draws otherwise. None when the place of a shape is not known:
+    a broken tree, an unread mesh, or a COLLADA mesh whose declared unit consumers treat differently.
+    """
+    import numpy as np
+
+    try:
+        frames = model.frames
+    except Unavailable:
+        return None
+    if frame not in frames:
+        return None
+    to_frame = np.linalg.inv(frames[frame])
+    found: list[tuple[float, str]] = []
+    for link in model.links:
+        for shape in link.collisions or link.visuals:
+            bottom = _bottom(model, shape, to_frame @ frames[link.name])
+            if bottom is None:
+                return None
+            found.append((bottom, link.name))
+    return min(found, default=None)
+
+
+def size_of(model: Model, link: Link) -> tuple[float, float, float] | None:
+    """What a link draws measures along its own x, y and z (m); None when it draws nothing or a shape is not known."""
+    import numpy as np
+
+    sizes = []
+    for axis in np.eye(3):
+        toward = np.eye(4)
+        toward[2, :3] = axis
+        low = [_bottom(model, shape, toward) for shape in link.visuals]
+        high = [_bottom(model, shape, toward * [[1], [1], [-1], [1]]) for shape in link.visuals]
+        known = [(a, b) for a, b in zip(low, high, strict=True) if a is not None and b is not None]
+        if not known or len(known) != len(low):
+            return None
+        sizes.append(-min(b for _, b in known) - min(a for a, _ in known))
+    return sizes[0], sizes[1], sizes[2]
+
+
+def _bottom(model: Model, shape: Shape, link_pose: NDArray[np.float64]) -> float | None:
+    import numpy as np
+
+    pose, size = shape.origin.matrix, shape.size
+    if pose is None or size is None:
+        return None
+    placed = link_pose @ pose
+    up, height = placed[2, :3], float(placed[2, 3])
+    if shape.kind == "mesh":
+        facts = model.meshes.facts_of(shape)
+        if facts is None or facts.unit not in {None, 1.0}:
+            return None
+        return height + float((facts.vertices * np.array(size) @ up).min())
+    if shape.kind == "box":
+        return height - float(np.abs(up) @ np.array(size)) / 2
+    if shape.kind == "sphere":
+        return height - size[0]
+    radius, length = size
+    tilt = radius if shape.kind == "capsule" else radius * math.sqrt(max(0.0, 1.0 - float(up[2]) ** 2))
+    return height - abs(float(up[2])) * length / 2 - tilt

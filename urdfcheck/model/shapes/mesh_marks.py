@@ -1,0 +1,33 @@
+"""What a finding about a mesh gives a report to draw: places in metres in the mesh's own frame, rounded, and few enough."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from urdfcheck.model.meshes import MeshUse
+from urdfcheck.model.robot import Model
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+# Points, lines or triangles of one mesh: more are not told apart on a screen, and a finding stays below 50 kB.
+MOST = 256
+DIGITS = 6
+
+
+def drawable(model: Model, use: MeshUse, places: NDArray[np.float64], most: int = MOST) -> list[Any]:
+    """At most ``most`` of ``places`` in file units, evenly picked, as nested lists in metres as RViz draws the mesh.
+
+    ``places`` are points (n, 3), lines (n, 2, 3) or triangles (n, 3, 3).
+    """
+    scale = np.array(model.drawn_scale(use.shape) or (1.0, 1.0, 1.0))
+    picked = places[:: max(1, -(-len(places) // most))] * scale
+    rounded: list[Any] = np.reshape([rounded_off(v) for v in picked.ravel()], picked.shape).tolist()
+    return rounded
+
+
+def rounded_off(value: float, digits: int = DIGITS) -> float:
+    """To so many significant digits, and without the sign of a zero."""
+    return float(f"{value:.{digits}g}") + 0.0

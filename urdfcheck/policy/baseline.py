@@ -1,0 +1,232 @@
+"""The baseline: a file of findings that are known, so that a team sees only what is new.
+
+An entry is what the fingerprint of a finding is made of: the model's id, the code, the subject and the message id. Neither a
+moved line nor another working directory changes it. A line for each entry, in a fixed order: the file is reviewed, and merged.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import re
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from urdfcheck import rules as catalogue
+from urdfcheck.core import Finding, Location, ModelInfo, Skip, Span, UrdfcheckError
+from urdfcheck.source.package.finder import display_name
+from urdfcheck.source.reach import is_below, real_path
+from urdfcheck.system.files import read_regular
+
+# What it is called beside the configuration when nobody says otherwise.
+DEFAULT = "urdfcheck-baseline.json"
+SCHEMA = "urdfcheck-baseline/1"
+MAX_TEXT = 64 * 1024**2
+# How often one finding can be known of one subject: more than a model of the largest size has elements.
+MOST = 10**6
+
+Key = tuple[str, str, str]
+_ARGUMENTS = re.compile(r" [^\s=:]+:=.*", re.DOTALL)
+
+
+@dataclass(frozen=True, slots=True)
+class Baseline:
+    """The entries by the id of their model: how often each (code, subject, message id) is known. ``path`` is the file, ``text``
+    what it holds, ``root`` the folder that the ids are relative to."""
+
+    path: Path
+    root: Path
+    text: str = ""
+    models: Mapping[str, Mapping[Key, int]] = field(default_factory=dict)
+
+    def known(self, model: str) -> Mapping[Key, int]:
+        """What is known of a model."""
+        return self.models.get(model, {})
+
+    @property
+    def size(self) -> int:
+        """How many findings it knows."""
+        return sum(sum(entries.values()) for entries in self.models.values())
+
+
+def read(path: Path, root: Path) -> Baseline:
+    """A baseline file.
+
+    :raises UrdfcheckError: when it cannot be read or is none.
+    """
+    name = display_name(path)
+    try:
+        text = read_regular(path, MAX_TEXT).decode("utf-8")
+        found = json.loads(text)
+    except OSError as error:
+        hint = "; urdfcheck baseline write makes one" if isinstance(error, FileNotFoundError) else ""
+        raise UrdfcheckError(f"{name}: cannot read the baseline: {error.strerror or error}{hint}") from None
+    except json.JSONDecodeError as error:
+        raise UrdfcheckError(f"{name}:{error.lineno}: no baseline: {error.msg}") from None
+    except (ValueError, RecursionError) as error:
+        raise UrdfcheckError(f"{name}: no baseline: {error}") from None
+    if not isinstance(found, dict) or found.get("schema") != SCHEMA:
+        raise UrdfcheckError(f"{name}: no baseline: its schema is not {SCHEMA}")
+    try:
+        return Baseline(path, root, text, {model: _entries(rows) for model, rows in found["models"].items()})
+    except (AttributeError, KeyError, TypeError, ValueError):
+        raise UrdfcheckError(f"{name}: no baseline: write it anew with urdfcheck baseline write") from None
+
+
+def _entries(rows: Any) -> Counter[Key]:
+    entries: Counter[Key] = Counter()
+    for row in rows:
+        key, count = (row["code"], row["subject"], row["message"]), row.get("count", 1)
+        if not all(isinstance(part, str) for part in key) or type(count) is not int or not 1 <= count <= MOST:
+            raise ValueError(row)
+        entries[key] += count
+    return entries
+
+
+def render(models: Mapping[str, Mapping[Key, int]]) -> str:
+    """The text of a baseline file."""
+    blocks = []
+    for model, entries in sorted(models.items()):
+        rows = []
+        for (code, subject, message), count in sorted(entries.items()):
+            row: dict[str, Any] = {"code": code, "subject": subject, "message": message}
+            rows.append("      " + json.dumps(row | ({"count": count} if count > 1 else {}), ensure_ascii=False))
+        if rows:
+            blocks.append(f"    {json.dumps(model, ensure_ascii=False)}: [\n" + ",\n".join(rows) + "\n    ]")
+    body = "{\n" + ",\n".join(blocks) + "\n  }" if blocks else "{}"
+    return f'{{\n  "schema": "{SCHEMA}",\n  "models": {body}\n}}\n'
+
+
+def entries_of(findings: Iterable[Finding]) -> dict[str, Counter[Key]]:
+    """What a baseline has to know so that these findings count no more; what is suppressed otherwise is left out."""
+    models: dict[str, Counter[Key]] = {}
+    for finding in findings:
+        if not counts(finding):
+            continue
+        for model, subjects in (finding.variants or {finding.model: finding.subjects}).items():
+            for subject in subjects:
+                models.setdefault(model, Counter())[finding.code, subject, finding.message_id] += 1
+    return models
+
+
+def counts(finding: Finding) -> bool:
+    """Whether a baseline knows a finding, or would: not those about urdfcheck itself, nor what is suppressed otherwise."""
+    known = finding.suppressed is None or finding.suppressed.kind == "baseline"
+    return known and not finding.code.startswith("URC")
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What a run saw of the models of one baseline, under the names that it has for them. ``judged``: see
+    :class:`~urdfcheck.core.Run`; ``tier``: how much was computed."""
+
+    findings: Sequence[Finding]
+    models: Sequence[ModelInfo]
+    judged: Mapping[str, Collection[str]]
+    skipped: Sequence[Skip]
+    tier: str = "full"
+
+    def of(self, names: Mapping[str, str]) -> Seen:
+        """The part about these models, under these names."""
+        return Seen(
+            [
+                replace(f, model=names[f.model], variants={names[m]: s for m, s in f.variants.items() if m in names})
+                for f in self.findings
+                if f.model in names
+            ],
+            [replace(info, id=names[info.id]) for info in self.models if info.id in names],
+            {names[model]: codes for model, codes in self.judged.items() if model in names},
+            [replace(skip, model=names[skip.model]) for skip in self.skipped if skip.model in names],
+            self.tier,
+        )
+
+
+def stale(baseline: Baseline, seen: Seen) -> dict[str, Counter[Key]]:
+    """The entries whose finding is gone, by model. What was not looked for in a model cannot be known to be gone; with less
+    than all computed, a rule may find the same and have less to say about it. An entry of a model whose file does not exist any
+    more is always stale."""
+    there = entries_of(seen.findings)
+    checked = set(seen.judged).difference(info.id for info in seen.models if info.status != "checked")
+    met = set(seen.judged).union(info.id for info in seen.models)
+    blind = {(skip.model, skip.code) for skip in seen.skipped}
+    gone: dict[str, Counter[Key]] = {}
+    for model, entries in baseline.models.items():
+        if model in checked and (model, "ALL") not in blind:
+            left = Counter(entries) - there.get(model, Counter())
+            rest = Counter({k: n for k, n in left.items() if k[0] in seen.judged[model] and (model, k[0]) not in blind})
+            if seen.tier != "full":
+                same = {key[:2] for key in there.get(model, ())}
+                rest = Counter({k: n for k, n in rest.items() if k[:2] not in same})
+        elif model not in met and _is_gone(baseline.root, _ARGUMENTS.sub("", model)):
+            rest = Counter(entries)
+        else:
+            continue
+        if rest:
+            gone[model] = rest
+    return gone
+
+
+def _is_gone(root: Path, name: str) -> bool:
+    """Whether a file of the folder is not there. What lies outside is not looked for: the baseline may be a stranger's."""
+    real = real_path(root / name)
+    return real is not None and is_below(real, os.path.realpath(root)) and not os.path.lexists(real)
+
+
+def complaints(baseline: Baseline, gone: Mapping[str, Mapping[Key, int]]) -> Iterator[Finding]:
+    """A finding of URC904 for each model with stale entries, at the first of them."""
+    rule = catalogue.rules()["URC904"]
+    spans = _spans(baseline)
+    for model, entries in gone.items():
+        first, *others = sorted(entries)
+        more = f" and {len(others)} more" if others else ""
+        span = spans.get((model, first), Span(display_name(baseline.path), 1, 1, 1, 1, 0, 0))
+        found = rule.finding(
+            "stale",
+            at=Location(f"baseline[{model}]", span),
+            known=model,
+            entry=f"{first[0]} of {first[1]}{more}",
+            number=sum(entries.values()),
+            findings="finding" if sum(entries.values()) == 1 else "findings",
+            are="is" if sum(entries.values()) == 1 else "are",
+        )
+        yield replace(found, model=model)
+
+
+def _spans(baseline: Baseline) -> dict[tuple[str, Key], Span]:
+    """Where the entries stand that are written as `render` writes them, a line for each."""
+    name, model, offset = display_name(baseline.path), "", 0
+    found: dict[tuple[str, Key], Span] = {}
+    for number, line in enumerate(baseline.text.split("\n"), 1):
+        text = line.strip().rstrip(",")
+        with contextlib.suppress(ValueError, KeyError, TypeError):
+            if text.endswith(": ["):
+                model = json.loads(text.removesuffix(": ["))
+            elif text.startswith("{") and model:
+                row, column = json.loads(text), line.index("{")
+                span = Span(
+                    name,
+                    number,
+                    column + 1,
+                    number,
+                    column + len(text) + 1,
+                    offset + column,
+                    offset + column + len(text),
+                )
+                found.setdefault((model, (row["code"], row["subject"], row["message"])), span)
+        offset += len(line) + 1
+    return found
+
+
+def without(baseline: Baseline, gone: Mapping[str, Mapping[Key, int]]) -> dict[str, Counter[Key]]:
+    """The entries that are left when the stale ones are taken out."""
+    return {model: Counter(entries) - Counter(gone.get(model, {})) for model, entries in baseline.models.items()}
+
+
+def renewed(baseline: Baseline, seen: Seen) -> dict[str, Counter[Key]]:
+    """The entries after a run: those of its findings, and of what it did not look for as they were while their files exist."""
+    left, there = without(baseline, stale(baseline, seen)), entries_of(seen.findings)
+    return {model: left.get(model, Counter()) | there.get(model, Counter()) for model in {**left, **there}}

@@ -1,0 +1,535 @@
+"""The configuration: ``urdfcheck.toml`` or ``[tool.urdfcheck]`` in pyproject.toml, found upwards from each checked file."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import tomli
+
+from urdfcheck import rules as catalogue
+from urdfcheck.core import Severity, UrdfcheckError
+from urdfcheck.policy.baseline import DEFAULT
+from urdfcheck.policy.suppression import Entry
+from urdfcheck.source.package.finder import display_name
+from urdfcheck.source.reach import OUT_OF_REACH, Reach
+from urdfcheck.source.text.globs import means, names_below
+from urdfcheck.source.text.toml import Key, places
+from urdfcheck.system.files import read_regular
+
+# The largest pyproject.toml of well-known projects has 60 kB; tomli takes a second for each megabyte.
+MAX_TEXT = 4 * 1024**2
+# Entries of a list or table, and characters of a text: the file may be a stranger's, and each is tried on each model.
+MOST_ENTRIES, LONGEST = 1_000, 1_000
+OWN, PROJECT = "urdfcheck.toml", "pyproject.toml"
+FAIL_ON = ("error", "warning", "info", "never")
+TIERS = ("source", "mesh", "full")
+_KINDS = {float: "a number", int: "a whole number", str: "a text", bool: "true or false", list: "a list"}
+TARGETS = ("gazebo", "mujoco", "drake", "bullet", "isaac", "moveit", "rviz", "pinocchio", "ros2_control", "kdl")
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """What the table, or a ``[[paths]]`` section for the files that its ``match`` means, asks for about the rules. ``select``,
+    ``ignore`` and ``severity`` are codes, whatever words they were typed as; None where nothing is said. ``key`` leads to it in
+    the table."""
+
+    match: tuple[str, ...] = ()
+    select: frozenset[str] | None = None
+    ignore: frozenset[str] | None = None
+    severity: Mapping[str, str] = field(default_factory=dict)
+    options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    target: tuple[str, ...] | None = None
+    key: Key = ()
+
+
+@dataclass(frozen=True, slots=True)
+class NamedModel:
+    """A ``[[models]]`` entry: the file is checked with these arguments. ``name`` is None where it has none."""
+
+    path: Path
+    name: str | None
+    arguments: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Config:
+    """What holds for the files below ``root``, which models are named from, before the command line has its say. ``file`` is
+    where it stands, None for the defaults; ``sections`` begins with the table itself; ``suppress``: patterns for models, empty
+    for all, and what is known of them."""
+
+    root: Path
+    file: Path | None = None
+    sections: tuple[Section, ...] = (Section(),)
+    fail_on: str = "error"
+    tier: str = "full"
+    exclude: tuple[str, ...] = ()
+    packages: Mapping[str, Path] = field(default_factory=dict)
+    package_path: tuple[Path, ...] = ()
+    baseline: Path | None = None
+    models: tuple[NamedModel, ...] = ()
+    suppress: tuple[tuple[str, Entry], ...] = ()
+
+    @property
+    def target(self) -> tuple[str, ...]:
+        """Who will read the models, unless a section says otherwise."""
+        return self.sections[0].target or ()
+
+    def excludes(self, path: Path) -> bool:
+        """Whether a file that is found in a folder is to be passed over."""
+        return bool(self.exclude) and means(self.exclude, names_below(path, self.root))
+
+    def sections_of(self, path: Path) -> tuple[Section, ...]:
+        """The table, and the sections that mean a file."""
+        names = names_below(path, self.root)
+        return tuple(s for i, s in enumerate(self.sections) if not i or means(s.match, names))
+
+    def known_of(self, path: Path) -> tuple[Entry, ...]:
+        """What is known of a file."""
+        names = names_below(path, self.root)
+        return tuple(entry for pattern, entry in self.suppress if not pattern or means([pattern], names))
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """What the command line says about the rules; it wins. None where it says nothing."""
+
+    select: frozenset[str] | None = None
+    ignore: frozenset[str] | None = None
+    fail_on: str | None = None
+    tier: str | None = None
+    target: tuple[str, ...] | None = None
+    baseline: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Holds:
+    """What holds for one file in the end."""
+
+    codes: frozenset[str]
+    severities: Mapping[str, str]
+    options: Mapping[str, Mapping[str, Any]]
+    targets: tuple[str, ...]
+    tier: str
+    fail_on: str
+    suppress: tuple[Entry, ...]
+    baseline: Path | None
+
+
+@dataclass(slots=True)
+class Configurations:
+    """The configurations of a run: for each file the nearest, read once. ``isolated``: no file is asked. ``paths``: those that
+    were given; where no file says anything, all below one of them is named from the same folder."""
+
+    given: Given = field(default_factory=Given)
+    isolated: bool = False
+    paths: tuple[Path, ...] = ()
+    _found: dict[Path, Config | None] = field(default_factory=dict)
+
+    def of(self, path: Path) -> Config:
+        """The configuration for a file or folder.
+
+        :raises UrdfcheckError: as for :func:`find`.
+        """
+        folder = Path(os.path.abspath(path))
+        folder = folder if folder.is_dir() else folder.parent
+        found = None if self.isolated else self._above(folder)
+        if found is not None:
+            return found
+        starts = (Path(os.path.abspath(start)) for start in self.paths)
+        return without_file(next((s for s in starts if s == folder or s in folder.parents), folder))
+
+    def _above(self, folder: Path) -> Config | None:
+        climbed: list[Path] = []
+        found: Config | None = None
+        for level in (folder, *folder.parents):
+            if level in self._found:
+                found = self._found[level]
+                break
+            climbed.append(level)
+            found = _in(level)
+            if found is not None:
+                break
+        self._found.update(dict.fromkeys(climbed, found))
+        return found
+
+    def holds(self, config: Config, path: Path) -> Holds:
+        """What holds for a file of this configuration."""
+        return held(config, config.sections_of(path), config.known_of(path), self.given)
+
+
+def held(config: Config, sections: Sequence[Section], known: tuple[Entry, ...], given: Given) -> Holds:
+    """The sections one after the other, each over those before it, and the command line over all of them."""
+    codes = frozenset(catalogue.rules()) if given.select is None else given.select
+    severities: dict[str, str] = {}
+    options: dict[str, dict[str, Any]] = {}
+    targets: tuple[str, ...] = ()
+    for number, section in enumerate(sections):
+        if given.select is None and section.select is not None:
+            codes = codes | section.select if number else section.select
+        if given.ignore is None and section.ignore is not None:
+            codes -= section.ignore
+        severities.update(section.severity)
+        for code, values in section.options.items():
+            options[code] = {**options.get(code, {}), **values}
+        targets = targets if section.target is None else section.target
+    return Holds(
+        codes - (given.ignore or frozenset()),
+        severities,
+        options,
+        targets if given.target is None else given.target,
+        given.tier or config.tier,
+        given.fail_on or config.fail_on,
+        known,
+        config.baseline if given.baseline is None else given.baseline,
+    )
+
+
+def find(start: Path) -> Config:
+    """The configuration for a path; without one, the defaults with the enclosing git repository (or the working
+    directory) as root.
+
+    :raises UrdfcheckError: for a file that is not TOML, an unknown key or a value of the wrong type.
+    """
+    return Configurations().of(start)
+
+
+def without_file(start: Path) -> Config:
+    """What holds for a path where no file is to say anything. Models are named from the repository, or from where their baseline
+    lies, or from the working directory."""
+    start = start.absolute()
+    for folder in (start, *start.parents):
+        if (folder / ".git").exists() or (folder / DEFAULT).is_file():
+            return Config(folder)
+    return Config(Path.cwd())
+
+
+def _in(folder: Path) -> Config | None:
+    """The configuration in a folder."""
+    own, project = folder / OWN, folder / PROJECT
+    if own.is_file():
+        text = _text(own)
+        return _read(own, text, _parsed(own, text), ())
+    if project.is_file():
+        text = _text(project)
+        tools = _parsed(project, text).get("tool", {})
+        table = tools.get("urdfcheck") if isinstance(tools, dict) else None
+        if table is not None:
+            return _read(project, text, table, ("tool", "urdfcheck"))
+    return None
+
+
+def typed(config: Config) -> tuple[Mapping[str, Any], Mapping[Key, str]]:
+    """The table of a configuration as it is typed, and where each of its keys stands, as ``file:line``."""
+    if config.file is None:
+        return {}, {}
+    text = _text(config.file)
+    table, own = _parsed(config.file, text), () if config.file.name == OWN else ("tool", "urdfcheck")
+    for key in own:
+        table = table[key]
+    name = display_name(config.file)
+    found = places(text)
+    return table, {key[len(own) :]: f"{name}:{line}" for key, line in found.items() if key[: len(own)] == own}
+
+
+def _text(path: Path) -> str:
+    """The text of a configuration, which may be a stranger's: of bounded size, and where its name says."""
+    try:
+        if not Reach.around([path], []).allows(path):
+            raise UrdfcheckError(f"{display_name(path)}: {OUT_OF_REACH}")
+        return read_regular(path, MAX_TEXT).decode("utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UrdfcheckError(f"{display_name(path)}: {error}") from None
+
+
+def _parsed(path: Path, text: str) -> dict[str, Any]:
+    try:
+        table: dict[str, Any] = tomli.loads(text)
+        return table
+    # A number of more digits than Python reads is a ValueError of its own.
+    except (ValueError, RecursionError) as error:
+        raise UrdfcheckError(f"{display_name(path)}: {error}") from None
+
+
+_KEYS = (
+    *("select", "ignore", "severity", "options", "target", "fail-on", "tier", "exclude", "packages", "package-path"),
+    *("baseline", "paths", "models", "suppress"),
+)
+_SECTION_KEYS = ("match", "select", "ignore", "severity", "options", "target")
+_MODEL_KEYS = ("path", "name", "arguments")
+_SUPPRESS_KEYS = ("codes", "subject", "path", "reason")
+
+
+def _read(path: Path, text: str, table: Any, key: Key) -> Config:
+    reader = _Reader(path, text, table, key)
+    reader.only(_KEYS)
+    root = path.parent
+    packages, package_path = reader.texts("packages"), reader.words("package-path") or ()
+    for name, folder in packages.items():
+        reader.folder(("packages", name), "packages", folder)
+    for number, folder in enumerate(package_path):
+        reader.folder(("package-path", number), "package-path", folder)
+    baseline = reader.text("baseline")
+    if baseline is not None and not Reach.around([path], []).allows(root / baseline):
+        raise reader.wrong("baseline", "a file of the repository (name it on the command line)")
+    return Config(
+        root,
+        path,
+        tuple(_section(r, key) for r in (reader, *reader.tables("paths", _SECTION_KEYS))),
+        reader.choice("fail-on", FAIL_ON, "error"),
+        reader.choice("tier", TIERS, "full"),
+        reader.words("exclude") or (),
+        {name: root / folder for name, folder in packages.items()},
+        tuple(root / p for p in package_path),
+        None if baseline is None else root / baseline,
+        _models(reader),
+        tuple(_entry(entry) for entry in reader.tables("suppress", _SUPPRESS_KEYS)),
+    )
+
+
+def _section(reader: _Reader, table: Key) -> Section:
+    of_paths = reader.key != table
+    match = reader.words("match") or ()
+    if of_paths and not match:
+        raise reader.wrong("match", "a list of patterns for files, which every section of paths needs")
+    target = reader.words("target")
+    for number, name in enumerate(target or ()):
+        if (wrong := unknown_target(name)) is not None:
+            raise reader.error(("target", number), wrong)
+    return Section(
+        match,
+        reader.codes("select"),
+        reader.codes("ignore"),
+        reader.severities(),
+        reader.options(),
+        target,
+        reader.key[len(table) :],
+    )
+
+
+def _models(reader: _Reader) -> tuple[NamedModel, ...]:
+    found: list[NamedModel] = []
+    known: dict[tuple[str, str], _Reader] = {}
+    for entry in reader.tables("models", _MODEL_KEYS):
+        typed, name = entry.needed("path"), entry.text("name")
+        path = entry.path.parent / typed
+        if not Reach.around([entry.path], []).allows(path):
+            raise entry.wrong("path", "a file of the repository")
+        if not path.is_file():
+            raise entry.wrong("path", f"a file that exists; {typed} is none{_near_file(path, typed)}")
+        arguments = entry.arguments()
+        key, same = ("name", "this name") if name is not None else ("arguments", "these arguments")
+        alike = (os.path.realpath(path), name if name is not None else str(sorted(arguments.items())))
+        other = known.setdefault(alike, entry)
+        if other is not entry:
+            raise entry.error((key,), f"{typed} has an entry with {same} already ({other.at(())})")
+        found.append(NamedModel(path, name, arguments))
+    return tuple(found)
+
+
+def _entry(entry: _Reader) -> tuple[str, Entry]:
+    codes = entry.codes("codes")
+    if not codes:
+        raise entry.wrong("codes", "a list of codes, prefixes, names or tags")
+    return entry.text("path") or "", Entry(codes, entry.text("subject") or "*", entry.needed("reason"))
+
+
+def _near_file(path: Path, typed: str) -> str:
+    """A file beside one that is not there, with a name like its."""
+    try:
+        known = os.listdir(path.parent)
+    except OSError:
+        return ""
+    near = difflib.get_close_matches(path.name, known, n=1)
+    return f"; did you mean {typed.removesuffix(path.name)}{near[0]}?" if near else ""
+
+
+def unknown_target(name: str) -> str | None:
+    """What is to say of a target that is none, and None of one that is."""
+    return None if name in TARGETS else f"unknown target {name!r}{_near(name, TARGETS)} (known: {', '.join(TARGETS)})"
+
+
+def _near(word: str, known: Iterable[str]) -> str:
+    near = difflib.get_close_matches(word, known, n=1)
+    return f"; did you mean {near[0]!r}?" if near else ""
+
+
+class _Reader:
+    """Typed access to a table; every complaint names the file and the line."""
+
+    def __init__(self, path: Path, text: str, table: Any, key: Key) -> None:
+        self.path = path
+        self.typed = text
+        self.key = key
+        if not isinstance(table, dict):
+            raise self.error((), f"{key[-1] if key else 'urdfcheck'} must be a table")
+        self.table: Mapping[str, Any] = table
+
+    def at(self, key: Key) -> str:
+        """Where a key of this table stands, or what is nearest around it."""
+        try:
+            found = places(self.typed)
+        except RecursionError:
+            found = {}
+        whole = (*self.key, *key)
+        line = next((found[whole[:n]] for n in range(len(whole), 0, -1) if whole[:n] in found), 1)
+        return f"{display_name(self.path)}:{line}"
+
+    def error(self, key: Key, message: str) -> UrdfcheckError:
+        return UrdfcheckError(f"{self.at(key)}: {message}")
+
+    def wrong(self, key: str, wanted: str) -> UrdfcheckError:
+        return self.error((key,), f"{key} must be {wanted}")
+
+    def bounded(self, key: str, value: Any) -> None:
+        """:raises UrdfcheckError: when a list or table has more, or a text in it is longer, than anybody writes."""
+        if len(value) > MOST_ENTRIES:
+            raise self.wrong(key, f"at most {MOST_ENTRIES:,} entries")
+        if any(isinstance(v, str) and len(v) > LONGEST for v in value):
+            raise self.wrong(key, f"texts of at most {LONGEST:,} characters")
+
+    def only(self, known: Sequence[str]) -> None:
+        for key in self.table:
+            if key not in known:
+                hint = _near(key, known) or f" (known: {', '.join(known)})"
+                raise self.error((key,), f"unknown key {key!r}{hint}")
+
+    def tables(self, key: str, known: Sequence[str]) -> list[_Reader]:
+        value = self.table.get(key, [])
+        if not isinstance(value, list) or not all(isinstance(entry, dict) for entry in value):
+            raise self.wrong(key, f"tables: [[{key}]]")
+        self.bounded(key, value)
+        found = [_Reader(self.path, self.typed, entry, (*self.key, key, i)) for i, entry in enumerate(value)]
+        for entry in found:
+            entry.only(known)
+        return found
+
+    def words(self, key: str) -> tuple[str, ...] | None:
+        value = self.table.get(key)
+        if value is None:
+            return None
+        if not isinstance(value, list) or not all(isinstance(v, str) for v in value):
+            raise self.wrong(key, "a list of strings")
+        self.bounded(key, value)
+        return tuple(value)
+
+    def text(self, key: str) -> str | None:
+        value = self.table.get(key)
+        if value is not None and not (isinstance(value, str) and value.strip()):
+            raise self.wrong(key, "a text")
+        self.bounded(key, [] if value is None else [value])
+        return value
+
+    def needed(self, key: str) -> str:
+        value = self.text(key)
+        if value is None:
+            raise self.error((), f"{key} is missing")
+        return value
+
+    def choice(self, key: str, choices: tuple[str, ...], default: str) -> str:
+        value = self.table.get(key, default)
+        if value not in choices:
+            raise self.wrong(key, f"one of {', '.join(choices)}")
+        return str(value)
+
+    def texts(self, key: str) -> dict[str, str]:
+        value = self.table.get(key, {})
+        if not isinstance(value, dict):
+            raise self.wrong(key, "a table of strings")
+        for name, inner in value.items():
+            if not isinstance(inner, str):
+                raise self.error((key, name), f"{key} must be a table of strings; {name} is none")
+        self.bounded(key, value)
+        return dict(value)
+
+    def arguments(self) -> dict[str, str]:
+        """Values of xacro arguments: texts, or numbers and booleans as xacro reads them."""
+        value = self.table.get("arguments", {})
+        if not isinstance(value, dict):
+            raise self.wrong("arguments", "a table: { name = value }")
+        self.bounded("arguments", value)
+        found: dict[str, str] = {}
+        for name, inner in value.items():
+            if not isinstance(inner, (str, int, float)):
+                raise self.error(("arguments", name), f"{name} must be a text, a number or a boolean")
+            found[name] = str(inner).lower() if isinstance(inner, bool) else str(inner)
+        return found
+
+    def folder(self, place: Key, key: str, folder: str) -> None:
+        around = Reach.around([self.path], [])
+        if not around.allows(self.path.parent / folder):  # the file may be a stranger's like all beside it
+            raise self.error(
+                place, f"{key} must be folders of the repository; {folder} is none (name it on the command line)"
+            )
+        if not (self.path.parent / folder).is_dir():
+            raise self.error(place, f"{key} must be folders that exist; {folder} is none")
+
+    def meant(self, key: Key, word: str) -> set[str]:
+        try:
+            return catalogue.select([word])
+        except UrdfcheckError as error:
+            raise self.error(key, str(error)) from None
+
+    def codes(self, key: str) -> frozenset[str] | None:
+        words = self.words(key)
+        if words is None:
+            return None
+        return frozenset(code for i, word in enumerate(words) for code in self.meant((key, i), word))
+
+    def severities(self) -> dict[str, str]:
+        meant: list[tuple[set[str], str]] = []
+        for word, severity in self.texts("severity").items():
+            try:
+                Severity.parse(severity)
+            except ValueError as error:
+                raise self.error(("severity", word), str(error)) from None
+            meant.append((self.meant(("severity", word), word), severity))
+        # What means fewer rules is closer to each of them, wherever it stands.
+        found: dict[str, str] = {}
+        for codes, severity in sorted(meant, key=lambda m: -len(m[0])):
+            found.update(dict.fromkeys(codes, severity))
+        return found
+
+    def options(self) -> dict[str, dict[str, Any]]:
+        value = self.table.get("options", {})
+        if not isinstance(value, dict):
+            raise self.wrong("options", "a table of tables")
+        self.bounded("options", value)
+        meant: list[tuple[set[str], str, dict[str, Any]]] = []
+        for word, options in value.items():
+            if not isinstance(options, dict):
+                raise self.error(("options", word), f"{word} must be a table")
+            meant.append((self.meant(("options", word), word), word, options))
+        found: dict[str, dict[str, Any]] = {}
+        for codes, word, options in sorted(meant, key=lambda m: -len(m[0])):
+            for name, given in options.items():
+                for code, fitting in self.option(("options", word, name), codes, given).items():
+                    found.setdefault(code, {})[name] = fitting
+        return found
+
+    def option(self, key: Key, codes: Iterable[str], given: Any) -> dict[str, Any]:
+        """The value for each of the rules that have such an option."""
+        word, name = str(key[-2]), str(key[-1])
+        rules = [catalogue.rules()[code] for code in sorted(codes)]
+        found: dict[str, Any] = {}
+        for rule in rules:
+            option = rule.options.get(name)
+            if option is None:
+                continue
+            wanted = type(option.default)
+            value = float(given) if wanted is float and type(given) is int else given
+            if type(value) is not wanted:
+                raise self.error(key, f"{name} must be {_KINDS.get(wanted, wanted.__name__)}")
+            if wanted is float and not math.isfinite(value):
+                raise self.error(key, f"{name} must be a finite number")
+            found[rule.code] = value
+        if not found:
+            known = sorted({option for rule in rules for option in rule.options})
+            hint = _near(name, known) or f" (it has: {', '.join(known) or 'none'})"
+            raise self.error(key, f"{word} has no option {name!r}{hint}")
+        return found

@@ -1,0 +1,211 @@
+"""The reports of the units of a run, put together: what only all of them show, what is known already, one order."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import groupby
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from urdfcheck import __version__
+from urdfcheck import rules as catalogue
+from urdfcheck.core import Finding, Location, Run, Skip, Span
+from urdfcheck.policy import baseline
+from urdfcheck.policy.consumers import weighed
+from urdfcheck.policy.fix_safety import between
+from urdfcheck.policy.suppression import needless, suppressed
+from urdfcheck.run.audit import clipped, merge, order
+from urdfcheck.run.variants import together
+from urdfcheck.source.package.finder import display_name
+from urdfcheck.system import libraries
+from urdfcheck.system.files import read_regular
+
+if TYPE_CHECKING:
+    from urdfcheck.run.audit import Report, Unit
+    from urdfcheck.run.pipeline import Request
+    from urdfcheck.source.discover import Plan
+
+DISTRIBUTIONS = ("xacro", "numpy", "pin", "coal", "trimesh")
+
+
+def assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]], seconds: float) -> Run:
+    """The outcome of a run. ``kept``: the units that were checked, and their reports."""
+    skipped: list[Skip] = [s for _, r in kept for s in r.skipped]
+    skipped += [Skip("ALL", path, reason) for path, reason in found.unused]
+    failures = [f"{path}: {reason}" for path, reason in found.missing]
+    failures += [f for _, r in kept for f in r.failures]
+    across, crashes = _of_the_run(request, kept)
+    across, used = _known(request, kept, _held(request, kept, across))
+    findings: list[Finding] = [*(f for _, r in kept for f in r.findings), *merge(across)]
+    models = tuple(r.info for _, r in kept if r.info is not None)
+    comments = [(u.id, replace(j, used=j.used or j.comment.span in used)) for u, r in kept for j in r.comments]
+    own = [*needless(comments), *foreign_libraries()]
+    sources: dict[str, str] = {}
+    for _, report in kept:
+        sources.update(report.sources)
+    for text in found.wrong:
+        own.append(misconfigured(text))
+        sources.setdefault(*_configuration(text))
+    judged = _judged(request, [unit for unit, _ in kept])
+    homes: dict[tuple[str, str] | None, dict[str, str]] = {}
+    for unit, _ in kept:
+        homes.setdefault(unit.home, {})[unit.id] = unit.entry or unit.id
+    seen = baseline.Seen(findings, models, judged, skipped, request.tier)
+    baselines: dict[str, str] = {}
+    for known, names in _baselines(request, homes):
+        own += _outdated(known, seen, names)
+        baselines[display_name(known.path)] = known.text
+    sources.update(baselines)
+    findings += _held(request, kept, own)
+    users: dict[str, set[str]] = {}
+    for unit, report in kept:
+        for name in report.files:
+            users.setdefault(name, set()).add(unit.id)
+    rules = catalogue.rules()
+    selected = request.codes.union({"URC900"}, *(u.own.get("codes", ()) for u, _ in kept))
+    return Run(
+        models=models,
+        findings=tuple(sorted(together(between(findings, users), [u for u, _ in kept]), key=order)),
+        skipped=tuple(skipped),
+        rules={code: rule for code, rule in rules.items() if code in selected},
+        versions=versions(full=request.scene),
+        sources=sources,
+        scenes=tuple(r.scene for _, r in kept if r.scene is not None),
+        drops=tuple(r.drop for _, r in kept if r.drop is not None),
+        seconds=seconds,
+        failures=(*failures, *crashes),
+        units=len(kept),
+        ids=frozenset(unit.id for unit, _ in kept),
+        judged=judged,
+        homes=homes,
+        tier=request.tier,
+        targets=request.targets,
+        fail_on={u.id: u.fail_on for u, _ in kept if u.fail_on is not None},
+        baselines=frozenset(baselines),
+    )
+
+
+def _baselines(
+    request: Request, homes: Mapping[tuple[str, str] | None, Mapping[str, str]]
+) -> Iterator[tuple[baseline.Baseline, Mapping[str, str]]]:
+    """The baselines of a run that exist, each with how it calls the units."""
+    for home, names in homes.items():
+        if home is None and request.baseline is not None:
+            yield request.baseline, names
+        elif home is not None and request.comments and os.path.isfile(home[0]):
+            yield baseline.read(Path(home[0]), Path(home[1])), names
+
+
+def _outdated(known: baseline.Baseline, seen: baseline.Seen, names: Mapping[str, str]) -> Iterator[Finding]:
+    """What is stale in a baseline, under the ids of the run."""
+    ids = {entry: name for name, entry in names.items()}
+    for finding in baseline.complaints(known, baseline.stale(known, seen.of(names))):
+        yield replace(finding, model=ids.get(finding.model, finding.model))
+
+
+def _of_the_run(request: Request, kept: Sequence[tuple[Unit, Report]]) -> tuple[list[Finding], list[str]]:
+    """What the rules find that look at all models together, and which of them crashed."""
+    outlines = [replace(r.outline, model=u.id) for u, r in kept if r.outline is not None and not u.varied]
+    codes = request.codes.union(*(u.own.get("codes", ()) for u, _ in kept))
+    findings: list[Finding] = []
+    crashes: list[str] = []
+    for rule in catalogue.rules().values():
+        if "run" in rule.scopes and rule.code in codes and catalogue.has_check(rule):
+            options = {name: o.default for name, o in rule.options.items()}
+            options.update(request.options.get(rule.code, {}))
+            try:
+                findings += catalogue.check_of(rule)(outlines, rule, **options)
+            except Exception as error:
+                crashes.append(f"{rule.code} crashed: {type(error).__name__}: {error}")
+    return findings, crashes
+
+
+def _held(request: Request, kept: Sequence[tuple[Unit, Report]], findings: Iterable[Finding]) -> list[Finding]:
+    """The findings that the configuration of their model asks for, as bad as it says; of those of none, that of the run."""
+    rules = catalogue.rules()
+    settings = {unit.id: unit.own for unit, _ in kept}
+    held = []
+    for finding in findings:
+        own = settings.get(finding.model, {})
+        if finding.code in own.get("codes", request.codes):
+            targets = own.get("targets", request.targets)
+            severities = own.get("severities", request.severities)
+            held.append(clipped(weighed(finding, rules[finding.code], targets, severities)))
+    return held
+
+
+def _judged(request: Request, units: Sequence[Unit]) -> dict[str, frozenset[str]]:
+    """By the ids of units the rules whose findings this run could not have missed. A run over a part of the folder has not
+    looked at every launch file and package that there is, nor at every other model."""
+    root = Path(os.path.realpath(request.root))
+    given = [Path(os.path.realpath(path)) for path in request.paths if path.is_dir()]
+    missed: set[str] = set()
+    if not any(folder == root or folder in root.parents for folder in given):
+        missed |= {c for c, rule in catalogue.rules().items() if {"launch", "package", "run"}.intersection(rule.scopes)}
+    if request.configured is not None and request.configured.given.target is not None:
+        missed.add(
+            "MSH011"
+        )  # it says of the programs that will read the model what they cannot load, and nothing of others
+    return {unit.id: frozenset(unit.own.get("codes", request.codes)) - missed for unit in units}
+
+
+def _known(
+    request: Request, kept: Sequence[tuple[Unit, Report]], findings: Sequence[Finding]
+) -> tuple[list[Finding], set[Span]]:
+    """Findings about several models, those marked that somebody knows, and the comments that say so."""
+    units = {unit.id: (unit, report) for unit, report in kept}
+    marked: list[Finding] = []
+    used: set[Span] = set()
+    for model, group in groupby(sorted(findings, key=lambda f: f.model), key=lambda f: f.model):
+        unit, report = units[model]
+        comments = [judgement.comment for judgement in report.comments]
+        entries = unit.own.get("suppress", request.suppress)
+        found, needed = suppressed(list(group), comments, entries, unit.known)
+        marked += found
+        used |= needed
+    return marked, used
+
+
+def misconfigured(text: str) -> Finding:
+    """The finding of URC901 about a configuration that could not be read; the text begins with the file and the line."""
+    file, line, reason = re.match(r"(.*?):(?:(\d+):)? (.*)", text, re.DOTALL).groups()  # type: ignore[union-attr]
+    number = int(line or 1)
+    at = Location("configuration", Span(file, number, 1, number, 1, 0, 0))
+    return catalogue.rules()["URC901"].finding("wrong", at=at, reason=reason)
+
+
+def _configuration(text: str) -> tuple[str, str]:
+    """The file that such a text is about, and what it holds, if it can be read at all."""
+    name = text.partition(":")[0]
+    try:
+        return name, read_regular(Path(name)).decode("utf-8", "replace")
+    except OSError:
+        return name, ""
+
+
+def foreign_libraries() -> list[Finding]:
+    """The findings of URC907: libraries that are not taken from our own environment."""
+    rule = catalogue.rules()["URC907"]
+    return [
+        rule.finding("shadowed", at=Location(f"library[{library}]", None), library=library, path=path)
+        for library, path in sorted(libraries.foreign().items())
+    ]
+
+
+def versions(*, full: bool) -> dict[str, str]:
+    """Our own version and Python's; those of the libraries, which take a while to look up, only for a report that shows them."""
+    found = {"urdfcheck": __version__, "python": ".".join(map(str, sys.version_info[:3]))}
+    if not full:
+        return found
+    from importlib.metadata import PackageNotFoundError, version
+
+    for name in DISTRIBUTIONS:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "not installed"
+    return found

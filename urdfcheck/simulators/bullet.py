@@ -1,0 +1,97 @@
+"""Bullet, through PyBullet."""
+
+from __future__ import annotations
+
+import math
+from importlib.metadata import PackageNotFoundError
+from importlib.metadata import version as distribution
+from typing import Any
+
+from urdfcheck.simulators.outcome import Loaded, Motion, Robot, Vector
+
+INSTALL = "pip install 'urdfcheck[engines]'"
+LIBRARIES = ("pybullet",)
+# Seconds of the one step that shows an acceleration.
+_STEP = 1e-4
+
+
+def version() -> str | None:
+    """The installed version."""
+    try:
+        return distribution("pybullet")
+    except PackageNotFoundError:
+        return None
+
+
+def load(robot: Robot, path: str) -> Loaded:
+    """With a fixed base and the inertias of the file; without that flag it takes those of the collision shapes."""
+    import pybullet
+
+    pybullet.connect(pybullet.DIRECT)
+    try:
+        pybullet.setGravity(0, 0, -9.81)
+        body = pybullet.loadURDF(path, useFixedBase=True, flags=pybullet.URDF_USE_INERTIA_FROM_FILE)
+        infos = [pybullet.getJointInfo(body, i) for i in range(pybullet.getNumJoints(body))]
+        # As much of a name as it keeps.
+        names = [pybullet.getBodyInfo(body)[0], *(info[12] for info in infos)]
+        known = {_text(info[1]): info for info in infos}
+        return Loaded(
+            links={_text(name): pybullet.getDynamicsInfo(body, i - 1)[0] for i, name in enumerate(names)},
+            joints=tuple(known),
+            limits={name: _limits(known[name]) for name in robot.joints if name in known},
+            shapes=sum(len(pybullet.getCollisionShapeData(body, i - 1)) for i in range(len(names))),
+            motion=_motion_or_none(pybullet, body, infos, known, robot),
+        )
+    finally:
+        pybullet.disconnect()
+
+
+def _text(name: bytes) -> str:
+    return name.decode("utf-8", "replace")
+
+
+def _limits(info: Any) -> tuple[float, float] | None:
+    """It marks a joint without limits with a range that is inside out."""
+    lower, upper = info[8], info[9]
+    return None if (lower, upper) in {(0.0, -1.0), (1.0, -1.0)} else (lower, upper)
+
+
+def _motion_or_none(pybullet: Any, body: int, infos: list[Any], known: dict[str, Any], robot: Robot) -> Motion | None:
+    """No numbers where it loads a model with which it cannot compute."""
+    try:
+        return _motion(pybullet, body, infos, known, robot)
+    except (SystemError, pybullet.error):
+        return Motion(robot.joints, falls=(math.nan,) * len(robot.joints))
+
+
+def _motion(pybullet: Any, body: int, infos: list[Any], known: dict[str, Any], robot: Robot) -> Motion | None:
+    moving = [info for info in infos if info[2] != pybullet.JOINT_FIXED]
+    if {_text(info[1]) for info in moving} != set(robot.joints) or len(moving) != len(robot.joints):
+        return None
+    if not robot.joints:
+        return Motion()
+    # Numbers go in and out in the order of the places in its state.
+    order = sorted(robot.joints, key=lambda name: known[name][3])
+    rows = [order.index(name) for name in robot.joints]
+    masses, torques = [], []
+    for values in robot.samples:
+        q = [dict(zip(robot.joints, values, strict=True))[name] for name in order]
+        matrix = pybullet.calculateMassMatrix(body, q)
+        masses.append(tuple(tuple(matrix[i][j] for j in rows) for i in rows))
+        zero = [0.0] * len(q)
+        held = pybullet.calculateInverseDynamics(body, q, zero, zero)
+        torques.append(tuple(held[i] for i in rows))
+    return Motion(robot.joints, tuple(masses), tuple(torques), _falls(pybullet, body, known, robot))
+
+
+def _falls(pybullet: Any, body: int, known: dict[str, Any], robot: Robot) -> Vector:
+    """The speeds after one short step of the simulation, in which no motor, damping or friction has a part."""
+    for index in range(-1, len(known)):
+        pybullet.changeDynamics(body, index, linearDamping=0, angularDamping=0, jointDamping=0, lateralFriction=0)
+    for name, value in zip(robot.joints, robot.start, strict=True):
+        index = known[name][0]
+        pybullet.resetJointState(body, index, value)
+        pybullet.setJointMotorControl2(body, index, pybullet.VELOCITY_CONTROL, force=0)
+    pybullet.setTimeStep(_STEP)
+    pybullet.stepSimulation()
+    return tuple(pybullet.getJointState(body, known[name][0])[1] / _STEP for name in robot.joints)

@@ -1,0 +1,92 @@
+"""Drake."""
+
+from __future__ import annotations
+
+import math
+from importlib.metadata import PackageNotFoundError
+from importlib.metadata import version as distribution
+from pathlib import Path
+from typing import Any
+
+from urdfcheck.simulators.outcome import Loaded, Motion, Robot, Vector
+
+INSTALL = "pip install 'urdfcheck[engines]'"
+LIBRARIES = ("pydrake.multibody.parsing", "pydrake.multibody.plant")
+
+
+def version() -> str | None:
+    """The installed version."""
+    try:
+        return distribution("drake")
+    except PackageNotFoundError:
+        return None
+
+
+def load(robot: Robot, path: str) -> Loaded:
+    """With contacts, and the root welded to the world, for it would fall freely; how it moves is asked of one without shapes."""
+    from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
+    from pydrake.systems.framework import DiagramBuilder
+
+    builder = DiagramBuilder()
+    plant, scene = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
+    links, joints = _parsed(plant, robot, path)
+    context = builder.Build().CreateDefaultContext()
+    # Convex hulls are made when the first contact is looked for.
+    scene.get_query_output_port().Eval(scene.GetMyContextFromRoot(context)).HasCollisions()
+    bare = MultibodyPlant(0.0)
+    _, moved = _parsed(bare, robot, path)
+    return Loaded(
+        links={body.name(): float(body.default_mass()) for body in links},
+        joints=tuple(joints),
+        limits={
+            name: (float(joints[name].position_lower_limit()), float(joints[name].position_upper_limit()))
+            for name in robot.joints
+            if name in joints and joints[name].num_positions() == 1
+        },
+        shapes=plant.num_collision_geometries(),
+        motion=_motion(bare, bare.CreateDefaultContext(), moved, robot),
+    )
+
+
+def _parsed(plant: Any, robot: Robot, path: str) -> tuple[list[Any], dict[str, Any]]:
+    """The links of the model, and its joints by name."""
+    from pydrake.multibody.parsing import Parser
+
+    (instance,) = Parser(plant).AddModels(Path(path))
+    links = [plant.get_body(i) for i in plant.GetBodyIndices(instance)]
+    joints = {joint.name(): joint for joint in map(plant.get_joint, plant.GetJointIndices(instance))}
+    root = next((body for body in links if robot.typed is not None and body.name() == robot.typed.root), None)
+    if root is not None and root.name() != "world":
+        plant.WeldFrames(plant.world_frame(), root.body_frame())
+    plant.Finalize()
+    return links, joints
+
+
+def _motion(plant: Any, context: Any, joints: dict[str, Any], robot: Robot) -> Motion | None:
+    import numpy as np
+
+    if any(name not in joints or joints[name].num_velocities() != 1 for name in robot.joints):
+        return None
+    rows = [joints[name].velocity_start() for name in robot.joints]
+    places = [joints[name].position_start() for name in robot.joints]
+    masses, torques = [], []
+    for values in (*robot.samples, robot.start):
+        positions = plant.GetPositions(context)
+        positions[places] = values
+        plant.SetPositions(context, positions)
+        masses.append(tuple(map(tuple, plant.CalcMassMatrix(context)[np.ix_(rows, rows)].tolist())))
+        torques.append(tuple((-plant.CalcGravityGeneralizedForces(context))[rows].tolist()))
+    return Motion(robot.joints, tuple(masses[:-1]), tuple(torques[:-1]), _falls(plant, context, rows))
+
+
+def _falls(plant: Any, context: Any, rows: list[int]) -> Vector:
+    """At the last configuration; no numbers where Drake stops at a body that nothing can hold. In continuous time it knows no
+    constraints, which mimicking joints are."""
+    if plant.num_velocities() != len(rows) or plant.num_constraints():
+        return ()
+    try:
+        derivatives = plant.get_generalized_acceleration_output_port().Eval(context)
+    except RuntimeError as error:
+        print(error)
+        return (math.nan,) * len(rows)
+    return tuple(derivatives[rows].tolist())

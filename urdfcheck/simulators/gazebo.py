@@ -1,0 +1,157 @@
+"""Gazebo, as far as its parser of models (libsdformat) decides: what URDF becomes when it is converted to SDF.
+
+The library of a Debian or Ubuntu package is called by the two functions that its command ``gz sdf`` calls. What the converted
+model moves like is computed by Pinocchio.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from urdfcheck.simulators.outcome import Loaded, Motion, Robot
+from urdfcheck.simulators.reading import body_of, motion_in
+
+INSTALL = "apt install libsdformat-dev (Debian), or Gazebo itself"
+LIBRARIES = ("pinocchio",)
+# Where packages of Debian, Ubuntu, ROS and of Gazebo install libraries, and what they call them, the newest last.
+_FOLDERS = ("/usr/lib", "/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/local/lib")
+_LIBRARY = re.compile(r"lib(?:gz-)?sdformat(\d+)\.so\.(\d+\.[\d.]+)")
+# Digits that it is told to print, and what it writes for no limit.
+_DIGITS, _NONE = 17, 1e16
+# Of a plugin's elements it may print names that are none in XML, or have a prefix that is not declared.
+_PREFIX = re.compile(r"(?<=[<\s/])([\w.-]+):+(?=[\w.-]+[\s=>/])")
+_TENSOR = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))
+
+
+def version() -> str | None:
+    """The installed version."""
+    found = _library()
+    return None if found is None else found[1]
+
+
+def load(robot: Robot, path: str) -> Loaded:
+    """The model as it is after conversion. Gazebo spawns none that does not pass the check."""
+    found = _library()
+    if found is None:
+        raise RuntimeError("libsdformat is not installed")
+    library = ctypes.CDLL(found[0])
+    if library.cmdCheck(os.fsencode(path)) != 0:
+        raise RuntimeError("sdformat finds errors")
+    # Versions differ in how many of these they take, and older ones do not look at the others.
+    library.cmdPrint.argtypes = [ctypes.c_char_p, *[ctypes.c_int] * 2, ctypes.c_float, *[ctypes.c_int] * 3]
+    printed = Path(path).with_name("converted.sdf")
+    with _into(printed):
+        library.cmdPrint(os.fsencode(path), 0, 0, 0.0, 0, _DIGITS, 0)
+    text = printed.read_text(encoding="utf-8", errors="replace")
+    model = ET.fromstring(_PREFIX.sub(r"\1_", text[text.index("<sdf") :])).find("model")
+    if model is None:
+        raise RuntimeError("the converted file holds no model")
+    joints = {joint.get("name", ""): joint for joint in model.iter("joint")}
+    frames = [frame.get("name", "") for frame in model.iter("frame")]  # what is left of a joint that was merged
+    return Loaded(
+        links={link.get("name", ""): _number(link, "inertial/mass", 1.0) for link in model.iter("link")},
+        joints=(*joints, *frames),
+        limits={name: _limits(joints[name]) for name in robot.joints if name in joints},
+        shapes=len(list(model.iter("collision"))),
+        motion=_motion(model, robot),
+    )
+
+
+def _library() -> tuple[str, str] | None:
+    """The path and the version of the newest one."""
+    found = []
+    for folder in _FOLDERS:
+        for name in os.listdir(folder) if os.path.isdir(folder) else ():
+            named = _LIBRARY.fullmatch(name)
+            if named:
+                found.append((int(named[1]), named[2], os.path.join(folder, name)))
+    return (max(found)[2], max(found)[1]) if found else None
+
+
+@contextmanager
+def _into(path: Path) -> Iterator[None]:
+    """Have what a library prints written to a file."""
+    flush = ctypes.CDLL(None).fflush
+    flush(None)
+    saved = os.dup(1)
+    try:
+        with path.open("wb") as file:
+            os.dup2(file.fileno(), 1)
+        yield
+    finally:
+        flush(None)
+        os.dup2(saved, 1)
+        os.close(saved)
+
+
+def _numbers(element: ET.Element, path: str, default: str) -> list[float]:
+    return [float(word) for word in (element.findtext(path) or default).split()]
+
+
+def _number(element: ET.Element, path: str, default: float) -> float:
+    return float(element.findtext(path) or default)
+
+
+def _limits(joint: ET.Element) -> tuple[float, float] | None:
+    axis = joint.find("axis")
+    if axis is None:
+        return None
+    lower, upper = _number(axis, "limit/lower", -_NONE), _number(axis, "limit/upper", _NONE)
+    return None if lower <= -_NONE and upper >= _NONE else (lower, upper)
+
+
+def _motion(model: ET.Element, robot: Robot) -> Motion | None:
+    """As Pinocchio computes it from the numbers of the converted model."""
+    import numpy as np
+    import pinocchio as pin
+
+    links = {link.get("name", ""): link for link in model.iter("link")}
+    behind: dict[str, list[ET.Element]] = {}
+    moved = set()
+    for joint in model.iter("joint"):
+        behind.setdefault((joint.findtext("parent") or "").strip(), []).append(joint)
+        moved.add((joint.findtext("child") or "").strip())
+    built = pin.Model()
+    supports: dict[str, tuple[int, Any]] = {name: (0, pin.SE3.Identity()) for name in {"world", *links} - moved}
+    waiting = [joint for name in supports for joint in behind.get(name, ())]
+    while waiting:  # what hangs on a joint comes right behind it: Pinocchio relies on that
+        joint = waiting.pop()
+        child = (joint.findtext("child") or "").strip()
+        waiting += behind.pop(child, [])
+        index, before = supports[(joint.findtext("parent") or "").strip()]
+        placed = before * _pose(joint)
+        kind, axis = joint.get("type"), np.array(_numbers(joint, "axis/xyz", "0 0 1"))
+        if kind == "fixed":
+            supports[child] = index, placed
+            continue
+        if kind not in {"revolute", "continuous", "prismatic"} or not axis.any():
+            return None
+        axis = axis / np.linalg.norm(axis)
+        moves = pin.JointModelPrismaticUnaligned if kind == "prismatic" else pin.JointModelRevoluteUnaligned
+        supports[child] = built.addJoint(index, moves(axis), placed, joint.get("name", "")), pin.SE3.Identity()
+    for name, (index, placed) in supports.items():
+        inertial = links[name].find("inertial") if name in links else None
+        if inertial is not None:
+            pose = _pose(inertial)
+            tensor = np.array([[_number(inertial, f"inertia/{key}", 0.0) for key in row] for row in _TENSOR])
+            body = body_of(_number(inertial, "mass", 1.0), np.zeros(3), tensor)
+            built.appendBodyToJoint(index, body, placed * _pose(links[name]) * pose)
+    motion = motion_in(built, robot)
+    return None if motion is None else replace(motion, falls=())  # how it falls is not for Pinocchio to say
+
+
+def _pose(element: ET.Element) -> Any:
+    """Where a joint, a link or an inertial is in what the converter gives it in: its parent, its joint, its link."""
+    import numpy as np
+    import pinocchio as pin
+
+    x, y, z, roll, pitch, yaw = _numbers(element, "pose", "0 0 0 0 0 0")
+    return pin.SE3(pin.rpy.rpyToMatrix(roll, pitch, yaw), np.array([x, y, z]))

@@ -1,0 +1,143 @@
+"""Engines at work, each in a process of its own: one that crashes on a model says so by it, and takes nobody along."""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import importlib
+import os
+import re
+import signal
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from urdfcheck.core.errors import TimeUp
+from urdfcheck.policy.limits import Limits
+from urdfcheck.simulators.outcome import Outcome, Robot
+from urdfcheck.system import libraries, sandbox
+from urdfcheck.system.process_pool import Died, Overdue, Worker, in_workers
+
+# pinocchio last: what it makes of a model is also what urdfdom does.
+ENGINES = ("pinocchio", "urdfdom", "mujoco", "drake", "bullet", "gazebo")
+# Of what an engine prints, so many lines of so many characters are kept.
+MOST_LINES, LONGEST = 40, 400
+# Colours, and where in their sources they speak.
+_MARKS = re.compile(
+    r"\x1b\[[0-9;]*m|b3(?:Warning|Error|Printf)\[[^\]\n]*\]:\s*|b3Printf: "
+    r"|^(?:Error|Warning) \[\w+\.\w+:\d+\] *$|^ *at line \d+ in /?[\w./-]+ *$|/\S*/urdfcheck-\w+/\d+/",
+    re.MULTILINE,
+)
+# What they print whatever the model is.
+_NOISE = ("pybullet build time", "Library error: libignition-tools-backward", "Valid.")
+
+
+def installed() -> dict[str, str | None]:
+    """The version of each engine, None for one that is not installed."""
+    return {name: importlib.import_module(f"urdfcheck.simulators.{name}").version() for name in ENGINES}
+
+
+def how_to_install(engine: str) -> str:
+    """A command, in most cases."""
+    text: str = importlib.import_module(f"urdfcheck.simulators.{engine}").INSTALL
+    return text
+
+
+def outcomes(
+    jobs: Sequence[tuple[str, Robot]], around: Sequence[str], limits: Limits, at_once: int = 1, *, apart: bool = True
+) -> Iterator[tuple[int, Outcome]]:
+    """Load robots in engines: as they come, the places of the jobs and what became of them. ``around``: the folders that the
+    processes may read. Unless ``apart``, one process does one job after the other: they must be for the same engine then."""
+    with tempfile.TemporaryDirectory(prefix="urdfcheck-", ignore_cleanup_errors=True) as folder:
+        work = []
+        for place, (engine, robot) in enumerate(jobs):
+            own = os.path.join(folder, str(place))
+            os.mkdir(own)
+            work.append((engine, robot, own, folder, tuple(around), limits))
+        longest = limits.seconds + sandbox.PATIENCE if limits.seconds else None
+        first = None if apart else Worker.start(_settle)
+        for place, result in in_workers(_load, work, at_once, first, longest=longest, spent=lambda _: apart):
+            if isinstance(result, Died):
+                said = _said(Path(folder, str(place)))
+                yield place, Outcome(jobs[place][0], None, _ending(result, limits), said)
+            else:
+                yield place, result
+
+
+def _settle() -> None:
+    """Nothing: a worker that prepares itself does not look through what it was born with after each job."""
+
+
+def _ending(died: Died, limits: Limits) -> str:
+    if isinstance(died, Overdue):
+        return f"does not end within {limits.seconds:g} s"
+    if died.exit_code is not None and died.exit_code < 0:
+        with contextlib.suppress(ValueError):
+            return f"crashes ({signal.Signals(-died.exit_code).name})"
+    return "ends its process" if died.exit_code is not None else "sends what is no answer"
+
+
+def _load(engine: str, robot: Robot, own: str, folder: str, around: Sequence[str], limits: Limits) -> Outcome:
+    """What the process of an engine does with a robot; files that it needs go to the folder ``own``."""
+    libraries.prefer_own()
+    module = importlib.import_module(f"urdfcheck.simulators.{engine}")
+    loaded, refused = None, ""
+    faulthandler.disable()  # that an engine crashes is an answer, and no news for the terminal
+    os.chdir(own)  # MuJoCo writes its warnings into a file of the working directory
+    with _listening(own):
+        for library in module.LIBRARIES:  # to start, some of them run programs
+            importlib.import_module(library)
+        sandbox.confine((*around, folder), (folder,), limits.memory)
+        path = Path(own, "robot.urdf")
+        path.write_bytes(robot.document)
+        try:
+            with sandbox.deadline(limits.seconds):
+                loaded = module.load(robot, str(path))
+        except TimeUp:
+            refused = f"does not end within {limits.seconds:g} s"
+        except (
+            Exception,
+            SystemExit,
+        ) as error:  # each of them has its own kinds; Drake would leave at a failed assertion
+            refused = next(iter(_lines(str(error))), type(error).__name__)
+    return Outcome(engine, loaded, refused, _said(Path(own)))
+
+
+@contextlib.contextmanager
+def _listening(own: str) -> Iterator[None]:
+    """Have all that is printed, by native code too, written to a file: it is there even when the process is not any more."""
+    import ctypes
+
+    flush = getattr(ctypes.CDLL(None), "fflush", lambda _: None) if sys.platform != "win32" else (lambda _: None)
+    saved = [(stream, os.dup(stream)) for stream in (1, 2)]
+    with open(os.path.join(own, "said"), "wb", buffering=0) as file:
+        for stream, _ in saved:
+            os.dup2(file.fileno(), stream)
+    try:
+        yield
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        flush(None)
+        for stream, copy in saved:
+            os.dup2(copy, stream)
+            os.close(copy)
+
+
+def _said(own: Path) -> tuple[str, ...]:
+    try:
+        with (own / "said").open("rb") as file:
+            return tuple(_lines(file.read(MOST_LINES * LONGEST).decode("utf-8", "replace")))
+    except OSError:
+        return ()
+
+
+def _lines(text: str) -> list[str]:
+    lines = (line.strip()[:LONGEST] for line in _MARKS.sub(_unmarked, text).split("\n"))
+    return list(dict.fromkeys(line for line in lines if line and not line.startswith(_NOISE)))[:MOST_LINES]
+
+
+def _unmarked(mark: re.Match[str]) -> str:
+    """A message begins behind most of them; the folder of our own file is left out of its path."""
+    return "" if mark[0].startswith(("/", "\x1b")) else "\n"

@@ -1,0 +1,255 @@
+"""What flows between the nodes of a launch file, as far as it is known what well-known programs read and write.
+
+What each program does is what its own documentation and source say: robot_state_publisher, joint_state_publisher, tf2_ros,
+RViz, gazebo_ros and ros_gz (``spawn_model``, ``spawn_entity.py``, ``create``, ``parameter_bridge``), controller_manager, MoveIt.
+No edge is drawn for any other program.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from urdfcheck.core.scene import SceneLaunch, SceneNode, SceneParameter, ScenePort
+from urdfcheck.source.launch.launch_file import Launch, placed_by
+from urdfcheck.source.launch.nodes_python import started_by_python
+from urdfcheck.source.launch.nodes_xml import MOST_NAMES, Everything, Started, resolved, shown, started
+from urdfcheck.source.package.finder import PackageFinder, display_name
+from urdfcheck.system.files import read_regular
+
+_MAX_CONFIG = 1024**2
+_DISPLAY = re.compile(r"Class: rviz(?:_default_plugins)?/RobotModel\b")
+_FIELD = {
+    "ros1": re.compile(r"Robot Description: (\S+)"),
+    "ros2": re.compile(r"Description Topic:[^-]*?\bValue: (\S+)"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """What a program is for, what it reads and what it writes: ``kind name`` each, the names as the program itself says them;
+    a service is written by those who call it. ``facts``: what its arguments say."""
+
+    purpose: str
+    reads: tuple[str, ...] = ()
+    writes: tuple[str, ...] = ()
+    facts: tuple[tuple[str, str], ...] = ()
+
+
+_TF = ("topic /tf", "topic /tf_static")
+_STATES = _Known("makes tf from the joint positions", ("parameter robot_description", "topic joint_states"), _TF)
+_SLIDERS = _Known("publishes joint positions", ("parameter robot_description",), ("topic joint_states",))
+_GAZEBO = _Known(
+    "Gazebo Classic", ("service /gazebo/spawn_urdf_model", "service /gazebo/spawn_sdf_model", "service /spawn_entity")
+)
+_GZ_SIM = _Known("Gazebo Sim", ("service create (Gazebo transport)",))
+_MOVE_GROUP = _Known("MoveIt", ("parameter robot_description", "topic joint_states", *_TF))
+_LOCALIZATION = _Known("computes where the robot is", _TF, ("topic /tf",))
+
+# By dialect, then by package and executable.
+_PROGRAMS: Mapping[str, Mapping[tuple[str, str], _Known]] = {
+    "ros1": {
+        ("robot_state_publisher", "robot_state_publisher"): _STATES,
+        ("robot_state_publisher", "state_publisher"): _STATES,
+        ("joint_state_publisher", "joint_state_publisher"): _SLIDERS,
+        ("joint_state_publisher_gui", "joint_state_publisher_gui"): _SLIDERS,
+        **{("gazebo_ros", name): _GAZEBO for name in ("gazebo", "gzserver", "debug")},
+        ("moveit_ros_move_group", "move_group"): _MOVE_GROUP,
+        ("robot_localization", "ekf_localization_node"): _LOCALIZATION,
+        ("amcl", "amcl"): _LOCALIZATION,
+    },
+    "ros2": {
+        ("robot_state_publisher", "robot_state_publisher"): _Known(
+            _STATES.purpose, _STATES.reads, ("topic robot_description", *_TF)
+        ),
+        ("joint_state_publisher", "joint_state_publisher"): _Known(
+            _SLIDERS.purpose, ("topic robot_description",), _SLIDERS.writes
+        ),
+        ("joint_state_publisher_gui", "joint_state_publisher_gui"): _Known(
+            _SLIDERS.purpose, ("topic robot_description",), _SLIDERS.writes
+        ),
+        **{("gazebo_ros", name): _GAZEBO for name in ("gazebo", "gzserver")},
+        ("moveit_ros_move_group", "move_group"): _MOVE_GROUP,
+        ("robot_localization", "ekf_node"): _LOCALIZATION,
+        ("nav2_amcl", "amcl"): _LOCALIZATION,
+    },
+}
+# Launch files of other packages that start a simulator.
+_SIMULATORS = (
+    (re.compile(r"gazebo_ros/(?:\w+_world\.launch|(?:gazebo|gzserver)\.launch\.py)"), _GAZEBO),
+    (re.compile(r"ros_(?:gz_sim|ign_gazebo)/(?:gz_sim|ign_gazebo|gz_server)\.launch\.py"), _GZ_SIM),
+)
+_BRIDGES = frozenset({("ros_gz_bridge", "parameter_bridge"), ("ros_ign_bridge", "parameter_bridge")})
+
+
+def launch_scene(launch: Launch) -> SceneLaunch:
+    """What a launch file starts and what flows between these nodes, as plain values."""
+    dialect = launch.dialect
+    everything = started_by_python(launch) if dialect == "python" else started(launch)
+    family = "ros1" if dialect == "ros1" else "ros2"
+    nodes = tuple(_node(node, family, everything, launch.finder) for node in everything.nodes)
+    return SceneLaunch(display_name(launch.path), dialect, nodes, everything.parameters, everything.notes)
+
+
+def _node(node: Started, family: str, everything: Everything, finder: PackageFinder) -> SceneNode:
+    known = _known(node, family, finder)
+    facts = [("arguments", node.typed)] if node.typed else []
+    facts += [("remapped", f"{before} to {after}") for before, after in node.remaps]
+    facts += node.parameters.items()
+    return SceneNode(
+        kind=node.kind,
+        name=node.full_name if node.kind == "node" and (node.name or node.program) else "",
+        program=f"{node.package}/{node.program}" if node.package else node.program,
+        purpose=known.purpose,
+        reads=_ports(known.reads, node, everything.parameters),
+        writes=_ports(known.writes, node, everything.parameters),
+        condition=node.condition,
+        off=node.off,
+        facts=(*known.facts, *facts),
+        spans=node.spans,
+    )
+
+
+def _ports(names: Sequence[str], node: Started, parameters: Sequence[SceneParameter]) -> tuple[ScenePort, ...]:
+    full = node.full_name
+    remaps = {resolved(before, node.namespace, full): after for before, after in node.remaps}
+    ports = []
+    for kind, name in (text.split(" ", 1) for text in names):
+        if kind == "file" or "(" in name:
+            ports.append(ScenePort(kind, shown(name)))
+            continue
+        wanted = resolved(name, node.namespace, full)
+        wanted = resolved(remaps.get(wanted, wanted), node.namespace, full)
+        ports.append(_parameter(wanted, full, parameters) if kind == "parameter" else ScenePort(kind, wanted))
+    return tuple(dict.fromkeys(ports))
+
+
+def _parameter(wanted: str, node: str, parameters: Sequence[SceneParameter]) -> ScenePort:
+    """The parameter that a node gets: its own, else the next one in the namespaces around it. Where the launch file sets none,
+    the one that it would need."""
+    name = wanted.rpartition("/")[2]
+    around = [node[: m.start()] for m in re.finditer("/", node)][::-1]
+    candidates = [f"{node} {name}", f"{node}/{name}", wanted, *(f"{namespace}/{name}" for namespace in around)]
+    known = {p.port.name for p in parameters}
+    return ScenePort("parameter", next((c for c in candidates if c in known), wanted))
+
+
+def _known(node: Started, family: str, finder: PackageFinder) -> _Known:
+    """What is known of a program, and of what its arguments make of it."""
+    program, words = (node.package, node.program), node.words
+    if node.kind == "launch file":
+        path = "/".join(program)
+        return next((known for pattern, known in _SIMULATORS if pattern.fullmatch(path)), _Known(""))
+    if node.kind == "process":
+        simulators = {"gazebo": _GAZEBO, "gzserver": _GAZEBO, "gz": _GZ_SIM, "ign": _GZ_SIM}
+        return simulators.get(node.program, _Known(""))
+    known = _PROGRAMS[family].get(program)
+    if known is not None:
+        return _of_file(known, words) if known.writes == _SLIDERS.writes else known
+    if node.program == "static_transform_publisher" and node.package in {"tf", "tf2_ros"}:
+        placed = placed_by(words)
+        frames = () if placed is None else (("transform", shown(f"{placed[0]} to {placed[1]}")),)
+        return _Known("places a frame", (), ("topic /tf" if node.package == "tf" else "topic /tf_static",), frames)
+    if program in {("rviz", "rviz"), ("rviz2", "rviz2")}:
+        display = _displayed(words, family, finder)
+        return _Known(
+            "RViz" if display else "RViz, with no RobotModel display in a configuration that is here", (*_TF, *display)
+        )
+    if program in _BRIDGES:
+        return _bridge(words)
+    if node.package == "controller_manager":
+        return _control(node, family)
+    if program == ("rostopic", "rostopic") and len(words) > 1 and words[0] in {"pub", "echo"}:
+        topic = (f"topic {words[1]}",)
+        return _Known("publishes a message", (), topic) if words[0] == "pub" else _Known("prints messages", topic)
+    return _spawner(program, words) or _Known("")
+
+
+def _of_file(known: _Known, words: Sequence[str]) -> _Known:
+    """joint_state_publisher of ROS 2 takes a file in place of the topic."""
+    file = next((w for w in words if w.endswith((".urdf", ".xml"))), None)
+    return known if file is None else _Known(known.purpose, (f"file {_file(file)}",), known.writes)
+
+
+def _file(typed: str) -> str:
+    """How a path is called: what is not known of it stays as typed."""
+    return typed if "$(" in typed or not Path(typed).is_absolute() else display_name(Path(typed))
+
+
+def _option(words: Sequence[str], *names: str) -> str:
+    """The word after an option, none where another option follows."""
+    for word, following in itertools.pairwise(words):
+        if word in names and not following.startswith("-"):
+            return following
+    return ""
+
+
+def _spawner(program: tuple[str, str], words: Sequence[str]) -> _Known | None:
+    services = {
+        ("gazebo_ros", "spawn_model"): "/gazebo/spawn_sdf_model" if "-sdf" in words else "/gazebo/spawn_urdf_model",
+        ("gazebo", "spawn_model"): "/gazebo/spawn_urdf_model",
+        ("gazebo_ros", "spawn_entity.py"): "/spawn_entity",
+        ("ros_gz_sim", "create"): "create (Gazebo transport)",
+        ("ros_ign_gazebo", "create"): "create (Gazebo transport)",
+    }
+    if program not in services:
+        return None
+    reads = []
+    for kind in ("topic", "param", "file"):
+        value = _option(words, f"-{kind}", f"--{kind}")
+        if value:
+            reads.append(f"file {_file(value)}" if kind == "file" else f"{kind.replace('param', 'parameter')} {value}")
+    name = shown(_option(words, "-model", "-entity", "-name"))
+    facts = (("robot's name", name),) if name else ()
+    return _Known("puts the robot into the simulation", tuple(reads), (f"service {services[program]}",), facts)
+
+
+def _control(node: Started, family: str) -> _Known:
+    words = node.words
+    manager = _option(words, "-c", "--controller-manager", "--namespace") or "controller_manager"
+    service = f"service {manager.rstrip('/')}/load_controller"
+    if node.program == "ros2_control_node":
+        private = any(before == "~/robot_description" for before, _ in node.remaps)
+        topic = "topic ~/robot_description" if private else "topic robot_description"
+        return _Known("runs the controllers", (topic, service))
+    if node.program in {"spawner", "spawner.py", "controller_manager", "unspawner"}:
+        names = [w for w in words if not w.startswith("-") and w not in {manager, "load", "start", "spawn", "stop"}]
+        facts = (("controllers", shown(" ".join(names))),) if names and family == "ros1" else ()
+        return _Known("starts controllers", (), (service,), facts)
+    return _Known("")
+
+
+def _bridge(words: Sequence[str]) -> _Known:
+    """``/topic@ros_type@gz_type`` goes both ways, with ``[`` from Gazebo to ROS and with ``]`` from ROS to Gazebo."""
+    reads, writes = [], []
+    for word in words[:MOST_NAMES]:
+        topic, at, types = word.partition("@")
+        if not at or word.startswith("-"):
+            continue
+        if "[" not in types:
+            reads.append(f"topic {topic}")
+        if "]" not in types:
+            writes.append(f"topic {topic}")
+    return _Known("carries topics between ROS and Gazebo", tuple(reads), tuple(writes))
+
+
+def _displayed(words: Sequence[str], family: str, finder: PackageFinder) -> tuple[str, ...]:
+    """Where the RobotModel display of RViz's configuration takes the robot from; nothing where it has none or cannot be read."""
+    path = Path(_option(words, "-d", "--display-config"))
+    try:
+        if not path.is_absolute() or not finder.allows(path):
+            return ()
+        text = read_regular(path, _MAX_CONFIG).decode("utf-8", "replace")
+    except OSError:
+        return ()
+    display = _DISPLAY.search(text)
+    if display is None:
+        return ()
+    # Up to the next display: its fields are sorted by name.
+    own = text[display.end() :].partition("Class: ")[0]
+    field = _FIELD[family].search(own)
+    name = field[1].strip("\"'") if field else "robot_description"
+    return (f"{'parameter' if family == 'ros1' else 'topic'} {name}",) if name else ()

@@ -1,0 +1,199 @@
+"""What the files of a package name: packages and the folders in them, as typed, without expanding or running anything."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from urdfcheck.core import Location
+from urdfcheck.source.package.finder import BUILT, Package, depends_on, display_name
+from urdfcheck.source.text.xml import SourceFile
+from urdfcheck.system.files import read_regular, walk
+
+MESH_SUFFIXES = (".stl", ".dae", ".obj", ".ply", ".off", ".glb", ".gltf")
+# Where paths of meshes are written down, beside build files.
+_TEXTS = frozenset({
+    ".xacro", ".urdf", ".xml", ".srdf", ".sdf", ".gazebo", ".launch", ".world", ".yaml", ".yml", ".json", ".rviz", ".py", ".cpp",
+    ".hpp", ".h", ".cc", ".js", ".ts", ".lua", ".m", ".toml", ".cfg", ".material", ".scene", ".wbt", ".proto", ".cmake", ".txt",
+    ".in", ".jinja", ".template", ".erb", ".env", ".sh", ".test",
+})  # fmt: skip
+# Those in which a dependency is named in a way that only means this.
+_NAMING = frozenset({".xacro", ".urdf", ".srdf", ".sdf", ".gazebo", ".launch", ".xml", ".py", ".yaml", ".yml"})
+_LARGEST = 1_000_000
+_MOST_FILES = 20_000
+# Names of folders that one Python file gives, after which it is looked through for what is joined to them.
+_MOST_NAMES = 50
+_LONGEST_LINE = 500
+
+_PACKAGE = r"([A-Za-z][A-Za-z0-9_.-]*)"
+_INSIDE = r"((?:/[^\s\"'<>()|;,\\]*)?)"
+_MENTION = re.compile(
+    rf"package://{_PACKAGE}(?![$\w.-]){_INSIDE}"
+    rf"|\$\(find(?:-pkg-share)?\s+['\"]?{_PACKAGE}['\"]?\s*\){_INSIDE}"
+    rf"|(?:FindPackageShare|get_package_share_directory|get_package_share_path)\(\s*(?:package\s*=\s*)?['\"]{_PACKAGE}['\"]"
+)
+# What Python joins to a package's folder first, and the name that it gives the folder before it does.
+_JOINED = r"""\s*(?:,|/|\+)\s*f?['"]/?([^'"{}]*)['"]"""
+_AT_ONCE = re.compile(rf"\s*\)(?:\.find\([^()]*\))?{_JOINED}")
+_ASSIGNED = re.compile(r"(?m)^[ \t]*(\w+)[ \t]*=[ \t]*(?:[\w.]+\([ \t]*)?$")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mention:
+    """A package that a file names, and what follows its name in the path: ``/meshes/base.stl``, or nothing."""
+
+    package: str
+    inside: str
+    location: Location
+
+    @property
+    def folder(self) -> str:
+        """The outermost folder of the package that the path leads into; empty where it is none, or computed."""
+        first, slash, _ = self.inside.lstrip("/").partition("/")
+        return first if slash and "$" not in first and first not in {"", ".", ".."} else ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Contents:
+    """``mentions`` of packages in the package's own files, ``meshes`` it holds (by path from its folder), and the ``texts``
+    of files in which meshes may be named. ``complete``: whether all files that there are were looked through."""
+
+    mentions: tuple[Mention, ...]
+    meshes: tuple[Path, ...]
+    complete: bool
+
+
+@lru_cache(maxsize=1)
+def contents_of(package: Package) -> Contents:
+    """The contents of a package; folders of other packages in it belong to those."""
+    mentions: list[Mention] = []
+    meshes: list[Path] = []
+    complete = True
+    for count, path in enumerate(files_of(package, package.path)):
+        if count > _MOST_FILES:
+            complete = False
+            break
+        suffix = path.suffix.lower()
+        if suffix in MESH_SUFFIXES:
+            meshes.append(path.relative_to(package.path))
+        elif suffix in _NAMING and path.name not in {"package.xml", "setup.py"}:
+            mentions += _mentions(path)
+    return Contents(tuple(mentions), tuple(meshes), complete)
+
+
+def mentions_around(package: Package) -> Iterator[Mention]:
+    """Where this package is named: in its own files, and in those of the packages around it that depend on it."""
+    yield from (m for m in contents_of(package).mentions if m.package == package.name)
+    for folder in others(package):
+        if not depends_on(folder, package.name):
+            continue
+        for count, path in enumerate(files_of(package, folder)):
+            if count > _MOST_FILES:
+                break
+            if path.suffix.lower() in _NAMING and path.name not in {"package.xml", "setup.py"}:
+                yield from (m for m in _mentions(path) if m.package == package.name)
+
+
+def others(package: Package) -> list[Path]:
+    """The folders of the packages around this one that may be looked into, but for those inside of it."""
+    finder = package.finder
+    return [] if finder is None else [folder for folder in _around(package) if finder.allows(folder)]
+
+
+def users_out_of_reach(package: Package) -> bool:
+    """Whether a package around this one depends on it and may not be looked into."""
+    finder = package.finder
+    return finder is not None and any(
+        not finder.allows(folder) and depends_on(folder, package.name) for folder in _around(package)
+    )
+
+
+def _around(package: Package) -> list[Path]:
+    around = [] if package.finder is None else package.finder.workspace().values()
+    return [folder for folder in around if folder != package.path and package.path not in folder.parents]
+
+
+def texts_of(package: Package, folder: Path) -> Iterator[str]:
+    """The text of every file in a folder in which a mesh of the package may be named; of another package's, those that name
+    it.
+
+    :raises LookupError: when there are too many of them to look through.
+    """
+    for count, path in enumerate(files_of(package, folder)):
+        if count > _MOST_FILES:
+            raise LookupError("too many files")
+        text = _text(path) if path.suffix.lower() in _TEXTS else ""
+        if folder == package.path or package.name in text:
+            yield text
+
+
+def files_of(package: Package, folder: Path) -> Iterator[Path]:
+    """The files at and below a folder, as far as they may be opened; what was built, is hidden, or belongs to a package
+    inside is left out."""
+    for here, names, files in walk(folder):
+        if here != str(folder) and "package.xml" in files:
+            names.clear()
+            continue
+        names[:] = [n for n in names if not n.startswith(".") and n not in BUILT]
+        for name in files:
+            path = Path(here, name)
+            if not name.startswith(".") and (not os.path.islink(path) or _allowed(package, path)):
+                yield path
+
+
+def _allowed(package: Package, path: Path) -> bool:
+    return package.finder is None or package.finder.allows(path)
+
+
+def _text(path: Path) -> str:
+    try:
+        return read_regular(path, _LARGEST).decode("utf-8", "replace")
+    except OSError:
+        return ""
+
+
+def _mentions(path: Path) -> Iterator[Mention]:
+    text = _text(path)
+    if "package://" not in text and "find" not in text and "package_share" not in text and "FindPackage" not in text:
+        return
+    file: SourceFile | None = None
+    searched = 0
+    bare = _without_comments(text, path.suffix)
+    for match in _MENTION.finditer(bare):
+        file = file or SourceFile(path, display_name(path), text)
+        group = next(i for i in (1, 3, 5) if match.group(i))
+        name = match.group(group)
+        at = Location(f"package[{name}]", file.span(*match.span(group)))
+        searched += group == 5
+        for inside in [match.group(group + 1)] if group < 5 else _joined(bare, match, searched):
+            yield Mention(name, inside, at)
+
+
+def _joined(text: str, match: re.Match[str], searched: int) -> list[str]:
+    """What Python puts behind the folder of a package: at once, or wherever it uses the name that the folder was given.
+    ``searched``: how many times the text was looked through for such a name."""
+    at_once = _AT_ONCE.match(text, match.end())
+    line = text.rfind("\n", 0, match.start()) + 1
+    assigned = _ASSIGNED.match(text[line : match.start()]) if match.start() - line < _LONGEST_LINE else None
+    found = [] if at_once is None else [at_once.group(1)]
+    if assigned is not None and searched <= _MOST_NAMES:
+        found += re.findall(rf"\b{assigned.group(1)}{_JOINED}", text)
+    return [f"/{inside}" if "/" in inside else f"/{inside}/" for inside in found] or [""]
+
+
+def _without_comments(text: str, suffix: str) -> str:
+    """The text with blanks in the place of its comments."""
+    if suffix in {".py", ".yaml", ".yml"}:
+        return re.sub(r"(?m)^[ \t]*#.*$", lambda m: " " * len(m.group(0)), text)
+    parts: list[str] = []
+    at = 0
+    while (begin := text.find("<!--", at)) >= 0:
+        end = text.find("-->", begin)
+        end = len(text) if end < 0 else end + 3
+        parts += [text[at:begin], " " * (end - begin)]
+        at = end
+    return "".join((*parts, text[at:]))

@@ -1,0 +1,49 @@
+"""``joint_limits.yaml`` of a MoveIt configuration: what planning takes in place of the limits of the model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.text.yaml import Value, YamlProblem, read_located
+
+# Above joint_limits stand the names of parameters' owners only: /**, ros__parameters, robot_description_planning.
+_MOST_LEVELS = 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointLimits:
+    """What the file says of one joint. ``joint`` is its name as typed, ``entry`` the settings."""
+
+    joint: Value
+    entry: Value
+
+    def setting(self, name: str) -> Value | None:
+        """One setting: ``max_velocity`` …"""
+        return self.entry.get(name)
+
+    def number(self, name: str) -> float | None:
+        """A setting as a number; None where it is not set, or not a plain number."""
+        value = self.entry.get(name)
+        return None if value is None else value.number
+
+    def is_off(self, flag: str) -> bool:
+        """Whether ``has_velocity_limits`` or the like is set to no."""
+        value = self.entry.get(flag)
+        return value is not None and value.is_false
+
+
+def read_joint_limits(path: Path, finder: PackageFinder) -> tuple[JointLimits, ...]:
+    """The joints of a file in its order; none when it is no such file, or cannot or may not be read."""
+    try:
+        value = read_located(path, finder)
+    except YamlProblem:
+        return ()
+    for _ in range(_MOST_LEVELS):
+        limits = None if value is None else value.get("joint_limits")
+        if limits is not None:
+            return tuple(JointLimits(joint, entry) for joint, entry in limits.entries if entry.is_mapping)
+        below = [] if value is None else [inner for _, inner in value.entries if inner.is_mapping]
+        value = below[0] if len(below) == 1 else None
+    return ()

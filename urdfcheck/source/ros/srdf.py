@@ -1,0 +1,252 @@
+"""Semantic descriptions (SRDF) as typed: planning groups, states, and which pairs of links MoveIt does not check for
+collisions, and why."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from urdfcheck.core import Location, Span
+from urdfcheck.core.errors import TimeUp
+from urdfcheck.source.discover import is_srdf, only_macros
+from urdfcheck.source.load import Source
+from urdfcheck.source.package.finder import BUILT, PackageFinder, display_name, load_package, subfolders
+from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse
+
+# Where a semantic description lies in a MoveIt configuration. A description package of several robots may hold one beside
+# each of them (robots/panda_description/srdf): the model's own package is looked through, to a depth and a number of folders.
+CONFIGURED = ("", "config", "srdf")
+LEVELS_DOWN = 3
+MAX_FOLDERS = 200
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pair:
+    """A ``<disable_collisions>`` or ``<enable_collisions>``. ``links`` are trimmed as MoveIt does; one that is not
+    written is empty."""
+
+    element: Element
+    links: tuple[str, str]
+
+    @property
+    def reason(self) -> str:
+        return self.element.get("reason").strip()
+
+    @property
+    def key(self) -> frozenset[str]:
+        """The pair without its order."""
+        return frozenset(self.links)
+
+    def link(self, index: int) -> Attribute | None:
+        """The attribute that names the first (0) or the second (1) link."""
+        return self.element.attributes.get(f"link{index + 1}")
+
+
+@dataclass(frozen=True, eq=False)
+class Srdf:
+    """One semantic description, expanded where it is a xacro. ``name`` is how findings call its file."""
+
+    path: Path
+    name: str
+    root: Element
+    files: Mapping[str, SourceFile]
+
+    @property
+    def robot(self) -> str:
+        return self.root.get("name").strip()
+
+    @cached_property
+    def disabled(self) -> tuple[Pair, ...]:
+        return self._pairs("disable_collisions")
+
+    @cached_property
+    def enabled(self) -> tuple[Pair, ...]:
+        return self._pairs("enable_collisions")
+
+    @cached_property
+    def off_by_default(self) -> frozenset[str]:
+        """The links of ``<disable_default_collisions>``: they collide with nothing but what is enabled for them."""
+        return frozenset(e.get("link").strip() for e in self.root.all("disable_default_collisions"))
+
+    @cached_property
+    def groups_name(self) -> frozenset[str]:
+        """The links that groups, chains, end effectors and virtual joints name."""
+        named = {
+            "chain": ("base_link", "tip_link"),
+            "end_effector": ("parent_link",),
+            "virtual_joint": ("child_link",),
+        }
+        found: set[str] = set()
+        for element in self.root.walk():
+            attributes = named.get(element.tag, ())
+            if element.tag == "link" and element.parent is not None and element.parent.tag == "group":
+                attributes = ("name",)
+            found |= {element.get(name).strip() for name in attributes}
+        return frozenset(found - {""})
+
+    @cached_property
+    def groups(self) -> Mapping[str, Element]:
+        """The planning groups by name; MoveIt takes the first of a name."""
+        found: dict[str, Element] = {}
+        for group in self.root.all("group"):
+            found.setdefault(group.get("name").strip(), group)
+        return found
+
+    @cached_property
+    def virtual_joints(self) -> frozenset[str]:
+        return frozenset(e.get("name").strip() for e in self.root.all("virtual_joint"))
+
+    def disables(self, first: str, second: str) -> bool:
+        """Whether MoveIt leaves this pair out, as its AllowedCollisionMatrix reads the file: defaults of single links
+        first, then the enabled pairs, the disabled pairs last."""
+        pair = frozenset((first, second))
+        if pair in self._disabled_keys:
+            return True
+        return pair not in self._enabled_keys and not self.off_by_default.isdisjoint(pair)
+
+    @cached_property
+    def _disabled_keys(self) -> frozenset[frozenset[str]]:
+        return frozenset(pair.key for pair in self.disabled)
+
+    @cached_property
+    def _enabled_keys(self) -> frozenset[frozenset[str]]:
+        return frozenset(pair.key for pair in self.enabled)
+
+    def _pairs(self, tag: str) -> tuple[Pair, ...]:
+        return tuple(Pair(e, (e.get("link1").strip(), e.get("link2").strip())) for e in self.root.all(tag))
+
+
+def srdfs_of(source: Source, robot: str) -> tuple[Srdf, ...]:
+    """The semantic descriptions in reach whose robot has this name: beside the model, in its package, and in packages that
+    depend on it or are called ``*_moveit_config``. A ``.srdf.xacro`` is given the model's arguments."""
+    if not robot:
+        return ()
+    found: dict[Path, Srdf] = {}
+    for path in _candidates(source):
+        real = Path(os.path.realpath(path))
+        if real not in found:
+            srdf = load_srdf(path, source.arguments, source.finder, robot, source.environment)
+            if srdf is not None:
+                found[real] = srdf
+    return tuple(sorted(found.values(), key=lambda srdf: srdf.name))
+
+
+def srdf_folders(srdfs: Iterable[Srdf]) -> list[Path]:
+    """Where these semantic descriptions lie: the folders of their MoveIt configurations."""
+    return list(dict.fromkeys(srdf.path.parent for srdf in srdfs))
+
+
+def is_about(srdf: Srdf, source: Source) -> bool:
+    """Whether a semantic description lies beside the model, in its package, or in one that depends on it. Another package may
+    describe another robot of this name."""
+    package = source.finder.package_of(srdf.path.absolute())
+    if package is None or source.package is None:
+        return srdf.path.absolute().parent == source.path.absolute().parent
+    return package.path == source.package.path or source.package.name in package.dependencies
+
+
+def is_configured_for(srdf: Srdf, source: Source) -> bool:
+    """Whether it is about the model itself, and not about one that the package of the description makes of it."""
+    package = source.finder.package_of(srdf.path.absolute())
+    elsewhere = package is not None and source.package is not None and package.path != source.package.path
+    made = any(name.endswith((".urdf", ".urdf.xacro")) for name in _names_in(srdf.path.parent)) if elsewhere else False
+    return is_about(srdf, source) and not made
+
+
+def load_srdf(
+    path: Path,
+    arguments: Mapping[str, str],
+    finder: PackageFinder,
+    robot: str,
+    environment: frozenset[str] = frozenset(),
+) -> Srdf | None:
+    """The semantic description in a file, None when it is for another robot, or cannot be read or expanded.
+
+    :raises TimeUp: when the model's time is over.
+    """
+    name = display_name(path)
+    if not finder.allows(path):
+        return None
+    try:
+        file = SourceFile.read(path, name)
+        root: Element | None = parse(file)
+    except (OSError, XmlError):
+        return None
+    assert root is not None
+    if root.tag != "robot" or ("$" not in root.get("name") and root.get("name").strip() != robot):
+        return None
+    files: Mapping[str, SourceFile] = {name: file}
+    if path.suffix == ".xacro":
+        if only_macros(root):
+            return None
+        from urdfcheck.source.xacro.expand import expand
+
+        expansion = expand(path, arguments, finder, environment)
+        if any(problem.kind == "time-limit" for problem in expansion.problems):
+            raise TimeUp  # it is not the SRDF's own: no time is left for anything
+        root, files = expansion.root, expansion.files
+    if root is None or root.get("name").strip() != robot:
+        return None
+    return Srdf(path, name, root, files)
+
+
+def broken_srdfs(package: Path) -> Iterator[tuple[Problem, SourceFile | None]]:
+    """What is wrong with the semantic descriptions of a package that cannot be read, and the file as far as it is text."""
+    for path in _below(package):
+        name, file = display_name(path), None
+        try:
+            file = SourceFile.read(path, name)
+            parse(file)
+        except OSError as error:
+            start = Span(name, 1, 1, 1, 1, 0, 0)
+            yield Problem("unreadable", error.strerror or str(error), Location("robot", start)), None
+        except XmlError as error:
+            yield Problem(error.reason, str(error), Location("robot", error.span), error.data), file
+
+
+def _candidates(source: Source) -> Iterator[Path]:
+    """Every file in reach that is called like a semantic description."""
+    yield from _inside(source.path.absolute().parent)
+    own = source.package
+    if own is not None:
+        yield from _below(own.path)
+    for name, folder in sorted(source.finder.workspace().items()):
+        if own is None or folder != own.path:
+            files = [file for inner in CONFIGURED for file in _inside(folder / inner)]
+            if files and (name.endswith("_moveit_config") or (own is not None and depends_on(folder, own.name))):
+                source.finder.find(name)  # now it counts as found, and its files are in reach
+                yield from files
+
+
+def depends_on(folder: Path, name: str) -> bool:
+    """Whether the package at a folder depends on the one of this name."""
+    package = load_package(folder)
+    return package is not None and name in package.dependencies
+
+
+def _below(folder: Path) -> Iterator[Path]:
+    """The semantic descriptions in a folder and in those below it, near ones first."""
+    level, left = [folder], MAX_FOLDERS
+    for _ in range(LEVELS_DOWN):
+        for here in level:
+            yield from _inside(here)
+        left -= len(level)
+        level = [inner for here in level for inner in subfolders(here) if inner.name not in BUILT][: max(left, 0)]
+    for here in level:
+        yield from _inside(here)
+
+
+def _inside(folder: Path) -> Iterator[Path]:
+    """The semantic descriptions in a folder itself."""
+    yield from (folder / name for name in _names_in(folder) if is_srdf(folder / name) and (folder / name).is_file())
+
+
+def _names_in(folder: Path) -> list[str]:
+    try:
+        return sorted(os.listdir(folder))
+    except OSError:
+        return []

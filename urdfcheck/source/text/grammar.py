@@ -1,0 +1,209 @@
+"""The grammar of URDF as its reference parser reads it: which element stands where, and which attributes are numbers."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
+
+from urdfcheck.source.text.xml import Element
+
+# What urdfdom reads inside each element (URDF 1.0 to 1.2). A tag means the same wherever it may stand.
+CHILDREN: Mapping[str, frozenset[str]] = {
+    "robot": frozenset({"link", "joint", "material"}),
+    "link": frozenset({"inertial", "visual", "collision"}),
+    "inertial": frozenset({"origin", "mass", "inertia"}),
+    "visual": frozenset({"origin", "geometry", "material"}),
+    "collision": frozenset({"origin", "geometry"}),
+    "geometry": frozenset({"box", "cylinder", "sphere", "mesh", "capsule"}),
+    "material": frozenset({"color", "texture"}),
+    "joint": frozenset(
+        {"origin", "parent", "child", "axis", "calibration", "dynamics", "limit", "mimic", "safety_controller"}
+    ),
+}
+
+# How many numbers each numeric attribute holds.
+NUMBERS: Mapping[str, Mapping[str, int]] = {
+    "origin": {"xyz": 3, "rpy": 3, "quat_xyzw": 4},
+    "mass": {"value": 1},
+    "inertia": {"ixx": 1, "ixy": 1, "ixz": 1, "iyy": 1, "iyz": 1, "izz": 1},
+    "box": {"size": 3},
+    "cylinder": {"radius": 1, "length": 1},
+    "capsule": {"radius": 1, "length": 1},
+    "sphere": {"radius": 1},
+    "mesh": {"scale": 3},
+    "color": {"rgba": 4},
+    "axis": {"xyz": 3},
+    "limit": {"lower": 1, "upper": 1, "effort": 1, "velocity": 1, "acceleration": 1, "deceleration": 1, "jerk": 1},
+    "dynamics": {"damping": 1, "friction": 1},
+    "mimic": {"multiplier": 1, "offset": 1},
+    "safety_controller": {"soft_lower_limit": 1, "soft_upper_limit": 1, "k_position": 1, "k_velocity": 1},
+    "calibration": {"rising": 1, "falling": 1},
+}
+
+# Attributes that hold no numbers. A name is a label that anything may carry, whether or not a program reads it.
+WORDS: Mapping[str, frozenset[str]] = {
+    "robot": frozenset({"name", "version"}),
+    "link": frozenset({"name"}),
+    "joint": frozenset({"name", "type"}),
+    "parent": frozenset({"link"}),
+    "child": frozenset({"link"}),
+    "mimic": frozenset({"joint"}),
+    "mesh": frozenset({"filename"}),
+    "texture": frozenset({"filename"}),
+    "visual": frozenset({"name"}),
+    "collision": frozenset({"name"}),
+    "material": frozenset({"name"}),
+}
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+# Without these the reference parser gives the element up.
+REQUIRED: Mapping[str, tuple[str, ...]] = {
+    "robot": ("name",),
+    "link": ("name",),
+    "joint": ("name", "type"),
+    "parent": ("link",),
+    "child": ("link",),
+    "mass": ("value",),
+    "inertia": tuple(NUMBERS["inertia"]),
+    "mesh": ("filename",),
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
+    "sphere": ("radius",),
+    "limit": ("effort", "velocity"),
+    "safety_controller": ("k_velocity",),
+    "mimic": ("joint",),
+    "material": ("name",),
+    "color": ("rgba",),
+    "axis": ("xyz",),
+}
+# As urdfdom converts the two numbers: 01.00 is 1.0 to it, and "1.0 " is nothing.
+_VERSION = re.compile(r"\s*\+?(\d{1,9})\.\s*\+?(\d{1,9})", re.ASCII)
+# What other formats, and other elements, call the same thing.
+_SYNONYMS: Mapping[str, str] = {
+    "file": "filename",
+    "uri": "filename",
+    "url": "filename",
+    "min": "lower",
+    "max": "upper",
+}
+_LIKENESS = 0.75
+_LONGEST_COMPARED = 40
+# <joint_properties damping= friction=> was the name of <dynamics> before URDF 1.0.
+_RENAMED = {"joint_properties": "dynamics", "colour": "color"}
+
+
+def version_of_urdf(robot: Element) -> tuple[int, int] | None:
+    """The version that a robot declares (1.0 where it declares none), None where urdfdom reads no such version."""
+    parts = _VERSION.fullmatch(robot.get("version", "1.0"))
+    version = None if parts is None else (int(parts[1]), int(parts[2]))
+    return version if version in {(1, 0), (1, 1), (1, 2)} else None
+
+
+def known_attributes(tag: str) -> frozenset[str]:
+    """The attributes that the reference parser reads of an element."""
+    return WORDS.get(tag, frozenset()) | frozenset(NUMBERS.get(tag, ()))
+
+
+def meant(element: Element, name: str) -> str | None:
+    """The attribute of its element that an unknown one probably means, None when there is none or it is there as well."""
+    near = _nearest(element.tag, name)
+    return None if near in element.attributes else near
+
+
+@lru_cache(maxsize=4096)
+def _nearest(tag: str, name: str) -> str | None:
+    known = sorted(known_attributes(tag))
+    if len(name) > _LONGEST_COMPARED or name in known or ":" in name:
+        return None
+    lower = name.lower()
+    # xzy for xyz is too short to share most of its letters in their order.
+    same = [k for k in known if _SYNONYMS.get(lower) == k or sorted(k) == sorted(lower)]
+    close = same or difflib.get_close_matches(lower, known, n=1, cutoff=_LIKENESS)
+    return close[0] if close else None
+
+
+def lacks(element: Element, name: str) -> bool:
+    """Whether an attribute is missing, and not only misspelt (which is a finding of its own, and the cause)."""
+    return name not in element.attributes and all(meant(element, other) != name for other in element.attributes)
+
+
+def elements(robot: Element) -> Iterator[Element]:
+    """The elements of a robot that the reference parser reads, in document order; extensions are not entered."""
+    stack = [robot]
+    while stack:
+        element = stack.pop()
+        yield element
+        allowed = CHILDREN.get(element.tag, frozenset())
+        stack.extend(child for child in reversed(element.children) if child.tag in allowed)
+
+
+def meant_element(parent: str, child: Element) -> str | None:
+    """The element that this parent may have and an unknown one probably means."""
+    allowed = sorted(CHILDREN.get(parent, frozenset()))
+    if _RENAMED.get(child.tag) in allowed:
+        return _RENAMED[child.tag]
+    if len(child.tag) > _LONGEST_COMPARED:
+        return None
+    close = difflib.get_close_matches(child.tag.lower(), allowed, n=1, cutoff=_LIKENESS)
+    if not close:
+        return None
+    # <inertia ixx=…> in a link is no misspelt <inertial>: it carries what belongs to <inertia>.
+    own = CHILDREN.get(child.tag) or frozenset(NUMBERS.get(child.tag, ()))
+    carried = {c.tag for c in child.children} | set(child.attributes)
+    return None if own & carried else close[0]
+
+
+def inside_misspelt(robot: Element) -> Iterator[tuple[Element, Element]]:
+    """What would be read if the tag of the element around it were spelt right, with that element."""
+    for parent in elements(robot):
+        allowed = CHILDREN.get(parent.tag, frozenset())
+        for child in parent.children:
+            near = None if child.tag in allowed or ":" in child.tag else meant_element(parent.tag, child)
+            if near is not None:
+                known = (inner for inner in child.children if inner.tag in CHILDREN.get(near, frozenset()))
+                yield from ((child, element) for inner in known for element in elements(inner))
+
+
+def loss(element: Element) -> str:
+    """What urdfdom does when an element cannot be read, as it does it today (checked with urdfdom 6).
+
+    It stops reading a link at the first part that fails: inertial, then visuals, then collisions.
+    """
+    if element.tag in {"color", "texture"}:
+        return "ignores the colour"
+    while element.parent is not None and element.parent.tag not in {"robot", "link"}:
+        element = element.parent
+    return {
+        "inertial": "drops the inertial, and with it every visual and collision of the link",
+        "visual": "drops every visual and collision of the link",
+        "collision": "drops every collision of the link",
+        "material": "ignores the material",
+    }.get(element.tag, "refuses the whole file")
+
+
+# What engines with a parser of their own load without its required attributes, found by leaving out one after the other.
+_LENIENT: Mapping[str, frozenset[str]] = {
+    "mujoco": frozenset({"limit", "material", "safety_controller"}),
+    "drake": frozenset({"mass", "inertia", "limit", "material", "axis", "safety_controller"}),
+    "bullet": frozenset({"limit", "mimic", "color", "axis", "safety_controller"}),
+}
+
+
+def without(element: Element, names: Iterable[str]) -> dict[str, str]:
+    """What MuJoCo, Drake and Bullet do with an element that lacks these required attributes."""
+    parts = [element]
+    while parts[-1].parent is not None:
+        parts.append(parts[-1].parent)
+    lenient = {engine for engine, tags in _LENIENT.items() if element.tag in tags}
+    if element.tag in CHILDREN["geometry"] and any(part.tag == "visual" for part in parts):
+        lenient.add("mujoco")  # it does not read them
+    if element.tag == "inertia" and not {"ixx", "iyy", "izz"} & set(names):
+        lenient.add("bullet")
+    return {engine: "loads it with a default" if engine in lenient else "refuses the file" for engine in _LENIENT}
+
+
+def is_unexpanded(text: str) -> bool:
+    """Whether a value still holds a substitution that only xacro resolves."""
+    return "${" in text or "$(" in text

@@ -1,0 +1,85 @@
+"""Comments that say which findings of the next element are known: ``<!-- urdfcheck: ignore[INR003] reason -->``.
+
+xacro deletes comments that stand before a macro, so they are read from the text as it was typed. In yaml, Python and CMake
+files such a comment begins with ``#`` and covers its own line, or the next one where it stands alone.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from urdfcheck.core import NEWLINE, Span
+from urdfcheck.source.text.xml import SourceFile, XmlError, parse
+
+MARK = "urdfcheck:"
+_IGNORE = re.compile(r"ignore\s*\[([^\]]*)\]\s*(.*)", re.DOTALL)
+_HASH = re.compile(r"#[ \t]*(urdfcheck:[^\r\n]*)")
+
+
+@dataclass(frozen=True, slots=True)
+class Ignore:
+    """One such comment. ``span`` is the comment, ``words`` what it names (codes, prefixes, names, tags), empty where it cannot
+    be understood; ``start`` and ``end`` are the offsets between which the text lies that it covers."""
+
+    span: Span
+    words: tuple[str, ...]
+    reason: str
+    start: int
+    end: int
+
+
+def ignores(file: SourceFile) -> list[Ignore]:
+    """The comments of a file, in their order; none where the file cannot be parsed: that is told elsewhere."""
+    if MARK not in file.text:
+        return []
+    if not file.text.lstrip("\ufeff \t\r\n").startswith("<"):
+        return list(_after_hashes(file))
+    # Parsed once more, because launch files and manifests are not kept as trees; such comments are rare.
+    again = SourceFile(file.path, file.name, file.text, file.encoding)
+    try:
+        root = parse(again)
+    except XmlError:
+        return []
+    elements = [(e.span.start, e) for e in root.walk() if e.span is not None]
+    starts = [start for start, _ in elements]
+    ends: dict[int, int] = {}
+    open_since: list[tuple[int, int]] = []  # depth, index: elements whose end has not been seen
+    depths = {id(root): 0}
+    for index, (start, element) in enumerate(elements):
+        depth = 0 if element.parent is None else depths[id(element.parent)] + 1
+        depths[id(element)] = depth
+        while open_since and open_since[-1][0] >= depth:
+            ends[open_since.pop()[1]] = start
+        open_since.append((depth, index))
+    found = []
+    for comment in again.comments:
+        text = comment.text.strip()
+        if text.startswith(MARK):
+            index = bisect_left(starts, comment.span.end)
+            start = starts[index] if index < len(starts) else comment.span.end
+            end = ends.get(index, len(file.text)) if index < len(starts) else start
+            found.append(_ignore(text, comment.span, start, end))
+    return found
+
+
+def _after_hashes(file: SourceFile) -> Iterator[Ignore]:
+    for match in _HASH.finditer(file.text):
+        span = file.span(*match.span())
+        line = span.start - span.col + 1
+        newline = NEWLINE.search(file.text, match.end())
+        end = len(file.text) if newline is None else newline.end()
+        if not file.text[line : match.start()].strip():  # it stands alone
+            newline = NEWLINE.search(file.text, end)
+            line, end = end, len(file.text) if newline is None else newline.end()
+        yield _ignore(match.group(1).strip(), span, line, end)
+
+
+def _ignore(text: str, span: Span, start: int, end: int) -> Ignore:
+    match = _IGNORE.match(text.removeprefix(MARK).strip())
+    if match is None:
+        return Ignore(span, (), "", start, end)
+    words = tuple(word.strip() for word in match.group(1).split(",") if word.strip())
+    return Ignore(span, words, " ".join(match.group(2).split()), start, end)

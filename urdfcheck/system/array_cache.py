@@ -1,0 +1,258 @@
+"""Results that are kept between runs: named groups of arrays under a key that says all they depend on.
+
+An entry is one npz file per group, written whole or not at all, read without pickle. A file that cannot be read is
+dropped, a folder that cannot be written is no error: what is missing is computed again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import io
+import os
+import re
+import time
+import zipfile
+from collections.abc import Iterator, Mapping, MutableMapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from urdfcheck.system.files import MAX_MESH, TooLarge, looked_at, read_regular
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Arrays = Mapping[str, NDArray[Any]]
+    Entry = MutableMapping[str, Arrays]
+
+FOLDER_VARIABLE = "URDFCHECK_CACHE_DIR"
+# All is kept below a folder of this name: whatever else lies in the one that was named is not ours.
+NAME = "urdfcheck-results"
+# What the least recently used entries are dropped for.
+LARGEST = 2 * 1024**3
+# A file that was changed a moment ago may be changed again without its time of change telling (as git's index fears).
+_SETTLED_NS = 2_000_000_000
+_TIDY_EVERY = 3600.0
+# The header of an array of numbers, as numpy writes it.
+_HEADER = re.compile(
+    rb"\x93NUMPY\x01\x00..\{'descr': '([<|][biuf]\d+)', 'fortran_order': (True|False), 'shape': \(([\d, ]*)\), \} *\n",
+    re.DOTALL,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Cache:
+    """A folder of entries; without a folder every entry is an empty dictionary that nothing keeps."""
+
+    folder: Path | None = None
+
+    def entry(self, kind: str, key: str) -> Entry:
+        """The groups of arrays of one key, read when they are asked for and written when they are set."""
+        return {} if self.folder is None else _Files(self.folder / kind / key[:2] / key[2:])
+
+    def digest(self, path: Path, limit: int = MAX_MESH) -> tuple[str, bytes | None]:
+        """SHA-256 of a file's content, in hex, and the content if it was read for it.
+
+        A file whose times, size and inode are known is not read again.
+
+        :raises TooLarge: when it has more than ``limit`` bytes.
+        :raises OSError: when it is no regular file, or cannot be read.
+        """
+        status = path.stat()
+        looked_at(path, status)
+        if status.st_size > limit:
+            raise TooLarge(limit, status.st_size)
+        stamp = f"{status.st_size} {status.st_mtime_ns} {status.st_ctime_ns} {status.st_ino}"
+        place = None if self.folder is None else self.folder / "files" / _hash(os.fsencode(os.path.realpath(path)))
+        if place is not None:
+            with contextlib.suppress(OSError, ValueError):
+                known, _, digest = place.read_text(encoding="ascii").rpartition(" ")
+                if known == stamp and len(digest) == 64:
+                    return digest, None
+        data = read_regular(path, limit)
+        digest = _hash(data)
+        if place is not None and time.time_ns() - status.st_mtime_ns > _SETTLED_NS:
+            _write(place, f"{stamp} {digest}".encode("ascii"))
+        return digest, data
+
+    def files(self) -> Iterator[tuple[Path, os.stat_result]]:
+        """What lies in the folder."""
+        if self.folder is not None:
+            for parent, _, names in os.walk(self.folder):
+                for name in names:
+                    with contextlib.suppress(OSError):
+                        yield (path := Path(parent, name)), path.stat()
+
+    def tidy(self) -> None:
+        """Trim, if that was not done for an hour."""
+        if self.folder is None or not self.folder.is_dir():
+            return
+        marker = self.folder / "trimmed"
+        with contextlib.suppress(OSError):
+            if time.time() - marker.stat().st_mtime < _TIDY_EVERY:
+                return
+        self.trim()
+        _write(marker, b"")
+
+    def trim(self, largest: int = LARGEST) -> None:
+        """Drop the entries that were not used for longest until at most ``largest`` bytes are left."""
+        entries: dict[str, tuple[int, int]] = {}  # when it was used last, and its size
+        for path, status in self.files():
+            entry = str(path.parent if path.suffix == ".npz" else path)
+            used, size = entries.get(entry, (0, 0))
+            entries[entry] = max(used, status.st_mtime_ns), size + status.st_size
+        kept = 0
+        for entry in sorted(entries, key=lambda entry: -entries[entry][0]):
+            kept += entries[entry][1]
+            if kept > largest:
+                _remove(Path(entry))
+
+    def clear(self) -> None:
+        """Drop everything."""
+        self.trim(-1)
+
+
+def default_folder() -> Path | None:
+    """Where this platform keeps caches, or where ``URDFCHECK_CACHE_DIR`` says; None where there is no such place."""
+    if named := os.environ.get(FOLDER_VARIABLE):
+        return Path(os.path.expanduser(named)).absolute() / NAME
+    from platformdirs import user_cache_path
+
+    try:
+        return user_cache_path("urdfcheck", appauthor=False) / NAME
+    except RuntimeError:  # a user without a home, as in some containers
+        return None
+
+
+def _remove(entry: Path) -> None:
+    """Delete an entry: a file, or a folder with its files."""
+    with contextlib.suppress(OSError):
+        if not entry.is_dir():
+            entry.unlink()
+            return
+        for path in entry.glob("*.npz"):
+            path.unlink()
+        entry.rmdir()
+
+
+@cache
+def version_of(*modules: str, library: str | None = None) -> str:
+    """A digest of the source of these modules and packages (``urdfcheck.facts.mesh``) and of the `origin_of` a library that
+    they call: a result is only reused by the code that computed it."""
+    texts = [path.read_bytes() for name in modules for path in _sources_of(name)]
+    return _hash(b"\0".join((*texts, (library or "").encode())))[:16]
+
+
+def _sources_of(module: str) -> list[Path]:
+    """The file of a module, or all files below a package."""
+    from importlib.util import find_spec
+
+    spec = find_spec(module)
+    if spec is None or not spec.origin:
+        raise ModuleNotFoundError(module)
+    file = Path(spec.origin)
+    return [file] if spec.submodule_search_locations is None else sorted(file.parent.rglob("*.py"))
+
+
+@cache
+def origin_of(library: str) -> str | None:
+    """Where a library is installed and since when, without importing it; None when it is not."""
+    from importlib.util import find_spec
+
+    spec = find_spec(library)
+    if spec is None or not spec.origin:
+        return None
+    return f"{spec.origin} {os.stat(spec.origin).st_mtime_ns}"
+
+
+class _Files(MutableMapping[str, "Arrays"]):
+    """An entry on disk: one file per group. Groups that were read or set stay in memory."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._known: dict[str, Arrays] = {}
+
+    def __getitem__(self, name: str) -> Arrays:
+        if name not in self._known:
+            self._known[name] = self._read(name)
+        return self._known[name]
+
+    def __setitem__(self, name: str, arrays: Arrays) -> None:
+        self._known[name] = arrays
+        _write(self._file(name), _archive(arrays))
+
+    def __delitem__(self, name: str) -> None:
+        self._known.pop(name, None)
+        self._file(name).unlink(missing_ok=True)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(sorted(path.stem for path in self._folder.glob("[!.]*.npz")))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def _file(self, name: str) -> Path:
+        return self._folder / f"{name}.npz"
+
+    def _read(self, name: str) -> Arrays:
+        path = self._file(name)
+        try:
+            with zipfile.ZipFile(path) as archive:
+                arrays = {info.filename.removesuffix(".npy"): _array(archive.read(info)) for info in archive.infolist()}
+            os.utime(path)  # used now: see trim
+        except FileNotFoundError:
+            raise KeyError(name) from None
+        except Exception:  # zipfile has many ways to say that a file is damaged
+            with contextlib.suppress(OSError):
+                path.unlink()
+            raise KeyError(name) from None
+        return arrays
+
+
+def _archive(arrays: Arrays) -> bytes:
+    """An npz file, as numpy.savez writes it in four times the time."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, array in arrays.items():
+            header = f"{{'descr': '{array.dtype.str}', 'fortran_order': False, 'shape': {array.shape}, }}"
+            padded = header.ljust(-(len(header) + 11) % 64 + len(header)) + "\n"
+            size = len(padded).to_bytes(2, "little")
+            archive.writestr(f"{name}.npy", b"\x93NUMPY\x01\x00" + size + padded.encode() + array.tobytes())
+    return buffer.getvalue()
+
+
+def _array(data: bytes) -> NDArray[Any]:
+    """An array of an npz file, read-only. np.load takes any header, and evaluates each as Python, which takes most of the time
+    of a small one; ours are all of one form.
+
+    :raises ValueError: for any other.
+    """
+    import numpy as np
+
+    header = _HEADER.match(data)
+    if header is None:
+        raise ValueError("not written here")
+    shape = tuple(int(size) for size in header.group(3).split(b",") if size.strip())
+    array: NDArray[Any] = np.frombuffer(data, np.dtype(header.group(1).decode()), offset=header.end())
+    return array.reshape(shape, order="F" if header.group(2) == b"True" else "C")
+
+
+def _write(path: Path, data: bytes) -> None:
+    """Write a file whole or not at all, whoever else writes it."""
+    temporary = path.with_name(f".{os.urandom(8).hex()}-{path.name}")
+    try:
+        try:
+            temporary.write_bytes(data)
+        except FileNotFoundError:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            temporary.write_bytes(data)
+        os.replace(temporary, path)
+    except OSError:
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def _hash(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
