@@ -13,10 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdfcheck.core import Edit
-from urdfcheck.facts.inertials.diagnosis import Declared, Geometry
-from urdfcheck.facts.inertials.inertia_tensor import Solid, box_solid, combine, inertia_of, placed, principal_moments
-from urdfcheck.facts.mesh.measure import hull_of
-from urdfcheck.facts.mesh.moments import moments
+from urdfcheck.facts.inertials.diagnosis import DeclaredInertial, VisualGeometry
+from urdfcheck.facts.inertials.inertia_tensor import (
+    Solid,
+    combine_solids,
+    compute_principal_moments,
+    compute_solid_inertia,
+    make_box_solid,
+    transform_solid,
+)
+from urdfcheck.facts.mesh.measure import compute_convex_hull
+from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy
 
 Array = NDArray[np.float64]
@@ -49,73 +56,73 @@ def triangles(blocks: Sequence[Block]) -> tuple[Array, NDArray[np.intp]]:
 
 
 def pieces(blocks: Sequence[Block]) -> tuple[Solid, ...]:
-    return tuple(placed(box_solid(size), np.eye(3), place) for size, place in blocks)
+    return tuple(transform_solid(make_box_solid(size), np.eye(3), place) for size, place in blocks)
 
 
-def geometry(blocks: Sequence[Block], scale: float = 1.0) -> Geometry:
+def geometry(blocks: Sequence[Block], scale: float = 1.0) -> VisualGeometry:
     """What a link draws: the blocks, all ``scale`` times as large."""
     blocks = [(np.array(size) * scale, np.array(place) * scale) for size, place in blocks]
     corners, faces = triangles(blocks)
-    hull = hull_of(corners)
-    filled, surface = moments(hull.vertices, hull.faces), moments(corners, faces)
+    hull = compute_convex_hull(corners)
+    filled, surface = compute_mesh_moments(hull.vertices, hull.faces), compute_mesh_moments(corners, faces)
     low, high = corners.min(axis=0), corners.max(axis=0)
-    return Geometry(
-        solid=combine(pieces(blocks)),
+    return VisualGeometry(
+        solid=combine_solids(pieces(blocks)),
         closed=True,
         points=corners,
         hull=Solid(filled.volume, filled.com, filled.covariance),
         shell=Solid(surface.area, surface.surface_centroid, surface.surface_covariance),
-        box=placed(box_solid(high - low), np.eye(3), (low + high) / 2),
+        box=transform_solid(make_box_solid(high - low), np.eye(3), (low + high) / 2),
         pieces=pieces(blocks),
     )
 
 
-def opened(drawn: Geometry) -> Geometry:
+def opened(drawn: VisualGeometry) -> VisualGeometry:
     """The same drawn by an open mesh: only its convex hull is known."""
     assert drawn.hull is not None
     return replace(drawn, solid=drawn.hull, closed=False, pieces=(drawn.hull,))
 
 
-def uniform(solid: Solid, mass: float | None = None) -> Declared:
+def uniform(solid: Solid, mass: float | None = None) -> DeclaredInertial:
     """The numbers of a solid of plastic, or of another mass."""
     mass = PLASTIC * solid.volume if mass is None else mass
-    return Declared(mass, solid.com, inertia_of(solid, mass))
+    return DeclaredInertial(mass, solid.com, compute_solid_inertia(solid, mass))
 
 
-def principal(numbers: Declared) -> Declared:
+def principal(numbers: DeclaredInertial) -> DeclaredInertial:
     """The same body with its tensor along the principal axes, which rpy gives."""
-    found, axes = principal_moments(numbers.inertia)
+    found, axes = compute_principal_moments(numbers.inertia)
     return replace(numbers, tensor=np.diag(found), rotation=axes)
 
 
-def turned(numbers: Declared, rotation: Array, shift: Array | float = 0.0) -> Declared:
+def turned(numbers: DeclaredInertial, rotation: Array, shift: Array | float = 0.0) -> DeclaredInertial:
     """The body in another link frame: ``x -> rotation x + shift``."""
-    return Declared(numbers.mass, rotation @ numbers.com + shift, rotation @ numbers.tensor @ rotation.T)
+    return DeclaredInertial(numbers.mass, rotation @ numbers.com + shift, rotation @ numbers.tensor @ rotation.T)
 
 
-def moved(blocks: Geometry, rotation: Array, shift: Array | float = 0.0) -> Geometry:
+def moved(blocks: VisualGeometry, rotation: Array, shift: Array | float = 0.0) -> VisualGeometry:
     """What is drawn in another link frame, without its bounding box, which is another there."""
     move = np.zeros(3) + shift
 
     def solid(one: Solid | None) -> Solid | None:
-        return None if one is None else placed(one, rotation, move)
+        return None if one is None else transform_solid(one, rotation, move)
 
-    return Geometry(
-        solid=placed(blocks.solid, rotation, move),
+    return VisualGeometry(
+        solid=transform_solid(blocks.solid, rotation, move),
         closed=blocks.closed,
         points=blocks.points @ rotation.T + move,
         hull=solid(blocks.hull),
         shell=solid(blocks.shell),
-        pieces=tuple(placed(piece, rotation, move) for piece in blocks.pieces),
+        pieces=tuple(transform_solid(piece, rotation, move) for piece in blocks.pieces),
     )
 
 
-def slots(numbers: Declared) -> list[float]:
+def slots(numbers: DeclaredInertial) -> list[float]:
     """URDF's six."""
     return [float(numbers.tensor[i, j]) for i in range(3) for j in range(i, 3)]
 
 
-def with_slots(numbers: Declared, six: Sequence[float]) -> Declared:
+def with_slots(numbers: DeclaredInertial, six: Sequence[float]) -> DeclaredInertial:
     xx, xy, xz, yy, yz, zz = six
     return replace(numbers, tensor=np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))))
 
@@ -136,7 +143,7 @@ def quarter(axis: int) -> Array:
 
 # -- mistakes: the true numbers, and what is drawn, to the numbers as they are written ---------------------------------
 
-Mistake = Callable[[Declared, Geometry], Declared]
+Mistake = Callable[[DeclaredInertial, VisualGeometry], DeclaredInertial]
 
 
 def _slot(index: int, factor: float) -> Mistake:
@@ -147,8 +154,8 @@ def _order(*order: int) -> Mistake:
     return lambda true, _: with_slots(true, [slots(true)[i] for i in order])
 
 
-def _body(choose: Callable[[Geometry], Solid | None]) -> Mistake:
-    def make(true: Declared, drawn: Geometry) -> Declared:
+def _body(choose: Callable[[VisualGeometry], Solid | None]) -> Mistake:
+    def make(true: DeclaredInertial, drawn: VisualGeometry) -> DeclaredInertial:
         solid = choose(drawn)
         assert solid is not None
         return uniform(solid, true.mass)
@@ -156,14 +163,16 @@ def _body(choose: Callable[[Geometry], Solid | None]) -> Mistake:
     return make
 
 
-def _added(true: Declared, drawn: Geometry) -> Declared:
+def _added(true: DeclaredInertial, drawn: VisualGeometry) -> DeclaredInertial:
     density = true.mass / drawn.solid.volume
-    return replace(true, tensor=sum((inertia_of(p, density * p.volume) for p in drawn.pieces), np.zeros((3, 3))))
+    return replace(
+        true, tensor=sum((compute_solid_inertia(p, density * p.volume) for p in drawn.pieces), np.zeros((3, 3)))
+    )
 
 
-def _mirrored(true: Declared, _: Geometry) -> Declared:
+def _mirrored(true: DeclaredInertial, _: VisualGeometry) -> DeclaredInertial:
     mirror = np.diag((1.0, -1.0, 1.0))
-    return Declared(true.mass, mirror @ true.com, mirror @ true.tensor @ mirror)
+    return DeclaredInertial(true.mass, mirror @ true.com, mirror @ true.tensor @ mirror)
 
 
 # (id, what its detail says, the mistake)
@@ -171,8 +180,8 @@ MISTAKES: tuple[tuple[str, str, Mistake], ...] = (
     ("inertia_unit", "kg·cm²", lambda t, _: replace(t, tensor=t.tensor * 1e4)),
     ("mass_unit", "lb", lambda t, _: replace(t, mass=t.mass / 0.45359237)),
     ("com_unit", "mm", lambda t, _: replace(t, com=t.com * 1e3)),
-    ("units", "g and g·mm², mm", lambda t, _: Declared(t.mass * 1e3, t.com * 1e3, t.tensor * 1e9)),
-    ("mesh_scale", "0.001", lambda t, _: Declared(t.mass / 1e9, t.com / 1e3, t.tensor / 1e15)),
+    ("units", "g and g·mm², mm", lambda t, _: DeclaredInertial(t.mass * 1e3, t.com * 1e3, t.tensor * 1e9)),
+    ("mesh_scale", "0.001", lambda t, _: DeclaredInertial(t.mass / 1e9, t.com / 1e3, t.tensor / 1e15)),
     ("about_origin", "", lambda t, _: replace(t, tensor=t.tensor + steiner(t.mass, t.com))),
     ("steiner_twice", "", lambda t, _: replace(t, tensor=t.tensor - steiner(t.mass, t.com))),
     ("steiner_missing", "", _added),
@@ -227,7 +236,7 @@ def edited(text: str, edits: Sequence[Edit]) -> str:
     return text
 
 
-def inertial(numbers: Declared, digits: int = 8) -> str:
+def inertial(numbers: DeclaredInertial, digits: int = 8) -> str:
     """An ``<inertial>`` with so many significant digits."""
 
     def words(values: Sequence[float] | Array) -> str:

@@ -44,7 +44,7 @@ sys.dont_write_bytecode = False
 
 def check(*paths: Path, codes: set[str] | None = None, **request: object) -> Run:
     """Check paths in this process, with all rules or the given codes."""
-    selected = frozenset(catalogue.rules()) if codes is None else frozenset(codes)
+    selected = frozenset(catalogue.load_rules()) if codes is None else frozenset(codes)
     root = paths[0] if paths[0].is_dir() else paths[0].parent
     return run(Request(tuple(paths), root, selected, **request), audit=audit)  # type: ignore[arg-type]
 
@@ -80,9 +80,9 @@ def pytest_collection_finish() -> None:
     """Many tests fork: what a worker process loads is loaded once, and no process looks through thousands of tests for
     garbage."""
     prepare()
-    for rule in catalogue.rules().values():
+    for rule in catalogue.load_rules().values():
         if catalogue.has_check(rule):
-            catalogue.check_of(rule)
+            catalogue.load_check(rule)
     gc.collect()
     gc.freeze()
 

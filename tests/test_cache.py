@@ -12,7 +12,7 @@ import pytest
 from conftest import FIXTURES
 
 from urdfcheck.cli import main
-from urdfcheck.facts.mesh.measure import MeshError, known_facts, mesh_facts
+from urdfcheck.facts.mesh.measure import MeshError, measure_mesh, restore_mesh_facts
 from urdfcheck.system.array_cache import Cache, default_folder
 
 WHEEL = FIXTURES / "car-3" / "meshes" / "wheel_1.STL"
@@ -172,10 +172,10 @@ def test_several_processes_write_one_entry(tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_a_mesh_comes_back_as_it_was_measured(tmp_path: Path) -> None:
-    cold = mesh_facts(WHEEL.read_bytes(), "stl", Cache(tmp_path).entry("meshes", KEY))
+    cold = measure_mesh(WHEEL.read_bytes(), "stl", Cache(tmp_path).entry("meshes", KEY))
     assert len(cold.components) == 1
     assert cold.hull.volume > 0
-    warm = known_facts(Cache(tmp_path).entry("meshes", KEY))
+    warm = restore_mesh_facts(Cache(tmp_path).entry("meshes", KEY))
     assert warm is not None
     for name in ("vertices", "faces", "bounds", "com", "covariance", "surface_covariance", "components"):
         np.testing.assert_array_equal(getattr(warm, name), getattr(cold, name), err_msg=name)
@@ -186,11 +186,11 @@ def test_a_mesh_comes_back_as_it_was_measured(tmp_path: Path) -> None:
 @pytest.mark.parametrize("damage", ["lost", "corrupt"])
 def test_a_mesh_of_which_a_part_is_lost_is_measured_again(tmp_path: Path, damage: str) -> None:
     data = WHEEL.read_bytes()
-    cold = mesh_facts(data, "stl", Cache(tmp_path).entry("meshes", KEY))
+    cold = measure_mesh(data, "stl", Cache(tmp_path).entry("meshes", KEY))
     (surface,) = files_of(tmp_path, "surface.npz")
     surface.unlink() if damage == "lost" else surface.write_bytes(b"PK")
     parts = Cache(tmp_path).entry("meshes", KEY)
-    warm = known_facts(parts, lambda: mesh_facts(data, "stl", parts))
+    warm = restore_mesh_facts(parts, lambda: measure_mesh(data, "stl", parts))
     assert warm is not None
     np.testing.assert_array_equal(warm.vertices, cold.vertices)
     np.testing.assert_array_equal(Cache(tmp_path).entry("meshes", KEY)["surface"]["faces"], cold.faces)
@@ -198,9 +198,9 @@ def test_a_mesh_of_which_a_part_is_lost_is_measured_again(tmp_path: Path, damage
 
 def test_a_mesh_that_could_not_be_read_is_remembered_as_such(tmp_path: Path) -> None:
     with pytest.raises(MeshError) as first:
-        mesh_facts(b"", "stl", Cache(tmp_path).entry("meshes", KEY))
+        measure_mesh(b"", "stl", Cache(tmp_path).entry("meshes", KEY))
     with pytest.raises(MeshError) as again:
-        known_facts(Cache(tmp_path).entry("meshes", KEY))
+        restore_mesh_facts(Cache(tmp_path).entry("meshes", KEY))
     assert (again.value.reason_id, again.value.message) == (first.value.reason_id, first.value.message)
 
 

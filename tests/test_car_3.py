@@ -13,8 +13,8 @@ import pytest
 from conftest import FIXTURES, check
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
-from urdfcheck.output.html.svg.launch import launch_html
-from urdfcheck.output.shared.anchors import cards
+from urdfcheck.output.html.svg.launch import render_launch_files
+from urdfcheck.output.shared.anchors import build_finding_cards
 
 XACRO = "robot_description/urdf/car_body.urdf.xacro"
 GAZEBO = "robot_description/urdf/gazebo.urdf.xacro"
@@ -143,7 +143,7 @@ def test_the_gazebo_file_is_reached_through_the_include_and_the_macro_call(run: 
 
 def test_the_launch_file_is_drawn_with_what_is_wrong_in_it(run: Run) -> None:
     scene = next(scene for scene in run.scenes if scene.launches)
-    drawn = launch_html(scene, cards(f for f in run.findings if f.model == scene.model))
+    drawn = render_launch_files(scene, build_finding_cards(f for f in run.findings if f.model == scene.model))
     boxes = re.findall(r'<g class="node ([^"]*)"><title>.*?<text[^>]*>([^<]*)<', drawn)
     assert {name: kind for kind, name in boxes if " " in kind} == {
         "empty_world.launch": "launch-file info",

@@ -18,8 +18,8 @@ from urdfcheck.policy.config import Configurations, Given
 from urdfcheck.run import pipeline as engine
 from urdfcheck.run.audit import audit
 from urdfcheck.run.pipeline import Request
-from urdfcheck.source.text.globs import means, names_below
-from urdfcheck.source.text.toml import places
+from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
+from urdfcheck.source.text.toml import locate_keys
 
 BROKEN = (
     '<robot name="r"><link name="{}"><inertial><mass value="1"/>'
@@ -211,11 +211,11 @@ class TestExclude:
         ],
     )
     def test_patterns(self, pattern: str, path: str, expected: bool, tmp_path: Path) -> None:
-        assert means([pattern], names_below(tmp_path / path, tmp_path)) is expected
+        assert match_any_pattern([pattern], split_relative_path(tmp_path / path, tmp_path)) is expected
 
     def test_a_pattern_that_would_take_for_ever_does_not(self, tmp_path: Path) -> None:
         deep = "/".join(["a"] * 300)
-        assert not means(["**/a/" * 200 + "b"], names_below(tmp_path / deep, tmp_path))
+        assert not match_any_pattern(["**/a/" * 200 + "b"], split_relative_path(tmp_path / deep, tmp_path))
 
 
 class TestModels:
@@ -358,7 +358,7 @@ class TestPlaces:
     def test_of_every_kind_of_key(self) -> None:
         text = (REPOSITORY / "pyproject.toml").read_text(encoding="utf-8")
         lines = text.splitlines()
-        at = places(text)
+        at = locate_keys(text)
         assert lines[at["tool", "ruff", "lint", "pycodestyle", "max-line-length"] - 1].startswith("max-line-length")
         assert lines[at["tool", "mypy", "overrides", 0, "module"] - 1].startswith("module")
 
@@ -389,7 +389,7 @@ class TestPlaces:
             tomli.loads(text)
         except tomli.TOMLDecodeError:
             return  # an integer of too many digits, half a pair of surrogates
-        at = places(text)
+        at = locate_keys(text)
         assert at["value",] == 2
         assert at["last", "z"] == text.count("\n")
         assert at["after",] == text.count("\n") - 2
@@ -409,12 +409,12 @@ def test_the_example_of_the_readme_is_right(tmp_path: Path) -> None:
 def test_every_code_a_page_declares_can_be_configured(tmp_path: Path) -> None:
     """Every option of every rule, by its default."""
     lines = []
-    for rule in catalogue.rules().values():
+    for rule in catalogue.load_rules().values():
         lines += [f"[options.{rule.name}]", *(f"{o.name} = {json.dumps(o.default)}" for o in rule.options.values())]
     write(tmp_path / "urdfcheck.toml", "\n".join(lines))
     read = config.find(tmp_path).sections[0].options
     assert read == {
-        c: {o.name: o.default for o in r.options.values()} for c, r in catalogue.rules().items() if r.options
+        c: {o.name: o.default for o in r.options.values()} for c, r in catalogue.load_rules().items() if r.options
     }
 
 

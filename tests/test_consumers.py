@@ -12,7 +12,7 @@ from urdfcheck import rules as catalogue
 from urdfcheck.core import Confidence, Finding, Location, Severity, Verdict
 from urdfcheck.policy.consumers import CONSUMERS, aimed, outcomes
 
-RULE = catalogue.rules()["JNT009"]
+RULE = catalogue.load_rules()["JNT009"]
 
 
 @pytest.mark.parametrize(
@@ -30,7 +30,7 @@ RULE = catalogue.rules()["JNT009"]
     ],
 )
 def test_a_sentence_begins_with_its_verdict(sentence: str, verdict: Verdict) -> None:
-    assert Verdict.of(sentence) is verdict
+    assert Verdict.from_sentence(sentence) is verdict
 
 
 IMPOSSIBLE = """<robot name="r"><link name="base"/><link name="arm"><inertial><mass value="1"/>

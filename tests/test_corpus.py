@@ -31,7 +31,7 @@ def runs(corpus: Path) -> dict[str, Run]:
             Request(
                 (corpus / entry["entry"],),
                 corpus,
-                frozenset(catalogue.rules()),
+                frozenset(catalogue.load_rules()),
                 arguments=entry["xacro_args"],
                 package_paths=tuple(corpus / r for r in entry["package_roots"]),
             ),

@@ -26,7 +26,7 @@ from urdfcheck.core import Finding, Severity
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.dataset import dataset_audit as dataset
 from urdfcheck.output.shared import lines
-from urdfcheck.policy.limits import Limits
+from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.run import audit as worker
 from urdfcheck.run import pipeline as engine
 from urdfcheck.run.audit import Report, Settings, Unit
@@ -74,7 +74,7 @@ class Audit:
                 yield place, worker.audit(unit, settings)
 
         wanted = {"tier": "source", **self.request, **request}
-        codes = frozenset(wanted.pop("codes", catalogue.rules()))
+        codes = frozenset(wanted.pop("codes", catalogue.load_rules()))
         work = Request((self.models,), self.models, codes, **wanted)
         self.outcome = dataset.audit(work, self.folder, stream, restart=restart)
         return asked
@@ -128,7 +128,7 @@ def test_the_lines_hold_what_a_report_of_all_together_holds(tmp_path: Path) -> N
     audit = Audit(mixed(tmp_path / "mixed"), tmp_path / "out")
     audit()
     report = json.loads(render(engine.reproducible(check(audit.models, tier="source"))))
-    alone = {code for code, rule in catalogue.rules().items() if rule.scopes == ("run",)}
+    alone = {code for code, rule in catalogue.load_rules().items() if rule.scopes == ("run",)}
     found = [finding for line in audit.lines for finding in line["findings"]]
     assert sorted(map(json.dumps, found)) == sorted(json.dumps(f) for f in report["findings"] if f["code"] not in alone)
     assert [line["model"] for line in audit.lines if line["model"]] == report["models"]
@@ -156,7 +156,7 @@ def test_names_of_strangers_are_data_in_every_file(tmp_path: Path) -> None:
 def test_the_outcome_does_not_depend_on_the_number_of_jobs(audit: Audit, tmp_path: Path, jobs: int) -> None:
     audit()
     there = tmp_path / f"out{jobs}"
-    request = Request((audit.models,), audit.models, frozenset(catalogue.rules()), tier="source", jobs=jobs)
+    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source", jobs=jobs)
     dataset.audit(request, there, lambda units, settings: engine.stream(units, settings, jobs))
     assert ((there / "audit.jsonl").read_bytes(), (there / "index.html").read_bytes()) == audit.bytes
 
@@ -369,7 +369,7 @@ def test_a_folder_has_one_audit_at_a_time(audit: Audit) -> None:
         for place, unit in enumerate(units):
             yield place, worker.audit(unit, settings)
 
-    request = Request((audit.models,), audit.models, frozenset(catalogue.rules()), tier="source")
+    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source")
     dataset.audit(request, audit.folder, stream)
     assert said == [f"urdfcheck: another audit is at work in {audit.folder}\n"]
     done = subprocess.run([*second, "--restart"], capture_output=True, text=True, cwd=REPOSITORY)
@@ -464,7 +464,7 @@ def test_a_full_disk_is_said_and_what_was_finished_is_kept(audit: Audit) -> None
 def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
     audit: Audit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    real = catalogue.check_of
+    real = catalogue.load_check
 
     workers = tmp_path / "workers"
 
@@ -476,9 +476,9 @@ def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
         yield from real(rule)(subject, rule, **options)
 
     monkeypatch.setattr(sandbox, "confine", lambda *_: None)  # or the slow check could not write
-    monkeypatch.setattr(catalogue, "check_of", lambda rule: slow if rule.code == "INR003" else real(rule))
-    limits = Limits(seconds=2.0)
-    request = Request((audit.models,), audit.models, frozenset(catalogue.rules()), tier="source", limits=limits)
+    monkeypatch.setattr(catalogue, "load_check", lambda rule: slow if rule.code == "INR003" else real(rule))
+    limits = ResourceLimits(seconds=2.0)
+    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source", limits=limits)
 
     def outcome() -> dataset.Outcome:
         return dataset.audit(request, audit.folder, lambda units, settings: engine.stream(units, settings, 1))
@@ -505,14 +505,14 @@ def die_on_3(unit: Unit, settings: Settings) -> Report:
 def test_a_worker_that_dies_is_a_failure_and_its_model_tried_again(
     audit: Audit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    request = Request((audit.models,), audit.models, frozenset(catalogue.rules()), tier="source")
+    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source")
     with monkeypatch.context() as patch:
         patch.setattr(engine, "_audit", die_on_3)
         found = dataset.audit(request, audit.folder, lambda units, settings: engine.stream(units, settings, 2)).summary
-    assert found.failed == 1
+    assert found.failure_count == 1
     assert "003.urdf" in found.failures[0]
     assert audit() == ["003.urdf"]
-    assert audit.outcome.summary.failed == 0
+    assert audit.outcome.summary.failure_count == 0
 
 
 # -- the command -------------------------------------------------------------------------------------------------------
@@ -599,17 +599,17 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
 
 
 def test_a_summary_holds_no_more_rows_than_it_shows() -> None:
-    def row(number: int) -> lines.Row:
+    def row(number: int) -> lines.UnitRow:
         codes = (("INR003", Severity.ERROR, number % 7), ("KIN008", Severity.INFO, 1))
         counts = (number % 7, 0, 1)
-        return lines.Row("model", f"{number}", "", "", "failed", 1, 0, None, counts, codes, ("it broke",))
+        return lines.UnitRow("model", f"{number}", "", "", "failed", 1, 0, None, counts, codes, ("it broke",))
 
-    summary = lines.Summary.of(map(row, range(1000)))
+    summary = lines.AuditSummary.from_rows(map(row, range(1000)))
     assert len(summary.worst) == len(summary.failures) == len(summary.unchecked) == lines.MOST_NAMED
     assert {worst.counts[0] for worst in summary.worst} == {6}
-    assert (summary.units, summary.failed, summary.statuses["failed"]) == (1000, 1000, 1000)
+    assert (summary.unit_count, summary.failure_count, summary.statuses["failed"]) == (1000, 1000, 1000)
     assert summary.counts[Severity.ERROR] == sum(n % 7 for n in range(1000))
-    assert summary.ranked()[0][0] == "INR003"
+    assert summary.rank_rules()[0][0] == "INR003"
 
 
 def test_what_is_known_is_known_to_an_audit_and_one_of_its_settings(

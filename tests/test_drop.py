@@ -15,7 +15,7 @@ from conftest import FIXTURES, REPOSITORY, check, check_text
 
 from urdfcheck.cli import main
 from urdfcheck.core import Run
-from urdfcheck.core.drop_test import STEPS, Drop
+from urdfcheck.core.drop_test import STEPS, DropTest
 from urdfcheck.output import html, text
 from urdfcheck.output import json as json_output
 
@@ -77,7 +77,7 @@ def dropped(folder: Path, model: str, steps: tuple[float, ...] = (4e-3, 8e-3)) -
     return run
 
 
-def outcome(folder: Path, model: str) -> Drop:
+def outcome(folder: Path, model: str) -> DropTest:
     run = dropped(folder, model)
     assert not run.skipped, run.skipped
     (found,) = run.drops
@@ -142,7 +142,7 @@ def test_what_stands_on_an_edge_falls_and_is_not_called_restless(tmp_path: Path)
     run = dropped(tmp_path, robot(f'<link name="box">{inertial(1, 2e-3)}{edge}</link>'))
     (found,) = run.drops
     assert not run.findings
-    assert found.free.tipped
+    assert found.free.has_tipped
     assert found.free.tilt == pytest.approx(0.7, abs=0.02)
 
 
@@ -194,9 +194,9 @@ def test_a_follower_follows(tmp_path: Path) -> None:
 
     pytest.importorskip("mujoco")
     one = standing_of(tmp_path, arm)
-    motion = Simulation(one.mechanism, one.ground).run(0.2, 1e-3, held=False)
-    assert motion.off[0] > 0.1
-    assert motion.off[1] == pytest.approx(2 * motion.off[0], rel=0.02)
+    motion = Simulation(one.mechanism, one.ground).run(0.2, 1e-3, hold_joints=False)
+    assert motion.joint_offsets[0] > 0.1
+    assert motion.joint_offsets[1] == pytest.approx(2 * motion.joint_offsets[0], rel=0.02)
 
 
 def test_a_root_without_mass_is_bolted_down(tmp_path: Path) -> None:
@@ -249,15 +249,15 @@ def test_why_a_robot_cannot_be_dropped(model: str, why: str, tmp_path: Path) -> 
 
 def standing_of(folder: Path, model: str):  # type: ignore[no-untyped-def]
     from urdfcheck.model import Model
-    from urdfcheck.model.motion.mechanism import standing
-    from urdfcheck.source.load import load
+    from urdfcheck.model.motion.mechanism import build_standing_robot
+    from urdfcheck.source.load import load_source
     from urdfcheck.source.package.finder import PackageFinder
 
     path = folder / "robot.urdf"
     path.write_text(model, encoding="utf-8")
-    source = load(path, {}, PackageFinder(folder, {}, []))
+    source = load_source(path, {}, PackageFinder(folder, {}, []))
     assert source.root is not None
-    return standing(Model(source, source.root))
+    return build_standing_robot(Model(source, source.root))
 
 
 # -- physics -----------------------------------------------------------------------------------------------------------
@@ -267,12 +267,12 @@ def pendulum(damping: float = 0.0):  # type: ignore[no-untyped-def]
     """1 kg, 0.3 m below its hinge, let go at 1 rad."""
     np = pytest.importorskip("numpy")
     pytest.importorskip("mujoco")
-    from urdfcheck.facts.motion.simulation import Body, Hinge, Mechanism, Simulation
+    from urdfcheck.facts.motion.simulation import Mechanism, RigidBody, SimulatedJoint, Simulation
 
     pose = np.eye(4)
     pose[2, 3] = 1.0
-    hinge = Hinge("hinge", np.array((0.0, 1.0, 0.0)), damping=damping, value=1.0)
-    body = Body(-1, pose, hinge, 1.0, np.array((0.0, 0.0, -0.3)), 1e-3 * np.eye(3))
+    hinge = SimulatedJoint("hinge", np.array((0.0, 1.0, 0.0)), damping=damping, start_value=1.0)
+    body = RigidBody(-1, pose, hinge, 1.0, np.array((0.0, 0.0, -0.3)), 1e-3 * np.eye(3))
     return Simulation(Mechanism((body,), (), (), grounded=True), 0.0)
 
 
@@ -280,7 +280,7 @@ def test_a_pendulum_without_friction_keeps_its_energy() -> None:
     """To the first order of the step: half the step, half the error."""
     errors = []
     for step in (2e-3, 1e-3, 5e-4):
-        motion = pendulum().run(2.0, step, held=False)
+        motion = pendulum().run(2.0, step, hold_joints=False)
         errors.append(abs(motion.energy - motion.energy[0]).max() / (9.81 * 0.3))
     assert errors[1] < 2e-3
     assert errors[0] / errors[1] == pytest.approx(2, rel=0.05)
@@ -290,7 +290,7 @@ def test_a_pendulum_without_friction_keeps_its_energy() -> None:
 def test_a_pendulum_swings_with_its_period() -> None:
     """From 1 rad: 2π √(I / mgl) · (1 + 1/16 + 11/3072 + …); its kinetic energy peaks twice in each."""
     period = 2 * math.pi * math.sqrt((1e-3 + 0.09) / (9.81 * 0.3)) * 1.0663
-    motion = pendulum().run(2.0, 1e-3, held=False)
+    motion = pendulum().run(2.0, 1e-3, hold_joints=False)
     slow = [
         i for i in range(1, len(motion.speed) - 1) if motion.speed[i] <= min(motion.speed[i - 1], motion.speed[i + 1])
     ]
@@ -301,12 +301,12 @@ def test_a_pendulum_swings_with_its_period() -> None:
 def test_damping_that_is_taken_before_the_step_is_stable_up_to_twice_the_time_constant() -> None:
     """As DYN003 says: 2 I / d, whatever the simulator."""
     limit = 2 * (1e-3 + 0.09) / 10.0
-    motion = pendulum(10.0).run(5.0, 0.95 * limit, held=False, implicit=False)
-    assert motion.burst is None
+    motion = pendulum(10.0).run(5.0, 0.95 * limit, hold_joints=False, implicit_damping=False)
+    assert motion.burst_time is None
     assert motion.energy.max() <= motion.energy[0] + 1e-9
-    beyond = pendulum(10.0).run(5.0, 1.1 * limit, held=False, implicit=False)
-    assert beyond.burst is not None or beyond.energy.max() > 2 * abs(beyond.energy[0])
-    assert pendulum(10.0).run(5.0, 1.1 * limit, held=False).burst is None
+    beyond = pendulum(10.0).run(5.0, 1.1 * limit, hold_joints=False, implicit_damping=False)
+    assert beyond.burst_time is not None or beyond.energy.max() > 2 * abs(beyond.energy[0])
+    assert pendulum(10.0).run(5.0, 1.1 * limit, hold_joints=False).burst_time is None
 
 
 def test_a_tiny_inertia_behind_a_damped_joint_explodes_where_damping_is_explicit(tmp_path: Path) -> None:
@@ -317,7 +317,7 @@ def test_a_tiny_inertia_behind_a_damped_joint_explodes_where_damping_is_explicit
     )
     ((implicit, explicit),) = (found.curves for found in dropped(tmp_path, arm, STEPS[:4]).drops)
     assert implicit.all_stable
-    assert explicit.largest is None
+    assert explicit.largest_step is None
     assert explicit.speeds[0] is None
 
 

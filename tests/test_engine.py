@@ -28,8 +28,8 @@ def crash(*_: object, **__: object) -> Iterator[Finding]:
 def test_a_check_that_crashes_is_URC900_and_exit_2_and_the_others_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    real = catalogue.check_of
-    monkeypatch.setattr(catalogue, "check_of", lambda rule: crash if rule.code == "INR004" else real(rule))
+    real = catalogue.load_check
+    monkeypatch.setattr(catalogue, "load_check", lambda rule: crash if rule.code == "INR004" else real(rule))
     outcome = check_text(tmp_path, f'<robot name="r"><link name="a">{INERTIA}</link></robot>')
     codes = {f.code for f in outcome.findings}
     assert {"URC900", "INR003"} <= codes
@@ -50,7 +50,7 @@ def test_a_worker_that_dies_is_a_failure_of_its_model_only(tmp_path: Path, monke
     for name in ("a.urdf", "b.urdf"):
         (tmp_path / name).write_text('<robot name="r"><link name="base"/></robot>')
     monkeypatch.setattr(engine, "_audit", die_on_a)
-    outcome = run(Request((tmp_path,), tmp_path, frozenset(catalogue.rules()), jobs=2))
+    outcome = run(Request((tmp_path,), tmp_path, frozenset(catalogue.load_rules()), jobs=2))
     assert [m.status for m in outcome.models] == ["failed", "checked"]
     assert "was killed (SIGKILL" in outcome.failures[0]
 
@@ -77,7 +77,7 @@ def test_the_weaker_rule_yields_and_the_stronger_says_so(tmp_path: Path) -> None
 
 
 def test_hidden_findings_are_named_by_what_hides_them() -> None:
-    rules = catalogue.rules()
+    rules = catalogue.load_rules()
     stronger: Rule = rules["INR004"]
     weaker: Rule = rules["INR003"]
     from urdfcheck.core import Location
@@ -96,7 +96,7 @@ def test_hidden_findings_are_named_by_what_hides_them() -> None:
 def test_a_finding_about_several_is_hidden_where_all_of_them_are() -> None:
     from urdfcheck.core import Location
 
-    rules = catalogue.rules()
+    rules = catalogue.load_rules()
 
     def finding(code: str, *links: str) -> Finding:
         rule, subjects = rules[code], tuple(f"link[{link}]/inertial/inertia" for link in links)
@@ -155,7 +155,7 @@ def test_a_name_without_end_is_not_repeated_in_each_finding(tmp_path: Path) -> N
 def test_a_difference_of_two_elements_yields_to_what_explains_either() -> None:
     from urdfcheck.core import Location
 
-    rules = catalogue.rules()
+    rules = catalogue.load_rules()
 
     def finding(code: str, joint: str, **data: object) -> Finding:
         rule, at = rules[code], Location(f"joint[{joint}]/origin@xyz", None)

@@ -24,13 +24,13 @@ from urdfcheck.core import Finding, Rule, Verdict
 from urdfcheck.model import Model
 from urdfcheck.policy import consumers
 from urdfcheck.policy.config import TARGETS
-from urdfcheck.policy.limits import Limits
+from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.simulators.comparing import predicted
 from urdfcheck.simulators.judging import agree, judge
 from urdfcheck.simulators.outcome import Loaded, Motion, Outcome, Robot, Typed
 from urdfcheck.simulators.reading import robot_of
 from urdfcheck.simulators.running import ENGINES, how_to_install, installed, outcomes
-from urdfcheck.source.load import load
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
 # Who is asked otherwise.
@@ -62,7 +62,7 @@ def sentences(table: Mapping[str, object]) -> Iterator[tuple[str, str]]:
             yield key, str(value)
 
 
-@pytest.mark.parametrize("rule", list(catalogue.rules().values()), ids=lambda rule: rule.code)
+@pytest.mark.parametrize("rule", list(catalogue.load_rules().values()), ids=lambda rule: rule.code)
 def test_consumers_are_known_and_say_at_once_what_they_do(rule: Rule) -> None:
     for consumer, sentence in sentences(rule.consumers):
         assert consumer in {*consumers.CONSUMERS, *consumers.OTHERS}
@@ -81,7 +81,7 @@ class Example:
 
 
 def read(path: Path, arguments: Mapping[str, str], package_paths: Sequence[Path]) -> Robot | None:
-    source = load(path, arguments, PackageFinder(path.absolute(), {}, list(package_paths)))
+    source = load_source(path, arguments, PackageFinder(path.absolute(), {}, list(package_paths)))
     is_robot = source.root is not None and source.root.tag == "robot"
     return robot_of(source, Model(source, source.root, "source") if is_robot else None)
 
@@ -109,7 +109,7 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> list[Example]:
         for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
             patch.delenv(variable, raising=False)
         for case in (*BAD, *GOOD) if ALL else BAD:
-            if {"model", "file"} & set(catalogue.rules()[case.rule].scopes):
+            if {"model", "file"} & set(catalogue.load_rules()[case.rule].scopes):
                 found += written(case, tmp_path_factory.mktemp(str(case)))
     return found
 
@@ -121,13 +121,13 @@ def written(case: Case, folder: Path) -> Iterator[Example]:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8", newline="")
     target = folder if len(case.files) > 1 else folder / case.files[0][0]
-    needs = {"dynamics", "collision"} & set(catalogue.rules()[case.rule].needs)
+    needs = {"dynamics", "collision"} & set(catalogue.load_rules()[case.rule].needs)
     yield from checked(str(case), folder, target, tier="full" if needs else "mesh")
 
 
 def wrong(engine: str, examples: Sequence[Example], around: Path) -> list[str]:
     """Where an engine does not do what the findings say."""
-    done = dict(outcomes([(engine, e.robot) for e in examples], [str(around)], Limits(seconds=60), apart=False))
+    done = dict(outcomes([(engine, e.robot) for e in examples], [str(around)], ResourceLimits(seconds=60), apart=False))
     told = []
     for place, example in enumerate(examples):
         judgement = judge(example.robot, done[place])
@@ -210,7 +210,7 @@ def test_an_engine_that_crashes_says_so_and_takes_nobody_along() -> None:
     ensure_asked("pinocchio")
     robot = Robot(b'<robot name="r"><link name="a"/></robot>')
     nested = Robot(b'<robot name="r">' + chain(20_000) + b"</robot>")
-    first, second = (dict(outcomes([("urdfdom", r)], [], Limits()))[0] for r in (nested, robot))
+    first, second = (dict(outcomes([("urdfdom", r)], [], ResourceLimits()))[0] for r in (nested, robot))
     assert "crashes" in first.refused
     assert second.loaded is not None
 

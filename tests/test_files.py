@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.system.files import TooLarge, read_regular, read_start, walk
+from urdfcheck.system.files import FileTooLargeError, read_regular, read_start, walk
 
 needs_unix = pytest.mark.skipif(sys.platform == "win32", reason="no such files there")
 
@@ -27,7 +27,7 @@ def test_a_file_of_just_the_limit_is_read_and_one_byte_more_is_not(tmp_path: Pat
     path = tmp_path / "file"
     path.write_bytes(b"12345")
     assert read_regular(path, 5) == b"12345"
-    with pytest.raises(TooLarge) as caught:
+    with pytest.raises(FileTooLargeError) as caught:
         read_regular(path, 4)
     assert (caught.value.limit, caught.value.found) == (4, 5)
     assert caught.value.message == "the file has 5 bytes, more than 4"
@@ -38,7 +38,7 @@ def test_a_file_that_says_it_is_empty_is_read_up_to_the_limit() -> None:
     path = Path("/proc/self/status")
     assert path.stat().st_size == 0
     assert read_regular(path).startswith(b"Name:")
-    with pytest.raises(TooLarge):
+    with pytest.raises(FileTooLargeError):
         read_regular(path, 10)
 
 
@@ -49,7 +49,7 @@ def test_a_file_that_grows_while_it_is_read_is_bounded(tmp_path: Path, monkeypat
     path.write_bytes(b"12345")
     monkeypatch.setattr(os, "fstat", lambda _: status)
     assert read_regular(path, 5) == b"12345"
-    with pytest.raises(TooLarge):
+    with pytest.raises(FileTooLargeError):
         read_regular(path, 4)
 
 

@@ -31,11 +31,11 @@ from urdfcheck.policy import config
 from urdfcheck.run import pipeline as engine
 from urdfcheck.run.audit import Report, Settings, Unit, audit, order
 from urdfcheck.run.pipeline import Request
-from urdfcheck.source.load import load
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.text.tokens import renaming
-from urdfcheck.source.text.xml import SourceFile, parse
-from urdfcheck.system.files import overlaid, read_regular, read_start
+from urdfcheck.source.text.tokens import build_rename_edits
+from urdfcheck.source.text.xml import SourceFile, parse_xml
+from urdfcheck.system.files import overlay_files, read_regular, read_start
 
 LEGACY, CURRENT = "http://ros.org/wiki/xacro", "http://www.ros.org/wiki/xacro"
 JOINT = '<joint name="j{n}" type="{type}"><parent link="base"/><child link="l{n}"/>{inner}</joint><link name="l{n}"/>'
@@ -46,7 +46,7 @@ AXIS = JOINT.format(n="a", type="continuous", inner='<axis xyz="0 0 2"/>')
 def tried(*paths: Path, codes: Iterable[str] = ("ALL",), unsafe: bool = False, **request: object) -> Fixes:
     """What fixing would do, in this process and from the source alone."""
     root = paths[0] if paths[0].is_dir() else paths[0].parent
-    selected = frozenset(catalogue.select(codes))
+    selected = frozenset(catalogue.select_rules(codes))
     return fixes(Request(paths, root, selected, **{"tier": "source", **request}), unsafe=unsafe, audit=audit)  # type: ignore[arg-type]
 
 
@@ -108,7 +108,7 @@ def test_the_repair_of_an_example_repairs_it(rule: Rule, tmp_path: Path) -> None
 
 
 def serious(run: Run) -> int:
-    return sum(len(f.subjects) for f in run.active if f.severity > Severity.INFO)
+    return sum(len(f.subjects) for f in run.active_findings if f.severity > Severity.INFO)
 
 
 def by_hand(findings: Sequence[Finding]) -> dict[Path, bytes] | None:
@@ -148,7 +148,7 @@ def test_bytes_outside_of_the_edits_stay(
     edits, at, wanted = [], len(newline), newline
     for before, old, new in parts:
         at += len(before + newline)
-        edits.append(Edit(source.span(at, at + len(old)), old, f"{new}\n"))
+        edits.append(Edit(source.make_span(at, at + len(old)), old, f"{new}\n"))
         wanted += before + newline + new + newline
         at += len(old)
     assert Text(str(path), str(path), path.read_bytes(), source).edited(edits) == (wanted + "end").encode(encoding)
@@ -201,8 +201,12 @@ def text_of(folder: Path, content: str) -> tuple[Text, SourceFile]:
 
 def test_an_edit_is_refused_when_the_text_changed(tmp_path: Path) -> None:
     text, file = text_of(tmp_path, "<a b='1'/>")
-    text.ensure(Edit(file.span(6, 7), "1", "2"))
-    for edit in (Edit(file.span(6, 7), "3", "2"), Edit(file.span(9, 90), "", "2"), Edit(file.span(7, 8), "1", "2")):
+    text.ensure(Edit(file.make_span(6, 7), "1", "2"))
+    for edit in (
+        Edit(file.make_span(6, 7), "3", "2"),
+        Edit(file.make_span(9, 90), "", "2"),
+        Edit(file.make_span(7, 8), "1", "2"),
+    ):
         with pytest.raises(Refused, match="not the one"):
             text.ensure(edit)
 
@@ -211,13 +215,13 @@ def test_an_edit_is_refused_when_the_text_changed(tmp_path: Path) -> None:
 def test_the_name_of_a_stranger_becomes_no_markup(tmp_path: Path, name: str) -> None:
     text, file = text_of(tmp_path, "<mesh filename='A.stl'/>")
     with pytest.raises(Refused, match="quoted"):
-        text.ensure(Edit(file.span(16, 21), "A.stl", name))
+        text.ensure(Edit(file.make_span(16, 21), "A.stl", name))
 
 
 def test_what_an_encoding_lacks_is_refused(tmp_path: Path) -> None:
     text, file = text_of(tmp_path, "<?xml version='1.0' encoding='latin-1'?><a b='1'/>")
     with pytest.raises(Refused, match="cannot be written as latin-1"):
-        text.ensure(Edit(file.span(46, 47), "1", "π"))
+        text.ensure(Edit(file.make_span(46, 47), "1", "π"))
 
 
 @pytest.mark.parametrize(
@@ -234,8 +238,8 @@ def test_what_an_encoding_lacks_is_refused(tmp_path: Path) -> None:
 )
 def test_an_element_is_renamed_at_both_ends(tmp_path: Path, text: str, after: str) -> None:
     content, _ = text_of(tmp_path, f"<robot>{text}</robot>")
-    element = parse(content.file).children[0]
-    edits = renaming([element], "b", {content.name: content.file})
+    element = parse_xml(content.file).children[0]
+    edits = build_rename_edits([element], "b", {content.name: content.file})
     assert content.edited(edits) == f"<robot>{after}</robot>".encode()
 
 
@@ -359,14 +363,14 @@ def test_a_robot_that_could_not_be_read_may_get_findings(tmp_path: Path) -> None
 
 def finding(code: str, subject: str = "link[a]", hides: Sequence[str] = ()) -> Finding:
     """A finding of this rule, of model m."""
-    rule = catalogue.rules()[code]
+    rule = catalogue.load_rules()[code]
     at, data = Location(subject, None), {"hides": list(hides)}
     return Finding(code, rule.name, rule.severity, rule.confidence, "id", "…", at, (subject,), data=data, model="m")
 
 
 def run_of(*findings: Finding, status: str = "checked", failures: tuple[str, ...] = ()) -> Run:
     info = ModelInfo("m", "r", {}, 1, 0, None, status, "m")
-    return Run((info,), findings, (), {}, {}, {}, ids=frozenset({"m"}), failures=failures)
+    return Run((info,), findings, (), {}, {}, {}, unit_ids=frozenset({"m"}), failures=failures)
 
 
 def test_what_is_worse() -> None:
@@ -435,7 +439,7 @@ def test_insertions_in_one_place_are_made_together(tmp_path: Path) -> None:
     changes = [fixer._Change((edit_at(5, 5, text),), ()) for text in "xy"]
     assert len(apart(changes)) == 2
     text, file = text_of(tmp_path, "<a></a>")
-    assert text.edited([Edit(file.span(3, 3), "", t) for t in "xy"]) == b"<a>xy</a>"
+    assert text.edited([Edit(file.make_span(3, 3), "", t) for t in "xy"]) == b"<a>xy</a>"
 
 
 # -- which files -------------------------------------------------------------------------------------------------------
@@ -613,7 +617,7 @@ def test_an_overlay_is_read_in_place_of_the_file(tmp_path: Path) -> None:
     path = written(tmp_path, "on the disk")
     link = tmp_path / "link"
     link.symlink_to(path)
-    with overlaid({os.path.realpath(path): b"as if"}):
+    with overlay_files({os.path.realpath(path): b"as if"}):
         assert read_regular(path) == read_regular(link) == b"as if"
         assert read_start(path, 2) == b"as"
     assert read_regular(path) == b"on the disk"
@@ -738,7 +742,7 @@ def test_real_robots_stay_the_same_but_for_safe_edits(corpus: Path, tmp_path: Pa
 
 def expanded(model: Path, arguments: dict[str, str], package_paths: Sequence[Path]) -> Iterator[tuple[str, str]]:
     """The attributes of the robot, namespaces aside."""
-    root = load(model, arguments, PackageFinder(model.absolute(), {}, package_paths)).root
+    root = load_source(model, arguments, PackageFinder(model.absolute(), {}, package_paths)).root
     assert root is not None
     for element in root.walk():
         yield element.tag, element.text

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from transforms import Robot, Transformation, each_link, renamed, rerooted, rotated_inertial, rotated_link, scaled
 
 from urdfcheck import rules as catalogue
-from urdfcheck.facts.inertials.inertia_tensor import Solid, box_solid, cylinder_solid, inertia_of
-from urdfcheck.facts.mesh.moments import moments
+from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_solid_inertia, make_box_solid, make_cylinder_solid
+from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 Array = NDArray[np.float64]
@@ -67,7 +67,7 @@ def part(name: str, solid: Solid, geometry: str, rpy: str = "0 0 0", density: fl
     """A link with a shape and the inertial that it has."""
     mass = float(density * solid.volume)
     turn = rpy_to_matrix([float(word) for word in rpy.split()])
-    tensor = turn @ inertia_of(solid, mass) @ turn.T
+    tensor = turn @ compute_solid_inertia(solid, mass) @ turn.T
     six = " ".join(
         f'{n}="{float(tensor[i, j])!r}"' for n, (i, j) in zip(NAMES, zip(*np.triu_indices(3), strict=True), strict=True)
     )
@@ -83,7 +83,7 @@ def lumpy(folder: Path, name: str, seed: int, size: tuple[float, float, float], 
     if mirror:
         corners, faces = corners @ MIRROR, faces[:, ::-1]
     write_stl(folder / f"{name}.stl", corners, faces)
-    found = moments(corners, faces)
+    found = compute_mesh_moments(corners, faces)
     return part(name, Solid(found.volume, found.com, found.covariance), f'<mesh filename="{name}.stl"/>')
 
 
@@ -98,9 +98,9 @@ def joint(name: str, child: str, xyz: str, axis: str, kind: str = "continuous", 
 @pytest.fixture
 def robot(tmp_path: Path) -> Robot:
     wheel = '<cylinder radius="0.05" length="0.02"/>'
-    parts = [part("base", box_solid((0.5, 0.25, 0.08)), '<box size="0.5 0.25 0.08"/>', density=500.0)]
+    parts = [part("base", make_box_solid((0.5, 0.25, 0.08)), '<box size="0.5 0.25 0.08"/>', density=500.0)]
     for number, (x, y) in enumerate(((0.2, 0.15), (-0.2, 0.15), (0.2, -0.15), (-0.2, -0.15)), 1):
-        parts.append(part(f"wheel_{number}", cylinder_solid(0.05, 0.02), wheel, rpy=f"{np.pi / 2!r} 0 0"))
+        parts.append(part(f"wheel_{number}", make_cylinder_solid(0.05, 0.02), wheel, rpy=f"{np.pi / 2!r} 0 0"))
         parts.append(joint(f"axle_{number}", f"wheel_{number}", f"{x} {y} -0.03", "0 1 0"))
     for side, y in (("left", 0.1), ("right", -0.1)):
         parts.append(lumpy(tmp_path, f"{side}_arm", 3, (0.06, 0.05, 0.2), mirror=side == "right"))
@@ -192,7 +192,7 @@ def verdict(folder: Path, robot: Robot, code: str) -> list[tuple[str, str | None
 
 @pytest.mark.parametrize(("code", "defect"), DEFECTS, ids=lambda v: v if isinstance(v, str) else v.__name__)
 def test_a_defect_stays_what_it_is(tmp_path: Path, robot: Robot, code: str, defect: Defect) -> None:
-    if code not in catalogue.rules():
+    if code not in catalogue.load_rules():
         pytest.skip("not a rule yet")
     defect(robot)
     verdicts = {name: verdict(tmp_path, change(robot), code) for name, change in TRANSFORMATIONS.items()}
@@ -204,5 +204,5 @@ def test_a_defect_stays_what_it_is(tmp_path: Path, robot: Robot, code: str, defe
 def test_a_sound_robot_stays_sound(tmp_path: Path, robot: Robot, transformation: str) -> None:
     path = tmp_path / "robot.urdf"
     path.write_text(ET.tostring(TRANSFORMATIONS[transformation](robot), encoding="unicode"))
-    codes = {code for code, _ in DEFECTS} & set(catalogue.rules())
+    codes = {code for code, _ in DEFECTS} & set(catalogue.load_rules())
     assert not [f.message for f in check(path, codes=codes).findings]

@@ -39,18 +39,18 @@ def test_the_own_xacro_is_preferred(ros: Path, tmp_path: Path) -> None:
 def test_a_foreign_library_that_cannot_be_avoided_is_URC907(
     ros: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(libraries, "foreign", lambda: {"xacro": str(ros / "xacro/__init__.py")})
+    monkeypatch.setattr(libraries, "find_foreign_libraries", lambda: {"xacro": str(ros / "xacro/__init__.py")})
     outcome = check_text(tmp_path, '<robot name="r"><link name="a"/></robot>', codes={"URC907", "XML001"})
     assert [f.code for f in outcome.findings] == ["URC907"]
     assert str(ros) in outcome.findings[0].message
 
 
 def test_what_lies_outside_of_the_environment_is_foreign(ros: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert libraries.foreign() == {}
+    assert libraries.find_foreign_libraries() == {}
     for name in ("xacro", "pinocchio"):
         monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.syspath_prepend(str(ros))
-    assert set(libraries.foreign()) == {"xacro", "pinocchio"}
+    assert set(libraries.find_foreign_libraries()) == {"xacro", "pinocchio"}
 
 
 @pytest.mark.parametrize(("command", "models"), [("console script", 1), ("python -m", 3)])

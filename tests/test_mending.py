@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from castings import CASTING, MISTAKES, Declared, drawn_boxes, geometry, inertial, uniform, write_stl
+from castings import CASTING, MISTAKES, DeclaredInertial, drawn_boxes, geometry, inertial, uniform, write_stl
 
-from urdfcheck.facts.inertials.diagnosis import diagnose
+from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.model import Model
 from urdfcheck.model.inertials import inertia_diagnosis as diagnoses
-from urdfcheck.model.repairs.inertial_edits import from_geometry, mending
-from urdfcheck.source.load import load
+from urdfcheck.model.repairs.inertial_edits import build_inertial_repair, propose_from_geometry
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.system.array_cache import Cache
 
@@ -34,7 +34,7 @@ def robot(*links: str, fixed: str = "") -> str:
     return f'<robot name="r"><link name="base"/>{"".join(links)}{joints}{fixed}</robot>'
 
 
-def link(name: str, numbers: Declared | None, drawn: str = MESH) -> str:
+def link(name: str, numbers: DeclaredInertial | None, drawn: str = MESH) -> str:
     return f'<link name="{name}">{"" if numbers is None else inertial(numbers)}{drawn}</link>'
 
 
@@ -44,7 +44,7 @@ def model(folder: Path, text: str, cache: Cache | None = None) -> Model:
         write_stl(folder / "part.stl", CASTING)
     path = folder / "robot.urdf"
     path.write_text(text)
-    source = load(path, {}, PackageFinder(path))
+    source = load_source(path, {}, PackageFinder(path))
     return Model(source, source.root, cache=cache or Cache())
 
 
@@ -59,9 +59,9 @@ def judged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], t
     def counted(*arguments: object, **options: object) -> object:
         nonlocal calls
         calls += 1
-        return diagnose(*arguments, **options)  # type: ignore[arg-type]
+        return diagnose_inertial(*arguments, **options)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(diagnoses, "diagnose", counted)
+    monkeypatch.setattr(diagnoses, "diagnose_inertial", counted)
 
     def judge(text: str) -> tuple[dict[str, str | None], int]:
         nonlocal calls
@@ -169,15 +169,19 @@ def test_digits_stay_where_only_the_sign_or_a_power_of_ten_changes(
     # The other numbers are as small, or the change would be none.
     tensor = np.diag((2.0, 2.0, 2.0)) if abs(wanted) > 1e-6 or not wanted else np.diag((1e-14, 1e-14, 1e-14))
     tensor[0, 1] = tensor[1, 0] = wanted
-    edits = [edit for edit in mending(given, Declared(1.0, np.zeros(3), tensor)).edits if edit.expected == typed]
+    edits = [
+        edit
+        for edit in build_inertial_repair(given, DeclaredInertial(1.0, np.zeros(3), tensor)).edits
+        if edit.expected == typed
+    ]
     assert [edit.replacement for edit in edits] == [written]
 
 
 def test_nothing_is_written_where_nothing_changes(tmp_path: Path) -> None:
     given = model(tmp_path, robot(link("arm", TRUE))).link_by_name["arm"].inertial
     assert given is not None
-    assert mending(given, TRUE).text == ""
-    assert mending(given, TRUE).edits == ()
+    assert build_inertial_repair(given, TRUE).text == ""
+    assert build_inertial_repair(given, TRUE).edits == ()
 
 
 @pytest.mark.parametrize("name", ["ixy", "izz"])
@@ -185,7 +189,7 @@ def test_a_missing_number_is_told_and_nothing_edited(tmp_path: Path, name: str) 
     text = re.sub(f' {name}="[^"]*"', "", link("arm", TRUE))
     given = model(tmp_path, robot(text)).link_by_name["arm"].inertial
     assert given is not None
-    change = mending(given, TRUE)
+    change = build_inertial_repair(given, TRUE)
     assert f'{name}="' in change.text
     assert change.edits == ()
 
@@ -193,7 +197,7 @@ def test_a_missing_number_is_told_and_nothing_edited(tmp_path: Path, name: str) 
 def test_the_inertia_of_the_drawn_part_keeps_the_axes_of_the_inertial(tmp_path: Path) -> None:
     text = link("arm", WRONG["com_unit"]).replace('rpy="0 0 0"', 'rpy="0 0 1.5707963267948966"')
     one = model(tmp_path, robot(text))
-    change = from_geometry(one, one.link_by_name["arm"])
+    change = propose_from_geometry(one, one.link_by_name["arm"])
     assert change is not None
     written = dict(re.findall(r'(\w+)="([^"]*)"', change.text))
     assert "rpy" not in written
@@ -209,7 +213,7 @@ def test_noise_of_the_mesh_is_no_number_to_write(tmp_path: Path) -> None:
     write_stl(folder / "part.stl", box)
     odd = uniform(geometry([((0.1, 0.1, 0.1), (0.0, 0.3, 0.0))]).solid)
     one = model(folder, robot(link("arm", odd)))
-    change = from_geometry(one, one.link_by_name["arm"])
+    change = propose_from_geometry(one, one.link_by_name["arm"])
     assert change is not None
     assert 'xyz="0.1 0 0"' in change.text
     assert "e-" not in change.text
@@ -218,5 +222,5 @@ def test_noise_of_the_mesh_is_no_number_to_write(tmp_path: Path) -> None:
 @pytest.mark.parametrize("inertial", ["", "<inertial/>", '<inertial><mass value="0"/></inertial>'])
 def test_without_a_mass_the_drawn_part_has_no_inertia(tmp_path: Path, inertial: str) -> None:
     one = model(tmp_path, robot(f'<link name="arm">{inertial}{MESH}</link>'))
-    assert from_geometry(one, one.link_by_name["arm"]) is None
+    assert propose_from_geometry(one, one.link_by_name["arm"]) is None
     assert one.diagnoses == {}

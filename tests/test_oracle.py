@@ -9,22 +9,22 @@ import numpy as np
 import pytest
 from conftest import FIXTURES
 
-from urdfcheck.core import Unavailable
+from urdfcheck.core import FactUnavailableError
 from urdfcheck.model import Model
-from urdfcheck.model.motion.pinocchio_model import build, geometry_free
-from urdfcheck.source.load import load
+from urdfcheck.model.motion.pinocchio_model import pinocchio_model, write_without_geometry
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
 
 def model_of(path: Path, arguments: dict[str, str] | None = None, roots: tuple[Path, ...] = ()) -> Model | None:
-    source = load(path, arguments or {}, PackageFinder(path.absolute(), paths=roots))
+    source = load_source(path, arguments or {}, PackageFinder(path.absolute(), paths=roots))
     return None if source.root is None or source.root.tag != "robot" else Model(source, source.root)
 
 
 def same_frames_as_yourdfpy(model: Model, folder: Path) -> int:
     yourdfpy = pytest.importorskip("yourdfpy")
     path = folder / "model.urdf"
-    path.write_text(geometry_free(model.robot), encoding="utf-8")
+    path.write_text(write_without_geometry(model.robot), encoding="utf-8")
     other = yourdfpy.URDF.load(str(path), load_meshes=False, build_scene_graph=True, load_collision_meshes=False)
     other.update_cfg(np.zeros(other.num_dofs))
     for name, placed in model.frames.items():
@@ -35,7 +35,7 @@ def same_frames_as_yourdfpy(model: Model, folder: Path) -> int:
 
 def same_frames_as_pinocchio(model: Model) -> int:
     pinocchio = pytest.importorskip("pinocchio")
-    built = build(model).model
+    built = pinocchio_model(model).model
     data = built.createData()
     pinocchio.framesForwardKinematics(built, data, pinocchio.neutral(built))
     for name, placed in model.frames.items():
@@ -74,8 +74,8 @@ def test_frames_of_the_corpus(corpus: Path, tmp_path: Path) -> None:
         if model is None:
             continue
         try:
-            sound = build(model)
-        except Unavailable:
+            sound = pinocchio_model(model)
+        except FactUnavailableError:
             continue
         assert sound.model is not None, (entry["id"], sound.messages)
         compared += same_frames_as_pinocchio(model) > 0

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from urdfcheck.facts.mesh.measure import MeshError, MeshFacts, mesh_facts
+from urdfcheck.facts.mesh.measure import MeshError, MeshFacts, measure_mesh
 
 KINDS = ("stl", "dae", "obj", "ply", "off", "glb", "gltf")
 # Decimals of the largest coordinate: double noise, residue of zero, float32 noise, and what transforms make of it.
@@ -66,7 +66,7 @@ def measured(files: list[MeshFile]) -> dict[str, MeshFacts | MeshError]:
     found: dict[str, MeshFacts | MeshError] = {}
     for file in files:
         try:
-            found[file.name] = mesh_facts(file.data, file.kind)
+            found[file.name] = measure_mesh(file.data, file.kind)
         except MeshError as error:
             found[file.name] = error
     return found

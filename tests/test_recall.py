@@ -39,7 +39,7 @@ def robot(tmp_path: Path) -> Path:
 def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The codes of the rules that were really asked."""
     asked: list[str] = []
-    original = catalogue.check_of
+    original = catalogue.load_check
 
     def check_of(rule: Rule) -> catalogue.Check:
         run = original(rule)
@@ -50,7 +50,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
         return asking
 
-    monkeypatch.setattr(catalogue, "check_of", check_of)
+    monkeypatch.setattr(catalogue, "load_check", check_of)
     return asked
 
 
@@ -66,7 +66,7 @@ def test_the_second_run_finds_the_same_without_looking(robot: Path, calls: list[
     calls.clear()
     second = outcome(robot)
     assert json.loads(render(second)) == json.loads(render(first))
-    assert not {code for code in calls if applies(catalogue.rules()[code])}
+    assert not {code for code in calls if applies(catalogue.load_rules()[code])}
     assert "INR003" in calls  # rules that read the source alone are quicker than what is kept
 
 

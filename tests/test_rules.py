@@ -58,7 +58,7 @@ def cases(rule: Rule, heading: str) -> list[Case]:
     return [Case(rule.code, heading, i + 1, files) for i, files in enumerate(found)]
 
 
-RULES = list(catalogue.rules().values())
+RULES = list(catalogue.load_rules().values())
 FIXES = [Applicability.DISPLAY, Applicability.UNSAFE, Applicability.SAFE]
 FIXED = [rule for rule in RULES if rule.fix is not Applicability.DISPLAY and catalogue.has_check(rule)]
 CHECKED = [rule for rule in RULES if catalogue.has_check(rule)]
@@ -76,7 +76,7 @@ def findings_of(case: Case, folder: Path) -> list[Finding]:
     target = folder if len(case.files) > 1 else folder / case.files[0][0]
     # A tree may hold its own urdfcheck.toml.
     targets = config.find(folder).target
-    rule = catalogue.rules()[case.rule]
+    rule = catalogue.load_rules()[case.rule]
     simulated = "simulator" in rule.needs
     if simulated:
         pytest.importorskip("mujoco")
@@ -104,7 +104,7 @@ def lines_found(case: Case, folder: Path) -> tuple[set[tuple[str, int]], set[tup
         for f in findings
         if f.location.span is not None
     }
-    promised = FIXES.index(catalogue.rules()[case.rule].fix)
+    promised = FIXES.index(catalogue.load_rules()[case.rule].fix)
     assert all(FIXES.index(offered(f)) <= promised for f in findings), "the page's key `fix` promises less"
     return expected, found
 
@@ -148,7 +148,7 @@ def test_page_is_complete(rule: Rule) -> None:
     assert set(rule.scopes) <= set(catalogue.SCOPES)
     assert rule.needs
     assert set(rule.needs) <= set(catalogue.NEEDS)
-    assert set(rule.hidden_by) <= set(catalogue.rules())
+    assert set(rule.hidden_by) <= set(catalogue.load_rules())
     assert set(rule.concerns) <= set(config.TARGETS)
     assert not [s for s in sentences(rule) if s.startswith("{")], "what a case decides is the check's `consequences`"
     if catalogue.has_check(rule):
@@ -159,7 +159,7 @@ def test_page_is_complete(rule: Rule) -> None:
 @pytest.mark.parametrize("rule", CHECKED, ids=lambda rule: rule.code)
 def test_options_are_the_keyword_parameters_of_the_check(rule: Rule) -> None:
     """Names, types and defaults: the page is what the check gets."""
-    parameters = inspect.signature(catalogue.check_of(rule), eval_str=False).parameters
+    parameters = inspect.signature(catalogue.load_check(rule), eval_str=False).parameters
     keywords = {n: p for n, p in parameters.items() if p.kind is p.KEYWORD_ONLY}
     assert set(keywords) == set(rule.options)
     for name, parameter in keywords.items():

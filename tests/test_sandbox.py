@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from urdfcheck.core import Severity, Span
-from urdfcheck.core.errors import TimeUp
+from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.system import sandbox
 from urdfcheck.system.process_pool import Died, Overdue, in_workers
 
@@ -154,7 +154,7 @@ def endless(seconds: float, catches: int) -> str:
                         time.sleep(0.01)
                     except Exception:  # a check that handles what it should not
                         caught += 1
-        except TimeUp:
+        except ModelTimeout:
             if caught >= catches:
                 return "told"
 

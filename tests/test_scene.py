@@ -12,10 +12,10 @@ from conftest import FIXTURES, check, check_text
 
 from urdfcheck.core import Run
 from urdfcheck.core.scene import Scene
-from urdfcheck.facts.mesh.codec import Packed, unpack
+from urdfcheck.facts.mesh.codec import PackedMesh, unpack_mesh
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
-from urdfcheck.output.html.model import parts_of
-from urdfcheck.output.html.stage import stage_data
+from urdfcheck.output.html.model import collect_report_parts
+from urdfcheck.output.html.stage import build_stage_data
 
 ARM = """<robot name="arm">
   <material name="blue"><color rgba="0 0 1 1"/></material>
@@ -51,7 +51,9 @@ def car() -> Run:
 
 
 def data_of(run: Run) -> tuple[dict, bytes]:
-    return stage_data([(p.id, p.title, p.scene, p.cards) for p in parts_of(run) if p.scene is not None])
+    return build_stage_data(
+        [(p.id, p.title, p.scene, p.cards) for p in collect_report_parts(run) if p.scene is not None]
+    )
 
 
 def test_the_equivalent_box_has_the_inertia_of_the_link_with_its_rotated_frame(arm):
@@ -118,7 +120,7 @@ def test_the_meshes_of_the_page_are_those_of_the_files(car):
     base = next(d for name, d in by_name.items() if name.endswith("base_link.STL"))
     entry = next(m for m in data["meshes"] if geometry[m["offset"] :].startswith(base.data))
     ends = (np.array(entry["low"]), np.array(entry["high"]))
-    points, faces, _ = unpack(Packed(base.data, entry["vertices"], entry["faces"], entry["holes"], *ends))
+    points, faces, _ = unpack_mesh(PackedMesh(base.data, entry["vertices"], entry["faces"], entry["holes"], *ends))
     file = trimesh.load(FIXTURES / "car-3" / "meshes" / "base_link.STL")
     assert trimesh.Trimesh(points, faces).area == pytest.approx(file.area, rel=1e-3)
     assert np.ptp(points, axis=0) == pytest.approx(file.extents, rel=1e-5)
@@ -172,6 +174,6 @@ def test_the_rims_of_holes_are_drawn(tmp_path: Path):
     data, geometry = data_of(run)
     (entry,) = data["meshes"]
     ends = np.array(entry["low"]), np.array(entry["high"])
-    _, _, holes = unpack(Packed(geometry, entry["vertices"], entry["faces"], entry["holes"], *ends))
+    _, _, holes = unpack_mesh(PackedMesh(geometry, entry["vertices"], entry["faces"], entry["holes"], *ends))
     # One triangle is missing: two edges of a square, and the diagonal.
     assert sorted(np.linalg.norm(holes[:, 1] - holes[:, 0], axis=1)) == pytest.approx([1.0, 1.0, 2**0.5], rel=1e-3)

@@ -9,7 +9,7 @@ import pytest
 from conftest import check
 
 from urdfcheck.core import Applicability, Finding, Run
-from urdfcheck.source.text.suppression_comments import ignores
+from urdfcheck.source.text.suppression_comments import find_ignore_comments
 from urdfcheck.source.text.xml import SourceFile
 
 ROBOT = """<robot name="r">
@@ -46,7 +46,7 @@ def test_a_comment_covers_the_next_element_and_what_is_in_it(tmp_path: Path, wor
     assert found.suppressed is not None
     assert (found.suppressed.kind, found.suppressed.reason) == ("source", "turned on purpose")
     assert not of(run, "URC902")
-    assert found not in run.active
+    assert found not in run.active_findings
 
 
 def test_it_covers_nothing_before_or_beside_it(tmp_path: Path) -> None:
@@ -149,7 +149,7 @@ def test_a_file_that_others_may_include_is_judged_with_all_of_them(tmp_path: Pat
 
 def test_comments_of_yaml_and_python_cover_their_line_or_the_next(tmp_path: Path) -> None:
     text = "a: 1  # urdfcheck: ignore[CTL004] one\n# urdfcheck: ignore[CTL004] two\nb: 2\n"
-    first, second = ignores(SourceFile(tmp_path / "c.yaml", "c.yaml", text))
+    first, second = find_ignore_comments(SourceFile(tmp_path / "c.yaml", "c.yaml", text))
     assert text[first.start : first.end] == text.splitlines(keepends=True)[0]
     assert text[second.start : second.end] == "b: 2\n"
     assert (first.reason, second.reason) == ("one", "two")
@@ -171,8 +171,12 @@ def test_a_comment_alone_in_its_line_goes_with_the_line_and_another_alone(tmp_pa
 
 def test_findings_differ_by_who_knows_them(tmp_path: Path) -> None:
     run = check(robot(tmp_path, before="<!-- urdfcheck: ignore[JNT005] known -->"))
-    assert dict(run.suppressed) == {"source": 1, "configuration": 0, "baseline": 0}
-    assert replace(run, findings=run.active).suppressed == {"source": 0, "configuration": 0, "baseline": 0}
+    assert dict(run.suppressed_counts) == {"source": 1, "configuration": 0, "baseline": 0}
+    assert replace(run, findings=run.active_findings).suppressed_counts == {
+        "source": 0,
+        "configuration": 0,
+        "baseline": 0,
+    }
 
 
 IMPOSSIBLE = (

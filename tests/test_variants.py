@@ -15,7 +15,12 @@ from hypothesis import strategies as st
 from urdfcheck.core import Run
 from urdfcheck.policy.config import Configurations
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.xacro.argument_values import MOST_COMBINATIONS, Choice, choices, sets
+from urdfcheck.source.xacro.argument_values import (
+    MOST_COMBINATIONS,
+    ArgumentChoice,
+    build_argument_sets,
+    find_argument_choices,
+)
 
 XACRO = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{}</robot>'
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="{}"/></inertial>'
@@ -31,7 +36,7 @@ def robot(folder: Path, text: str, name: str = "r.urdf.xacro") -> Path:
 
 def values(path: Path) -> dict[str, tuple[str, ...]]:
     """The arguments of a xacro with the values that are known, the default first."""
-    return {c.name: c.values for c in choices(path, PackageFinder(path))}
+    return {c.name: c.values for c in find_argument_choices(path, PackageFinder(path))}
 
 
 class TestValues:
@@ -102,14 +107,14 @@ class TestValues:
 
 class TestSets:
     def test_few_are_all_combined(self) -> None:
-        given = [Choice("a", "1", ("1", "2")), Choice("b", None, ("x", "y"))]
-        assert sets(given) == [{"b": "x"}, {"b": "y"}, {"a": "2", "b": "x"}, {"a": "2", "b": "y"}]
+        given = [ArgumentChoice("a", "1", ("1", "2")), ArgumentChoice("b", None, ("x", "y"))]
+        assert build_argument_sets(given) == [{"b": "x"}, {"b": "y"}, {"a": "2", "b": "x"}, {"a": "2", "b": "y"}]
 
     @settings(max_examples=40)
     @given(st.lists(st.integers(2, 5), min_size=1, max_size=12))
     def test_many_have_each_value_alone_and_each_pair_together(self, sizes: list[int]) -> None:
-        known = [Choice(f"a{i}", "0", tuple(map(str, range(size)))) for i, size in enumerate(sizes)]
-        found = [{c.name: "0" for c in known} | row for row in sets(known)]
+        known = [ArgumentChoice(f"a{i}", "0", tuple(map(str, range(size)))) for i, size in enumerate(sizes)]
+        found = [{c.name: "0" for c in known} | row for row in build_argument_sets(known)]
         count = 1
         for size in sizes:
             count *= size
@@ -118,7 +123,7 @@ class TestSets:
         for first, second in combinations(known, 2):
             pairs = {(row[first.name], row[second.name]) for row in found}
             assert pairs == set(product(first.values, second.values))
-        assert sum(len(row) == 1 for row in sets(known)) >= sum(size - 1 for size in sizes)
+        assert sum(len(row) == 1 for row in build_argument_sets(known)) >= sum(size - 1 for size in sizes)
         alone = 1 + sum(size - 1 for size in sizes)
         assert len(found) <= max(MOST_COMBINATIONS, alone + 3 * max(sizes) ** 2)
 
@@ -138,7 +143,7 @@ class TestFindings:
         (found,) = run.findings
         assert found.model == "r.urdf.xacro"
         assert set(found.variants) == {m.id for m in run.models}
-        assert run.arguments_of(found) == {}
+        assert run.find_variant_arguments(found) == {}
 
     @pytest.mark.parametrize(
         ("condition", "expected"),
@@ -155,7 +160,7 @@ class TestFindings:
             pytest.skip("three at once are in no pair")
         (found,) = run.findings
         assert found.model == f"r.urdf.xacro {expected}"
-        assert run.arguments_of(found) == dict(word.split(":=") for word in expected.split())
+        assert run.find_variant_arguments(found) == dict(word.split(":=") for word in expected.split())
 
     def test_a_variant_that_cannot_be_expanded_is_an_error_with_its_arguments(self, tmp_path: Path) -> None:
         run = three(tmp_path, "False", '<xacro:if value="${p2 and p3}"><link name="${nothing}"/></xacro:if>')
@@ -218,7 +223,7 @@ class TestFindings:
         from urdfcheck.run.audit import Unit
         from urdfcheck.run.variants import together
 
-        rule = catalogue.rules()["URC907"]
+        rule = catalogue.load_rules()["URC907"]
         finding = rule.finding("shadowed", at=Location("link[a]", None), library="x", path="y")
         units = [Unit("model", "r.xacro", "r.xacro"), Unit("model", "r.xacro", "r.xacro a:=1", {"a": "1"})]
         merged = together([replace(finding, model=unit.id) for unit in units for _ in range(2)], units)

@@ -99,7 +99,7 @@ def test_only_reports_that_rest_on_files_that_changed_are_made_anew(tmp_path: Pa
 
     for name in ("a", "b"):
         (tmp_path / f"{name}.urdf").write_text(SOUND)
-    request = Request((tmp_path,), tmp_path, frozenset(catalogue.rules()), tier="source")
+    request = Request((tmp_path,), tmp_path, frozenset(catalogue.load_rules()), tier="source")
     before = audited(request, audit)
     (tmp_path / "a.urdf").write_text(BROKEN)
     kept = watch._still_true(before, request)

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from urdfcheck.facts.motion.kinematics import matrix_to_rpy, transform
+from urdfcheck.facts.motion.kinematics import build_origin_transform, matrix_to_rpy
 
 Array = NDArray[np.float64]
 Robot = ET.Element
@@ -150,7 +150,7 @@ def _text(values: Sequence[float] | Array) -> str:
 
 
 def _placement(origin: ET.Element) -> Array:
-    return transform(_numbers(origin, "xyz").tolist(), _numbers(origin, "rpy").tolist())
+    return build_origin_transform(_numbers(origin, "xyz").tolist(), _numbers(origin, "rpy").tolist())
 
 
 def _place(origin: ET.Element, placement: Array) -> None:

@@ -21,7 +21,7 @@ from typing import Any
 
 import tomli
 
-from urdfcheck.output.shared.inert import one_line
+from urdfcheck.output.shared.inert import escape_one_line
 
 ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "fixtures" / "hostile"
@@ -109,7 +109,7 @@ def _said(finding: Mapping[str, Any] | None, expected: str) -> str:
 
 
 def _cell(text: str, most: int = 160) -> str:
-    text = one_line(text)
+    text = escape_one_line(text)
     text = text if len(text) <= most else text[:most].rstrip() + "…"
     return re.sub(r"([\\`*_{}\[\]<>|#$&~])", r"\\\1", text)
 

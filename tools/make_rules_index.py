@@ -43,7 +43,7 @@ the page tells it in words.
 def index() -> str:
     """The text of rules/README.md."""
     parts = [INTRODUCTION]
-    rules = catalogue.rules()
+    rules = catalogue.load_rules()
     for family, title in FAMILIES.items():
         members = [rule for code, rule in rules.items() if code.startswith(family)]
         if not members:
@@ -67,7 +67,7 @@ def _programs(rule: Rule) -> str:
     for sentences in (rule.consumers, *(v for v in rule.consumers.values() if isinstance(v, dict))):
         for name, sentence in sentences.items():
             if isinstance(sentence, str) and name in CONSUMERS:
-                worst[name] = max(worst.get(name, Verdict.LOADS), Verdict.of(sentence))
+                worst[name] = max(worst.get(name, Verdict.LOADS), Verdict.from_sentence(sentence))
     told = []
     for verdict in sorted({*worst.values()} - {Verdict.LOADS}, reverse=True):
         names = [name for name in CONSUMERS if worst.get(name) is verdict]

@@ -17,7 +17,7 @@ from typing import Any
 
 import tomli
 
-from urdfcheck.core import Applicability, Confidence, Option, Rule, Severity, UrdfcheckError
+from urdfcheck.core import Applicability, Confidence, Rule, RuleOption, Severity, UrdfcheckError
 
 Check = Callable[..., Iterable[Any]]
 
@@ -44,16 +44,16 @@ _TITLE = re.compile(r"# ([A-Z]{3}\d{3}) ([a-z0-9]+(?:-[a-z0-9]+)*)\n")
 _HEADER = re.compile(r"^```toml\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
-def pages_folder() -> Path:
+def find_pages_folder() -> Path:
     """Where the pages are: in the installed package, or in the source tree beside it."""
     installed = Path(__file__).parent / "_rules"
     return installed if installed.is_dir() else Path(__file__).parent.parent / "rules"
 
 
 @cache
-def rules() -> Mapping[str, Rule]:
+def load_rules() -> Mapping[str, Rule]:
     """All rules by code, in the order of their codes."""
-    pages = sorted(pages_folder().glob("[A-Z][A-Z][A-Z][0-9][0-9][0-9]-*.md"))
+    pages = sorted(find_pages_folder().glob("[A-Z][A-Z][A-Z][0-9][0-9][0-9]-*.md"))
     loaded = [load_page(page) for page in pages]
     return MappingProxyType({rule.code: rule for rule in loaded})
 
@@ -89,7 +89,9 @@ def load_page(path: Path) -> Rule:
             hidden_by=tuple(meta.get("hidden_by", ())),
             concerns=tuple(meta.get("concerns", ())),
             fix=Applicability(meta.get("fix", "display")),
-            options={key: Option(key, o["default"], o["unit"], o["doc"]) for key, o in meta.get("options", {}).items()},
+            options={
+                key: RuleOption(key, o["default"], o["unit"], o["doc"]) for key, o in meta.get("options", {}).items()
+            },
             messages=meta["messages"],
             fixes=meta["fixes"],
             causes=meta.get("causes", {}),
@@ -101,7 +103,7 @@ def load_page(path: Path) -> Rule:
         raise UrdfcheckError(f"{path}: {type(error).__name__}: {error}") from error
 
 
-def explain(rule: Rule) -> str:
+def explain_rule(rule: Rule) -> str:
     """A rule's page for a reader: its header in words instead of TOML, then its sections as they stand."""
     facts = [
         f"{rule.severity}, {rule.confidence}",
@@ -125,21 +127,21 @@ def explain(rule: Rule) -> str:
 
 def has_check(rule: Rule) -> bool:
     """Whether the rule has a check module; rules about urdfcheck itself (URC) are found by the engine."""
-    return importlib.util.find_spec(module_of(rule)) is not None
+    return importlib.util.find_spec(get_check_module(rule)) is not None
 
 
-def module_of(rule: Rule) -> str:
+def get_check_module(rule: Rule) -> str:
     """The name of the rule's check module."""
     return f"urdfcheck.checks.{rule.stem}"
 
 
-def check_of(rule: Rule) -> Check:
+def load_check(rule: Rule) -> Check:
     """The ``check`` function of the module with the page's stem."""
-    check: Check = importlib.import_module(module_of(rule)).check
+    check: Check = importlib.import_module(get_check_module(rule)).check
     return check
 
 
-def select(names: Iterable[str]) -> set[str]:
+def select_rules(names: Iterable[str]) -> set[str]:
     """The codes meant by codes, prefixes (``INR``, ``JNT0``), rule names, tags or ``ALL``.
 
     :raises UrdfcheckError: for a word that means no rule; the message names the nearest.
@@ -149,13 +151,17 @@ def select(names: Iterable[str]) -> set[str]:
         upper = word.upper()
         codes = {
             code
-            for code, rule in rules().items()
+            for code, rule in load_rules().items()
             if upper == "ALL" or code.startswith(upper) or rule.name == word.lower() or word.lower() in rule.tags
         }
         if not codes:
             import difflib
 
-            known = {*rules(), *(r.name for r in rules().values()), *(t for r in rules().values() for t in r.tags)}
+            known = {
+                *load_rules(),
+                *(r.name for r in load_rules().values()),
+                *(t for r in load_rules().values() for t in r.tags),
+            }
             near = difflib.get_close_matches(word, known, n=1, cutoff=0.5) or difflib.get_close_matches(
                 upper, known, n=1
             )

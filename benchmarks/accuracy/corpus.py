@@ -90,7 +90,7 @@ def main() -> None:
 
 def claims(corpus: Path) -> Iterator[Claim]:
     """All findings of the rules about inertia and symmetry, at warning or above, in the order of the corpus."""
-    rules = catalogue.rules()
+    rules = catalogue.load_rules()
     judged = {code for code in rules if code.startswith(FAMILIES)}
     codes = frozenset(judged.union(*(rules[code].hidden_by for code in judged)))
     for entry in json.loads((corpus / "corpus.json").read_text(encoding="utf-8")):

@@ -20,10 +20,10 @@ from robots import Robot, robots
 
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Rule
-from urdfcheck.facts.inertials.diagnosis import diagnose
+from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.model import Model
 from urdfcheck.run.findings_cache import Recall, applies
-from urdfcheck.source.load import load
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.system.array_cache import Cache
 
@@ -45,7 +45,7 @@ def table(split: str, seed: int, number: int) -> str:
         loads.append(_least(partial(_loaded, stored)))
         for times, uneven in ((exact, False), (lumped, True)):
             given = declared(written(truth(made, rng, lumped=uneven).whole, principal=False), 7)
-            times.append(_least(partial(diagnose, given, geometry)))
+            times.append(_least(partial(diagnose_inertial, given, geometry)))
     load = statistics.median(loads)
     lines = ["", "## Cost", "", f"`trimesh.load` and `mass_properties`: {1e3 * load:.2f} ms per part.", ""]
     lines += ["| one diagnosis | ms per link | of reading the mesh | target |", "|---|---|---|---|"]
@@ -61,7 +61,9 @@ def _whole(split: str, seed: int) -> list[str]:
     first: list[float] = []
     again: list[float] = []
     loads: list[float] = []
-    wanted = [rule for rule in catalogue.rules().values() if rule.code.startswith(_CODES) and catalogue.has_check(rule)]
+    wanted = [
+        rule for rule in catalogue.load_rules().values() if rule.code.startswith(_CODES) and catalogue.has_check(rule)
+    ]
     for robot in robots(split, seed, quick=False):
         links = len(robot.root.findall("link"))
         stored = [mesh.export(file_type="stl") for mesh in robot.meshes.values()]
@@ -97,7 +99,7 @@ def _turn(robot: Robot, folder: Path, rules: list[Rule]) -> tuple[float, float]:
     ET.ElementTree(robot.root).write(path)
 
     def model() -> Model:
-        source = load(path, {}, PackageFinder(folder, {}, []), explicit=True)
+        source = load_source(path, {}, PackageFinder(folder, {}, []), explicit=True)
         assert source.root is not None
         made = Model(source, source.root, cache=Cache(folder / "kept"))
         for facts in made.meshes.facts.values():
@@ -109,7 +111,7 @@ def _turn(robot: Robot, folder: Path, rules: list[Rule]) -> tuple[float, float]:
         recall = Recall(about)
         for rule in rules:
             options = {name: option.default for name, option in rule.options.items()}
-            find = partial(catalogue.check_of(rule), about, rule, **options)
+            find = partial(catalogue.load_check(rule), about, rule, **options)
             _ = recall.findings(rule, options, find) if applies(rule) else list(find())
         recall.keep()
         return time.perf_counter() - began

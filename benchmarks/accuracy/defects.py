@@ -18,7 +18,7 @@ from scoring import LEAST_EFFECT, effect
 
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts.inertials.diagnosis import Declared
+from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
 from urdfcheck.run.audit import audit
 from urdfcheck.run.pipeline import Request, run
 
@@ -106,7 +106,7 @@ def _findings(robot: Robot, root: ET.Element) -> list[Finding]:
             mesh.export(folder / file)
         urdf = folder / "robot.urdf"
         ET.ElementTree(root).write(urdf)
-        codes = frozenset(c for c in catalogue.rules() if c.startswith(("INR", "SYM", "MSH")))
+        codes = frozenset(c for c in catalogue.load_rules() if c.startswith(("INR", "SYM", "MSH")))
         found = run(Request((urdf,), folder, codes), audit=audit)
     return [f for f in found.findings if f.code in _ALL]
 
@@ -182,7 +182,7 @@ def _body(link: ET.Element) -> Body:
 
 def _replace(link: ET.Element, body: Body) -> bool:
     """Write a body in a link; False where that has no effect."""
-    if effect(_body(link), Declared(body.mass, body.com, body.inertia)) < LEAST_EFFECT:
+    if effect(_body(link), DeclaredInertial(body.mass, body.com, body.inertia)) < LEAST_EFFECT:
         return False
     write_body(link, body)
     return True

@@ -7,17 +7,17 @@ from pathlib import Path
 
 from parts import Part
 
-from urdfcheck.facts.inertials.diagnosis import Geometry
+from urdfcheck.facts.inertials.diagnosis import VisualGeometry
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.visual_solid import geometry
-from urdfcheck.source.load import load
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
 # How a link draws a mesh: right, and with the exporter's unit not undone either way.
 SCALES = (1.0, 1e3, 1e-3)
 
 
-def drawn(part: Part) -> dict[float, Geometry]:
+def drawn(part: Part) -> dict[float, VisualGeometry]:
     """The part as it is, and drawn too large and too small, by scale.
 
     :raises ValueError: when urdfcheck does not see a closed solid.
@@ -36,10 +36,10 @@ def drawn(part: Part) -> dict[float, Geometry]:
         links = "".join(f'<link name="x{s}">{visual}</link>' for s, visual in zip(SCALES, visuals, strict=True))
         urdf = folder / "part.urdf"
         urdf.write_text(f'<robot name="part">{links}</robot>', encoding="utf-8")
-        source = load(urdf, {}, PackageFinder(urdf, {}, []))
+        source = load_source(urdf, {}, PackageFinder(urdf, {}, []))
         assert source.root is not None
         model = Model(source, source.root)
-        found = {s: geometry(model, model.link_by_name[f"x{s}"]) for s in SCALES}
+        found = {s: measure_link_geometry(model, model.link_by_name[f"x{s}"]) for s in SCALES}
     shown = {s: g for s, g in found.items() if g is not None and g.closed}
     if len(shown) < len(SCALES):
         raise ValueError(f"{part.name} is not seen as a closed solid")

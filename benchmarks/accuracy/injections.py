@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from parts import Part
 from trimesh import Trimesh
 
-from urdfcheck.facts.inertials.diagnosis import Declared
+from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
 
 Array = NDArray[np.float64]
 Rng = np.random.Generator
@@ -148,9 +148,9 @@ def written(body: Body, *, principal: bool) -> Numbers:
     return Numbers(body.mass, body.com, six_of(np.diag(moments)), rpy_of(axes))
 
 
-def declared(numbers: Numbers, digits: int) -> Declared:
+def declared(numbers: Numbers, digits: int) -> DeclaredInertial:
     """As the diagnosis gets them from a file that has so many significant digits."""
-    return Declared(
+    return DeclaredInertial(
         mass=float(f"{numbers.mass:.{digits}g}"),
         com=_rounded(numbers.com, digits),
         tensor=tensor_of(_rounded(numbers.six, digits)),

@@ -10,7 +10,7 @@ from geometry import drawn
 from injections import KINDS, Array, Body, Case, Kind, declared, digits, truth
 from parts import SPLITS, Part, part
 
-from urdfcheck.facts.inertials.diagnosis import Declared, Diagnosis, Geometry, diagnose
+from urdfcheck.facts.inertials.diagnosis import DeclaredInertial, Diagnosis, VisualGeometry, diagnose_inertial
 
 # How the diagnosis is asked: of parts of uniform density; with part of the mass in lumps; the same with the true numbers of
 # an equal part beside it; and of a true part when it is that equal part's numbers that are wrong.
@@ -74,7 +74,7 @@ def outcomes(
 
 
 def _outcomes(
-    made: Part, shown: Mapping[float, Geometry], another: Part, mode: str, stream: tuple[int, ...]
+    made: Part, shown: Mapping[float, VisualGeometry], another: Part, mode: str, stream: tuple[int, ...]
 ) -> Iterator[Outcome | Excluded]:
     lumped = mode != "exact"
     for k, kind in enumerate((*KINDS, *(None,) * CLEAN_TIMES)):
@@ -91,11 +91,11 @@ def _outcomes(
             yield Excluded(name, mode, possible=True)
             continue
         if mode != "blamed":
-            found = diagnose(given, shown[numbers.scale], twin if mode == "twin" else None)
+            found = diagnose_inertial(given, shown[numbers.scale], twin if mode == "twin" else None)
         elif kind is None or numbers.scale != 1.0:
             continue
         else:
-            found = diagnose(twin, shown[1.0], given)
+            found = diagnose_inertial(twin, shown[1.0], given)
         assert found is not None
         yield _outcome(name, kind, mode, made.name, found, true.whole)
 
@@ -108,13 +108,13 @@ def _outcome(name: str, kind: Kind | None, mode: str, part_name: str, found: Dia
     return Outcome(name, mode, part_name, found.cause, found.detail, strict, mended, misled, found.sound, accused)
 
 
-def _effect(kind: Kind, case: Case, given: Declared) -> float:
+def _effect(kind: Kind, case: Case, given: DeclaredInertial) -> float:
     """Of a mistake: against the truth, and of one that takes another body for the solid also against that."""
     against_truth = effect(case.truth.whole, given)
     return min(against_truth, effect(case.solid, given)) if kind.instead else against_truth
 
 
-def effect(true: Body, given: Declared) -> float:
+def effect(true: Body, given: DeclaredInertial) -> float:
     """How far numbers are from the true ones: mass (logarithm of the ratio), COM (in radii of gyration along each principal
     axis) and second moments per mass (log-Euclidean) together. Infinite for what no body has."""
     ratio = given.mass / true.mass
@@ -128,7 +128,7 @@ def effect(true: Body, given: Declared) -> float:
     return float(np.linalg.norm((np.log(ratio), *np.log(logs), *(white @ (given.com - true.com)))))
 
 
-def agrees(given: Declared, true: Body) -> bool:
+def agrees(given: DeclaredInertial, true: Body) -> bool:
     """Whether numbers are the true ones to within `AGREE`."""
     gyration = np.sqrt(np.trace(true.inertia) / (2 * true.mass))
     return bool(

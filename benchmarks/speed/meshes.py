@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from urdfcheck.facts.mesh.measure import mesh_facts
+from urdfcheck.facts.mesh.measure import measure_mesh
 
 # Name, file type, triangles, written how, times faster as the target (0: none is set).
 CASES = (
@@ -47,7 +47,7 @@ class Answer:
 
 
 def ours(data: bytes, file_type: str) -> Answer:
-    facts = mesh_facts(data, file_type)
+    facts = measure_mesh(data, file_type)
     return Answer(facts.watertight, facts.winding_consistent, facts.volume, facts.com, facts.covariance)
 
 

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
-from urdfcheck.source.load import Source, load
+from urdfcheck.source.load import Source, load_source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.xml import Element
 from urdfcheck.system import libraries
@@ -21,8 +21,8 @@ from urdfcheck.system import libraries
 
 def expanded(path: Path, arguments: Mapping[str, str], package_paths: Sequence[Path] = ()) -> str | None:
     """A model as URDF text; None when it does not expand to any link. What is not found keeps the name that it has."""
-    source = load(path, arguments, PackageFinder(path.absolute(), paths=package_paths))
-    if source.root is None or source.root.tag != "robot" or source.root.child("link") is None:
+    source = load_source(path, arguments, PackageFinder(path.absolute(), paths=package_paths))
+    if source.root is None or source.root.tag != "robot" or source.root.find_child("link") is None:
         return None
     return '<?xml version="1.0"?>\n' + "".join(_written(source.root, source))
 
@@ -30,7 +30,7 @@ def expanded(path: Path, arguments: Mapping[str, str], package_paths: Sequence[P
 def _written(element: Element, source: Source) -> Iterator[str]:
     values = {name: a.value for name, a in element.attributes.items() if ":" not in name and name != "xmlns"}
     if element.tag == "mesh" and "filename" in values:
-        found = source.finder.resolve(values["filename"], source.path.parent)
+        found = source.finder.resolve_resource(values["filename"], source.path.parent)
         if found.exists and found.path is not None:
             values["filename"] = str(found.path.resolve())
     yield f"<{element.tag}{''.join(f' {name}={quoteattr(value)}' for name, value in values.items())}>"
@@ -58,7 +58,7 @@ def main() -> None:
     parser.add_argument("--corpus", type=Path)
     parser.add_argument("--every", type=int, default=1)
     options = parser.parse_args()
-    libraries.prefer_own()
+    libraries.prefer_own_folders()
     # The folder is a repository of its own: no workspace is looked for around it.
     (options.out / ".git").mkdir()
     if options.corpus is not None:

@@ -13,8 +13,8 @@ from conftest import FIXTURES, check_text
 from urdfcheck.core import Finding, Severity
 from urdfcheck.model import Model, Shape
 from urdfcheck.model.motion import collisions, poses
-from urdfcheck.model.motion.collisions import Collisions, Pair, reaches
-from urdfcheck.source.load import load
+from urdfcheck.model.motion.collisions import CollisionPair, SelfCollisions, find_joint_collisions
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.system.array_cache import Cache
 
@@ -54,12 +54,12 @@ def model_of(folder: Path, text: str, cache: Cache | None = None, samples: int =
 
 
 def model_at(path: Path, cache: Cache | None = None, samples: int = 200) -> Model:
-    source = load(path, {}, PackageFinder(path), explicit=True, xacro=False)
+    source = load_source(path, {}, PackageFinder(path), explicit=True, xacro=False)
     assert source.root is not None
     return Model(source, source.root, "full", cache or Cache(), samples)
 
 
-def pair(found: Collisions, one: str, other: str) -> Pair:
+def pair(found: SelfCollisions, one: str, other: str) -> CollisionPair:
     return next(p for p in found.pairs if set(p.links) == {one, other})
 
 
@@ -180,7 +180,7 @@ def test_links_of_one_body_never_collide(tmp_path: Path) -> None:
     )  # fmt: skip
     found = pair(model_of(tmp_path, text).collisions, "a", "b")
     assert found.relation == "fixed"
-    assert found.always
+    assert found.is_always_in_collision
     assert found.contact is None
     assert not findings(tmp_path, text, "COL001")
 
@@ -303,11 +303,11 @@ def test_neighbours_count_that_overlap_over_nearly_all_of_the_range(tmp_path: Pa
     )
     assert bool(findings(tmp_path, text, "COL002")) == overlap
     found = pair(model_of(tmp_path, text).collisions, "base", "arm")
-    assert found.share_of_range == pytest.approx(min(1.0, 1.65 / float(reach)), abs=1 / 20)
+    assert found.range_share == pytest.approx(min(1.0, 1.65 / float(reach)), abs=1 / 20)
 
 
 def test_positions_are_spread_evenly_over_every_range(tmp_path: Path) -> None:
-    positions = model_of(tmp_path, arm()).collisions.positions
+    positions = model_of(tmp_path, arm()).collisions.spread_poses
     assert len(positions.values) == 40
     for values in positions.values.T:
         assert sorted(values) == pytest.approx([-2.5 + (i + 0.5) / 40 * 5 for i in range(40)])
@@ -336,14 +336,14 @@ MEETS = math.pi / 2 + math.asin(0.1)
 
 
 def test_the_value_where_the_collision_begins(tmp_path: Path) -> None:
-    (reach,) = reaches(model_of(tmp_path, swinging()))
+    (reach,) = find_joint_collisions(model_of(tmp_path, swinging()))
     assert reach.links == ("base", "arm")
     assert reach.limit == 2
     assert reach.value == pytest.approx(MEETS, abs=3e-3)
 
 
 def test_a_follower_is_moved_with_its_leader(tmp_path: Path) -> None:
-    (reach,) = reaches(model_of(tmp_path, swinging(follower=True)))
+    (reach,) = find_joint_collisions(model_of(tmp_path, swinging(follower=True)))
     assert reach.joint.name == "base_lever"
     assert reach.value == pytest.approx(MEETS / 2, abs=3e-3)
 
@@ -394,9 +394,9 @@ def test_every_pair_and_configuration_is_as_coal_sees_it_alone(tmp_path: Path, s
     model = model_of(tmp_path, arm(), samples=60) if source == "arm" else model_at(car, samples=20)
     touching = set() if source == "arm" else {("base_link", f"wheel_{i}") for i in range(1, 5)}
     found = model.collisions
-    frames = poses.frames(model, found.poses)
+    frames = poses.compute_frames(model, found.poses)
     assert found.pairs
-    assert not found.left_out
+    assert not found.skipped_shapes
     for p in found.pairs:
         shapes = [[(s, alone(model, s)) for s in model.link_by_name[name].collisions] for name in p.links]
         for n in range(len(found.poses.values)):
@@ -414,10 +414,10 @@ def alone(model: Model, shape: Shape) -> object:
     if shape.kind != "mesh":
         assert shape.size is not None
         return {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder}[shape.kind or ""](*shape.size)
-    facts, tree = model.meshes.facts_of(shape), coal.BVHModelOBBRSS()
+    facts, tree = model.meshes.get_facts(shape), coal.BVHModelOBBRSS()
     assert facts is not None
     tree.beginModel(len(facts.faces), len(facts.vertices))
-    tree.addVertices(facts.vertices * np.array(model.drawn_scale(shape)))
+    tree.addVertices(facts.vertices * np.array(model.compute_drawn_scale(shape)))
     tree.addTriangles(np.array(facts.faces))
     tree.endModel()
     return tree
@@ -426,7 +426,7 @@ def alone(model: Model, shape: Shape) -> object:
 def test_the_arm_shows_all_kinds_of_pairs(tmp_path: Path) -> None:
     """What the other tests rest on: pairs that are proven apart, that meet now and then, and always."""
     far = [p for p in model_of(tmp_path, arm()).collisions.pairs if p.relation == "far"]
-    assert any(0 < p.count < 200 for p in far)
+    assert any(0 < p.hit_count < 200 for p in far)
     assert len(far) == sum(1 for a, b in combinations(range(5), 2) if b - a > 1)
 
 
@@ -438,13 +438,15 @@ def test_what_is_proven_apart_never_meets(tmp_path: Path) -> None:
             parts.append(joint(parent, f"{name}{i}", f"{reach} {y if i == 1 else 0} 0.2", axis="0 0 1"))
             parts.append(link(f"{name}{i}", "0.1 0 0|" + BOX.format("0.2 0.05 0.05")))
     model = model_of(tmp_path, robot(*parts), samples=2000)
-    apart = {p.links for p in model.collisions.pairs if p.never_proven}
+    apart = {p.links for p in model.collisions.pairs if p.is_proven_apart}
     assert ("l1", "r1") in apart
     assert ("l3", "r3") not in apart
-    bench = model.collisions.bench
-    proven = np.array([p.never_proven for p in model.collisions.pairs])
-    assert not bench.colliders.hits(bench.placements(model.collisions.poses), bench.pairs[proven]).any()
-    assert not any(p.never_proven and p.count for p in model.collisions.pairs)
+    bench = model.collisions.setup
+    proven = np.array([p.is_proven_apart for p in model.collisions.pairs])
+    assert not bench.colliders.detect_collisions(
+        bench.compute_placements(model.collisions.poses), bench.pairs[proven]
+    ).any()
+    assert not any(p.is_proven_apart and p.hit_count for p in model.collisions.pairs)
 
 
 def test_a_slide_without_end_proves_nothing(tmp_path: Path) -> None:
@@ -453,28 +455,30 @@ def test_a_slide_without_end_proves_nothing(tmp_path: Path) -> None:
         text = robot(
             link("a", BALL.format("0.1")), joint("a", "b", "1 0 0", **slide, limit=limit), link("b", BALL.format("0.1"))
         )  # fmt: skip
-        assert model_of(tmp_path, text).collisions.pairs[0].never_proven == proven
+        assert model_of(tmp_path, text).collisions.pairs[0].is_proven_apart == proven
 
 
 def test_what_is_not_asked_for_is_not_computed(tmp_path: Path) -> None:
     """An audit without a semantic description looks at what overlaps at rest, and not at other pairs in many poses."""
     cache = Cache(tmp_path / "cache")
     found = model_of(tmp_path, arm(), cache).collisions
-    assert set(found.entry) == {"rest"}
-    assert [p.count for p in found.pairs if p.relation == "far"]
-    assert set(found.entry) == {"rest", "never", "others-200"}
+    assert set(found.cache_entry) == {"rest"}
+    assert [p.hit_count for p in found.pairs if p.relation == "far"]
+    assert set(found.cache_entry) == {"rest", "never", "others-200"}
 
 
 def test_each_joint_runs_into_what_a_search_without_bounds_finds(tmp_path: Path) -> None:
     """Every pair at every step, in the order of the steps: the first that meets, and where."""
     model = model_of(tmp_path, arm(7))
-    bench, rest = model.collisions.bench, poses.neutral(model)
+    bench, rest = model.collisions.setup, poses.make_neutral_configuration(model)
     expected = []
     for i, hinge in enumerate(rest.joints):
         for limit in (-2.5, 2.5):
             values = np.repeat(rest.values, 33, axis=0)
             values[:, i] = np.linspace(0.0, limit, 33)
-            hits = bench.colliders.hits(bench.placements(poses.Poses(rest.joints, values)), bench.pairs)
+            hits = bench.colliders.detect_collisions(
+                bench.compute_placements(poses.JointConfigurations(rest.joints, values)), bench.pairs
+            )
             for k, (relation, _) in enumerate(bench.relations):
                 if relation == "adjacent":
                     hits[k] = np.logical_and.accumulate(hits[k, ::-1])[::-1]
@@ -483,7 +487,7 @@ def test_each_joint_runs_into_what_a_search_without_bounds_finds(tmp_path: Path)
                 n = int(hits.any(axis=0).argmax())
                 first = model.collisions.pairs[int(hits[:, n].argmax())]
                 expected.append((hinge.name, first.links, values[n, i]))
-    found = reaches(model)
+    found = find_joint_collisions(model)
     assert expected
     assert [(r.joint.name, r.links) for r in found] == [(name, links) for name, links, _ in expected]
     assert all(abs(r.value - value) <= 5 / 64 for r, (_, _, value) in zip(found, expected, strict=True))
@@ -492,23 +496,23 @@ def test_each_joint_runs_into_what_a_search_without_bounds_finds(tmp_path: Path)
 def test_a_second_run_gives_the_same_and_computes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cache, text = Cache(tmp_path / "cache"), arm()
     first = model_of(tmp_path, text, cache)
-    expected, reached = first.collisions, reaches(first)
+    expected, reached = first.collisions, find_joint_collisions(first)
     assert [vars_of(p) for p in model_of(tmp_path, text).collisions.pairs] == [vars_of(p) for p in expected.pairs]
     monkeypatch.setattr(collisions, "Colliders", None)
     again = model_of(tmp_path, text, cache)
     assert [vars_of(p) for p in again.collisions.pairs] == [vars_of(p) for p in expected.pairs]
-    assert [(r.value, r.links) for r in reaches(again)] == [(r.value, r.links) for r in reached]
+    assert [(r.value, r.links) for r in find_joint_collisions(again)] == [(r.value, r.links) for r in reached]
 
 
 @pytest.mark.parametrize("change", [("0.06 0.05 0.1", "0.07 0.05 0.1"), ("-2.5", "-2.4"), ("0 0 0.15", "0 0 0.16")])
 def test_what_decides_about_collisions_is_in_the_key(tmp_path: Path, change: tuple[str, str]) -> None:
     one, other = (model_of(tmp_path / name, text) for name, text in (("a", arm()), ("b", arm().replace(*change))))
     same = model_of(tmp_path / "c", arm().replace("<box", "<!-- x --><box"))
-    assert one.collisions.bench.key() != other.collisions.bench.key()
-    assert one.collisions.bench.key() == same.collisions.bench.key()
+    assert one.collisions.setup.compute_key() != other.collisions.setup.compute_key()
+    assert one.collisions.setup.compute_key() == same.collisions.setup.compute_key()
 
 
-def vars_of(found: Pair) -> tuple[object, ...]:
+def vars_of(found: CollisionPair) -> tuple[object, ...]:
     contact = found.contact
     place = None if contact is None else (contact.depth, contact.point, contact.normal, contact.size)
-    return found.links, found.relation, found.hits.tobytes(), found.never_proven, found.complete, place
+    return found.links, found.relation, found.hits.tobytes(), found.is_proven_apart, found.is_complete, place

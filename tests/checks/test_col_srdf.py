@@ -9,8 +9,13 @@ from conftest import check
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.model import Model
-from urdfcheck.model.motion.moveit_pairs import adjacent_links, default_state, judged, moved_links
-from urdfcheck.source.load import load
+from urdfcheck.model.motion.moveit_pairs import (
+    classify_link_pairs,
+    compute_default_state,
+    find_adjacent_links,
+    find_moved_links,
+)
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.ros.srdf import load_srdf
 
@@ -193,7 +198,7 @@ def test_a_robot_without_description_needs_none(tmp_path: Path, code: str) -> No
 def model(folder: Path, text: str) -> Model:
     path = folder / "arm.urdf"
     path.write_text(text)
-    source = load(path, {}, PackageFinder(path, environment={}))
+    source = load_source(path, {}, PackageFinder(path, environment={}))
     assert source.root is not None
     return Model(source, source.root)
 
@@ -206,7 +211,7 @@ def test_links_are_adjacent_across_links_without_geometry(tmp_path: Path) -> Non
     joints = joint("base", "flange", "0 0 0", -1, 1) + joint("flange", "adapter", "0 0 0")
     joints += joint("adapter", "tool", "2 0 0") + joint("flange", "sensor", "0 2 0") + joint("tool", "tip", "2 0 0")
     tree = f'<robot name="arm">{links}{box("tip", "1 1 1")}{joints}</robot>'
-    assert {tuple(sorted(p)) for p in adjacent_links(model(tmp_path, tree))} == {
+    assert {tuple(sorted(p)) for p in find_adjacent_links(model(tmp_path, tree))} == {
         ("base", "tool"),
         ("base", "sensor"),
         ("sensor", "tool"),
@@ -219,7 +224,7 @@ def test_the_default_state_is_zero_or_the_middle_of_the_range(
     tmp_path: Path, lower: float, upper: float, value: float
 ) -> None:
     two = box("base", "1 1 1") + box("tip", "1 1 1") + joint("base", "tip", "2 0 0", lower, upper)
-    state = default_state(model(tmp_path, f'<robot name="arm">{two}</robot>'))
+    state = compute_default_state(model(tmp_path, f'<robot name="arm">{two}</robot>'))
     assert state.values.tolist() == [[value]]
 
 
@@ -227,9 +232,9 @@ def test_a_default_state_that_is_not_the_neutral_pose_is_looked_at(tmp_path: Pat
     """The bar stands up where its range begins, and lies in the post in the middle of it."""
     post = box("base", "0.1 0.1 0.1", "0 0 -0.3") + box("tip", "0.4 0.05 0.05", "0.2 0 0")
     loose = box("root", "") + joint("root", "base", "0 0 0") + joint("root", "tip", "0 0 0", 0.2, 2.94159)
-    (found,) = judged(model(tmp_path, f'<robot name="arm">{loose}{post}</robot>'))
-    assert found.by_default
-    assert not found.pair.by_default
+    (found,) = classify_link_pairs(model(tmp_path, f'<robot name="arm">{loose}{post}</robot>'))
+    assert found.meets_at_default
+    assert not found.pair.meets_at_neutral
 
 
 @pytest.mark.parametrize(
@@ -247,4 +252,4 @@ def test_a_group_moves_what_hangs_on_its_joints(tmp_path: Path, group: str, move
     (tmp_path / "arm.srdf").write_text(f'<robot name="arm"><group name="g">{group}</group></robot>')
     srdf = load_srdf(tmp_path / "arm.srdf", {}, robot.source.finder, "arm")
     assert srdf is not None
-    assert moved_links(robot, srdf) == moved
+    assert find_moved_links(robot, srdf) == moved

@@ -13,9 +13,9 @@ from conftest import FIXTURES, check, check_text
 from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.motion import dynamics
 from urdfcheck.model import Model
-from urdfcheck.model.motion.joint_loads import helped, mobility, overloads
-from urdfcheck.model.motion.poses import sampled
-from urdfcheck.source.load import load
+from urdfcheck.model.motion.joint_loads import find_overloads, find_supported_joints, summarize_mass_matrix
+from urdfcheck.model.motion.poses import sample_configurations
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.system.array_cache import Cache
 
@@ -59,7 +59,7 @@ def found(folder: Path, text: str, code: str, **request: object) -> tuple[Findin
 def model_of(folder: Path, text: str) -> Model:
     path = folder / "robot.urdf"
     path.write_text(text, encoding="utf-8")
-    source = load(path, {}, PackageFinder(path))
+    source = load_source(path, {}, PackageFinder(path))
     assert source.root is not None
     return Model(source, source.root)
 
@@ -105,7 +105,7 @@ def test_turning_the_base_about_the_vertical_changes_nothing(tmp_path: Path, bas
 
 
 def test_a_pose_that_is_hardly_ever_taken_is_mentioned_only(tmp_path: Path) -> None:
-    angles = sampled(model_of(tmp_path, arm(5)), 200).values[:, 0]
+    angles = sample_configurations(model_of(tmp_path, arm(5)), 200).values[:, 0]
     second, first = sorted(NEEDED * abs(math.sin(angle)) for angle in angles)[-2:]
     text = arm((first + second) / 2)
     (finding,) = found(tmp_path, text, "DYN002")
@@ -191,8 +191,8 @@ def test_a_loop_leaves_the_joints_before_it_alone(tmp_path: Path) -> None:
         for part in (link(side, 1.0, "0 0 0.1"), joint(f"{side}_joint", "arm", side, limit='effort="0.1" upper="1"'))
     ]
     model = model_of(tmp_path, arm(5, "", *fingers, loop))
-    assert helped(model) == {"left_joint", "right_joint"}
-    assert [load.joint.name for load in overloads(model)] == ["shoulder"]
+    assert find_supported_joints(model) == {"left_joint", "right_joint"}
+    assert [load.joint.name for load in find_overloads(model)] == ["shoulder"]
 
 
 def test_a_negative_mass_is_another_rules_matter(tmp_path: Path) -> None:
@@ -239,10 +239,10 @@ def test_a_long_chain_of_equal_links_is_no_defect(tmp_path: Path) -> None:
         for i in range(12)
     ]
     model = model_of(tmp_path, robot(*parts))
-    found_mobility = mobility(model)
+    found_mobility = summarize_mass_matrix(model)
     assert found_mobility is not None
-    assert found_mobility.number > 1e3
-    assert found_mobility.light is None
+    assert found_mobility.condition_number > 1e3
+    assert found_mobility.light_joint is None
 
 
 @pytest.mark.parametrize(
@@ -325,9 +325,9 @@ def test_the_pose_in_which_least_inertia_is_felt_counts(tmp_path: Path) -> None:
     """A point mass on a free elbow adds m L² sin² q to what the shoulder feels: nothing where the arm is straight."""
     upper = link("upper", 1.0, inertia=0.1) + joint("shoulder", "base", "upper")
     fore = link("fore", 2.0, "0 0 0.3", 1e-6) + joint("elbow", "upper", "fore", origin='xyz="0 0 0.5"')
-    felt = mobility(model_of(tmp_path, robot(upper, fore)))
+    felt = summarize_mass_matrix(model_of(tmp_path, robot(upper, fore)))
     assert felt is not None
-    assert felt.felt["shoulder"] == pytest.approx(0.1, rel=1e-3)
+    assert felt.effective_inertias["shoulder"] == pytest.approx(0.1, rel=1e-3)
 
 
 def test_a_light_link_is_reported_once(tmp_path: Path) -> None:
@@ -352,33 +352,37 @@ def test_a_base_that_floats_is_held_and_counts_as_inertia(tmp_path: Path, kind: 
     free = f'<joint name="free" type="{kind}"><parent link="base"/><child link="body"/><axis xyz="0 0 1"/></joint>'
     shoulder = joint("shoulder", "body", "arm", limit='lower="-1.6" upper="1.6" effort="5"')
     model = model_of(tmp_path, robot(link("body", 1.0, inertia=0.1), free, ARM, shoulder))
-    (overload,) = overloads(model)
+    (overload,) = find_overloads(model)
     assert overload.torque == pytest.approx(NEEDED)
-    felt = mobility(model)
+    felt = summarize_mass_matrix(model)
     assert felt is not None
     # A body that gives way lets the arm turn more easily than a fixed one.
     own = 1e-3 + 2.0 * 0.5**2
-    assert felt.felt["shoulder"] < own * (1 - 1e-3)
+    assert felt.effective_inertias["shoulder"] < own * (1 - 1e-3)
 
 
 def test_results_are_kept_until_the_model_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cache = Cache(tmp_path / "cache")
     first = replace(model_of(tmp_path, arm(5)), cache=cache)
-    before = overloads(first), mobility(first)
+    before = find_overloads(first), summarize_mass_matrix(first)
     again = replace(model_of(tmp_path, arm(5)), cache=cache)
     other = replace(model_of(tmp_path, arm(6)), cache=cache)
 
     def fail(*_: object) -> None:
         raise AssertionError("computed")
 
-    monkeypatch.setattr(dynamics, "coordinates", fail)
-    ((load,), felt) = overloads(again), mobility(again)
-    assert (load.torque, load.pose, load.count) == (before[0][0].torque, before[0][0].pose, before[0][0].count)
+    monkeypatch.setattr(dynamics, "locate_joint_coordinates", fail)
+    ((load,), felt) = find_overloads(again), summarize_mass_matrix(again)
+    assert (load.torque, load.joint_values, load.count) == (
+        before[0][0].torque,
+        before[0][0].joint_values,
+        before[0][0].count,
+    )
     assert felt is not None
     assert before[1] is not None
-    assert felt.felt == before[1].felt
+    assert felt.effective_inertias == before[1].effective_inertias
     with pytest.raises(AssertionError, match="computed"):
-        overloads(other)
+        find_overloads(other)
 
 
 @pytest.mark.parametrize("name", ["car-3", "car-3-fixed"])

@@ -10,13 +10,13 @@ from castings import Block, edited, geometry, inertial, pieces, triangles, unifo
 from conftest import check_text
 
 from urdfcheck.core import Finding
-from urdfcheck.facts.inertials.diagnosis import Declared
-from urdfcheck.facts.inertials.inertia_tensor import Solid, combine
+from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids
 
 CODES = {"INR003", "INR004", "INR005", "INR006", "INR007", "INR008", "INR009", "INR010", "MSH008"}
 
 
-def arm(numbers: Declared | str, *drawn: str) -> str:
+def arm(numbers: DeclaredInertial | str, *drawn: str) -> str:
     """A robot whose arm has an inertial and draws something."""
     text = numbers if isinstance(numbers, str) else inertial(numbers)
     return (
@@ -70,12 +70,12 @@ def write_dae(path: Path, blocks: tuple[Block, ...], up: str) -> None:
 
 def test_a_mesh_may_stand_upright_where_rviz_lays_it_down(tmp_path: Path) -> None:
     write_dae(tmp_path / "shank.dae", SHANK, "Y_UP")
-    assert told(tmp_path, arm(uniform(combine(pieces(SHANK)), 2.0), mesh("shank.dae"))) == []
+    assert told(tmp_path, arm(uniform(combine_solids(pieces(SHANK)), 2.0), mesh("shank.dae"))) == []
 
 
 def test_what_no_reading_of_the_up_axis_explains_is_told(tmp_path: Path) -> None:
     write_dae(tmp_path / "shank.dae", SHANK, "Y_UP")
-    above = uniform(combine(pieces((((0.06, 0.05, 0.3), (0.5, 0.0, 0.0)),))), 2.0)
+    above = uniform(combine_solids(pieces((((0.06, 0.05, 0.3), (0.5, 0.0, 0.0)),))), 2.0)
     assert told(tmp_path, arm(above, mesh("shank.dae"))) == ["INR006"]
 
 
@@ -83,7 +83,7 @@ def test_another_mesh_of_the_link_settles_which_way_is_up(tmp_path: Path) -> Non
     write_dae(tmp_path / "shank.dae", SHANK, "Y_UP")
     lying: tuple[Block, ...] = (((0.06, 0.3, 0.05), (0.0, -0.15, 0.0)),)
     write_stl(tmp_path / "shank.stl", lying)
-    content = arm(uniform(combine(pieces(SHANK)), 2.0), mesh("shank.dae"), mesh("shank.stl", "collision"))
+    content = arm(uniform(combine_solids(pieces(SHANK)), 2.0), mesh("shank.dae"), mesh("shank.stl", "collision"))
     assert told(tmp_path, content) != []
 
 
@@ -109,7 +109,7 @@ def write_mixed(path: Path, outwards: tuple[Block, ...], inwards: Block) -> None
 
 def solid_of(outwards: tuple[Block, ...], hollow: Block) -> Solid:
     """The blocks without the hollow one."""
-    filled = combine(pieces(outwards))
+    filled = combine_solids(pieces(outwards))
     (missing,) = pieces((hollow,))
     volume = filled.volume - missing.volume
     com = (filled.volume * filled.com - missing.volume * missing.com) / volume
@@ -125,7 +125,7 @@ def test_a_body_that_faces_inwards_is_not_subtracted(tmp_path: Path) -> None:
     (filled,) = pieces((((0.5, 0.41, 0.1), (0.0, 0.0, 0.05)),))
     whole = uniform(filled, 10.0)
     collides = '<collision><origin xyz="0 0 0.05"/><geometry><box size="0.5 0.41 0.1"/></geometry></collision>'
-    content = arm(Declared(10.0, np.zeros(3), whole.tensor, whole.rotation), mesh("frame.stl"), collides)
+    content = arm(DeclaredInertial(10.0, np.zeros(3), whole.tensor, whole.rotation), mesh("frame.stl"), collides)
     (finding,) = found(tmp_path, content)
     assert finding.cause is not None
     assert finding.cause.id == "com_missing"
@@ -138,7 +138,9 @@ def test_a_hollow_is_still_a_hollow(tmp_path: Path) -> None:
     write_mixed(tmp_path / "housing.stl", housing, cavity)
     true = uniform(solid_of(housing, cavity), 3.0)
     assert told(tmp_path, arm(true, mesh("housing.stl"))) == []
-    (finding,) = found(tmp_path, arm(Declared(3.0, true.com, true.tensor / 1000.0, true.rotation), mesh("housing.stl")))
+    (finding,) = found(
+        tmp_path, arm(DeclaredInertial(3.0, true.com, true.tensor / 1000.0, true.rotation), mesh("housing.stl"))
+    )
     assert finding.data["mismatch"]["mended_tensor"] == pytest.approx(0.0, abs=1e-3)
 
 
@@ -146,8 +148,8 @@ def test_a_filled_part_with_another_mass_is_in_no_other_unit(tmp_path: Path) -> 
     housing: tuple[Block, ...] = (((1.0, 0.6, 0.3), (0.0, 0.0, 0.1)),)
     cavity: Block = ((0.96, 0.56, 0.26), (0.0, 0.0, 0.1))
     write_mixed(tmp_path / "housing.stl", housing, cavity)
-    filled = uniform(combine(pieces(housing)), 1404.0)
-    typed_over = Declared(1.1, filled.com, filled.tensor, filled.rotation)
+    filled = uniform(combine_solids(pieces(housing)), 1404.0)
+    typed_over = DeclaredInertial(1.1, filled.com, filled.tensor, filled.rotation)
     causes = {f.cause.id for f in found(tmp_path, arm(typed_over, mesh("housing.stl"))) if f.cause is not None}
     assert not causes & {"inertia_unit", "units"}
 
@@ -184,7 +186,7 @@ PART: tuple[Block, ...] = (((0.2, 0.06, 0.04), (0.03, 0.02, 0.05)), ((0.05, 0.16
 def test_a_tensor_of_another_mass_does_not_say_which_is_wrong(tmp_path: Path) -> None:
     write_stl(tmp_path / "part.stl", PART)
     heavy, typed = uniform(geometry(PART).solid, 6.0), 1.37
-    text = arm(Declared(typed, heavy.com, heavy.tensor, heavy.rotation), mesh("part.stl"))
+    text = arm(DeclaredInertial(typed, heavy.com, heavy.tensor, heavy.rotation), mesh("part.stl"))
     (finding,) = found(tmp_path, text)
     assert finding.cause is not None
     assert finding.cause.id == "other_mass"
@@ -220,7 +222,7 @@ def test_parts_with_one_mistake_and_one_measure_are_one_finding(
     block: tuple[Block, ...] = (((0.1, 0.2, 0.3), (0.0, 0.0, 0.0)),)
     write_stl(tmp_path / "wheel.stl", block)
     wheels = "".join(
-        f'<link name="w{i}">{inertial(uniform(combine(pieces(block)), 1.0))}{mesh("wheel.stl")}</link>'.replace(
+        f'<link name="w{i}">{inertial(uniform(combine_solids(pieces(block)), 1.0))}{mesh("wheel.stl")}</link>'.replace(
             'mass value="1"', f'mass value="{0.01 * factor}"'
         )
         + f'<joint name="j{i}" type="continuous"><parent link="base"/><child link="w{i}"/></joint>'

@@ -11,7 +11,7 @@ import pytest
 from conftest import check_text
 
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts.motion.kinematics import transform
+from urdfcheck.facts.motion.kinematics import build_origin_transform
 
 
 def cylinder(sides: int, radius: float = 0.03, length: float = 0.01) -> str:
@@ -232,7 +232,7 @@ def test_the_factor_of_a_forgotten_scale_is_named(tmp_path: Path, scale: str, un
 @pytest.mark.parametrize("rpy", ["0 0 0", "0.4 0 0", "1 -0.7 2.5"])
 def test_the_verdict_does_not_change_with_the_frame(tmp_path: Path, rpy: str) -> None:
     """Two cubes 0.5 m apart stay apart, and one inside the other stays inside, however their link's frame is turned."""
-    turn = transform((0, 0, 0), [float(w) for w in rpy.split()])[:3, :3]
+    turn = build_origin_transform((0, 0, 0), [float(w) for w in rpy.split()])[:3, :3]
     for distance, found in ((0.5, True), (0.02, False)):
         xyz = " ".join(f"{v:.9f}" for v in turn @ np.array([distance, 0, 0]))
         inside = box("visual", rpy=rpy) + box("collision", xyz=xyz, rpy=rpy)

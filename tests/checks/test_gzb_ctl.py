@@ -9,8 +9,8 @@ from conftest import check, check_text
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.model import Model
-from urdfcheck.model.inertials.fixed_joint_lumping import reduced
-from urdfcheck.source.load import load
+from urdfcheck.model.inertials.fixed_joint_lumping import reduce_fixed_joints
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
 ARM = """<link name="a"/><link name="b"/><link name="c"/>
@@ -127,9 +127,9 @@ def test_the_shapes_are_called_as_sdformat_calls_them(tmp_path: Path) -> None:
     """What sdformat 12.3 makes of this robot: joints in the order of their names, each branch before the next."""
     path = tmp_path / "robot.urdf"
     path.write_text(f'<robot name="r">{MERGED}</robot>', encoding="utf-8")
-    source = load(path, {}, PackageFinder(path))
+    source = load_source(path, {}, PackageFinder(path))
     assert source.root is not None
-    assert [shape.name for shape in reduced(Model(source, source.root)).collisions] == [
+    assert [shape.name for shape in reduce_fixed_joints(Model(source, source.root)).collisions] == [
         "base_collision",
         "base_fixed_joint_lump__foot_collision_1",
         "base_fixed_joint_lump__foo_collision_2",

@@ -9,7 +9,7 @@ from conftest import check_text
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.load import load
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
 SOUND = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
@@ -346,7 +346,7 @@ def test_the_fix_writes_the_same_body_in_the_axes_of_the_link(tmp_path: Path) ->
     def tensor(source: str) -> list[float]:
         path = tmp_path / "either.urdf"
         path.write_text(source)
-        loaded = load(path, {}, PackageFinder(tmp_path))
+        loaded = load_source(path, {}, PackageFinder(tmp_path))
         assert loaded.root is not None
         link = Model(loaded, loaded.root).link_by_name["arm"]
         assert link.inertial is not None

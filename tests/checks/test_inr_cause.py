@@ -26,7 +26,7 @@ from conftest import check_text
 
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts.inertials.diagnosis import HYPOTHESES, Declared
+from urdfcheck.facts.inertials.diagnosis import HYPOTHESES, DeclaredInertial
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 CODES = {"INR003", "INR004", "INR007", "INR008", "INR009", "MSH008"}
@@ -65,7 +65,7 @@ def drawn_by(folder: Path, cause: str) -> str:
     return MESH
 
 
-def wrong(cause: str) -> Declared:
+def wrong(cause: str) -> DeclaredInertial:
     return BY_ID[cause](TRUE, DRAWN)
 
 
@@ -115,7 +115,7 @@ def test_the_edit_mends_it(tmp_path: Path, cause: str, mistake: Mistake, name: s
 
 
 def test_the_page_explains_every_cause() -> None:
-    assert set(catalogue.rules()["INR009"].causes) == set(HYPOTHESES)
+    assert set(catalogue.load_rules()["INR009"].causes) == set(HYPOTHESES)
 
 
 @pytest.mark.parametrize(
@@ -289,11 +289,11 @@ def test_a_light_part_of_a_body_is_worth_an_info(tmp_path: Path, mass: float, se
     assert finding.severity == severity
 
 
-def block(size: tuple[float, ...], com: tuple[float, ...], rpy: tuple[float, ...]) -> Declared:
+def block(size: tuple[float, ...], com: tuple[float, ...], rpy: tuple[float, ...]) -> DeclaredInertial:
     """The arm's mass as a block, anywhere."""
     turn = rpy_to_matrix(rpy)
     tensor = turn @ uniform(geometry([(size, (0, 0, 0))]).solid, TRUE.mass).tensor @ turn.T
-    return Declared(TRUE.mass, np.array(com), tensor)
+    return DeclaredInertial(TRUE.mass, np.array(com), tensor)
 
 
 def odd(name: str) -> str:
@@ -374,11 +374,11 @@ def test_a_mesh_that_programs_read_in_two_sizes_accuses_nobody(tmp_path: Path, u
 # -- twins --------------------------------------------------------------------------------------------------------------
 
 
-def two_arms(left: Declared, right: Declared) -> str:
+def two_arms(left: DeclaredInertial, right: DeclaredInertial) -> str:
     """Arms on both sides; ``right`` is given in the left one's frame."""
     mirrored = [((x, y, z), (a, -b, c)) for (x, y, z), (a, b, c) in CASTING]
     flip = np.diag((1.0, -1.0, 1.0))
-    right = Declared(right.mass, flip @ right.com, flip @ right.tensor @ flip)
+    right = DeclaredInertial(right.mass, flip @ right.com, flip @ right.tensor @ flip)
     return (
         f'<robot name="r"><link name="base"/><link name="left_arm">{inertial(left)}{BOXES}</link>'
         f'<link name="right_arm">{inertial(right)}{drawn_boxes(mirrored)}</link>'
@@ -394,7 +394,7 @@ _COM = 0.8 * TRUE.com + 0.2 * _MOTOR
 _SECOND = 0.8 * (DRAWN.solid.covariance + np.outer(TRUE.com - _COM, TRUE.com - _COM)) + 0.2 * np.outer(
     _MOTOR - _COM, _MOTOR - _COM
 )
-HEAVY = Declared(TRUE.mass, _COM, TRUE.mass * (np.trace(_SECOND) * np.eye(3) - _SECOND))
+HEAVY = DeclaredInertial(TRUE.mass, _COM, TRUE.mass * (np.trace(_SECOND) * np.eye(3) - _SECOND))
 
 
 @pytest.mark.parametrize("side", ["left", "right"])

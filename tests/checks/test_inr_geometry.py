@@ -12,13 +12,13 @@ from conftest import check_text
 from numpy.typing import NDArray
 
 from urdfcheck.core import Finding
-from urdfcheck.facts.inertials.hull_bounds import outside
-from urdfcheck.facts.inertials.inertia_tensor import box_solid, inertia_of
-from urdfcheck.facts.mesh.measure import hull_of
+from urdfcheck.facts.inertials.hull_bounds import measure_hull_distance
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make_box_solid
+from urdfcheck.facts.mesh.measure import compute_convex_hull
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
 from urdfcheck.model import Model
-from urdfcheck.model.shapes.visual_solid import geometry, rigid_points
-from urdfcheck.source.load import load
+from urdfcheck.model.shapes.visual_solid import collect_rigid_corners, measure_link_geometry
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
 Array = NDArray[np.float64]
@@ -44,7 +44,7 @@ class Part:
     @property
     def inertia(self) -> Array:
         """In the link's axes; that of the box where none is given."""
-        own = self.pose @ inertia_of(box_solid(self.size), self.mass) @ self.pose.T
+        own = self.pose @ compute_solid_inertia(make_box_solid(self.size), self.mass) @ self.pose.T
         return own if self.tensor is None else self.tensor
 
     def xml(self, name: str) -> str:
@@ -412,7 +412,7 @@ def model_of(folder: Path, content: str) -> Model:
     folder.mkdir(exist_ok=True)
     path = folder / "drawn.urdf"
     path.write_text(content, encoding="utf-8")
-    source = load(path, {}, PackageFinder(path))
+    source = load_source(path, {}, PackageFinder(path))
     assert source.root is not None
     return Model(source, source.root)
 
@@ -448,13 +448,13 @@ def inside(kind: str, random: np.random.Generator) -> Array:
 def test_the_corners_of_a_shape_hold_all_of_it_and_little_more(tmp_path: Path, kind: str, shape: str) -> None:
     model = model_of(tmp_path, drawing(shape))
     link = model.links[0]
-    points, drawn = rigid_points(model, link), geometry(model, link)
+    points, drawn = collect_rigid_corners(model, link), measure_link_geometry(model, link)
     assert points is not None
     assert drawn is not None
     turn, place = rpy_to_matrix((0.3, -0.4, 0.5)), np.array((0.1, 0.2, 0.3))
     for surface in inside(kind, np.random.default_rng(1)) @ turn.T + place:
-        assert outside(points, surface) < 1e-6
-    assert 1.0 <= hull_of(points).volume / drawn.solid.volume + 1e-9 <= 1.02
+        assert measure_hull_distance(points, surface) < 1e-6
+    assert 1.0 <= compute_convex_hull(points).volume / drawn.solid.volume + 1e-9 <= 1.02
     assert drawn.closed
 
 
@@ -466,7 +466,7 @@ def test_solid_hull_and_shell_of_a_stretched_mesh_are_those_of_the_stretched_cor
     (tmp_path / "b.obj").write_text("v 0 0 0\nv 0.8 0 0\nv 0 -0.3 0\nv 0 0 0.1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n")
     stretched = model_of(tmp_path, drawing('<mesh filename="a.obj" scale="2 -1 0.5"/>'))
     plain = model_of(tmp_path, drawing('<mesh filename="b.obj"/>'))
-    one, other = geometry(stretched, stretched.links[0]), geometry(plain, plain.links[0])
+    one, other = measure_link_geometry(stretched, stretched.links[0]), measure_link_geometry(plain, plain.links[0])
     assert one is not None
     assert other is not None
     for part in ("solid", "hull", "shell", "box"):
@@ -482,7 +482,7 @@ def test_an_open_mesh_gives_way_to_a_closed_collision_shape(tmp_path: Path) -> N
     box = '<collision><geometry><box size="0.4 0.3 0.2"/></geometry></collision>'
     opened = model_of(tmp_path / "a", content.replace("open.obj", "../open.obj"))
     both = model_of(tmp_path / "b", content.replace("open.obj", "../open.obj").replace("</visual>", "</visual>" + box))
-    first, second = geometry(opened, opened.links[0]), geometry(both, both.links[0])
+    first, second = measure_link_geometry(opened, opened.links[0]), measure_link_geometry(both, both.links[0])
     assert first is not None
     assert second is not None
     assert (first.closed, second.closed) == (False, True)

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from conftest import check_text
 
-from urdfcheck.core import Run, Severity, Unavailable
+from urdfcheck.core import FactUnavailableError, Run, Severity
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.tree import Tree
-from urdfcheck.source.text.xml import SourceFile, parse
+from urdfcheck.source.text.xml import SourceFile, parse_xml
 
 TREE = {"KIN001", "KIN002", "KIN003", "KIN004", "KIN005", "KIN006", "KIN007", "KIN008", "XML005"}
 
@@ -145,9 +145,9 @@ def test_xacro_that_nothing_expanded_says_nothing_about_the_tree(tmp_path: Path)
 )
 def test_a_check_that_needs_the_tree_names_the_finding_that_was_made(tmp_path: Path, text: str, code: str) -> None:
     assert code in codes(check_text(tmp_path, text, codes={*TREE, "NAM001"}))
-    root = parse(SourceFile(tmp_path, "robot.urdf", text))
-    with pytest.raises(Unavailable, match=code):
-        Tree.build([Link(e) for e in root.all("link")], [Joint(e) for e in root.all("joint")])
+    root = parse_xml(SourceFile(tmp_path, "robot.urdf", text))
+    with pytest.raises(FactUnavailableError, match=code):
+        Tree.build([Link(e) for e in root.find_children("link")], [Joint(e) for e in root.find_children("joint")])
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,8 @@ from conftest import check_text
 from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
 from urdfcheck.model import Model
-from urdfcheck.model.likeness.identical_parts import copies, twins
-from urdfcheck.source.load import load
+from urdfcheck.model.likeness.identical_parts import estimate_from_copies, part_copies
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.system.array_cache import Cache
 
@@ -265,15 +265,15 @@ def test_a_twin_is_what_the_copies_agree_on_in_the_links_own_frame(tmp_path: Pat
     path = tmp_path / "robot.urdf"
     odd = turned((0.3, -1.0, 2.0), (0.01, 0.02, 0.03), mass=0.5)
     path.write_text(robot(*FOUR, rr=odd), encoding="utf-8")
-    source = load(path, {}, PackageFinder(tmp_path))
+    source = load_source(path, {}, PackageFinder(tmp_path))
     assert source.root is not None
     model = Model(source, source.root, "full", Cache())
-    ((group),) = copies(model)
+    ((group),) = part_copies(model)
     assert [copy.link.name for copy in group] == ["fl_part", "rl_part", "rr_part", "fr_part"]
-    wanted = twins(model)["rr_part"].wanted
+    wanted = estimate_from_copies(model)["rr_part"].expected
     turn = rpy_to_matrix((0.3, -1.0, 2.0))
     assert wanted.mass == pytest.approx(MASS)
     assert wanted.com == pytest.approx(turn @ COM + (0.01, 0.02, 0.03))
     assert wanted.inertia == pytest.approx(turn @ TENSOR @ turn.T)
-    assert [link.name for link in twins(model)["fl_part"].by] == ["rl_part", "fr_part"]
-    assert "base" not in twins(model)
+    assert [link.name for link in estimate_from_copies(model)["fl_part"].by] == ["rl_part", "fr_part"]
+    assert "base" not in estimate_from_copies(model)

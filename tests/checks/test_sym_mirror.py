@@ -14,11 +14,16 @@ from conftest import check_text
 from transforms import Robot, Transformation, each_link, rerooted, rotated_inertial, rotated_link, scaled
 
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts.inertials.inertia_tensor import box_solid, combine, inertia_of, placed
+from urdfcheck.facts.inertials.inertia_tensor import (
+    combine_solids,
+    compute_solid_inertia,
+    make_box_solid,
+    transform_solid,
+)
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 from urdfcheck.model import Model
-from urdfcheck.model.likeness.mirror_pairs import Pair, declared, twin_of
-from urdfcheck.source.load import load
+from urdfcheck.model.likeness.mirror_pairs import MirrorPair, estimate_from_twin, read_declared_inertial
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
 SIX = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -51,13 +56,13 @@ PARTS: dict[str, tuple[Pieces, tuple[float, float, float], tuple[int, int, int],
 
 def link(name: str, pieces: Pieces) -> ET.Element:
     """A link of boxes with the inertial that they have."""
-    solid = combine([placed(box_solid(size), np.eye(3), centre) for size, centre in pieces])
+    solid = combine_solids([transform_solid(make_box_solid(size), np.eye(3), centre) for size, centre in pieces])
     mass = DENSITY * solid.volume
     element = ET.Element("link", name=name)
     inertial = ET.SubElement(element, "inertial")
     ET.SubElement(inertial, "origin", xyz=" ".join(map(str, solid.com.tolist())), rpy="0 0 0")
     ET.SubElement(inertial, "mass", value=repr(mass))
-    six = inertia_of(solid, mass)[np.triu_indices(3)].tolist()
+    six = compute_solid_inertia(solid, mass)[np.triu_indices(3)].tolist()
     ET.SubElement(inertial, "inertia", dict(zip(SIX, map(repr, six), strict=True)))
     for size, centre in pieces:
         visual = ET.SubElement(element, "visual")
@@ -138,7 +143,7 @@ def one(folder: Path, robot: Robot) -> Finding:
     return finding
 
 
-def pairs_of(folder: Path, robot: Robot) -> dict[str, Pair]:
+def pairs_of(folder: Path, robot: Robot) -> dict[str, MirrorPair]:
     """The pairs by their first link."""
     return {pair.one: pair for pair in model_of(folder, robot).pairs}
 
@@ -147,7 +152,7 @@ def model_of(folder: Path, robot: Robot) -> Model:
     folder.mkdir(exist_ok=True)
     path = folder / "robot.urdf"
     path.write_text(ET.tostring(robot, encoding="unicode"), encoding="utf-8")
-    source = load(path, {}, PackageFinder(folder, {}, []), explicit=True)
+    source = load_source(path, {}, PackageFinder(folder, {}, []), explicit=True)
     assert source.root is not None
     return Model(source, source.root)
 
@@ -291,14 +296,14 @@ def test_the_robot_in_a_mirror_has_the_same_defects(tmp_path: Path) -> None:
 def test_sides_are_told_by_name(tmp_path: Path, left: str, right: str) -> None:
     found_pairs = pairs_of(tmp_path, humanoid(left, right))
     assert {p.one: p.other for p in found_pairs.values()} == {left.format(p): right.format(p) for p in PARTS}
-    assert all(p.named and p.drawn == "mirrored" for p in found_pairs.values())
+    assert all(p.is_named and p.drawn_as == "mirrored" for p in found_pairs.values())
 
 
 def test_where_names_say_nothing_places_and_drawings_do(tmp_path: Path) -> None:
     robot = humanoid("{}_1", "{}_2")
     found_pairs = pairs_of(tmp_path, robot)
     assert {p.one: p.other for p in found_pairs.values()} == {f"{part}_1": f"{part}_2" for part in PARTS}
-    assert not any(p.named for p in found_pairs.values())
+    assert not any(p.is_named for p in found_pairs.values())
 
 
 def test_a_pair_that_nothing_names_may_be_meant_to_differ(tmp_path: Path) -> None:
@@ -334,12 +339,15 @@ def test_the_fingers_of_either_hand_have_a_plane_of_their_own(tmp_path: Path) ->
 def test_the_twin_says_what_a_link_should_declare(tmp_path: Path) -> None:
     model = model_of(tmp_path, ROBOT)
     for name in ("left_arm", "right_hand"):
-        own, twin = declared(model.link_by_name[name]), twin_of(model, model.link_by_name[name])
+        own, twin = (
+            read_declared_inertial(model.link_by_name[name]),
+            estimate_from_twin(model, model.link_by_name[name]),
+        )
         assert own is not None
         assert twin is not None
         np.testing.assert_allclose(twin.com, own.com, atol=1e-12)
         np.testing.assert_allclose(twin.inertia, own.inertia, atol=1e-12)
-    assert twin_of(model, model.link_by_name["torso"]) is None
+    assert estimate_from_twin(model, model.link_by_name["torso"]) is None
 
 
 # -- which side --------------------------------------------------------------------------------------------------------
@@ -468,7 +476,7 @@ def copied(part: str) -> Robot:
 
 def test_one_part_used_on_both_sides_has_one_inertial(tmp_path: Path) -> None:
     robot = copied("hand")
-    assert pairs_of(tmp_path, robot)["left_hand"].drawn == "copied"
+    assert pairs_of(tmp_path, robot)["left_hand"].drawn_as == "copied"
     assert not found(tmp_path, robot)
 
 
@@ -497,7 +505,7 @@ def test_a_part_that_is_turned_round_for_the_other_side_turns_its_inertial(tmp_p
         robot.append(joint(f"{side}_tool_joint", f"{side}_hand", f"{side}_tool", (0, y, -0.1), (0, 1, 0), (-1, 1)))
         robot = with_(robot, f"link[@name='{side}_tool']/visual/origin", rpy=f"0 0 {yaw}")
         robot = with_(robot, f"link[@name='{side}_tool']/inertial/origin", xyz=com)
-    assert pairs_of(tmp_path, robot)["left_tool"].drawn == "both"
+    assert pairs_of(tmp_path, robot)["left_tool"].drawn_as == "both"
     assert not [f for f in found(tmp_path, robot) if f.code == "SYM004"]
 
 

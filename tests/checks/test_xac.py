@@ -8,7 +8,7 @@ import pytest
 from conftest import check, check_text
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
-from urdfcheck.facts.likeness.typed_numbers import near_miss
+from urdfcheck.facts.likeness.typed_numbers import find_near_miss
 
 HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">\n'
 BASE = '<link name="base"/>\n'
@@ -183,7 +183,7 @@ def test_constants(tmp_path: Path, name: str, value: str, message: str | None) -
 
 def test_tolerance_of_constants_is_wider_than_the_noise_of_literals() -> None:
     """Nine digits pass here; a literal angle of nine digits is a near miss, because siblings show what was meant."""
-    assert near_miss("3.14159265") is not None
+    assert find_near_miss("3.14159265") is not None
 
 
 def test_constant_that_nothing_reads_is_an_info_and_hides_the_unused_property(tmp_path: Path) -> None:

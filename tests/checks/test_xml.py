@@ -8,7 +8,7 @@ import pytest
 from conftest import check, check_text
 
 from urdfcheck.core import Applicability, Finding, Severity
-from urdfcheck.model.motion.pinocchio_model import captured_stderr
+from urdfcheck.model.motion.pinocchio_model import capture_stderr
 
 ROBOT = '<robot name="r"><link name="a"/><link name="b">{link}</link>{joint}</robot>'
 JOINT = (
@@ -154,7 +154,7 @@ class TestUtf16:
         pinocchio = pytest.importorskip("pinocchio")
         path = tmp_path / "robot.urdf"
         path.write_bytes('<robot name="r"><link name="a"/></robot>'.encode(encoding))
-        with captured_stderr(), pytest.raises(ValueError, match="valid URDF"):
+        with capture_stderr(), pytest.raises(ValueError, match="valid URDF"):
             pinocchio.buildModelFromUrdf(str(path))
         (finding,) = check(path, codes={"XML001"}).findings
         assert (finding.message_id, finding.severity) == ("utf-16", Severity.ERROR)

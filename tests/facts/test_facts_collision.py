@@ -12,18 +12,18 @@ from numpy.typing import NDArray
 from urdfcheck.facts.motion.collision import (
     ROUNDING,
     Colliders,
-    Geometry,
-    Placed,
+    CollisionGeometry,
+    PlacedGeometry,
     Separation,
-    all_pairs,
-    boxes_overlap,
+    compute_least_distance,
+    compute_swept_spheres,
+    detect_box_overlap,
+    find_piercing_edges,
     is_convex,
-    least_distance,
-    pierce,
-    sphere_directions,
-    swept,
+    list_all_pairs,
+    sample_sphere_directions,
 )
-from urdfcheck.facts.motion.kinematics import motions, transform
+from urdfcheck.facts.motion.kinematics import build_origin_transform, compute_joint_motions
 
 pytest.importorskip("coal")
 
@@ -38,22 +38,22 @@ FACES = np.array(
 )
 
 
-def box(*size: float) -> Geometry:
-    return Geometry("box", size)
+def box(*size: float) -> CollisionGeometry:
+    return CollisionGeometry("box", size)
 
 
-def mesh(*size: float, closed: bool = True) -> Geometry:
+def mesh(*size: float, closed: bool = True) -> CollisionGeometry:
     """A box of triangles: convex, or a surface where it is not said to be closed."""
-    return Geometry("mesh", (), CORNERS * size, FACES, closed)
+    return CollisionGeometry("mesh", (), CORNERS * size, FACES, closed)
 
 
 def at(*xyz: float, rpy: tuple[float, float, float] = (0, 0, 0)) -> Array:
-    return transform(xyz, rpy)
+    return build_origin_transform(xyz, rpy)
 
 
-def separation(one: Geometry, other: Geometry, shift: Array, scale: float = 1.0) -> Separation | None:
-    colliders = Colliders([Placed(one, 0, np.eye(4)), Placed(other, 1, np.eye(4))])
-    return colliders.separation(np.stack((np.eye(4), shift)), 0, 1)
+def separation(one: CollisionGeometry, other: CollisionGeometry, shift: Array, scale: float = 1.0) -> Separation | None:
+    colliders = Colliders([PlacedGeometry(one, 0, np.eye(4)), PlacedGeometry(other, 1, np.eye(4))])
+    return colliders.find_deepest_overlap(np.stack((np.eye(4), shift)), 0, 1)
 
 
 CUBES = {"box": box(0.1, 0.1, 0.1), "convex": mesh(0.1, 0.1, 0.1), "surface": mesh(0.1, 0.1, 0.1, closed=False)}
@@ -92,7 +92,7 @@ def test_moving_by_the_depth_along_the_normal_frees(kinds: tuple[str, str]) -> N
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
 def test_size_does_not_decide(scale: float) -> None:
     for gap, expected in ((-0.001, True), (0.0, False)):
-        cubes = [Geometry("mesh", (), CORNERS * 0.1 * scale, FACES, False) for _ in range(2)]
+        cubes = [CollisionGeometry("mesh", (), CORNERS * 0.1 * scale, FACES, False) for _ in range(2)]
         found = separation(cubes[0], cubes[1], at(0, 0, (0.1 + gap) * scale))
         assert (found is not None and found.depth > 0.0) == expected
 
@@ -109,7 +109,7 @@ def test_a_peg_in_a_hole_comes_out_along_the_hole() -> None:
     plates = [(0.02, 0.1, 0.2), (0.02, 0.1, 0.2), (0.14, 0.1, 0.02)]
     places = [(-0.06, 0, 0), (0.06, 0, 0), (0, 0, -0.11)]
     corners = np.concatenate([CORNERS * size + place for size, place in zip(plates, places, strict=True)])
-    fork = Geometry("mesh", (), corners, np.concatenate([FACES + 8 * i for i in range(3)]), False)
+    fork = CollisionGeometry("mesh", (), corners, np.concatenate([FACES + 8 * i for i in range(3)]), False)
     found = separation(fork, mesh(0.101, 0.3, 0.1, closed=False), at(0, 0, 0.1))
     assert found is not None
     assert found.depth == pytest.approx(0.05, rel=0.1)
@@ -118,9 +118,9 @@ def test_a_peg_in_a_hole_comes_out_along_the_hole() -> None:
 
 SHAPES = (
     box(0.2, 0.1, 0.05),
-    Geometry("sphere", (0.08,)),
-    Geometry("cylinder", (0.05, 0.2)),
-    Geometry("capsule", (0.04, 0.15)),
+    CollisionGeometry("sphere", (0.08,)),
+    CollisionGeometry("cylinder", (0.05, 0.2)),
+    CollisionGeometry("capsule", (0.04, 0.15)),
     mesh(0.1, 0.2, 0.1),
     mesh(0.1, 0.2, 0.1, closed=False),
 )
@@ -130,23 +130,24 @@ def test_what_spheres_and_boxes_reject_coal_rejects() -> None:
     """All pairs of shapes, two on each body, at random places: the same answers as coal asked for every pair of shapes."""
     rng = np.random.default_rng(1)
     placed = [
-        Placed(s, i // 2, at(*rng.normal(size=3) * 0.1, rpy=tuple(rng.normal(size=3)))) for i, s in enumerate(SHAPES)
+        PlacedGeometry(s, i // 2, at(*rng.normal(size=3) * 0.1, rpy=tuple(rng.normal(size=3))))
+        for i, s in enumerate(SHAPES)
     ]
     frames = np.array(
         [[at(*rng.normal(size=3) * 0.1, rpy=tuple(rng.normal(size=3))) for _ in range(3)] for _ in range(60)]
     )
     colliders = Colliders(placed)
-    pairs = all_pairs(3)
-    found = colliders.hits(frames, pairs)
+    pairs = list_all_pairs(3)
+    found = colliders.detect_collisions(frames, pairs)
     expected = np.array([[brute_force(placed, frame, int(a), int(b)) for frame in frames] for a, b in pairs])
     assert (found == expected).all()
     assert 0.2 < expected.mean() < 0.8
 
 
-def brute_force(placed: list[Placed], frame: Array, one: int, other: int) -> bool:
+def brute_force(placed: list[PlacedGeometry], frame: Array, one: int, other: int) -> bool:
     import coal
 
-    def made(geometry: Geometry) -> object:
+    def made(geometry: CollisionGeometry) -> object:
         if geometry.vertices is None or geometry.faces is None:
             return {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder, "capsule": coal.Capsule}[
                 geometry.kind
@@ -174,18 +175,18 @@ def brute_force(placed: list[Placed], frame: Array, one: int, other: int) -> boo
 
 
 @pytest.mark.parametrize("large", [box(1, 1, 1), mesh(1, 1, 1)])
-def test_a_small_shape_deep_in_a_large_one_meets_it(large: Geometry) -> None:
+def test_a_small_shape_deep_in_a_large_one_meets_it(large: CollisionGeometry) -> None:
     """Axes in line: coal 3.0.3 misses some of these cubes unless it is asked for contacts."""
-    colliders = Colliders([Placed(large, 0, np.eye(4)), Placed(box(0.02, 0.02, 0.02), 1, np.eye(4))])
+    colliders = Colliders([PlacedGeometry(large, 0, np.eye(4)), PlacedGeometry(box(0.02, 0.02, 0.02), 1, np.eye(4))])
     places = list(product(np.linspace(-0.4, 0.4, 17), repeat=3))
     frames = np.tile(np.eye(4), (len(places), 2, 1, 1))
     frames[:, 1, :3, 3] = places
-    assert colliders.hits(frames, all_pairs(2)).all()
+    assert colliders.detect_collisions(frames, list_all_pairs(2)).all()
 
 
 @pytest.mark.parametrize("flat", [(1, 1, 0), (1, 0, 0), (0, 0, 0)])
 def test_a_sheet_has_no_inside(flat: tuple[int, int, int]) -> None:
-    found = separation(mesh(*flat), Geometry("sphere", (0.1,)), at(0, 0, 0.05))
+    found = separation(mesh(*flat), CollisionGeometry("sphere", (0.1,)), at(0, 0, 0.05))
     assert found is not None
     assert found.depth <= 0.1
     assert np.isfinite([*found.normal, *found.point]).all()
@@ -199,7 +200,7 @@ def test_boxes_that_overlap_are_never_rejected() -> None:
     inside = rng.uniform(-1, 1, size=(300, 400, 3))
     points = apart[:, None] + (inside * half[:, None, 1]) @ np.swapaxes(turns[:, 1], 1, 2)
     shared = (np.abs(points @ turns[:, 0]) <= half[:, None, 0]).all(axis=2).any(axis=1)
-    found = boxes_overlap(turns[:, 0], half[:, 0], turns[:, 1], half[:, 1], apart)
+    found = detect_box_overlap(turns[:, 0], half[:, 0], turns[:, 1], half[:, 1], apart)
     assert found[shared].all()
     assert 0.1 < shared.mean() < found.mean() < 0.9
 
@@ -220,8 +221,8 @@ def test_a_swept_sphere_contains_the_sphere_wherever_the_joint_is(rotates: bool,
     rng = np.random.default_rng(3)
     axis = np.array((1.0, 2.0, -1.0)) / math.sqrt(6)
     centres, radii = rng.normal(size=(20, 3)), rng.uniform(0.1, 1, size=20)
-    around, reach = swept(centres, radii, axis, *limits, rotates=rotates)
-    for moved in motions(axis, np.linspace(*limits, 30), rotates=rotates):
+    around, reach = compute_swept_spheres(centres, radii, axis, *limits, rotates=rotates)
+    for moved in compute_joint_motions(axis, np.linspace(*limits, 30), rotates=rotates):
         there = centres @ moved[:3, :3].T + moved[:3, 3]
         assert (np.linalg.norm(there - around, axis=1) + radii <= reach + 1e-12).all()
 
@@ -230,7 +231,7 @@ def test_no_direction_is_more_than_23_degrees_from_one_of_those_tried() -> None:
     rng = np.random.default_rng(4)
     wanted = rng.normal(size=(2000, 3))
     wanted /= np.linalg.norm(wanted, axis=1, keepdims=True)
-    nearest = (wanted @ sphere_directions(40).T).max(axis=1)
+    nearest = (wanted @ sample_sphere_directions(40).T).max(axis=1)
     assert nearest.min() > math.cos(math.radians(23))
 
 
@@ -242,8 +243,8 @@ def test_no_place_of_a_joint_brings_points_nearer_than_the_least_distance(
     rng = np.random.default_rng(5)
     axis = np.array((1.0, 2.0, -1.0)) / math.sqrt(6)
     moving, staying = rng.normal(size=(2, 50, 3))
-    found = least_distance(moving, staying, axis, *limits, rotates=rotates)
-    moved = motions(axis, np.linspace(*limits, 2000), rotates=rotates)
+    found = compute_least_distance(moving, staying, axis, *limits, rotates=rotates)
+    moved = compute_joint_motions(axis, np.linspace(*limits, 2000), rotates=rotates)
     there = np.einsum("qij,nj->qni", moved[:, :3, :3], moving) + moved[:, None, :3, 3]
     assert found == pytest.approx(np.linalg.norm(there - staying, axis=2).min(axis=0), abs=2e-3)
 
@@ -253,27 +254,29 @@ def test_triangles_that_pierce_each_other_still_do_after_any_shift_within_the_ma
     one, other = rng.normal(size=(2, 400, 3, 3))
     shifts = rng.normal(size=(30, 400, 1, 3))
     shifts /= np.linalg.norm(shifts, axis=3, keepdims=True)
-    held = pierce(one, other, 0.1)
-    crossing = pierce(one, other, 0.0)
+    held = find_piercing_edges(one, other, 0.1)
+    crossing = find_piercing_edges(one, other, 0.0)
     assert 0 < held.sum() < crossing.sum() < 400
-    assert all(pierce(one + 0.1 * shift, other, 0.0)[held].all() for shift in shifts)
+    assert all(find_piercing_edges(one + 0.1 * shift, other, 0.0)[held].all() for shift in shifts)
 
 
 @pytest.mark.parametrize("kinds", PAIRS, ids="-".join)
 @pytest.mark.parametrize("height", [0.0, 1e-3])
 def test_whether_shapes_overlap_is_told_without_the_depth(kinds: tuple[str, str], height: float) -> None:
-    colliders = Colliders([Placed(CUBES[kinds[0]], 0, np.eye(4)), Placed(CUBES[kinds[1]], 1, np.eye(4))])
+    colliders = Colliders(
+        [PlacedGeometry(CUBES[kinds[0]], 0, np.eye(4)), PlacedGeometry(CUBES[kinds[1]], 1, np.eye(4))]
+    )
     frames = np.stack((np.eye(4), at(0.01, 0.02, 0.1 - height, rpy=(0, 0, 0.3))))
-    measured, told = (colliders.separation(frames, 0, 1, measured=m) for m in (True, False))
+    measured, told = (colliders.find_deepest_overlap(frames, 0, 1, with_depth=m) for m in (True, False))
     assert (told is not None and told.depth > 0) == (measured is not None and measured.depth > 0) == (height > 0)
 
 
 def test_pairs_each_in_its_own_configuration_are_those_of_all_configurations() -> None:
     rng = np.random.default_rng(7)
-    colliders = Colliders([Placed(shape, i, np.eye(4)) for i, shape in enumerate(SHAPES)])
-    pairs = all_pairs(len(SHAPES))
+    colliders = Colliders([PlacedGeometry(shape, i, np.eye(4)) for i, shape in enumerate(SHAPES)])
+    pairs = list_all_pairs(len(SHAPES))
     turned = [[at(*rng.normal(size=3) * 0.05, rpy=tuple(rng.normal(size=3))) for _ in SHAPES] for _ in pairs]
     frames = np.array(turned)
-    found = colliders.hits_each(frames, pairs)
-    assert (found == np.diagonal(colliders.hits(frames, pairs))).all()
+    found = colliders.detect_collisions_per_pair(frames, pairs)
+    assert (found == np.diagonal(colliders.detect_collisions(frames, pairs))).all()
     assert 0 < found.sum() < len(pairs)

@@ -27,8 +27,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.inertials.diagnosis import EXACT, HYPOTHESES, Declared, Diagnosis, Geometry, diagnose, mismatch
-from urdfcheck.facts.inertials.inertia_tensor import Solid, combine, sphere_solid
+from urdfcheck.facts.inertials.diagnosis import (
+    EXACT,
+    HYPOTHESES,
+    DeclaredInertial,
+    Diagnosis,
+    VisualGeometry,
+    diagnose_inertial,
+    measure_inertial_mismatch,
+)
+from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids, make_sphere_solid
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 DRAWN = geometry(CASTING)
@@ -43,16 +51,18 @@ each_mistake = pytest.mark.parametrize(
 )
 
 
-def judged(declared: Declared, drawn: Geometry | None = DRAWN, twin: Declared | None = None) -> Diagnosis:
-    found = diagnose(declared, drawn, twin)
+def judged(
+    declared: DeclaredInertial, drawn: VisualGeometry | None = DRAWN, twin: DeclaredInertial | None = None
+) -> Diagnosis:
+    found = diagnose_inertial(declared, drawn, twin)
     assert found is not None
     return found
 
 
-def with_lumps(blocks: tuple[Block, ...], mass: float, lumps: list[tuple[float, Array]]) -> Declared:
+def with_lumps(blocks: tuple[Block, ...], mass: float, lumps: list[tuple[float, Array]]) -> DeclaredInertial:
     """The numbers of a part with shares of its mass in points, the rest evenly."""
     rest = 1.0 - sum(share for share, _ in lumps)
-    solid = combine(pieces(blocks))
+    solid = combine_solids(pieces(blocks))
     com = rest * solid.com + sum((share * place for share, place in lumps), np.zeros(3))
     second = rest * (solid.covariance + np.outer(solid.com - com, solid.com - com))
     second = second + sum((share * np.outer(place - com, place - com) for share, place in lumps), np.zeros((3, 3)))
@@ -104,7 +114,7 @@ def test_the_numbers_of_the_part_are_sound(form: object) -> None:
     assert found.sound
     assert found.cause is None
     assert found.mended is None
-    assert max(found.shape, found.place) < 1e-6
+    assert max(found.tensor_mismatch, found.com_mismatch) < 1e-6
 
 
 @pytest.mark.parametrize("cause", ["inertia_unit", "mesh_scale", "diagonal_first", "com_unit", "units"])
@@ -139,10 +149,10 @@ def test_lumps_of_mass_inside_the_part_are_no_mistake(
 
 @pytest.mark.parametrize("factor", [0.2, 0.5, 3.0])
 def test_any_tensor_of_a_ball_fits_a_ball_of_some_mass(factor: float) -> None:
-    ball = sphere_solid(0.05)
+    ball = make_sphere_solid(0.05)
     cube = (((0.1, 0.1, 0.1), (0.0, 0.0, 0.0)),)
     points = 0.05 * np.array([p / np.linalg.norm(p) for p in np.random.default_rng(1).normal(size=(60, 3))])
-    for drawn in (Geometry(ball, True, points, ball, pieces=(ball,)), geometry(cube)):
+    for drawn in (VisualGeometry(ball, True, points, ball, pieces=(ball,)), geometry(cube)):
         true = uniform(drawn.solid)
         found = judged(replace(true, tensor=true.tensor * factor), drawn)
         assert found.cause != "other_mass"
@@ -154,7 +164,7 @@ def test_an_open_mesh_shows_only_coarse_mistakes(cause: str) -> None:
     coarse = {"inertia_unit", "com_unit", "units", "mesh_scale", "com_missing", "diagonal_first", "row_major"}
     found = judged(BY_ID[cause](TRUE, DRAWN), drawn)
     assert found.cause in ({cause, "units"} if cause in coarse else {None})
-    assert not found.unique or max(found.mended_shape, found.mended_place) < EXACT
+    assert not found.unique or max(found.mended_tensor_mismatch, found.mended_com_mismatch) < EXACT
 
 
 def test_a_mistake_without_effect_is_none() -> None:
@@ -231,7 +241,7 @@ def test_a_wrong_twin_does_not_accuse_the_right_one(cause: str, detail: str, mis
 
 def test_without_a_drawing_a_twin_accuses_only_when_it_is_trusted() -> None:
     wrong = BY_ID["products_sign"](TRUE, DRAWN)
-    alone, trusted = diagnose(wrong, None, TRUE), diagnose(wrong, None, TRUE, trusted=True)
+    alone, trusted = diagnose_inertial(wrong, None, TRUE), diagnose_inertial(wrong, None, TRUE, trusted=True)
     assert alone is not None
     assert trusted is not None
     assert alone.cause == trusted.cause == "products_sign"
@@ -241,7 +251,7 @@ def test_without_a_drawing_a_twin_accuses_only_when_it_is_trusted() -> None:
 @pytest.mark.parametrize("factor", [-1.0, 0.0])
 def test_a_twin_that_is_no_body_says_nothing(factor: float) -> None:
     impossible = replace(TRUE, tensor=TRUE.tensor * factor)
-    assert diagnose(TRUE, None, impossible) is None
+    assert diagnose_inertial(TRUE, None, impossible) is None
     assert judged(TRUE, DRAWN, impossible).sound
 
 
@@ -254,8 +264,10 @@ DRAWINGS = {
     "a film": geometry((((0.3, 0.2, 1e-6), (0.0, 0.0, 0.0)),)),
     "a grain": geometry((((1e-9,) * 3, (0.0, 0.0, 0.0)),)),
     "a planet": geometry((((1e7,) * 3, (0.0, 0.0, 0.0)),)),
-    "a point": Geometry(NO_MASS, True, np.zeros((1, 3)), pieces=(NO_MASS, NO_MASS)),
-    "a line": Geometry(Solid(1e-3, np.zeros(3), np.diag((1.0, 0.0, 0.0))), True, np.array(((-1.0, 0, 0), (1.0, 0, 0)))),
+    "a point": VisualGeometry(NO_MASS, True, np.zeros((1, 3)), pieces=(NO_MASS, NO_MASS)),
+    "a line": VisualGeometry(
+        Solid(1e-3, np.zeros(3), np.diag((1.0, 0.0, 0.0))), True, np.array(((-1.0, 0, 0), (1.0, 0, 0)))
+    ),
 }
 
 
@@ -271,14 +283,22 @@ DRAWINGS = {
     twin=st.booleans(),
 )
 def test_any_numbers_are_judged_or_passed_over(name: str, numbers: list[float], twin: bool) -> None:
-    odd = with_slots(Declared(numbers[0], np.array(numbers[1:4]), np.eye(3)), numbers[4:])
+    odd = with_slots(DeclaredInertial(numbers[0], np.array(numbers[1:4]), np.eye(3)), numbers[4:])
     for found in (
-        diagnose(odd, DRAWINGS[name], TRUE if twin else None),
-        diagnose(TRUE, DRAWINGS[name], odd),
-        diagnose(odd, None, odd),
+        diagnose_inertial(odd, DRAWINGS[name], TRUE if twin else None),
+        diagnose_inertial(TRUE, DRAWINGS[name], odd),
+        diagnose_inertial(odd, None, odd),
     ):
         if found is not None:
-            assert not np.isnan([found.shape, found.place, found.mended_shape, found.mended_place, found.margin]).any()
+            assert not np.isnan(
+                [
+                    found.tensor_mismatch,
+                    found.com_mismatch,
+                    found.mended_tensor_mismatch,
+                    found.mended_com_mismatch,
+                    found.margin,
+                ]
+            ).any()
             if found.mended is not None:
                 assert found.mended.mass > 0.0
                 assert np.isfinite(found.mended.tensor).all()
@@ -287,18 +307,22 @@ def test_any_numbers_are_judged_or_passed_over(name: str, numbers: list[float], 
 def test_a_part_of_thousands_of_pieces() -> None:
     rng = np.random.default_rng(1)
     blocks = tuple(zip(rng.uniform(0.001, 0.01, (4000, 3)), rng.uniform(0, (0.3, 0.2, 0.1), (4000, 3)), strict=True))
-    drawn = Geometry(combine(pieces(blocks)), True, np.array([place for _, place in blocks]), pieces=pieces(blocks))
+    drawn = VisualGeometry(
+        combine_solids(pieces(blocks)), True, np.array([place for _, place in blocks]), pieces=pieces(blocks)
+    )
     true = uniform(drawn.solid)
     assert judged(BY_ID["steiner_missing"](true, drawn), drawn).cause == "steiner_missing"
 
 
 def test_the_mismatch_is_a_distance_of_shapes() -> None:
     white = DRAWN.solid.covariance
-    assert mismatch(TRUE, TRUE.com, white) == pytest.approx((0.0, 0.0), abs=1e-9)
+    assert measure_inertial_mismatch(TRUE, TRUE.com, white) == pytest.approx((0.0, 0.0), abs=1e-9)
     # Twice as large in every direction: log 2 in each of three.
-    assert mismatch(replace(TRUE, tensor=2 * TRUE.tensor), TRUE.com, white)[0] == pytest.approx(3**0.5 * np.log(2))
+    assert measure_inertial_mismatch(replace(TRUE, tensor=2 * TRUE.tensor), TRUE.com, white)[0] == pytest.approx(
+        3**0.5 * np.log(2)
+    )
     variances, axes = np.linalg.eigh(white)
     one_radius = TRUE.com + axes[:, 2] * variances[2] ** 0.5
-    assert mismatch(replace(TRUE, com=one_radius), TRUE.com, white)[1] == pytest.approx(1.0)
-    assert mismatch(replace(TRUE, tensor=-TRUE.tensor), TRUE.com, white)[0] == np.inf
-    assert mismatch(uniform(DRAWN.solid, PLASTIC), TRUE.com, white)[0] == pytest.approx(0.0, abs=1e-9)
+    assert measure_inertial_mismatch(replace(TRUE, com=one_radius), TRUE.com, white)[1] == pytest.approx(1.0)
+    assert measure_inertial_mismatch(replace(TRUE, tensor=-TRUE.tensor), TRUE.com, white)[0] == np.inf
+    assert measure_inertial_mismatch(uniform(DRAWN.solid, PLASTIC), TRUE.com, white)[0] == pytest.approx(0.0, abs=1e-9)

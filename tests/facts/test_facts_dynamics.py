@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from urdfcheck.facts.motion import dynamics
-from urdfcheck.facts.motion.kinematics import motions, transform
+from urdfcheck.facts.motion.kinematics import build_origin_transform, compute_joint_motions
 
 pinocchio = pytest.importorskip("pinocchio")
 G = 9.81
@@ -54,15 +54,15 @@ def built(parts: list[Part], yaw: float = 0.0) -> object:
     return pinocchio.buildModelFromXML(text + "</robot>")
 
 
-def at(model: object, count: int, values: object) -> tuple[dynamics.Coordinates, np.ndarray]:
-    places = dynamics.coordinates(model, [f"j{i}" for i in range(count)])
-    return places, dynamics.configurations(places, np.atleast_2d(np.asarray(values, dtype=float)))
+def at(model: object, count: int, values: object) -> tuple[dynamics.JointCoordinates, np.ndarray]:
+    places = dynamics.locate_joint_coordinates(model, [f"j{i}" for i in range(count)])
+    return places, dynamics.build_configurations(places, np.atleast_2d(np.asarray(values, dtype=float)))
 
 
 def torques(parts: list[Part], values: object, yaw: float = 0.0) -> np.ndarray:
     model = built(parts, yaw)
     places, q = at(model, len(parts), values)
-    return dynamics.gravity_torques(model, model.createData(), q)[:, places.velocity]
+    return dynamics.compute_gravity_torques(model, model.createData(), q)[:, places.velocity]
 
 
 def summed(parts: list[Part], values: list[float]) -> np.ndarray:
@@ -71,8 +71,8 @@ def summed(parts: list[Part], values: list[float]) -> np.ndarray:
     for part, value in zip(parts, values, strict=True):
         before = np.eye(4) if part.parent < 0 else frames[part.parent]
         axis = np.array(part.axis) / np.linalg.norm(part.axis)
-        move = motions(axis, [value], rotates=part.kind != "prismatic")[0]
-        frames.append(before @ transform(part.xyz, part.rpy) @ move)
+        move = compute_joint_motions(axis, [value], rotates=part.kind != "prismatic")[0]
+        frames.append(before @ build_origin_transform(part.xyz, part.rpy) @ move)
     found = np.zeros(len(parts))
     for i, part in enumerate(parts):
         weight = np.array((0, 0, -G * part.mass))
@@ -124,8 +124,10 @@ def test_a_pendulum(angle: float) -> None:
     assert q.tolist() == [[math.cos(angle), math.sin(angle)]]
     assert_allclose(torques([PENDULUM], [angle]), [[2.0 * G * 0.5 * math.sin(angle)]], atol=1e-12)
     data = model.createData()
-    assert_allclose(dynamics.mass_matrices(model, data, q), [[[0.3 + 2.0 * 0.25]]])
-    assert_allclose(dynamics.effective_inertias(dynamics.inverse_mass_matrices(model, data, q)), [[0.8]])
+    assert_allclose(dynamics.compute_mass_matrices(model, data, q), [[[0.3 + 2.0 * 0.25]]])
+    assert_allclose(
+        dynamics.compute_effective_inertias(dynamics.compute_inverse_mass_matrices(model, data, q)), [[0.8]]
+    )
 
 
 @settings(max_examples=20)
@@ -134,7 +136,9 @@ def test_inverse_mass_matrices_are_the_inverses(parts: list[Part], values: list[
     model = built(parts)
     _, q = at(model, len(parts), values[: len(parts)])
     data = model.createData()
-    product = dynamics.mass_matrices(model, data, q)[0] @ dynamics.inverse_mass_matrices(model, data, q)[0]
+    product = (
+        dynamics.compute_mass_matrices(model, data, q)[0] @ dynamics.compute_inverse_mass_matrices(model, data, q)[0]
+    )
     assert_allclose(product, np.eye(model.nv), atol=1e-6)
 
 
@@ -143,22 +147,24 @@ def test_conditioning_does_not_depend_on_the_units_of_the_joints(factors: list[f
     parts = [Part(i - 1, "revolute", (0, 1, 0), (0, 0, 0.5), com=(0, 0, 0.2)) for i in range(3)]
     model = built(parts)
     _, q = at(model, 3, [[0, 0, 0], [0.3, 1, 2], [0, -1, 0.4]])
-    matrices = dynamics.mass_matrices(model, model.createData(), q)
+    matrices = dynamics.compute_mass_matrices(model, model.createData(), q)
     other = matrices * np.outer(factors, factors)
-    assert dynamics.conditioning(other).number == pytest.approx(dynamics.conditioning(matrices).number, rel=1e-6)
+    assert dynamics.measure_conditioning(other).number == pytest.approx(
+        dynamics.measure_conditioning(matrices).number, rel=1e-6
+    )
 
 
 def test_the_median_configuration_counts() -> None:
     def pair(s: float) -> list[list[float]]:
         return [[1.0, s], [s, 1.0]]
 
-    found = dynamics.conditioning(np.array([pair(0.999999), pair(0.5), pair(0.0), pair(-0.6), pair(0.1)]))
+    found = dynamics.measure_conditioning(np.array([pair(0.999999), pair(0.5), pair(0.0), pair(-0.6), pair(0.1)]))
     assert (found.number, found.index) == (pytest.approx(3.0), 1)
     assert_allclose(np.abs(found.direction), np.sqrt(0.5))
 
 
 def test_a_singular_matrix_is_infinitely_ill_conditioned() -> None:
-    assert dynamics.conditioning(np.array([[[1.0, 2.0], [2.0, 1.0]]])).number == math.inf
+    assert dynamics.measure_conditioning(np.array([[[1.0, 2.0], [2.0, 1.0]]])).number == math.inf
 
 
 def two_on_one_axis(own: float) -> list[Part]:
@@ -171,21 +177,21 @@ def two_on_one_axis(own: float) -> list[Part]:
 def test_a_light_body_between_two_joints_on_one_axis(own: float) -> None:
     model = built(two_on_one_axis(own))
     _, q = at(model, 2, [0.4, 1.0])
-    matrices = dynamics.mass_matrices(model, model.createData(), q)
+    matrices = dynamics.compute_mass_matrices(model, model.createData(), q)
     s = 1 / math.sqrt(1 + own)
-    assert dynamics.conditioning(matrices).number == pytest.approx((1 + s) / (1 - s), rel=1e-4)
-    assert dynamics.relieved(matrices, [0]) < 4.1 / dynamics.SHARE
-    assert dynamics.own_inertia(model, "j0", q[0]) == pytest.approx(own, rel=1e-9)
+    assert dynamics.measure_conditioning(matrices).number == pytest.approx((1 + s) / (1 - s), rel=1e-4)
+    assert dynamics.measure_relieved_conditioning(matrices, [0]) < 4.1 / dynamics.ADDED_INERTIA_SHARE
+    assert dynamics.compute_own_inertia(model, "j0", q[0]) == pytest.approx(own, rel=1e-9)
 
 
 def test_more_inertia_in_one_place_does_not_mend_a_long_chain() -> None:
     parts = [Part(i - 1, "revolute", (0, 0, 1), (0.1, 0, 0), com=(0.05, 0, 0)) for i in range(16)]
     model = built(parts)
     _, q = at(model, 16, np.random.default_rng(0).uniform(-1, 1, (8, 16)))
-    matrices = dynamics.mass_matrices(model, model.createData(), q)
-    before = dynamics.conditioning(matrices).number
+    matrices = dynamics.compute_mass_matrices(model, model.createData(), q)
+    before = dynamics.measure_conditioning(matrices).number
     assert before > 1e3
-    assert all(dynamics.relieved(matrices, [i]) * 3 > before for i in range(16))
+    assert all(dynamics.measure_relieved_conditioning(matrices, [i]) * 3 > before for i in range(16))
 
 
 def test_explicit_damping_is_stable_up_to_two_over_the_rate() -> None:
@@ -193,9 +199,9 @@ def test_explicit_damping_is_stable_up_to_two_over_the_rate() -> None:
     parts = [Part(i - 1, "revolute", (0, 1, 0), (0, 0, 0.3), com=(0, 0, 0.1)) for i in range(3)]
     model = built(parts)
     _, q = at(model, 3, [0.1, 0.7, -0.4])
-    inverse = dynamics.inverse_mass_matrices(model, model.createData(), q)[0]
+    inverse = dynamics.compute_inverse_mass_matrices(model, model.createData(), q)[0]
     damping = np.array((0.2, 0.0, 0.5))
-    rate = dynamics.damping_rate(inverse, damping)
+    rate = dynamics.compute_damping_rate(inverse, damping)
     assert rate >= (damping * np.diag(inverse)).max()
     for step, dies in ((1.98 / rate, True), (2.02 / rate, False)):
         once = np.eye(3) - step * inverse @ np.diag(damping)
@@ -203,17 +209,19 @@ def test_explicit_damping_is_stable_up_to_two_over_the_rate() -> None:
         assert (np.abs(fastest).max() <= 1 + 1e-12) == dies
 
 
-def climbed(parts: list[Part], ranges: list[tuple[float, float]], start: list[float], place: int = 0) -> dynamics.Load:
+def climbed(
+    parts: list[Part], ranges: list[tuple[float, float]], start: list[float], place: int = 0
+) -> dynamics.JointLoad:
     count = len(parts)
     model = built(parts)
     data = model.createData()
-    places = dynamics.coordinates(model, [f"j{i}" for i in range(count)])
+    places = dynamics.locate_joint_coordinates(model, [f"j{i}" for i in range(count)])
 
     def torque(values: np.ndarray) -> np.ndarray:
-        q = dynamics.configurations(places, values)
-        return dynamics.gravity_torques(model, data, q)[:, places.velocity[place]]
+        q = dynamics.build_configurations(places, values)
+        return dynamics.compute_gravity_torques(model, data, q)[:, places.velocity[place]]
 
-    return dynamics.largest_load(torque, np.array(start), ranges, np.eye(count), range(count))
+    return dynamics.find_largest_load(torque, np.array(start), ranges, np.eye(count), range(count))
 
 
 ARM = [

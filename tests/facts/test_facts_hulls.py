@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.optimize import nnls
 
-from urdfcheck.facts.inertials.hull_bounds import outside, reach, spread_ratios
+from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure_extent, measure_hull_distance
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 CUBE = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
@@ -29,15 +29,15 @@ seed = st.integers(0, 10**6)
     ],
 )
 def test_distance_from_a_cube(place: tuple[float, ...], distance: float) -> None:
-    assert_allclose(outside(CUBE, place), distance, atol=1e-6)
+    assert_allclose(measure_hull_distance(CUBE, place), distance, atol=1e-6)
 
 
 def test_distance_from_a_plate_a_rod_and_a_point() -> None:
     plate = CUBE[CUBE[:, 2] > 0]
-    assert outside(plate, (0.2, 0.1, 1)) == 0
-    assert_allclose(outside(plate, (0.2, 0.1, 0)), 1)
-    assert_allclose(outside([(0, 0, 0), (1, 0, 0), (0.5, 0, 0)], (0.7, 3, 4)), 5)
-    assert_allclose(outside([(1, 2, 2)], (0, 0, 0)), 3)
+    assert measure_hull_distance(plate, (0.2, 0.1, 1)) == 0
+    assert_allclose(measure_hull_distance(plate, (0.2, 0.1, 0)), 1)
+    assert_allclose(measure_hull_distance([(0, 0, 0), (1, 0, 0), (0.5, 0, 0)], (0.7, 3, 4)), 5)
+    assert_allclose(measure_hull_distance([(1, 2, 2)], (0, 0, 0)), 3)
 
 
 @given(seed, st.floats(-7.0, 7.0))
@@ -51,13 +51,13 @@ def test_distance_is_that_of_the_best_separating_plane(number: int, exponent: fl
     rows = np.vstack(((points - place).T / scale, np.full(len(points), heavy)))
     weights, _ = nnls(rows, np.array((0, 0, 0, heavy)))
     distance = float(np.linalg.norm(weights @ (points - place)))
-    assert_allclose(outside(points, place), distance, atol=2e-4 * scale)
+    assert_allclose(measure_hull_distance(points, place), distance, atol=2e-4 * scale)
 
 
 def test_a_uniform_body_keeps_within_the_bound_and_two_points_reach_it() -> None:
-    ratios, _ = spread_ratios(CUBE, (0, 0, 0), np.eye(3) / 3)
+    ratios, _ = compute_spread_ratios(CUBE, (0, 0, 0), np.eye(3) / 3)
     assert_allclose(ratios, 1 / 3)
-    dumbbell, _ = spread_ratios(CUBE, (0.5, 0, 0), np.diag((0.75, 0, 0)))
+    dumbbell, _ = compute_spread_ratios(CUBE, (0.5, 0, 0), np.diag((0.75, 0, 0)))
     assert_allclose(dumbbell.max(), 1.0)
 
 
@@ -68,15 +68,15 @@ def test_no_distribution_of_mass_over_the_points_exceeds_the_bound(number: int) 
     weights = random.dirichlet(np.full(len(points), 0.2))
     com = weights @ points
     covariance = (weights[:, None] * (points - com)).T @ (points - com)
-    ratios, _ = spread_ratios(points, com, covariance, margin=1e-4)
+    ratios, _ = compute_spread_ratios(points, com, covariance, margin=1e-4)
     assert ratios.max() <= 1 + 1e-6
-    assert outside(points, com) <= 1e-5 * reach(points) + 1e-12
+    assert measure_hull_distance(points, com) <= 1e-5 * measure_extent(points) + 1e-12
 
 
 def test_a_centre_of_mass_beside_the_points_leaves_no_spread_unless_within_the_margin() -> None:
-    ratios, axes = spread_ratios(CUBE, (1.05, 0, 0), np.diag((0.1, 0.2, 0.3)))
+    ratios, axes = compute_spread_ratios(CUBE, (1.05, 0, 0), np.diag((0.1, 0.2, 0.3)))
     assert ratios[np.argmax(np.abs(axes[0]))] == np.inf
-    padded, _ = spread_ratios(CUBE, (1.05, 0, 0), np.diag((0.1, 0.2, 0.3)), margin=0.1)
+    padded, _ = compute_spread_ratios(CUBE, (1.05, 0, 0), np.diag((0.1, 0.2, 0.3)), margin=0.1)
     assert_allclose(padded.max(), 0.1 / (2.15 * 0.05))
 
 
@@ -87,8 +87,10 @@ def test_turning_and_scaling_change_nothing(number: int, scale: float) -> None:
     spread = np.diag(random.uniform(0.1, 2, 3))
     turn, shift = rpy_to_matrix(random.uniform(-3, 3, 3)), random.normal(size=3)
     moved, moved_com = scale * (points @ turn.T + shift), scale * (turn @ com + shift)
-    assert_allclose(outside(moved, moved_com), scale * outside(points, com), atol=1e-4 * scale)
-    assert_allclose(reach(moved), scale * reach(points))
-    before, _ = spread_ratios(points, com, spread, margin=0.1)
-    after, _ = spread_ratios(moved, moved_com, scale**2 * turn @ spread @ turn.T, margin=0.1 * scale)
+    assert_allclose(
+        measure_hull_distance(moved, moved_com), scale * measure_hull_distance(points, com), atol=1e-4 * scale
+    )
+    assert_allclose(measure_extent(moved), scale * measure_extent(points))
+    before, _ = compute_spread_ratios(points, com, spread, margin=0.1)
+    after, _ = compute_spread_ratios(moved, moved_com, scale**2 * turn @ spread @ turn.T, margin=0.1 * scale)
     assert_allclose(np.sort(after), np.sort(before), rtol=1e-6)

@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from urdfcheck.facts.motion.kinematics import (
-    forward,
-    log_rotation,
+    build_origin_transform,
+    compute_axis_angle,
+    compute_forward_kinematics,
     matrix_to_rpy,
     quaternion_to_matrix,
     rpy_to_matrix,
-    transform,
 )
 
 angle = st.floats(-math.pi, math.pi)
@@ -84,7 +84,7 @@ def test_logarithm_finds_axis_and_angle_even_near_zero_and_half_a_turn(
     axis: tuple[float, float, float], turn: float
 ) -> None:
     unit = np.array(axis) / math.hypot(*axis)
-    found, size = log_rotation(rotation_about(unit, turn))
+    found, size = compute_axis_angle(rotation_about(unit, turn))
     assert size == pytest.approx(turn, abs=1e-14, rel=1e-9)
     assert_allclose(rotation_about(found, size), rotation_about(unit, turn), atol=1e-13)
     if 1e-9 < turn < math.pi - 1e-9:
@@ -92,14 +92,14 @@ def test_logarithm_finds_axis_and_angle_even_near_zero_and_half_a_turn(
 
 
 def test_no_rotation_has_angle_zero() -> None:
-    axis, size = log_rotation(np.eye(3))
+    axis, size = compute_axis_angle(np.eye(3))
     assert size == 0.0
     assert np.linalg.norm(axis) == 1.0
 
 
 @pytest.mark.parametrize("axis", np.eye(3))
 def test_half_turns_about_the_axes(axis: np.ndarray) -> None:
-    found, size = log_rotation(rotation_about(axis, math.pi))
+    found, size = compute_axis_angle(rotation_about(axis, math.pi))
     assert size == pytest.approx(math.pi)
     assert_allclose(abs(found), axis, atol=1e-15)
 
@@ -107,16 +107,16 @@ def test_half_turns_about_the_axes(axis: np.ndarray) -> None:
 def test_forward_places_children_by_their_parents() -> None:
     # A base, an arm turned by a quarter, its tip one metre out; and a second arm at the base.
     placements = [
-        transform((0, 0, 1), (0, 0, 0)),
-        transform((1, 0, 0), (0, 0, quarter)),
-        transform((1, 0, 0), (0, 0, 0)),
-        transform((0, -1, 0), (0, 0, 0)),
+        build_origin_transform((0, 0, 1), (0, 0, 0)),
+        build_origin_transform((1, 0, 0), (0, 0, quarter)),
+        build_origin_transform((1, 0, 0), (0, 0, 0)),
+        build_origin_transform((0, -1, 0), (0, 0, 0)),
     ]
-    world = forward([-1, 0, 1, 0], placements)
+    world = compute_forward_kinematics([-1, 0, 1, 0], placements)
     assert_allclose(world[:, :3, 3], [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, -1, 1)], atol=1e-15)
 
 
 @pytest.mark.parametrize("parents", [[-1, 2, 0], [0]])
 def test_forward_refuses_a_child_before_its_parent(parents: list[int]) -> None:
     with pytest.raises(ValueError, match="before its parent"):
-        forward(parents, [np.eye(4)] * len(parents))
+        compute_forward_kinematics(parents, [np.eye(4)] * len(parents))

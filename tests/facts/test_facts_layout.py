@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.likeness.layout import Misplaced, misplaced
+from urdfcheck.facts.likeness.layout import MisplacedPosition, find_misplaced_position
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 CORNERS = np.array([(0.07, 0.052, 0), (-0.07, 0.052, 0), (0.07, -0.052, 0), (-0.07, -0.052, 0)])
@@ -24,8 +24,8 @@ def moved(places: np.ndarray, index: int, by: object) -> np.ndarray:
     return changed
 
 
-def found(places: np.ndarray) -> Misplaced:
-    one = misplaced(places)
+def found(places: np.ndarray) -> MisplacedPosition:
+    one = find_misplaced_position(places)
     assert one is not None
     return one
 
@@ -47,7 +47,7 @@ def test_a_corner_that_is_off_is_named(index: int, by: tuple[float, float, float
 
 @pytest.mark.parametrize("places", [CORNERS, ring(5), ring(6), ring(8), [(0.1 * i, 0, 0) for i in range(6)]])
 def test_layouts_that_are_kept_have_no_odd_place(places: np.ndarray) -> None:
-    assert misplaced(places) is None
+    assert find_misplaced_position(places) is None
 
 
 @pytest.mark.parametrize("count", [5, 6, 8])
@@ -90,14 +90,14 @@ def test_the_right_one_is_named_or_none(
 ) -> None:
     index = data.draw(st.integers(0, count - 1))
     places = CORNERS if count == 4 else ring(count)
-    one = misplaced(moved(places, index, by) @ rpy_to_matrix(rpy).T)
+    one = find_misplaced_position(moved(places, index, by) @ rpy_to_matrix(rpy).T)
     assert one is None or one.index == index
 
 
 def test_a_corner_drawn_out_along_a_side_is_named_only_where_other_coordinates_say_so() -> None:
     # Its neighbour left behind by a longer rectangle explains it as well, unless the sides are as far from the middle.
     assert found(moved(CORNERS, 0, (0.004, 0, 0))).index == 0
-    assert misplaced(moved(CORNERS + np.array((0.1, 0, 0)), 0, (0.004, 0, 0))) is None
+    assert find_misplaced_position(moved(CORNERS + np.array((0.1, 0, 0)), 0, (0.004, 0, 0))) is None
 
 
 @pytest.mark.parametrize(
@@ -114,4 +114,4 @@ def test_a_corner_drawn_out_along_a_side_is_named_only_where_other_coordinates_s
     ],
 )
 def test_where_nothing_is_certain_nothing_is_said(places: object) -> None:
-    assert misplaced(places) is None  # type: ignore[arg-type]
+    assert find_misplaced_position(places) is None  # type: ignore[arg-type]

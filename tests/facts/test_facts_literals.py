@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from urdfcheck.facts.likeness.typed_numbers import (
-    constant_of,
+    find_constant,
+    find_near_miss,
+    flag_noise_products,
     is_noise_angle,
     is_noise_length,
-    near_miss,
-    product_noise,
 )
 
 CONSTANTS = {
@@ -61,7 +61,7 @@ CONSTANTS = {
     ],
 )
 def test_shortened_constants_are_named_with_their_sign(text: str, constant: str) -> None:
-    found = near_miss(text)
+    found = find_near_miss(text)
     assert found is not None
     assert found.constant == constant
     assert found.expression == f"${{{constant}}}"
@@ -94,27 +94,27 @@ def test_shortened_constants_are_named_with_their_sign(text: str, constant: str)
     ],
 )
 def test_ordinary_numbers_and_other_text_are_left_alone(text: str) -> None:
-    assert near_miss(text) is None
+    assert find_near_miss(text) is None
 
 
 @pytest.mark.parametrize("name", CONSTANTS)
 @pytest.mark.parametrize("spell", [repr, "{:.15g}".format, "{:.12g}".format, "{:.10g}".format])
 def test_full_digits_are_exact_and_no_near_miss(name: str, spell: object) -> None:
     text = spell(CONSTANTS[name])  # type: ignore[operator]
-    assert near_miss(text) is None
-    assert constant_of(float(text)) == name
-    assert constant_of(-float(text)) == name
+    assert find_near_miss(text) is None
+    assert find_constant(float(text)) == name
+    assert find_constant(-float(text)) == name
 
 
 @pytest.mark.parametrize("angle", [3.1416, 1.57, 0.785, 0.0, 1.0, math.inf, math.nan])
 def test_shortened_and_other_numbers_are_not_exact(angle: float) -> None:
-    assert constant_of(angle) is None
+    assert find_constant(angle) is None
 
 
 @given(st.sampled_from(sorted(CONSTANTS)), st.integers(4, 7), st.booleans())
 def test_rounding_to_four_decimals_or_more_is_recognised(name: str, decimals: int, negative: bool) -> None:
     text = f"{CONSTANTS[name]:.{decimals}f}"
-    found = near_miss("-" + text if negative else text)
+    found = find_near_miss("-" + text if negative else text)
 
     assert found is not None
     assert found.constant == ("-" if negative else "") + name
@@ -124,7 +124,7 @@ def test_rounding_to_four_decimals_or_more_is_recognised(name: str, decimals: in
 
 @given(st.floats(-7, 7))
 def test_what_is_found_is_close_to_what_it_is_said_to_be(value: float) -> None:
-    found = near_miss(f"{value:.3f}")
+    found = find_near_miss(f"{value:.3f}")
     # 6.280 is 2 pi truncated to the two decimals that it has.
     assert found is None or abs(found.difference) < max(2e-3, 10.0**-found.decimals)
 
@@ -138,4 +138,4 @@ def test_noise_is_what_lies_below_a_nanometre_or_nanoradian(value: float, noise:
 
 
 def test_products_of_inertia_are_noise_relative_to_the_largest_moment() -> None:
-    assert product_noise((-4.2e-22, 0.0, -3.5e-9), 1.27e-5) == (True, False, False)
+    assert flag_noise_products((-4.2e-22, 0.0, -3.5e-9), 1.27e-5) == (True, False, False)

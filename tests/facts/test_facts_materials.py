@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import pytest
 
-from urdfcheck.facts.inertials.materials import MATERIALS, in_words, mass_unit
+from urdfcheck.facts.inertials.materials import MATERIALS, describe_density, guess_mass_unit
 
 
 @pytest.mark.parametrize(
@@ -26,7 +26,7 @@ from urdfcheck.facts.inertials.materials import MATERIALS, in_words, mass_unit
     ],
 )
 def test_a_density_in_words(density: float, words: str) -> None:
-    assert in_words(density) == words
+    assert describe_density(density) == words
 
 
 def test_materials_are_in_order_and_do_not_overlap() -> None:
@@ -47,5 +47,5 @@ def test_materials_are_in_order_and_do_not_overlap() -> None:
     ],
 )
 def test_the_unit_of_a_mass_is_named_when_only_one_gives_a_density(density: float, unit: str | None) -> None:
-    found = mass_unit(density)
+    found = guess_mass_unit(density)
     assert (None if found is None else found[0]) == unit

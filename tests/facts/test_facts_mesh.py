@@ -22,16 +22,16 @@ from numpy.testing import assert_allclose
 from numpy.typing import NDArray
 
 from urdfcheck.facts.inertials.inertia_tensor import (
-    box_solid,
-    capsule_solid,
-    combine,
-    cylinder_solid,
-    inertia_of,
-    placed,
-    sphere_solid,
+    combine_solids,
+    compute_solid_inertia,
+    make_box_solid,
+    make_capsule_solid,
+    make_cylinder_solid,
+    make_sphere_solid,
+    transform_solid,
 )
 from urdfcheck.facts.mesh import decode_limits as mesh_limits
-from urdfcheck.facts.mesh.measure import MeshError, MeshFacts, mesh_facts, transformed_moments
+from urdfcheck.facts.mesh.measure import MeshError, MeshFacts, compute_mesh_solid, measure_mesh
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 BOX = trimesh.creation.box((1.0, 2.0, 3.0))
@@ -122,12 +122,12 @@ def exported(mesh: trimesh.Trimesh, kind: str) -> bytes:
 
 
 def facts_of(mesh: trimesh.Trimesh) -> MeshFacts:
-    return mesh_facts(obj(mesh.vertices, mesh.faces), "obj")
+    return measure_mesh(obj(mesh.vertices, mesh.faces), "obj")
 
 
 def reason(data: bytes, file_type: str) -> str:
     with pytest.raises(MeshError) as caught:
-        mesh_facts(data, file_type)
+        measure_mesh(data, file_type)
     assert caught.value.message
     return caught.value.reason_id
 
@@ -142,7 +142,7 @@ def reason(data: bytes, file_type: str) -> str:
     ids=["box", "annulus", "sphere", "capsule"],
 )
 def test_every_format_agrees_with_trimesh(mesh: trimesh.Trimesh, kind: str) -> None:
-    facts = mesh_facts(exported(mesh, kind), kind.partition("_")[0])
+    facts = measure_mesh(exported(mesh, kind), kind.partition("_")[0])
     assert facts.watertight is mesh.is_watertight is True
     assert facts.winding_consistent is mesh.is_winding_consistent is True
     assert facts.closed
@@ -155,12 +155,14 @@ def test_every_format_agrees_with_trimesh(mesh: trimesh.Trimesh, kind: str) -> N
     assert_allclose(facts.area, mesh.area, rtol=1e-5)
     assert_allclose(facts.bounds, mesh.bounds, atol=1e-6)
     assert_allclose(facts.com, mesh.center_mass, atol=1e-6)
-    solid = transformed_moments(facts, (1, 1, 1), np.eye(3), (0, 0, 0))
-    assert_allclose(inertia_of(solid, mesh.volume), mesh.moment_inertia, atol=1e-5 * mesh.moment_inertia.max())
+    solid = compute_mesh_solid(facts, (1, 1, 1), np.eye(3), (0, 0, 0))
+    assert_allclose(
+        compute_solid_inertia(solid, mesh.volume), mesh.moment_inertia, atol=1e-5 * mesh.moment_inertia.max()
+    )
 
 
 def test_a_box_has_the_moments_of_the_closed_form() -> None:
-    facts, solid = facts_of(BOX), box_solid((1, 2, 3))
+    facts, solid = facts_of(BOX), make_box_solid((1, 2, 3))
     assert_allclose(facts.volume, solid.volume, rtol=1e-14)
     assert_allclose(facts.covariance, solid.covariance, atol=1e-14)
     assert facts.area == pytest.approx(22.0)
@@ -172,7 +174,9 @@ def test_unequal_bodies_add_up_by_the_parallel_axis_theorem() -> None:
     cube = trimesh.creation.box((0.5, 0.5, 0.5))
     cube.apply_translation((3, -1, 2))
     facts = facts_of(trimesh.util.concatenate([BOX, cube]))
-    whole = combine([box_solid((1, 2, 3)), placed(box_solid((0.5, 0.5, 0.5)), np.eye(3), (3, -1, 2))])
+    whole = combine_solids(
+        [make_box_solid((1, 2, 3)), transform_solid(make_box_solid((0.5, 0.5, 0.5)), np.eye(3), (3, -1, 2))]
+    )
     assert facts.volume == pytest.approx(whole.volume)
     assert_allclose(facts.com, whole.com, atol=1e-14)
     assert_allclose(facts.covariance, whole.covariance, atol=1e-13)
@@ -181,9 +185,9 @@ def test_unequal_bodies_add_up_by_the_parallel_axis_theorem() -> None:
 @pytest.mark.parametrize(
     ("mesh", "solid"),
     [
-        (trimesh.creation.cylinder(0.3, 0.8, sections=512), cylinder_solid(0.3, 0.8)),
-        (trimesh.creation.icosphere(5, 0.3), sphere_solid(0.3)),
-        (trimesh.creation.capsule(0.8, 0.3, count=(256, 256)), capsule_solid(0.3, 0.8)),
+        (trimesh.creation.cylinder(0.3, 0.8, sections=512), make_cylinder_solid(0.3, 0.8)),
+        (trimesh.creation.icosphere(5, 0.3), make_sphere_solid(0.3)),
+        (trimesh.creation.capsule(0.8, 0.3, count=(256, 256)), make_capsule_solid(0.3, 0.8)),
     ],
     ids=["cylinder", "sphere", "capsule"],
 )
@@ -212,17 +216,17 @@ def test_scaled_turned_moved_and_mirrored_moments_are_those_of_the_transformed_m
 ) -> None:
     vertices, faces = np.add(TETRAHEDRON[0], (0.3, -0.2, 0.5)), np.array(TETRAHEDRON[1])
     factors = np.multiply(scale, mirror)
-    solid = transformed_moments(mesh_facts(obj(vertices, faces), "obj"), factors, rpy_to_matrix(rpy), move)
+    solid = compute_mesh_solid(measure_mesh(obj(vertices, faces), "obj"), factors, rpy_to_matrix(rpy), move)
     turned = (vertices * factors) @ rpy_to_matrix(rpy).T + move
-    direct = mesh_facts(obj(turned, faces[:, :: int(np.prod(mirror))]), "obj")
+    direct = measure_mesh(obj(turned, faces[:, :: int(np.prod(mirror))]), "obj")
     assert solid.volume == pytest.approx(direct.volume, rel=1e-9)
     assert_allclose(solid.com, direct.com, atol=1e-9)
     assert_allclose(solid.covariance, direct.covariance, atol=1e-9)
 
 
 def test_a_mesh_far_from_the_origin_keeps_its_digits() -> None:
-    facts = mesh_facts(obj(BOX.vertices + 1e5, BOX.faces), "obj")
-    assert_allclose(facts.covariance, box_solid((1, 2, 3)).covariance, atol=1e-9)
+    facts = measure_mesh(obj(BOX.vertices + 1e5, BOX.faces), "obj")
+    assert_allclose(facts.covariance, make_box_solid((1, 2, 3)).covariance, atol=1e-9)
     assert_allclose(facts.com, np.full(3, 1e5), rtol=1e-12)
 
 
@@ -231,7 +235,7 @@ def test_a_mesh_far_from_the_origin_keeps_its_digits() -> None:
 
 def test_a_missing_side_is_one_hole_with_its_rim() -> None:
     top = (BOX.triangles_center[:, 2] < 1.49).nonzero()[0]
-    facts = mesh_facts(obj(BOX.vertices, BOX.faces[top]), "obj")
+    facts = measure_mesh(obj(BOX.vertices, BOX.faces[top]), "obj")
     assert not facts.watertight
     assert not facts.closed
     assert facts.winding_consistent
@@ -249,14 +253,14 @@ def test_holes_that_touch_in_a_corner_come_out_apart() -> None:
     first = vertex_faces[0]
     apart = next(f for f in vertex_faces if len(set(sphere.faces[f]) & set(sphere.faces[first])) == 1)
     kept = [face for index, face in enumerate(sphere.faces) if index not in (first, apart)]
-    facts = mesh_facts(obj(sphere.vertices, kept), "obj")
+    facts = measure_mesh(obj(sphere.vertices, kept), "obj")
     assert facts.open_edges == 6
     assert [(b.closed, len(b.points)) for b in facts.boundaries] == [(True, 3), (True, 3)]
 
 
 def test_an_edge_of_three_faces_is_not_manifold_and_leaves_open_ends() -> None:
     vertices = [(0, 0, 0), (0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0)]
-    facts = mesh_facts(obj(vertices, [(0, 1, 2), (0, 1, 3), (0, 1, 4)]), "obj")
+    facts = measure_mesh(obj(vertices, [(0, 1, 2), (0, 1, 3), (0, 1, 4)]), "obj")
     assert facts.non_manifold_edges == 1
     assert facts.open_edges == 6
     assert sum(len(b.points) if b.closed else len(b.points) - 1 for b in facts.boundaries) == 6
@@ -273,19 +277,19 @@ def test_two_boxes_that_touch_along_an_edge_enclose_their_volume_without_being_m
 
 
 def test_inside_out() -> None:
-    facts = mesh_facts(obj(BOX.vertices, BOX.faces[:, ::-1]), "obj")
+    facts = measure_mesh(obj(BOX.vertices, BOX.faces[:, ::-1]), "obj")
     assert facts.watertight
     assert facts.winding_consistent
     assert facts.inside_out
     assert facts.volume == pytest.approx(-6.0)
-    assert_allclose(facts.covariance, box_solid((1, 2, 3)).covariance, atol=1e-14)
-    assert transformed_moments(facts, (1, 1, 1), np.eye(3), (0, 0, 0)).volume == pytest.approx(6.0)
+    assert_allclose(facts.covariance, make_box_solid((1, 2, 3)).covariance, atol=1e-14)
+    assert compute_mesh_solid(facts, (1, 1, 1), np.eye(3), (0, 0, 0)).volume == pytest.approx(6.0)
 
 
 def test_one_turned_triangle_breaks_the_winding_only() -> None:
     faces = BOX.faces.copy()
     faces[3] = faces[3, ::-1]
-    facts = mesh_facts(obj(BOX.vertices, faces), "obj")
+    facts = measure_mesh(obj(BOX.vertices, faces), "obj")
     assert facts.watertight
     assert not facts.winding_consistent
     assert not facts.closed
@@ -293,7 +297,7 @@ def test_one_turned_triangle_breaks_the_winding_only() -> None:
 
 def test_repeated_and_degenerate_triangles_are_counted_and_do_not_open_the_mesh() -> None:
     faces = [*BOX.faces.tolist(), BOX.faces[0].tolist(), BOX.faces[1, ::-1].tolist(), [2, 2, 5]]
-    facts = mesh_facts(obj(BOX.vertices, faces), "obj")
+    facts = measure_mesh(obj(BOX.vertices, faces), "obj")
     assert facts.watertight
     assert facts.n_triangles == 15
     assert len(facts.faces) == 12
@@ -304,7 +308,7 @@ def test_repeated_and_degenerate_triangles_are_counted_and_do_not_open_the_mesh(
 def test_a_triangle_on_one_line_counts_as_degenerate_and_keeps_its_edges() -> None:
     vertices = [*TETRAHEDRON[0], (0.5, 0, 0)]
     faces = [(0, 2, 1), (0, 4, 3), (4, 1, 3), (0, 1, 4), (0, 3, 2), (1, 2, 3)]
-    facts = mesh_facts(obj(vertices, faces), "obj")
+    facts = measure_mesh(obj(vertices, faces), "obj")
     assert facts.degenerate_faces == 1
     assert facts.watertight
 
@@ -313,7 +317,7 @@ def test_a_triangle_on_one_line_counts_as_degenerate_and_keeps_its_edges() -> No
 def test_float_noise_between_equal_corners_is_welded_and_a_gap_is_not(noise: float, closes: bool) -> None:
     corners = BOX.vertices[BOX.faces]
     shifted = corners + noise * np.where(np.arange(len(corners)) % 2, 1.0, -1.0)[:, None, None]
-    facts = mesh_facts(obj(shifted.reshape(-1, 3), np.arange(36).reshape(-1, 3)), "obj")
+    facts = measure_mesh(obj(shifted.reshape(-1, 3), np.arange(36).reshape(-1, 3)), "obj")
     assert facts.watertight is closes
     assert (facts.weld_distance > 0) is closes
     if closes:
@@ -327,7 +331,7 @@ def test_noise_below_the_tolerance_is_welded_wherever_it_falls(seed: int, size: 
     box = trimesh.creation.box(size)
     # Any two copies of a corner lie within 5e-6 of the diagonal.
     noise = np.random.default_rng(seed).uniform(-1.4e-6, 1.4e-6, (36, 3)) * np.linalg.norm(size)
-    facts = mesh_facts(obj(box.vertices[box.faces].reshape(-1, 3) + noise, np.arange(36).reshape(-1, 3)), "obj")
+    facts = measure_mesh(obj(box.vertices[box.faces].reshape(-1, 3) + noise, np.arange(36).reshape(-1, 3)), "obj")
     assert facts.watertight
     assert facts.n_vertices == 8
 
@@ -336,7 +340,7 @@ def test_noise_is_welded_where_a_hole_stays_open_too() -> None:
     """A crack that only float noise makes is no hole: of the box without its lid the lid's rim alone is open."""
     lidless = BOX.faces[(BOX.vertices[BOX.faces][:, :, 2] < 1.5).any(axis=1)]
     corners = BOX.vertices[lidless] + 1e-7 * np.arange(len(lidless))[:, None, None] % 4e-7
-    facts = mesh_facts(obj(corners.reshape(-1, 3), np.arange(3 * len(lidless)).reshape(-1, 3)), "obj")
+    facts = measure_mesh(obj(corners.reshape(-1, 3), np.arange(3 * len(lidless)).reshape(-1, 3)), "obj")
     assert (facts.open_edges, facts.n_vertices) == (4, 8)
     assert [b.closed for b in facts.boundaries] == [True]
 
@@ -345,14 +349,14 @@ def test_noise_inside_the_surface_is_welded_to_what_hangs_on_it() -> None:
     """A triangle that repeats another but for the last digits of one corner, which no open edge of the box has."""
     flap = [*BOX.vertices[BOX.faces[0]]]
     flap[0] = flap[0] + 1e-11
-    facts = mesh_facts(obj([*BOX.vertices, *flap], [*BOX.faces.tolist(), (8, 9, 10)]), "obj")
+    facts = measure_mesh(obj([*BOX.vertices, *flap], [*BOX.faces.tolist(), (8, 9, 10)]), "obj")
     assert facts.watertight
     assert (facts.n_vertices, facts.duplicate_faces) == (8, 1)
 
 
 def test_non_finite_corners_are_counted_and_their_triangles_dropped() -> None:
     vertices = [*BOX.vertices.tolist(), (np.nan, 0, 0), (np.inf, 1, 1)]
-    facts = mesh_facts(obj(vertices, [*BOX.faces.tolist(), (0, 1, 8), (2, 3, 9)]), "obj")
+    facts = measure_mesh(obj(vertices, [*BOX.faces.tolist(), (0, 1, 8), (2, 3, 9)]), "obj")
     assert facts.non_finite_vertices == 2
     assert facts.watertight
     assert np.isfinite(facts.bounds).all()
@@ -361,7 +365,7 @@ def test_non_finite_corners_are_counted_and_their_triangles_dropped() -> None:
 @pytest.mark.parametrize("number", [1e39, 1e200, 1e308])
 def test_what_single_precision_cannot_hold_is_not_finite(number: float) -> None:
     vertices = [*BOX.vertices.tolist(), (number, 0, 0), (0, -number, 0)]
-    facts = mesh_facts(obj(vertices, [*BOX.faces.tolist(), (0, 1, 8), (2, 3, 9)]), "obj")
+    facts = measure_mesh(obj(vertices, [*BOX.faces.tolist(), (0, 1, 8), (2, 3, 9)]), "obj")
     assert (facts.non_finite_vertices, facts.watertight) == (2, True)
     assert reason(obj(np.multiply(TETRAHEDRON[0], number), [(1, 2, 3)]), "obj") == "no-triangles"
 
@@ -370,7 +374,7 @@ def test_what_single_precision_cannot_hold_is_not_finite(number: float) -> None:
 @pytest.mark.parametrize("size", [3e38, 1e-42, 1e-200, 5e-324])
 @pytest.mark.parametrize("faces", [TETRAHEDRON[1], TETRAHEDRON[1][1:]], ids=["closed", "open"])
 def test_huge_and_tiny_meshes_are_measured_without_a_warning(size: float, faces: list[tuple[int, int, int]]) -> None:
-    facts = mesh_facts(obj(np.multiply(TETRAHEDRON[0], size), faces), "obj")
+    facts = measure_mesh(obj(np.multiply(TETRAHEDRON[0], size), faces), "obj")
     assert facts.watertight is (len(faces) == 4)
     assert [b.closed for b in facts.boundaries] == [True] * (4 - len(faces))
     assert all(np.isfinite(b.centre).all() for b in facts.boundaries)
@@ -379,8 +383,8 @@ def test_huge_and_tiny_meshes_are_measured_without_a_warning(size: float, faces:
 
 def test_facts_cannot_be_changed() -> None:
     facts = facts_of(BOX)
-    turned = mesh_facts(obj(BOX.vertices, [BOX.faces[0, ::-1], *BOX.faces[1:]]), "obj").flipped_lines
-    fan = mesh_facts(obj([(0, 0, 0), (0, 0, 1), *BOX.vertices[5:]], [(0, 1, 2), (0, 1, 3), (0, 1, 4)]), "obj")
+    turned = measure_mesh(obj(BOX.vertices, [BOX.faces[0, ::-1], *BOX.faces[1:]]), "obj").flipped_lines
+    fan = measure_mesh(obj([(0, 0, 0), (0, 0, 1), *BOX.vertices[5:]], [(0, 1, 2), (0, 1, 3), (0, 1, 4)]), "obj")
     arrays = (facts.vertices, facts.faces, facts.bounds, facts.com, facts.covariance, facts.hull.vertices)
     kept = (facts.components, facts.parts["components"]["sizes"], facts.parts["surface"]["vertices"])
     for array in (*arrays, *kept, turned, fan.non_manifold_lines):
@@ -390,9 +394,9 @@ def test_facts_cannot_be_changed() -> None:
 
 def test_hull_vertices_are_the_corners_and_of_a_flat_mesh_those_of_its_box() -> None:
     inner = [*BOX.vertices.tolist(), *(0.5 * BOX.vertices).tolist()]
-    facts = mesh_facts(obj(inner, [*BOX.faces.tolist(), *(BOX.faces + 8).tolist()]), "obj")
+    facts = measure_mesh(obj(inner, [*BOX.faces.tolist(), *(BOX.faces + 8).tolist()]), "obj")
     assert sorted(facts.hull.vertices.tolist()) == sorted(BOX.vertices.tolist())
-    flat = mesh_facts(obj([(0, 0, 0), (2, 0, 0), (0, 1, 0)], [(0, 1, 2)]), "obj")
+    flat = measure_mesh(obj([(0, 0, 0), (2, 0, 0), (0, 1, 0)], [(0, 1, 2)]), "obj")
     assert {tuple(p) for p in flat.hull.vertices.tolist()} == {(0, 0, 0), (2, 0, 0), (0, 1, 0), (2, 1, 0)}
     assert flat.volume == 0.0
     assert np.isnan(flat.com).all()
@@ -402,9 +406,9 @@ def test_hull_vertices_are_the_corners_and_of_a_flat_mesh_those_of_its_box() -> 
 
 
 def test_a_binary_stl_that_begins_with_solid_is_read_as_binary() -> None:
-    facts = mesh_facts(binary_stl(BOX.vertices, BOX.faces, header=b"solid exported by CAD"), "stl")
+    facts = measure_mesh(binary_stl(BOX.vertices, BOX.faces, header=b"solid exported by CAD"), "stl")
     assert (facts.format, facts.solid_header, facts.watertight) == ("stl-binary", True, True)
-    assert mesh_facts(exported(BOX, "stl_ascii"), "stl").format == "stl-ascii"
+    assert measure_mesh(exported(BOX, "stl_ascii"), "stl").format == "stl-ascii"
 
 
 def test_obj_polygons_negative_indices_continuations_and_comments() -> None:
@@ -419,48 +423,48 @@ f 1 2 \\
 f 1 4 3
 f 2 3 4
 """
-    facts = mesh_facts(text, "obj")
+    facts = measure_mesh(text, "obj")
     assert facts.watertight
     assert facts.volume == pytest.approx(1 / 6)
-    square = mesh_facts(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", "obj")
+    square = measure_mesh(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", "obj")
     assert square.area == pytest.approx(1.0)
 
 
 def test_an_ascii_stl_without_its_last_line_is_complete() -> None:
     text = exported(BOX, "stl_ascii").rpartition(b"endsolid")[0]
-    assert mesh_facts(text, "stl").n_triangles == 12
+    assert measure_mesh(text, "stl").n_triangles == 12
 
 
 @pytest.mark.parametrize("change", [lambda text: text + b"\0\0", lambda text: text.replace(b"\n", b"\r")])
 def test_an_ascii_stl_with_zeros_after_it_or_old_line_ends(change: Callable[[bytes], bytes]) -> None:
-    assert mesh_facts(change(exported(BOX, "stl_ascii")), "stl").watertight
+    assert measure_mesh(change(exported(BOX, "stl_ascii")), "stl").watertight
 
 
 @pytest.mark.parametrize("kind", ["obj", "off"])
 def test_text_with_a_byte_order_mark_or_old_line_ends(kind: str) -> None:
     text = b"# a box\n" + exported(BOX, "obj") if kind == "obj" else exported(BOX, kind)
-    assert mesh_facts(b"\xef\xbb\xbf" + text, kind).watertight
-    assert mesh_facts(text.replace(b"\n", b"\r"), kind).watertight
+    assert measure_mesh(b"\xef\xbb\xbf" + text, kind).watertight
+    assert measure_mesh(text.replace(b"\n", b"\r"), kind).watertight
 
 
 def test_collada_units_are_recorded_and_not_applied() -> None:
-    facts = mesh_facts(dae(*TETRAHEDRON, '<unit name="inch" meter="0.0254"/><up_axis>Z_UP</up_axis>'), "dae")
+    facts = measure_mesh(dae(*TETRAHEDRON, '<unit name="inch" meter="0.0254"/><up_axis>Z_UP</up_axis>'), "dae")
     assert (facts.unit, facts.up_axis) == (0.0254, "Z_UP")
     assert facts.bounds.tolist() == [[0, 0, 0], [1, 1, 1]]
-    assert mesh_facts(dae(*TETRAHEDRON), "dae").unit is None
+    assert measure_mesh(dae(*TETRAHEDRON), "dae").unit is None
     assert (facts_of(BOX).unit, facts_of(BOX).up_axis) == (None, None)
 
 
 @pytest.mark.parametrize("text", ["0", "-1", "1e400", "1e308", "1e-300", "nan", "abc", "0,001", ""])
 def test_a_collada_unit_that_nobody_draws_in_is_none(text: str) -> None:
-    facts = mesh_facts(dae(*TETRAHEDRON, f'<unit name="inch" meter="{text}"/>'), "dae")
+    facts = measure_mesh(dae(*TETRAHEDRON, f'<unit name="inch" meter="{text}"/>'), "dae")
     assert (facts.unit, facts.bad_unit) == (None, text)
-    assert mesh_facts(dae(*TETRAHEDRON, '<unit name="inch"/>'), "dae").bad_unit is None
+    assert measure_mesh(dae(*TETRAHEDRON, '<unit name="inch"/>'), "dae").bad_unit is None
 
 
 def test_collada_numbers_that_are_nan_are_not_zero() -> None:
     text = dae([*TETRAHEDRON[0], (np.nan, 0, 0)], [*TETRAHEDRON[1], (0, 1, 4)])
-    facts = mesh_facts(text, "dae")
+    facts = measure_mesh(text, "dae")
     assert (facts.non_finite_vertices, facts.watertight) == (1, True)
 
 
@@ -475,9 +479,9 @@ def test_a_collada_scene_may_place_its_geometry_often_but_not_without_end() -> N
         place = b"<library_visual_scenes>"
         return text.replace(place, f"<library_nodes>{nodes}</library_nodes>".encode() + place)
 
-    assert mesh_facts(nested(2), "dae").n_triangles == 400
+    assert measure_mesh(nested(2), "dae").n_triangles == 400
     with pytest.raises(MeshError, match="times, more than 100,000"):
-        mesh_facts(nested(12), "dae")
+        measure_mesh(nested(12), "dae")
 
 
 @pytest.mark.parametrize(
@@ -503,10 +507,10 @@ def test_triangles_are_counted_before_room_is_made_for_them(monkeypatch: pytest.
     monkeypatch.setattr(mesh_limits, "MOST_TRIANGLES", 4)
     few, many = TETRAHEDRON, (TETRAHEDRON[0], [*TETRAHEDRON[1], (0, 1, 2)])
     for kind, write in WRITERS.items():
-        assert mesh_facts(write(*few), kind).n_triangles == 4
+        assert measure_mesh(write(*few), kind).n_triangles == 4
         assert reason(write(*many), kind) == "too-large"
     polygon = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf" + b" 1 2 3" * 2
-    assert mesh_facts(polygon, "obj").n_triangles == 4
+    assert measure_mesh(polygon, "obj").n_triangles == 4
     assert reason(polygon + b" 1", "obj") == "too-large"
 
 
@@ -533,7 +537,7 @@ WRITERS: dict[str, Callable[[Any, Any], bytes]] = {
 
 
 def test_an_ascii_stl_is_counted_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert mesh_facts(ascii_stl(*TETRAHEDRON), "stl").n_triangles == 4
+    assert measure_mesh(ascii_stl(*TETRAHEDRON), "stl").n_triangles == 4
     monkeypatch.setattr(mesh_limits, "MOST_TRIANGLES", 3)
     assert reason(ascii_stl(*TETRAHEDRON), "stl") == "too-large"
 
@@ -551,14 +555,14 @@ def test_a_ply_file_whose_header_does_not_end_is_refused() -> None:
 
 
 def test_collada_nodes_place_their_geometry_and_a_mirroring_one_keeps_the_outside_outside() -> None:
-    facts = mesh_facts(dae(*TETRAHEDRON, node="<translate>10 0 0</translate><scale>-2 1 1</scale>"), "dae")
+    facts = measure_mesh(dae(*TETRAHEDRON, node="<translate>10 0 0</translate><scale>-2 1 1</scale>"), "dae")
     assert facts.bounds.tolist() == [[8, 0, 0], [10, 1, 1]]
     assert facts.volume == pytest.approx(2 / 6)
 
 
 def test_no_other_file_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
-    mesh_facts(dae(*TETRAHEDRON), "dae")  # imports what needs importing
-    mesh_facts(gltf(BOX), "gltf")
+    measure_mesh(dae(*TETRAHEDRON), "dae")  # imports what needs importing
+    measure_mesh(gltf(BOX), "gltf")
 
     def refuse(*_: object, **__: object) -> None:
         raise AssertionError("a file was opened")
@@ -566,8 +570,8 @@ def test_no_other_file_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(builtins, "open", refuse)
     image = '<library_images><image id="i"><init_from>texture.png</init_from></image></library_images>'
     textured = dae(*TETRAHEDRON).replace(b"<library_geometries>", image.encode() + b"<library_geometries>")
-    assert mesh_facts(textured, "dae").watertight
-    assert mesh_facts(b"mtllib material.mtl\nusemtl red\n" + obj(*TETRAHEDRON), "obj").watertight
+    assert measure_mesh(textured, "dae").watertight
+    assert measure_mesh(b"mtllib material.mtl\nusemtl red\n" + obj(*TETRAHEDRON), "obj").watertight
     assert reason(gltf(BOX, "box.bin"), "gltf") == "external-buffer"
     assert reason(glb(gltf(BOX, "box.bin")), "glb") == "external-buffer"
 
@@ -648,7 +652,7 @@ def test_a_broken_file_says_why(data: bytes, file_type: str, expected: str) -> N
 
 def test_a_truncated_stl_says_what_is_declared_and_what_is_there() -> None:
     with pytest.raises(MeshError, match=r"declares 12 triangles \(684 bytes\) and has 11 \(683 bytes\)"):
-        mesh_facts(GOOD_STL[:-1], "stl")
+        measure_mesh(GOOD_STL[:-1], "stl")
 
 
 @settings(max_examples=60)
@@ -661,7 +665,7 @@ def test_no_part_of_a_binary_stl_passes_for_a_mesh(cut: int) -> None:
 @given(data=st.binary(max_size=300), file_type=st.sampled_from(["stl", "obj", "dae", "ply", "off", "glb", "gltf"]))
 def test_garbage_is_refused_and_never_crashes(data: bytes, file_type: str) -> None:
     with pytest.raises(MeshError):
-        mesh_facts(data, file_type)
+        measure_mesh(data, file_type)
 
 
 @pytest.mark.parametrize("kind", [ImportError, MemoryError])
@@ -674,7 +678,7 @@ def test_what_is_missing_here_is_not_held_against_the_file(
     monkeypatch.setattr(trimesh, "load_mesh", fail)
     parts: dict[str, Mapping[str, NDArray[Any]]] = {}
     with pytest.raises(kind):
-        mesh_facts(exported(BOX, "ply"), "ply", parts)
+        measure_mesh(exported(BOX, "ply"), "ply", parts)
     assert not parts
 
 
@@ -682,7 +686,7 @@ def test_what_libraries_log_about_a_file_is_not_shown(caplog: pytest.LogCaptureF
     root = logging.getLogger("trimesh")
     before = root.propagate, list(root.handlers)
     texture = b"format ascii 1.0\ncomment TextureFile nowhere.png\n"
-    mesh_facts(ply(TETRAHEDRON[1]).replace(b"format ascii 1.0\n", texture), "ply")
+    measure_mesh(ply(TETRAHEDRON[1]).replace(b"format ascii 1.0\n", texture), "ply")
     assert not caplog.records
     assert (root.propagate, root.handlers) == before
 
@@ -696,7 +700,7 @@ def test_a_mesh_error_crosses_processes() -> None:
 def test_meshes_of_real_robots_are_at_least_as_watertight_as_trimesh_finds_them() -> None:
     files = sorted(p for p in Path(os.environ["URDFCHECK_CORPUS"]).rglob("*") if p.suffix.lower() in {".stl", ".obj"})
     for path in files[::7]:
-        facts = mesh_facts(path.read_bytes(), path.suffix.lower()[1:])
+        facts = measure_mesh(path.read_bytes(), path.suffix.lower()[1:])
         mesh = trimesh.load_mesh(path, skip_materials=True)
         mesh.merge_vertices(merge_tex=True, merge_norm=True)
         mesh.update_faces(mesh.unique_faces() & mesh.nondegenerate_faces(height=0.0))
@@ -717,7 +721,7 @@ def test_faces_of_a_collada_file_have_the_colours_of_their_materials():
     for box, color in zip(boxes, (RED, BLUE), strict=True):
         material = trimesh.visual.material.PBRMaterial(baseColorFactor=np.array(color) * 255)
         box.visual = trimesh.visual.TextureVisuals(uv=np.zeros((8, 2)), material=material)
-    facts = mesh_facts(trimesh.exchange.dae.export_collada(boxes), "dae")
+    facts = measure_mesh(trimesh.exchange.dae.export_collada(boxes), "dae")
     assert facts.colors is not None
     of_face, rgba = facts.colors
     assert facts.n_vertices == 14
@@ -726,4 +730,4 @@ def test_faces_of_a_collada_file_have_the_colours_of_their_materials():
 
 
 def test_formats_without_colours_have_none():
-    assert mesh_facts(BOX.export(file_type="stl"), "stl").colors is None
+    assert measure_mesh(BOX.export(file_type="stl"), "stl").colors is None

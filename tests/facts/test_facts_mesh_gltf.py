@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose
 
 from urdfcheck.facts.mesh import decode_limits as mesh_limits
 from urdfcheck.facts.mesh import gltf as mesh_gltf
-from urdfcheck.facts.mesh.decode import RawMesh, decode
+from urdfcheck.facts.mesh.decode import RawMesh, decode_mesh
 from urdfcheck.facts.mesh.decode_limits import MeshError
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
@@ -57,7 +57,7 @@ def glb(document: Json, binary: bytes) -> bytes:
 
 
 def read(document: Json, binary: bytes) -> RawMesh:
-    return decode(glb(document, binary), "glb")
+    return decode_mesh(glb(document, binary), "glb")
 
 
 def refusal(document: Json, binary: bytes) -> MeshError:
@@ -104,7 +104,7 @@ def test_nodes_are_placed_as_trimesh_places_them() -> None:
     box = trimesh.creation.box((1, 2, 3))
     tree.add_geometry(box, node_name="a", geom_name="box", transform=turn)
     tree.add_geometry(box, node_name="b", geom_name="box", parent_node_name="a", transform=turn @ np.diag((2, 1, 1, 1)))
-    found = decode(tree.export(file_type="glb"), "glb")
+    found = decode_mesh(tree.export(file_type="glb"), "glb")
     assert found.n_triangles == 24
     assert_allclose(
         sorted(map(tuple, found.vertices.round(5).tolist())),
@@ -190,6 +190,6 @@ def test_a_fallback_beside_compressed_numbers_is_read_and_images_are_not() -> No
 def test_a_chunk_that_is_cut_off_is_truncated() -> None:
     data = glb(*scene([0, 1, 2]))
     with pytest.raises(MeshError, match="ends 1 too early"):
-        decode(data[:-1], "glb")
+        decode_mesh(data[:-1], "glb")
     with pytest.raises(MeshError, match="only glTF 2 is read"):
-        decode(b"glTF\1" + data[5:], "glb")
+        decode_mesh(b"glTF\1" + data[5:], "glb")

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from urdfcheck.facts.mesh.number_text import BadToken, Text
+from urdfcheck.facts.mesh.number_text import BadTokenError, TokenizedText
 
 
 def read(*tokens: str) -> list[float]:
-    return Text(" ".join(tokens).encode()).numbers(np.arange(len(tokens))).tolist()
+    return TokenizedText(" ".join(tokens).encode()).parse_numbers(np.arange(len(tokens))).tolist()
 
 
 @given(st.integers(-(10**15) + 1, 10**15 - 1), st.integers(0, 15), st.integers(-6, 6), st.sampled_from("eE"))
@@ -43,22 +43,22 @@ def test_every_usual_and_unusual_way_to_write_a_number(token: str) -> None:
     "token", ["1.2.3", "1e", "e5", "--1", "1-2", "abc", "1,5", ".", "-", "1e5.0", "0x10", "1e+", "1/2", "½"]
 )
 def test_what_is_no_number_is_named(token: str) -> None:
-    text = Text(f"1.0\n 2 {token} 3\n".encode())
-    with pytest.raises(BadToken) as bad:
-        text.numbers(np.arange(4))
-    assert text.place(bad.value.index) == (2, f"2 {token} 3")
+    text = TokenizedText(f"1.0\n 2 {token} 3\n".encode())
+    with pytest.raises(BadTokenError) as bad:
+        text.parse_numbers(np.arange(4))
+    assert text.locate_token(bad.value.index) == (2, f"2 {token} 3")
 
 
 def test_whole_numbers_end_at_a_slash() -> None:
-    text = Text(b"12/3/4 -7//2 1234567890123 +5")
-    assert text.indices(np.arange(4)).tolist() == [12, -7, 1234567890123, 5]
+    text = TokenizedText(b"12/3/4 -7//2 1234567890123 +5")
+    assert text.parse_indices(np.arange(4)).tolist() == [12, -7, 1234567890123, 5]
     for bad in (b"1.5", b"/2", b"12x", b"-"):
-        with pytest.raises(BadToken):
-            Text(b"1 " + bad).indices(np.arange(2))
+        with pytest.raises(BadTokenError):
+            TokenizedText(b"1 " + bad).parse_indices(np.arange(2))
 
 
 def test_lines_and_words() -> None:
-    text = Text(b"\r\n  v 1 2\r\nVN 3\n\n\nf 4")
-    assert text.line_starts().tolist() == [0, 3, 5]
-    assert text.spell(b"vn").tolist() == [False, False, False, True, False, False, False]
-    assert text.spell(b"v").tolist() == [True, *[False] * 6]
+    text = TokenizedText(b"\r\n  v 1 2\r\nVN 3\n\n\nf 4")
+    assert text.find_line_starts().tolist() == [0, 3, 5]
+    assert text.match_word(b"vn").tolist() == [False, False, False, True, False, False, False]
+    assert text.match_word(b"v").tolist() == [True, *[False] * 6]

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from urdfcheck.facts.mesh import topology as mesh_topology
-from urdfcheck.facts.mesh.topology import component_sizes, meets, repeated_faces, weld_exact
+from urdfcheck.facts.mesh.topology import classify_edges, count_component_faces, find_repeated_faces, weld_exact
 
 # Few different numbers, so that corners and faces do coincide; -0 equals 0.
 coordinates = st.sampled_from((0.0, -0.0, 1.0, -1.0, 0.5, 1e-30, 3.0))
@@ -45,7 +45,7 @@ class TestGrouping:
     def test_edges_are_counted(self) -> None:
         @given(triangles)
         def holds(faces: list[list[int]]) -> None:
-            edges = meets(np.array(faces), 7)
+            edges = classify_edges(np.array(faces), 7)
             directed = [(f[i], f[(i + 1) % 3]) for f in faces for i in range(3)]
             count = Counter(frozenset(e) for e in directed)
             once = [e for e in directed if count[frozenset(e)] == 1]
@@ -64,11 +64,11 @@ class TestGrouping:
         @given(triangles)
         def holds(faces: list[list[int]]) -> None:
             sets = [frozenset(f) for f in faces]
-            assert repeated_faces(np.array(faces)).tolist() == [s in sets[:i] for i, s in enumerate(sets)]
+            assert find_repeated_faces(np.array(faces)).tolist() == [s in sets[:i] for i, s in enumerate(sets)]
 
         holds()
 
 
 def test_pieces_are_counted_by_their_faces() -> None:
     faces = np.array([(0, 1, 2), (2, 3, 4), (5, 6, 7), (8, 9, 10), (9, 10, 11), (10, 11, 12)])
-    assert component_sizes(faces, 13).tolist() == [3, 2, 1]
+    assert count_component_faces(faces, 13).tolist() == [3, 2, 1]

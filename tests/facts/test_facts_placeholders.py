@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from urdfcheck.facts.inertials.placeholders import is_round, placeholder
+from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round
 
 
 @pytest.mark.parametrize(
@@ -28,11 +28,11 @@ from urdfcheck.facts.inertials.placeholders import is_round, placeholder
 )
 def test_round_diagonals(mass: float, moments: tuple[float, float, float], what: str | None) -> None:
     x, y, z = moments
-    assert placeholder(mass, (x, 0, 0, y, 0, z)) == what
+    assert describe_placeholder(mass, (x, 0, 0, y, 0, z)) == what
 
 
 def test_a_product_of_inertia_was_computed() -> None:
-    assert placeholder(1, (1, 1e-9, 0, 1, 0, 1)) is None
+    assert describe_placeholder(1, (1, 1e-9, 0, 1, 0, 1)) is None
 
 
 @pytest.mark.parametrize(

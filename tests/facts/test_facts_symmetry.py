@@ -10,7 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.likeness.symmetry import OddOne, group_by_signature, odd_one_out, signature, suspects
+from urdfcheck.facts.likeness.symmetry import (
+    OddFrame,
+    build_link_signature,
+    find_odd_frame,
+    find_suspect_frames,
+    group_by_signature,
+)
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 # Four wheels of a car as typed in its joints: xyz, rpy, axis. The right ones face the other way round, so that their
@@ -38,8 +44,8 @@ def frames(rpy: object) -> np.ndarray:
     return np.array([rpy_to_matrix(one) for one in rpy])  # type: ignore[attr-defined]
 
 
-def found(xyz: object, turns: object, axes: object) -> OddOne:
-    odd = odd_one_out(xyz, turns, axes)  # type: ignore[arg-type]
+def found(xyz: object, turns: object, axes: object) -> OddFrame:
+    odd = find_odd_frame(xyz, turns, axes)  # type: ignore[arg-type]
     assert odd is not None
     return odd
 
@@ -64,22 +70,22 @@ def test_the_wheel_that_was_turned_by_hand_is_found() -> None:
     assert_allclose(odd.expected_frame, np.eye(3), atol=1e-5)
     assert (odd.bad_pairs, odd.good_pairs) == (3, 3)
     assert odd.agreement > 0.9
-    assert odd.rule == "rotation by 180° about z and translation along x"
+    assert odd.pattern == "rotation by 180° about z and translation along x"
 
 
 def test_nothing_is_found_once_it_is_turned_back() -> None:
-    assert odd_one_out(CAR_XYZ, frames(REPAIRED), CAR_AXES) is None
+    assert find_odd_frame(CAR_XYZ, frames(REPAIRED), CAR_AXES) is None
 
 
 @pytest.mark.parametrize("yaw", [(0, 0, 0, 0), (0, 0, math.pi, math.pi), (0, math.pi, math.pi, 0)])
 def test_frames_that_differ_by_a_choice_of_axes_are_no_pattern_to_break(yaw: tuple[float, ...]) -> None:
-    assert odd_one_out(CAR_XYZ, frames([(0, 0, y) for y in yaw]), CAR_AXES) is None
+    assert find_odd_frame(CAR_XYZ, frames([(0, 0, y) for y in yaw]), CAR_AXES) is None
 
 
 @pytest.mark.parametrize("quarters", [1, 2, 3])
 def test_quarter_turns_are_a_choice_of_axes(quarters: int) -> None:
     turned = [(0, quarters * math.pi / 2, 0), *REPAIRED[1:]]
-    assert odd_one_out(CAR_XYZ, frames(turned), CAR_AXES) is None
+    assert find_odd_frame(CAR_XYZ, frames(turned), CAR_AXES) is None
 
 
 @settings(max_examples=60)
@@ -96,7 +102,7 @@ def test_the_verdict_depends_on_neither_order_nor_pose_nor_size(
     base = rpy_to_matrix(rpy)
     places = scale * np.array(CAR_XYZ)[order] @ base.T + move
     turns = base @ frames(CAR_RPY if odd else REPAIRED)[order]
-    verdict = odd_one_out(places, turns, np.array(CAR_AXES)[order])
+    verdict = find_odd_frame(places, turns, np.array(CAR_AXES)[order])
     if not odd:
         assert verdict is None
         return
@@ -149,7 +155,7 @@ def test_a_tilted_wheel_is_told_from_a_turned_one(index: int, tilt: float, about
 
 
 def test_splayed_legs_follow_their_mirrors() -> None:
-    assert odd_one_out(LEG_XYZ, frames(LEG_RPY), LEG_AXES) is None
+    assert find_odd_frame(LEG_XYZ, frames(LEG_RPY), LEG_AXES) is None
     turned = [*LEG_RPY[:2], (0, 0, -0.249), LEG_RPY[3]]
     odd = found(LEG_XYZ, frames(turned), LEG_AXES)
     assert (odd.index, odd.kind) == (2, "axis_tilt")
@@ -160,7 +166,7 @@ def test_splayed_legs_follow_their_mirrors() -> None:
 @pytest.mark.parametrize("count", [3, 4, 5, 6, 8])
 def test_siblings_on_a_ring_follow_its_rotation(count: int) -> None:
     places, turns = ring(count)
-    assert odd_one_out(places, turns, [(0, 0, 1)] * count) is None
+    assert find_odd_frame(places, turns, [(0, 0, 1)] * count) is None
 
 
 @settings(max_examples=60)
@@ -171,7 +177,7 @@ def test_on_a_ring_the_right_one_is_named_or_none(
     places, turns = ring(count)
     index = data.draw(st.integers(0, count - 1))
     turns[index] = turns[index] @ rpy_to_matrix(rpy)
-    odd = odd_one_out(places, turns, [(0, 0, 1)] * count)
+    odd = find_odd_frame(places, turns, [(0, 0, 1)] * count)
     assert odd is None or odd.index == index
 
 
@@ -187,7 +193,7 @@ def test_rows_that_differ_among_themselves_do_not_hide_the_symmetry_of_left_and_
     # Eight hips, splayed differently from front to back: no shift carries one frame onto the next.
     places = [(x, y, 0) for x in (0.3, 0.1, -0.1, -0.3) for y in (0.1, -0.1)]
     turns = frames([(0, 0, s * a) for a in (0.5, 0.2, -0.2, -0.5) for s in (1, -1)])
-    assert odd_one_out(places, turns, [(0, 1, 0)] * 8) is None
+    assert find_odd_frame(places, turns, [(0, 1, 0)] * 8) is None
     turns[3] = turns[3] @ rpy_to_matrix((0, 0.3, 0))
     odd = found(places, turns, [(0, 1, 0)] * 8)
     assert (odd.index, odd.kind, odd.angle) == (3, "zero_offset", pytest.approx(0.3))
@@ -198,7 +204,7 @@ def test_a_row_follows_its_shift() -> None:
     turns = frames([(0, 0, 0), (0, 0.3, 0), (0, 0, 0), (0, 0, 0)])
     odd = found(places, turns, [(0, 1, 0)] * 4)
     assert (odd.index, odd.kind, odd.angle) == (1, "zero_offset", pytest.approx(0.3))
-    assert "translation along x" in odd.rule
+    assert "translation along x" in odd.pattern
 
 
 # --- where it abstains -----------------------------------------------------------------------------------------------
@@ -208,39 +214,39 @@ def test_a_row_follows_its_shift() -> None:
 def test_of_up_to_two_nobody_can_say_which_one_is_wrong(count: int) -> None:
     places, turns = ring(count) if count else (np.empty((0, 3)), np.empty((0, 3, 3)))
     turns[:1] = turns[:1] @ rpy_to_matrix((0, 0, 0.4))
-    assert odd_one_out(places, turns, [(0, 0, 1)] * count) is None
+    assert find_odd_frame(places, turns, [(0, 0, 1)] * count) is None
 
 
 def test_a_row_of_three_is_not_enough() -> None:
     turns = frames([(0, 0.3, 0), (0, 0, 0), (0, 0, 0)])
-    assert odd_one_out([(0.1 * i, 0, 0) for i in range(3)], turns, [(0, 1, 0)] * 3) is None
+    assert find_odd_frame([(0.1 * i, 0, 0) for i in range(3)], turns, [(0, 1, 0)] * 3) is None
 
 
 def test_an_axis_that_points_nearer_to_another_choice_of_axes_is_no_tilt() -> None:
     # The third frame is turned by 180°, which the first would have to follow; it is 40° from not following.
     turns = frames([(0, 0, 0.7), (0, 0, 0), (math.pi, 0, 0), (0, 0, 0)])
-    assert odd_one_out(CAR_XYZ, turns, [(0, 1, 0)] * 4) is None
+    assert find_odd_frame(CAR_XYZ, turns, [(0, 1, 0)] * 4) is None
 
 
 def test_two_against_two_have_no_culprit() -> None:
     turns = frames([(0, 0.4, 0), (0, 0.4, 0), (0, 0, 0), (0, 0, 0)])
-    assert odd_one_out(CAR_XYZ, turns, CAR_AXES) is None
+    assert find_odd_frame(CAR_XYZ, turns, CAR_AXES) is None
 
 
 def test_positions_without_symmetry_have_no_pattern() -> None:
     places = [(0, 0, 0), (1, 0.1, 0), (0.2, 1.3, 0.1), (2.2, 1.9, 0.7)]
-    assert odd_one_out(places, frames(CAR_RPY), CAR_AXES) is None
+    assert find_odd_frame(places, frames(CAR_RPY), CAR_AXES) is None
 
 
 def test_typing_errors_below_the_tolerance_are_not_an_odd_one() -> None:
     turns = frames([(0, 0.0008, 0), (0, 0, 0), (0, 0, 3.14), (0, 0, 3.1416)])
-    assert odd_one_out(CAR_XYZ, turns, CAR_AXES) is None
+    assert find_odd_frame(CAR_XYZ, turns, CAR_AXES) is None
 
 
 def test_numbers_that_are_no_geometry_have_no_pattern() -> None:
-    assert odd_one_out(np.full((4, 3), np.nan), frames(CAR_RPY), CAR_AXES) is None
-    assert odd_one_out(CAR_XYZ, frames(CAR_RPY), np.zeros((4, 3))) is None
-    assert odd_one_out(np.zeros((4, 3)), frames(CAR_RPY), CAR_AXES) is None
+    assert find_odd_frame(np.full((4, 3), np.nan), frames(CAR_RPY), CAR_AXES) is None
+    assert find_odd_frame(CAR_XYZ, frames(CAR_RPY), np.zeros((4, 3))) is None
+    assert find_odd_frame(np.zeros((4, 3)), frames(CAR_RPY), CAR_AXES) is None
 
 
 # --- suspects --------------------------------------------------------------------------------------------------------
@@ -253,9 +259,9 @@ PAIR_XYZ = [(0, 0.1, 0), (0, -0.1, 0)]
 def test_a_pair_is_shown_as_a_pair(yaw: float, odd: int) -> None:
     rpy = [[0.0, 0.0, 0.0], [0.0, 0.0, yaw]]
     axes = [(0, 1, 0), (0, -1 if yaw else 1, 0)]
-    assert suspects(PAIR_XYZ, frames(rpy), axes) is None
+    assert find_suspect_frames(PAIR_XYZ, frames(rpy), axes) is None
     rpy[odd][1] = -0.75239
-    pair = suspects(PAIR_XYZ, frames(rpy), axes)
+    pair = find_suspect_frames(PAIR_XYZ, frames(rpy), axes)
     assert pair is not None
     assert (pair.members, pair.kind) == ((0, 1), "zero_offset")
     assert [abs(a) for a in pair.angles] == pytest.approx([0.75239, 0.75239])
@@ -267,27 +273,27 @@ def test_a_pair_is_shown_as_a_pair(yaw: float, odd: int) -> None:
     "rpy", [[(0, 0.4, 0), (0, 0.4, 0)], [(0.2, 0, 0), (-0.2, 0, 0)], [(0, 0, 0), (0, math.pi / 2, 0)]]
 )
 def test_mirror_images_repetitions_and_quarter_turns_are_no_suspects(rpy: list[tuple[float, float, float]]) -> None:
-    assert suspects(PAIR_XYZ, frames(rpy), [(0, 1, 0)] * 2) is None
+    assert find_suspect_frames(PAIR_XYZ, frames(rpy), [(0, 1, 0)] * 2) is None
 
 
 def test_hands_of_many_fingers_show_the_pair_that_differs() -> None:
     heights = [0.30, 0.33, 0.35, 0.31]
     places = [(0.02 * i**2, side * 0.4, z) for i, z in enumerate(heights) for side in (1, -1)]
     turns = frames([(side * 0.1 * i, 0, 0) for i in range(4) for side in (1, -1)])
-    assert suspects(places, turns, [(0, 1, 0)] * 8) is None
+    assert find_suspect_frames(places, turns, [(0, 1, 0)] * 8) is None
     turns[4] = turns[4] @ rpy_to_matrix((0, 0.3, 0))
-    pair = suspects(places, turns, [(0, 1, 0)] * 8)
+    pair = find_suspect_frames(places, turns, [(0, 1, 0)] * 8)
     assert pair is not None
-    assert (pair.members, pair.kind, pair.rule) == ((4, 5), "zero_offset", "mirror y")
+    assert (pair.members, pair.kind, pair.pattern) == ((4, 5), "zero_offset", "mirror y")
     turns[2] = turns[2] @ rpy_to_matrix((0, 0.2, 0))
-    assert suspects(places, turns, [(0, 1, 0)] * 8) is None
+    assert find_suspect_frames(places, turns, [(0, 1, 0)] * 8) is None
 
 
 @pytest.mark.parametrize("odd", [0, 1, 2])
 def test_of_a_row_of_three_the_one_that_differs_from_both_others_is_shown(odd: int) -> None:
     places = [(0.1 * i, 0, 0) for i in range(3)]
     turns = frames([(0, 0.3 * (i == odd), 0) for i in range(3)])
-    one = suspects(places, turns, [(0, 1, 0)] * 3)
+    one = find_suspect_frames(places, turns, [(0, 1, 0)] * 3)
     assert one is not None
     assert (one.members, one.kind) == ((odd,), "zero_offset")
     assert one.angles == pytest.approx((0.3,))
@@ -295,7 +301,7 @@ def test_of_a_row_of_three_the_one_that_differs_from_both_others_is_shown(odd: i
 
 def test_three_of_which_none_fits_have_no_suspect() -> None:
     places = [(0.1 * i, 0, 0) for i in range(3)]
-    assert suspects(places, frames([(0, 0, 0), (0, 0.3, 0), (0, 0.7, 0)]), [(0, 1, 0)] * 3) is None
+    assert find_suspect_frames(places, frames([(0, 0, 0), (0, 0.3, 0), (0, 0.7, 0)]), [(0, 1, 0)] * 3) is None
 
 
 # --- grouping --------------------------------------------------------------------------------------------------------
@@ -303,26 +309,26 @@ def test_three_of_which_none_fits_have_no_suspect() -> None:
 
 def test_like_links_are_grouped_across_rounding_boundaries_and_whatever_the_order_of_their_moments() -> None:
     signatures = [
-        signature(0.99996, (1.0e-3, 2.0e-3, 2.5e-3)),
-        signature(2.0, (1.0e-3, 2.0e-3, 2.5e-3)),
-        signature(1.00004, (2.5e-3, 1.01e-3, 2.0e-3)),
-        signature(1.0, (1.0e-3, 2.0e-3, 3.5e-3)),
-        signature(1.0, (1.0e-3, 2.0e-3, 2.5e-3), (0.1, 0.2, 0.3)),
+        build_link_signature(0.99996, (1.0e-3, 2.0e-3, 2.5e-3)),
+        build_link_signature(2.0, (1.0e-3, 2.0e-3, 2.5e-3)),
+        build_link_signature(1.00004, (2.5e-3, 1.01e-3, 2.0e-3)),
+        build_link_signature(1.0, (1.0e-3, 2.0e-3, 3.5e-3)),
+        build_link_signature(1.0, (1.0e-3, 2.0e-3, 2.5e-3), (0.1, 0.2, 0.3)),
     ]
     assert group_by_signature(signatures) == [[0, 2], [1], [3], [4]]
     assert len(set(signatures)) == 5
 
 
 def test_rounding_residue_in_a_small_moment_does_not_part_links() -> None:
-    rods = [signature(1.0, (1e-12, 0.1, 0.1)), signature(1.0, (-3e-12, 0.1, 0.1))]
+    rods = [build_link_signature(1.0, (1e-12, 0.1, 0.1)), build_link_signature(1.0, (-3e-12, 0.1, 0.1))]
     assert group_by_signature(rods) == [[0, 1]]
 
 
 def test_massless_links_are_alike() -> None:
-    assert group_by_signature([signature(0.0, (0, 0, 0)), signature(0.0, (0, 0, 0))]) == [[0, 1]]
+    assert group_by_signature([build_link_signature(0.0, (0, 0, 0)), build_link_signature(0.0, (0, 0, 0))]) == [[0, 1]]
 
 
 @given(st.permutations([1.0, 1.004, 1.008, 2.0, 2.005, 3.0]))
 def test_groups_do_not_depend_on_order(masses: list[float]) -> None:
-    groups = group_by_signature([signature(m, (1, 1, 1)) for m in masses])
+    groups = group_by_signature([build_link_signature(m, (1, 1, 1)) for m in masses])
     assert sorted(sorted(masses[i] for i in g) for g in groups) == [[1.0, 1.004, 1.008], [2.0, 2.005], [3.0]]

@@ -49,11 +49,11 @@ Target = tuple[Callable[[bytes], None], list[bytes]]
 
 
 def _mesh(name: str) -> Target:
-    from urdfcheck.facts.mesh.measure import MeshError, mesh_facts
+    from urdfcheck.facts.mesh.measure import MeshError, measure_mesh
 
     def target(data: bytes) -> None:
         try:
-            facts = mesh_facts(data, name)
+            facts = measure_mesh(data, name)
         except MeshError:
             return
         assert facts.n_triangles > 0
@@ -64,7 +64,7 @@ def _mesh(name: str) -> Target:
 
 
 def _xml(_name: str) -> Target:
-    from urdfcheck.source.text.xml import SourceFile, XmlError, parse
+    from urdfcheck.source.text.xml import SourceFile, XmlError, parse_xml
 
     with tempfile.NamedTemporaryFile(delete=False) as file:
         path = Path(file.name)
@@ -73,7 +73,7 @@ def _xml(_name: str) -> Target:
         path.write_bytes(data)
         try:
             source = SourceFile.read(path, "a.urdf")
-            root = parse(source)
+            root = parse_xml(source)
         except XmlError:
             return
         for element in root.walk():
@@ -88,9 +88,9 @@ def _xml(_name: str) -> Target:
 
 def _expression(_name: str) -> Target:
     import urdfcheck.source.xacro.expand  # noqa: F401 - else imported too late to be instrumented
-    from urdfcheck.source.load import load
+    from urdfcheck.source.load import load_source
     from urdfcheck.source.package.finder import PackageFinder
-    from urdfcheck.source.text.xml import quoted
+    from urdfcheck.source.text.xml import quote_attribute
 
     folder = Path(tempfile.mkdtemp(prefix="urdfcheck-atheris-"))
     path = folder / "a.urdf.xacro"
@@ -98,13 +98,13 @@ def _expression(_name: str) -> Target:
     finder = PackageFinder(path)
 
     def target(data: bytes) -> None:
-        value = quoted(f"${{{data.decode('utf-8', 'replace')}}}")
+        value = quote_attribute(f"${{{data.decode('utf-8', 'replace')}}}")
         path.write_text(
             f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="size" value="3"/>'
             f'<xacro:property name="data" value="${{load_yaml(\'values.yaml\')}}"/><link name={value}/></robot>',
             encoding="utf-8",
         )
-        source = load(path, {}, finder)
+        source = load_source(path, {}, finder)
         assert source.root is not None or source.problems
 
     rng = random.Random(0)

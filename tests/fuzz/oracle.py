@@ -28,11 +28,11 @@ from jsonschema import Draft202012Validator
 from urdfcheck import rules as catalogue
 from urdfcheck.cli import FINDINGS, NOTHING, OK, exit_code
 from urdfcheck.core import Run, Severity
-from urdfcheck.core.errors import TimeUp
-from urdfcheck.facts.mesh.decode import MeshError, decode
+from urdfcheck.core.errors import ModelTimeout
+from urdfcheck.facts.mesh.decode import MeshError, decode_mesh
 from urdfcheck.output import html, text
 from urdfcheck.output.json import render as render_json
-from urdfcheck.policy.limits import Limits
+from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.run.audit import audit
 from urdfcheck.run.pipeline import Request, run
 from urdfcheck.system import sandbox
@@ -90,7 +90,7 @@ def judge(case: Case, folder: Path, *, everything: bool = False) -> Verdict:
                     again = [check(path, case.tier, scene=True, cache=Path(cache)) for _ in range(2)]
                 problem = _unsteady(outcome, again[0]) or _unsteady(outcome, again[1])
             said = printed()
-    except TimeUp as error:
+    except ModelTimeout as error:
         return _failure("time", error)
     except Exception as error:
         return _failure("exception", error)
@@ -119,7 +119,7 @@ def judge(case: Case, folder: Path, *, everything: bool = False) -> Verdict:
 def check(path: Path, tier: str, *, scene: bool = False, cache: Path | None = None) -> Run:
     """The input as a run in this process."""
     root = path if path.is_dir() else path.parent
-    codes, limits = frozenset(catalogue.rules()), Limits(seconds=SECONDS)
+    codes, limits = frozenset(catalogue.load_rules()), ResourceLimits(seconds=SECONDS)
     request = Request((path,), root, codes, tier=tier, scene=scene, pairs=scene, samples=20, limits=limits, cache=cache)
     with mock.patch.dict(os.environ, FUZZ_SECRET=SECRET):
         return run(request, audit=audit)
@@ -336,9 +336,9 @@ def _pinocchio(data: bytes, outcome: Run) -> str | None:
         return None
     import pinocchio
 
-    from urdfcheck.model.motion.pinocchio_model import captured_stderr
+    from urdfcheck.model.motion.pinocchio_model import capture_stderr
 
-    with captured_stderr():
+    with capture_stderr():
         try:
             pinocchio.buildModelFromXML(data.decode("utf-8", "surrogateescape"))
         except UnicodeError:
@@ -391,7 +391,7 @@ def _no_mesh(case: Case, outcome: Run) -> str | None:
     kind, data = case.mesh.rpartition(".")[2].lower(), case.files[case.mesh]
     data = data.replace(b"\r", b"\n") if kind in {"obj", "off"} else data  # trimesh knows one end of a line
     try:
-        decode(data, kind)
+        decode_mesh(data, kind)
     except MeshError as error:
         return f"the mesh {error}"
     # What other readers refuse (a texture coordinate that is no number) may still be a surface; no triangle is none.

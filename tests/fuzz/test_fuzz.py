@@ -93,8 +93,8 @@ def test_a_check_that_crashes_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     def crash(*_: object, **__: object) -> Iterator[Finding]:
         raise LookupError("a defect of ours")
 
-    real = catalogue.check_of
-    monkeypatch.setattr(catalogue, "check_of", lambda rule: crash if rule.code == "XML003" else real(rule))
+    real = catalogue.load_check
+    monkeypatch.setattr(catalogue, "load_check", lambda rule: crash if rule.code == "XML003" else real(rule))
     verdict = verdict_on(SMALL)
     assert verdict.outcome == "failure"
     assert "a defect of ours" in verdict.detail

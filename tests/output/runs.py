@@ -17,7 +17,7 @@ from urdfcheck.core import (
     Rule,
     Run,
     Severity,
-    Skip,
+    SkippedCheck,
     Span,
 )
 from urdfcheck.core.scene import Scene, SceneFrame, SceneInertia, SceneJoint, SceneLink, SceneMesh, SceneShape
@@ -217,7 +217,7 @@ def a_run(*findings: Finding, **changes: Any) -> Run:
     plain = Run(
         models=(info(),),
         findings=findings,
-        skipped=(Skip("COL001", MODEL, "needs --tier full"),),
+        skipped=(SkippedCheck("COL001", MODEL, "needs --tier full"),),
         rules={"INR001": rule("INR001", "mass-not-positive"), "INR003": rule()},
         versions={"urdfcheck": "0.1.0", "python": "3.12.0"},
         sources={FILE: SOURCE},

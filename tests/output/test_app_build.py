@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from conftest import unproven
 
-from urdfcheck.facts.mesh.codec import pack, unpack, wide
+from urdfcheck.facts.mesh.codec import needs_wide_indices, pack_mesh, unpack_mesh
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "report-ui"
@@ -55,21 +55,21 @@ def test_what_python_packs_is_what_the_page_decodes(source: Path, side: int) -> 
     vertices = np.column_stack((grid, np.sin(grid.sum(axis=1)))) * 0.01 - 1.0
     first = (np.arange(side - 1)[:, None] * side + np.arange(side - 1)).ravel()
     faces = np.concatenate((first[:, None] + [0, side, 1], first[:, None] + [1, side, side + 1]))
-    packed = pack(vertices, faces, vertices[[[0, 1], [1, 2]]], 10**6)
+    packed = pack_mesh(vertices, faces, vertices[[[0, 1], [1, 2]]], 10**6)
     mesh = {name: getattr(packed, name) for name in ("vertices", "faces", "holes")}
     bounds = {"low": packed.low.tolist(), "high": packed.high.tolist()}
     packer = zlib.compressobj(wbits=-zlib.MAX_WBITS)
     deflated = packer.compress(b"before" + packed.data) + packer.flush()
     given = {
-        "mesh": {**mesh, **bounds, "offset": len(b"before"), "wide": wide(packed.vertices)},
+        "mesh": {**mesh, **bounds, "offset": len(b"before"), "wide": needs_wide_indices(packed.n_vertices)},
         "text": base64.b64encode(deflated).decode(),
     }
     ran = subprocess.run(
         ["node", "test/decode.mjs"], cwd=source, input=json.dumps(given), capture_output=True, text=True, check=True
     )
     decoded = json.loads(ran.stdout)
-    points, triangles, holes = unpack(packed)
-    assert wide(packed.vertices) == (side == 200)
+    points, triangles, holes = unpack_mesh(packed)
+    assert needs_wide_indices(packed.n_vertices) == (side == 200)
     np.testing.assert_allclose(np.reshape(decoded["points"], (-1, 3)), points, atol=1e-6)
     np.testing.assert_array_equal(np.reshape(decoded["faces"], (-1, 3)), triangles)
     np.testing.assert_allclose(np.reshape(decoded["holes"], (-1, 2, 3)), holes, atol=1e-6)

@@ -26,10 +26,21 @@ from output.runs import FILE, MODEL, SOURCE, a_run, chain, finding, info, rule, 
 
 from urdfcheck.cli.commands import job_summary as job
 from urdfcheck.cli.options import output_files
-from urdfcheck.core import Applicability, Cause, Edit, Fix, Location, Run, Severity, Skip, Suppression, UrdfcheckError
+from urdfcheck.core import (
+    Applicability,
+    Cause,
+    Edit,
+    Fix,
+    Location,
+    Run,
+    Severity,
+    SkippedCheck,
+    Suppression,
+    UrdfcheckError,
+)
 from urdfcheck.output import FORMATS, render
-from urdfcheck.output.markdown import COMMENT, MARKER, job_summary
-from urdfcheck.output.mermaid import MOST_CHARACTERS, MOST_EDGES, chart, label
+from urdfcheck.output.markdown import COMMENT_LIMIT, MARKER, render_job_summary
+from urdfcheck.output.mermaid import MOST_CHARACTERS, MOST_EDGES, build_mermaid_chart, format_label
 from urdfcheck.output.shared import inert
 
 # -- validators --------------------------------------------------------------------------------------------------------
@@ -326,7 +337,7 @@ def test_no_name_acts(name: str, output_format: str) -> None:
         sources={at.file: source},
         failures=(f"it: {name}",),
         scenes=(drawn,),
-        skipped=(Skip("COL001", own, name),),
+        skipped=(SkippedCheck("COL001", own, name),),
     )
     document = render(run, output_format)
     READERS[output_format](document)
@@ -334,7 +345,7 @@ def test_no_name_acts(name: str, output_format: str) -> None:
     if output_format == "github":
         assert len(as_github(document)) == 3, "one for each finding and failure, and no other"
     if output_format == "markdown":
-        as_markdown(job_summary(run, (name,)))
+        as_markdown(render_job_summary(run, (name,)))
         kinds = [token.type for token in as_markdown(document)]
         assert kinds.count("fence") == 3, "two repairs and a tree"
         assert kinds.count("heading_open") == 1, "the verdict"
@@ -367,7 +378,11 @@ PIECES = [
 @given(st.lists(st.sampled_from(PIECES) | st.text(max_size=3), max_size=10).map("".join))
 def test_text_in_a_cell_is_text_or_code(text: str) -> None:
     tokens = walk(
-        GFM.parse(inert.for_log(f"| a | b |\n| - | - |\n| {inert.for_markdown(text)} | {inert.as_code(text)} |"))
+        GFM.parse(
+            inert.escape_for_log(
+                f"| a | b |\n| - | - |\n| {inert.escape_for_markdown(text)} | {inert.format_code_span(text)} |"
+            )
+        )
     )
     assert [len(row) for row in rows_of(tokens)] == [2, 2]
     inside = [inner for token in tokens if token.type == "inline" for inner in token.children or []]
@@ -379,23 +394,23 @@ def test_text_in_a_cell_is_text_or_code(text: str) -> None:
     "text", ["# a", "- a", "+ a", "1. a", "2) a", "> a", "/close a", "=== a", "| a", "* a", " # a"]
 )
 def test_no_first_word_begins_a_block(text: str) -> None:
-    assert [token.type for token in GFM.parse(inert.for_markdown(text))] == [
+    assert [token.type for token in GFM.parse(inert.escape_for_markdown(text))] == [
         "paragraph_open",
         "inline",
         "paragraph_close",
     ]
-    assert inert.for_markdown(text).startswith("`")
+    assert inert.escape_for_markdown(text).startswith("`")
 
 
 def test_plain_words_stay_plain() -> None:
     text = "link wheel_1: I1 + I2 >= I3 by 50 % (3.5e-06 kg·m²), see \"a\" and 'b'; 1000 kg/m³, x = 0.0012345678"
-    assert inert.for_markdown(text) == text
-    assert inert.for_markdown("-0.5 m") == "-0.5 m"
+    assert inert.escape_for_markdown(text) == text
+    assert inert.escape_for_markdown("-0.5 m") == "-0.5 m"
 
 
 @pytest.mark.parametrize("name", HOSTILE, ids=ascii)
 def test_a_label_of_a_tree_is_one_quoted_word(name: str) -> None:
-    assert re.fullmatch(r"(?:[\w ./,()…-]|#\d+;|[^\x00-\x7f])+", label(name))
+    assert re.fullmatch(r"(?:[\w ./,()…-]|#\d+;|[^\x00-\x7f])+", format_label(name))
 
 
 # -- each for itself ---------------------------------------------------------------------------------------------------
@@ -516,7 +531,7 @@ def test_junit_has_a_case_for_each_element_and_each_rule_that_passed() -> None:
 def test_junit_passes_nothing_that_was_not_looked_at() -> None:
     run = judged(replace(RUNS["needs arguments"], findings=(), skipped=()))
     assert cases(run) == {"the model is checked": "skipped"}
-    stopped = judged(replace(a_run(), findings=(), skipped=(Skip("ALL", MODEL, "the check was stopped"),)))
+    stopped = judged(replace(a_run(), findings=(), skipped=(SkippedCheck("ALL", MODEL, "the check was stopped"),)))
     assert cases(stopped) == {"all rules": "skipped"}
     assert cases(RUNS["nothing to check"]) == {"there is something to check": "skipped"}
 
@@ -578,7 +593,7 @@ def test_a_comment_keeps_its_size_and_says_what_is_left_out() -> None:
         for i in range(600)
     ]
     document = render(a_run(*found, scenes=(chain(900),)), "markdown")
-    assert len(document.encode()) < COMMENT
+    assert len(document.encode()) < COMMENT_LIMIT
     tokens = as_markdown(document)
     assert {row[0].split("&nbsp;")[-1] for row in rows_of(tokens) if row[0]} == {"error"}
     assert document.count("<details>") == document.count("</details>")
@@ -588,7 +603,7 @@ def test_a_comment_keeps_its_size_and_says_what_is_left_out() -> None:
 
 
 def test_a_summary_has_models_tree_and_the_place_of_the_report() -> None:
-    document = job_summary(judged(a_run()), ("out/car.html",))
+    document = render_job_summary(judged(a_run()), ("out/car.html",))
     tokens = as_markdown(document)
     assert "`out/car.html`" in document
     assert ["`rover/rover.urdf`", "`rover`", "2", "1", "0.5283 kg", "1", "1", "1"] in rows_of(tokens)
@@ -598,7 +613,7 @@ def test_a_summary_has_models_tree_and_the_place_of_the_report() -> None:
 
 def test_a_tree_is_coloured_by_the_worst_finding() -> None:
     found = [finding(severity=Severity.INFO), finding(), finding(subjects=("joint[axle]",), severity=Severity.WARNING)]
-    text = chart(scene(), found).text
+    text = build_mermaid_chart(scene(), found).text
     assert re.search(r'n\d\["✖ wheel"\]:::error\n', text)
     assert re.search(r'n0\["base"\]\n', text)
     assert re.search(r'n0 -->\|"▲ axle \(continuous\)"\| n\d\n  linkStyle \d stroke:#9a6700\n', text)
@@ -607,19 +622,19 @@ def test_a_tree_is_coloured_by_the_worst_finding() -> None:
 
 @pytest.mark.parametrize("drawn", [chain(900), star(900)], ids=["deep", "wide"])
 def test_a_tree_is_cut_where_mermaid_gives_up(drawn: Any) -> None:
-    found = chart(drawn, ())
+    found = build_mermaid_chart(drawn, ())
     assert len(found.text) <= MOST_CHARACTERS
     assert found.text.count("-->") == found.shown - 1 == MOST_EDGES
-    assert found.of > found.shown
+    assert found.total > found.shown
     run = a_run(finding(), scenes=(drawn,))
-    assert f"Drawn are {found.shown} of {found.of} links" in job_summary(run)
+    assert f"Drawn are {found.shown} of {found.total} links" in render_job_summary(run)
 
 
 def test_a_loop_is_drawn_as_one() -> None:
     from output.runs import joint, link
 
     ring = scene(links=(link("a"), link("b")), joints=(joint("x", "a", "b"), joint("y", "b", "a")), root="a", frames=())
-    text = chart(ring, ()).text
+    text = build_mermaid_chart(ring, ()).text
     assert text.count('["') == 2
     assert text.count("-->") == 2
 

@@ -15,13 +15,20 @@ import pytest
 from output.documents import Document, read
 from output.runs import FILE, SOURCE, a_run, chain, finding, info, joint, link, rule, scene, span, span_of, star
 
-from urdfcheck.core import Applicability, Edit, Finding, Fix, Location, Run, Severity, Skip, Span, Suppression
+from urdfcheck.core import Applicability, Edit, Finding, Fix, Location, Run, Severity, SkippedCheck, Span, Suppression
 from urdfcheck.core.scene import Scene, SceneFrame
 from urdfcheck.output.html import render
-from urdfcheck.output.html.code import code_frame, diff
-from urdfcheck.output.html.svg.tree import BOX, WIDEST, layout
-from urdfcheck.output.html.text import esc, gist, markdown, millimetres, number, scaled
-from urdfcheck.output.shared.graph import forest
+from urdfcheck.output.html.code import render_code_frame, render_diff
+from urdfcheck.output.html.svg.tree import BOX, WIDEST, lay_out_tree
+from urdfcheck.output.html.text import (
+    escape_html,
+    format_millimetres,
+    format_number,
+    format_scaled,
+    render_markdown,
+    shorten_message,
+)
+from urdfcheck.output.shared.graph import build_forest
 
 HOSTILE = "<script>alert(1)</script>\"' onload=x & \u202egnp.\x1b[31m"
 
@@ -107,7 +114,7 @@ def test_names_from_files_are_inert_wherever_they_appear() -> None:
     run = a_run(
         hostile,
         models=(info(path=HOSTILE, robot=HOSTILE, args={HOSTILE: HOSTILE}, id=HOSTILE),),
-        skipped=(Skip(HOSTILE, HOSTILE, HOSTILE),),
+        skipped=(SkippedCheck(HOSTILE, HOSTILE, HOSTILE),),
         rules={
             "INR003": rule(
                 page=f"## What it checks\n\n{HOSTILE}\n\n`{HOSTILE}`\n\n- {HOSTILE}\n\n```\n{HOSTILE}\n```\n"
@@ -342,8 +349,8 @@ def test_a_model_opens_with_its_errors_and_warnings_in_a_line_each() -> None:
         ("warning", f"f-{run.findings[1].fingerprints[0]}"),
     ]
     assert "car.launch:7" in lines
-    assert gist(long) in lines
-    assert len(gist(long)) <= 81
+    assert shorten_message(long) in lines
+    assert len(shorten_message(long)) <= 81
 
 
 def test_one_problem_needs_no_list_and_many_are_folded() -> None:
@@ -442,7 +449,7 @@ def marked(markup: str) -> list[str]:
 
 
 def test_frame_marks_the_span_between_its_neighbours() -> None:
-    markup = code_frame({FILE: SOURCE}, span_of("-1"), context=1)
+    markup = render_code_frame({FILE: SOURCE}, span_of("-1"), context=1)
     assert marked(markup) == ["-1"]
     assert plain(markup).splitlines() == [
         "6 <inertial>",
@@ -452,42 +459,42 @@ def test_frame_marks_the_span_between_its_neighbours() -> None:
 
 
 def test_frame_marks_a_span_over_several_lines() -> None:
-    markup = code_frame({FILE: SOURCE}, span_of('izz="0.09"/>\n    </inertial>'))
+    markup = render_code_frame({FILE: SOURCE}, span_of('izz="0.09"/>\n    </inertial>'))
     assert marked(markup) == ['izz="0.09"/>', "</inertial>"]
 
 
 def test_frame_of_a_long_element_is_cut() -> None:
-    markup = code_frame({FILE: SOURCE}, span(0, len(SOURCE) - 1))
+    markup = render_code_frame({FILE: SOURCE}, span(0, len(SOURCE) - 1))
     assert "to line 13" in plain(markup)
     assert "</robot>" not in plain(markup)
 
 
 @pytest.mark.parametrize("at", [SOURCE.index("\n"), len(SOURCE.rstrip("\n"))], ids=["line end", "end of file"])
 def test_frame_points_at_an_empty_span(at: int) -> None:
-    assert '<mark class="point"></mark>' in code_frame({FILE: SOURCE}, span(at, at))
+    assert '<mark class="point"></mark>' in render_code_frame({FILE: SOURCE}, span(at, at))
 
 
 @pytest.mark.parametrize("sources", [{}, {FILE: ""}, {FILE: "short"}], ids=["absent", "empty", "other text"])
 def test_without_the_source_there_is_no_frame_but_the_place(sources: dict[str, str]) -> None:
-    assert code_frame(sources, span_of("0.09")) == ""
+    assert render_code_frame(sources, span_of("0.09")) == ""
     assert f"{FILE}:9:40" in document(a_run(finding(), sources=sources)).text
 
 
 def test_a_file_in_one_line_neither_floods_the_report_nor_hides_the_span() -> None:
     source = "<robot>" + '<link name="a"/>' * 20000 + '<mass value="-1"/></robot>'
-    markup = code_frame({FILE: source}, span_of("-1", source))
+    markup = render_code_frame({FILE: source}, span_of("-1", source))
     assert marked(markup) == ["-1"]
     assert len(markup) < 20_000
 
 
 def test_comments_are_told_from_elements() -> None:
-    markup = code_frame({FILE: SOURCE}, span_of("turns"), context=0)
+    markup = render_code_frame({FILE: SOURCE}, span_of("turns"), context=0)
     assert '<mark><span class="c">turns</span></mark><span class="c"> --&gt;</span>' in markup
 
 
 def test_diff_is_a_patch() -> None:
     edits = [Edit(span_of("0.09"), "0.09", "0.019"), Edit(span_of("-1"), "-1", "1")]
-    assert plain(diff({FILE: SOURCE}, edits)) == (
+    assert plain(render_diff({FILE: SOURCE}, edits)) == (
         f"--- {FILE}\n+++ {FILE}\n"
         "@@ -6,5 +6,5 @@\n"
         "     <inertial>\n"
@@ -503,13 +510,13 @@ def test_diff_is_a_patch() -> None:
 def test_later_hunks_count_the_lines_that_earlier_ones_add() -> None:
     base = '<link name="base"/>'
     edits = [Edit(span_of(base), base, base + "\n" + base), Edit(span_of("continuous"), "continuous", "fixed")]
-    heads = [line for line in plain(diff({FILE: SOURCE}, edits)).splitlines() if line.startswith("@@")]
+    heads = [line for line in plain(render_diff({FILE: SOURCE}, edits)).splitlines() if line.startswith("@@")]
     assert heads == ["@@ -1,3 +1,4 @@", "@@ -11,3 +12,3 @@"]
 
 
 def test_diff_of_a_text_that_changed_shows_old_and_new_only() -> None:
     edit = Edit(span_of("0.09"), "0.08", "0.019")
-    assert plain(diff({FILE: SOURCE}, [edit])) == f"{FILE}:9:40\n-0.08\n+0.019\n"
+    assert plain(render_diff({FILE: SOURCE}, [edit])) == f"{FILE}:9:40\n-0.08\n+0.019\n"
 
 
 def test_many_edits_are_folded() -> None:
@@ -564,8 +571,8 @@ def test_suppressed_findings_do_not_colour_the_tree() -> None:
 
 @pytest.mark.parametrize("drawn", [chain(300), star(200), scene()], ids=["chain of 300", "star of 200", "small"])
 def test_boxes_neither_overlap_nor_leave_the_page(drawn: object) -> None:
-    nodes = forest(drawn)  # type: ignore[arg-type]
-    boxes, _ = layout(nodes)
+    nodes = build_forest(drawn)  # type: ignore[arg-type]
+    boxes, _ = lay_out_tree(nodes)
     assert max(box.x + box.width for box in boxes) <= WIDEST
     apart = (abs(b.y - a.y) >= BOX or b.x >= a.x + a.width or a.x >= b.x + b.width for a, b in combinations(boxes, 2))
     assert all(apart)
@@ -573,7 +580,7 @@ def test_boxes_neither_overlap_nor_leave_the_page(drawn: object) -> None:
 
 
 def test_a_long_chain_goes_straight_down() -> None:
-    boxes, is_layered = layout(forest(chain(300)))
+    boxes, is_layered = lay_out_tree(build_forest(chain(300)))
     assert not is_layered
     assert {box.x for box in boxes} == {1.0}
 
@@ -582,18 +589,18 @@ def test_a_loop_is_cut_where_it_closes() -> None:
     looped = scene(
         root="", links=(link("a"), link("b")), joints=(joint("j", "a", "b"), joint("k", "b", "a")), frames=()
     )
-    assert [(n.name, n.kind) for n in forest(looped)] == [("a", "link"), ("b", "link"), ("a", "repeated")]
+    assert [(n.name, n.kind) for n in build_forest(looped)] == [("a", "link"), ("b", "link"), ("a", "repeated")]
     assert "drawn elsewhere too" in document(a_run(scenes=(looped,))).text
 
 
 def test_a_joint_to_nowhere_is_drawn_to_a_missing_link() -> None:
     broken = scene(root="", links=(link("a"),), joints=(joint("j", "a", "ghost"),), frames=())
-    assert [(n.name, n.kind) for n in forest(broken)] == [("a", "link"), ("ghost", "missing")]
+    assert [(n.name, n.kind) for n in build_forest(broken)] == [("a", "link"), ("ghost", "missing")]
 
 
 def test_a_launch_file_can_stand_above_the_root_but_takes_no_link_from_its_joint() -> None:
     frames = (SceneFrame("map", "base", (), None), SceneFrame("map", "wheel", (), None))
-    nodes = forest(scene(frames=frames))
+    nodes = build_forest(scene(frames=frames))
     assert [(n.name, n.kind, n.depth) for n in nodes] == [
         ("map", "launch", 0),
         ("base", "link", 1),
@@ -604,7 +611,7 @@ def test_a_launch_file_can_stand_above_the_root_but_takes_no_link_from_its_joint
 
 def test_every_link_is_drawn_once() -> None:
     pieces = scene(links=tuple(link(n) for n in "abcd"), joints=(joint("j", "c", "d"),), root="", frames=())
-    assert sorted(n.name for n in forest(pieces)) == ["a", "b", "c", "d"]
+    assert sorted(n.name for n in build_forest(pieces)) == ["a", "b", "c", "d"]
 
 
 def test_long_names_are_shortened_in_the_drawing_only() -> None:
@@ -651,7 +658,7 @@ def test_rules_that_fired_are_explained_and_all_are_listed() -> None:
     ],
 )
 def test_numbers(value: float | None, text: str) -> None:
-    assert number(value) == text
+    assert format_number(value) == text
 
 
 @pytest.mark.parametrize(
@@ -663,12 +670,12 @@ def test_numbers(value: float | None, text: str) -> None:
     ],
 )
 def test_gist_is_how_a_message_begins(message: str, start: str) -> None:
-    assert gist(message) == start
+    assert shorten_message(message) == start
 
 
 def test_lengths_below_a_micrometre_are_nothing() -> None:
-    assert millimetres(-1.3e-18) == "0"
-    assert millimetres(-0.0125) == "−12.500"
+    assert format_millimetres(-1.3e-18) == "0"
+    assert format_millimetres(-0.0125) == "−12.500"
 
 
 @pytest.mark.parametrize(
@@ -681,12 +688,12 @@ def test_lengths_below_a_micrometre_are_nothing() -> None:
     ],
 )
 def test_moments_share_a_power_of_ten(values: tuple[float, ...], mantissas: list[str], power: str) -> None:
-    assert scaled(values) == (mantissas, power)
+    assert format_scaled(values) == (mantissas, power)
 
 
 def test_markdown_of_rule_pages() -> None:
     page = "One `a < b` and *two*\nlines.\n- first\n  goes on\n- **second**\n\n```urdf\n<robot/>\n```\nsee [here](http://x.y)\n"
-    assert markdown(page).splitlines() == [
+    assert render_markdown(page).splitlines() == [
         "<p>One <code>a &lt; b</code> and <em>two</em> lines.</p>",
         "<ul><li>first goes on</li><li><strong>second</strong></li></ul>",
         "<pre>&lt;robot/&gt;</pre>",
@@ -695,16 +702,18 @@ def test_markdown_of_rule_pages() -> None:
 
 
 def test_markdown_leaves_lone_signs_alone() -> None:
-    assert markdown("2 * 3 * 4, snake_case_name and a ` tick") == "<p>2 * 3 * 4, snake_case_name and a ` tick</p>"
+    assert (
+        render_markdown("2 * 3 * 4, snake_case_name and a ` tick") == "<p>2 * 3 * 4, snake_case_name and a ` tick</p>"
+    )
 
 
 @pytest.mark.parametrize("sign", ["\u202e", "\u2066", "\u200f", "\x00", "\x1b", "\x85", "\u2028"])
 def test_escaping_spells_out_what_acts_on_text(sign: str) -> None:
-    assert sign not in esc(f"a{sign}b")
+    assert sign not in escape_html(f"a{sign}b")
 
 
 def test_names_in_other_scripts_stay_as_they_are() -> None:
-    assert esc("колесо 轮 ü") == "колесо 轮 ü"
+    assert escape_html("колесо 轮 ü") == "колесо 轮 ü"
 
 
 def test_finding_type_is_the_contract() -> None:

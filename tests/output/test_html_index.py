@@ -14,15 +14,15 @@ from urdfcheck.cli import terminal
 from urdfcheck.cli.options import names_folder
 from urdfcheck.cli.terminal import write_report
 from urdfcheck.core import Severity
-from urdfcheck.output.html import file_names, pages
-from urdfcheck.output.html.index import page
-from urdfcheck.output.shared.lines import Row, Summary
+from urdfcheck.output.html import iter_report_pages, make_unique_file_names
+from urdfcheck.output.html.index import iter_audit_page
+from urdfcheck.output.shared.lines import AuditSummary, UnitRow
 
 
-def row(name: str, errors: int, status: str = "checked", *more: str, mass: float | None = 2.0) -> Row:
+def row(name: str, errors: int, status: str = "checked", *more: str, mass: float | None = 2.0) -> UnitRow:
     codes = [("INR003", Severity.ERROR, errors)] if errors else []
     codes += [(code, Severity.INFO, 1) for code in more]
-    return Row("model", name, name, "robot", status, 12, 11, mass, (errors, 0, len(more)), tuple(codes), ())
+    return UnitRow("model", name, name, "robot", status, 12, 11, mass, (errors, 0, len(more)), tuple(codes), ())
 
 
 ROWS = (
@@ -30,14 +30,14 @@ ROWS = (
     row("plain/ten.urdf", 10, "checked", "KIN008", "CTL002", "COL002", "COL005", "PKG001", "PKG002", "XML014"),
     row("other/none.urdf", 0, mass=0.5),
     row("other/stopped.urdf", 0, "stopped", mass=None),
-    Row("package", "package.xml", "package.xml", "", "checked", 0, 0, None, (0, 0, 0), (), ()),
-    Row("run", "", "", "", "failed", 0, 0, None, (0, 0, 0), (), ("it <broke>",)),
+    UnitRow("package", "package.xml", "package.xml", "", "checked", 0, 0, None, (0, 0, 0), (), ()),
+    UnitRow("run", "", "", "", "failed", 0, 0, None, (0, 0, 0), (), ("it <broke>",)),
 )
 
 
 @pytest.fixture(scope="module")
 def text() -> str:
-    return "".join(page(Summary.of(ROWS), ROWS, catalogue.rules(), "1.2.3"))
+    return "".join(iter_audit_page(AuditSummary.from_rows(ROWS), ROWS, catalogue.load_rules(), "1.2.3"))
 
 
 def test_it_says_all_without_a_script(text: str) -> None:
@@ -101,7 +101,7 @@ def folder() -> dict[str, str]:
     models = tuple(info(id=f"{robot}/{i}.urdf", path=f"{i}.urdf", robot=robot) for i, robot in enumerate(ROBOTS))
     findings = [finding(model=models[0].id), finding(model=models[2].id, severity=Severity.INFO)]
     package = finding(code="PKG006", name="licence", model="rover/package.xml", severity=Severity.WARNING)
-    return dict(pages(a_run(*findings, package, models=models, scenes=(scene(model=models[0].id),))))
+    return dict(iter_report_pages(a_run(*findings, package, models=models, scenes=(scene(model=models[0].id),))))
 
 
 ROBOTS = ("rover", "Rover", "../a<b>", "index", "con")
@@ -128,11 +128,11 @@ def test_a_folder_has_a_page_for_each_model_and_one_with_a_row_for_each() -> Non
 
 def test_what_failed_is_told_on_every_page() -> None:
     run = a_run(finding(), models=(info(),), failures=("INR003 crashed",))
-    assert all("INR003 crashed" in text for _, text in pages(run))
+    assert all("INR003 crashed" in text for _, text in iter_report_pages(run))
 
 
 def test_names_of_files_are_safe_and_differ() -> None:
-    many = file_names(["x"] * 3 + ["x-2", "", "..", "Nul.a", "ü" * 9, "y" * 200])
+    many = make_unique_file_names(["x"] * 3 + ["x-2", "", "..", "Nul.a", "ü" * 9, "y" * 200])
     assert many[:6] == ["x.html", "x-2.html", "x-3.html", "x-2-2.html", "model.html", "model-2.html"]
     assert many[6:8] == ["robot-Nul.a.html", "model-3.html"]
     assert len(many[8]) < 80

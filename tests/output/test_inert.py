@@ -19,7 +19,7 @@ from urdfcheck.export.link_pairs import render as srdf
 from urdfcheck.output import FORMATS, render
 from urdfcheck.output import text as report
 from urdfcheck.output.shared import inert
-from urdfcheck.source.text.xml import quoted
+from urdfcheck.source.text.xml import quote_attribute
 
 COMMAND = re.compile(r"^\s*::|##\w*\[", re.MULTILINE)
 ACTING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]")
@@ -65,14 +65,14 @@ ATTACKS = [
 
 @given(hostile)
 def test_text_for_a_log_neither_acts_nor_commands(text: str) -> None:
-    shown = inert.for_log(text)
+    shown = inert.escape_for_log(text)
     assert not ACTING.search(shown)
     assert not COMMAND.search(shown)
 
 
 @given(hostile)
 def test_json_says_the_same(text: str) -> None:
-    document = inert.for_json(json.dumps({text: [text]}, indent=2, ensure_ascii=False))
+    document = inert.escape_for_json(json.dumps({text: [text]}, indent=2, ensure_ascii=False))
     assert json.loads(document) == {text: [text]}
     assert not ACTING.search(document)
     assert not COMMAND.search(document)
@@ -80,15 +80,15 @@ def test_json_says_the_same(text: str) -> None:
 
 @given(hostile)
 def test_html_shows_the_same_or_spells_it(text: str) -> None:
-    document = inert.for_html(f"<p>\n{html.escape(text)}</p>")
+    document = inert.escape_for_html(f"<p>\n{html.escape(text)}</p>")
     assert not ACTING.search(document)
     assert not COMMAND.search(document)
-    assert html.unescape(document) == f"<p>\n{inert.visible(text)}</p>"
+    assert html.unescape(document) == f"<p>\n{inert.escape_invisible(text)}</p>"
 
 
 @given(hostile.filter(lambda text: not re.search("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", text)))
 def test_xml_says_the_same(text: str) -> None:
-    document = inert.for_xml(f"<a>\n<b c={quoted(text)}/></a>")
+    document = inert.escape_for_xml(f"<a>\n<b c={quote_attribute(text)}/></a>")
     inner = ElementTree.fromstring(document).find("b")
     assert inner is not None
     assert inner.get("c") == text
@@ -105,11 +105,17 @@ def test_plain_text_stays_as_it_is() -> None:
         "C:\\robot\\a.urdf",
         "\u202f1",
     ):
-        assert inert.for_log(text) == inert.for_json(text) == inert.for_html(text) == inert.for_xml(text) == text
+        assert (
+            inert.escape_for_log(text)
+            == inert.escape_for_json(text)
+            == inert.escape_for_html(text)
+            == inert.escape_for_xml(text)
+            == text
+        )
 
 
 def test_a_name_is_one_line() -> None:
-    assert inert.one_line("a\nb\tc") == "a\\nb\\tc"
+    assert inert.escape_one_line("a\nb\tc") == "a\\nb\\tc"
 
 
 @pytest.mark.parametrize("attack", ATTACKS, ids=ascii)
@@ -146,7 +152,7 @@ def test_a_code_frame_begins_with_the_number_of_its_line() -> None:
 def test_names_in_a_semantic_description() -> None:
     name = 'a\x9b31m ##[error] \u202e"<'
     pairs = LinkPairs(name, 10, (LinkPair((name, "b"), "Never", True, False),))
-    document = inert.for_xml(srdf(pairs))
+    document = inert.escape_for_xml(srdf(pairs))
     assert not ACTING.search(document)
     assert not COMMAND.search(document)
     root = ElementTree.fromstring(document)

@@ -13,9 +13,9 @@ from output.runs import finding, scene, span_of
 
 from urdfcheck.core import Location, Severity, Span, Suppression
 from urdfcheck.core.scene import SceneLaunch, SceneNode, SceneParameter, ScenePort
-from urdfcheck.output.html.svg.launch import MOST_BOXES, MOST_LINES, launch_html
-from urdfcheck.output.html.svg.layers import COLUMN_GAP, layered
-from urdfcheck.output.shared.anchors import cards
+from urdfcheck.output.html.svg.launch import MOST_BOXES, MOST_LINES, render_launch_files
+from urdfcheck.output.html.svg.layers import COLUMN_GAP, lay_out_graph
+from urdfcheck.output.shared.anchors import build_finding_cards
 
 TAG = span_of('<link name="wheel">')
 
@@ -44,7 +44,7 @@ NODES = (
 
 def drawn(*nodes: SceneNode, parameters: tuple[SceneParameter, ...] = (), findings: tuple = ()) -> str:  # type: ignore[type-arg]
     launch = SceneLaunch("launch/rover.launch", "ros1", nodes, parameters)
-    markup = launch_html(scene(launches=(launch,)), cards(findings))
+    markup = render_launch_files(scene(launches=(launch,)), build_finding_cards(findings))
     read(markup)  # properly nested
     return markup
 
@@ -59,7 +59,7 @@ def boxes(markup: str) -> list[tuple[str, str]]:
 
 
 def test_without_a_launch_file_there_is_nothing() -> None:
-    assert launch_html(scene(), ()) == ""
+    assert render_launch_files(scene(), ()) == ""
 
 
 def test_nodes_topics_and_parameters_have_boxes_and_every_flow_a_line() -> None:
@@ -121,7 +121,7 @@ def test_the_worst_finding_of_a_node_is_linked() -> None:
     )
     markup = drawn(node("/a", spans=(TAG,)), node("/b"), findings=findings)
     assert boxes(markup) == [("node error", "/a"), ("node", "/b")]
-    assert markup.count(f'<a href="#{cards(findings)[1].ids[0]}">') == 1
+    assert markup.count(f'<a href="#{build_finding_cards(findings)[1].anchors[0]}">') == 1
     assert "the worst of 2 findings" in markup
 
 
@@ -157,14 +157,16 @@ def test_too_many_boxes_or_lines_are_listed_only(count: int, topics: int) -> Non
 def test_a_file_that_says_nothing_says_so() -> None:
     assert "It starts no node." in drawn()
     launch = SceneLaunch("a.launch", "ros1", (), (), ("The file could not be read.",))
-    assert "could not be read" in launch_html(scene(launches=(launch,)), ())
+    assert "could not be read" in render_launch_files(scene(launches=(launch,)), ())
 
 
 def test_findings_are_found_by_place_in_every_launch_file() -> None:
     other = Span("b.launch", 1, 1, 1, 9, 0, 8)
     nodes = (node("/a", spans=(TAG,)), node("/b", spans=(other,)))
     launches = tuple(SceneLaunch(f"{n.name}.launch", "ros1", (n,), ()) for n in nodes)
-    markup = launch_html(scene(launches=launches), cards((finding(location=Location("node", other)),)))
+    markup = render_launch_files(
+        scene(launches=launches), build_finding_cards((finding(location=Location("node", other)),))
+    )
     first, second = markup.split('<div class="launch">')[1:]
     assert (boxes(first), boxes(second)) == ([("node", "/a")], [("node error", "/b")])
 
@@ -186,20 +188,20 @@ def graphs() -> list[tuple[int, list[tuple[int, int]]]]:
 @pytest.mark.parametrize(("count", "edges"), graphs())
 def test_boxes_do_not_touch_and_lines_join_their_sides(count: int, edges: list[tuple[int, int]]) -> None:
     sizes = [(80.0 + 13 * (i % 7), 30.0 + 14 * (i % 2)) for i in range(count)]
-    layout = layered(sizes, edges)
-    for (a, (w, h)), (b, (v, k)) in itertools.combinations(zip(layout.places, sizes, strict=True), 2):
+    layout = lay_out_graph(sizes, edges)
+    for (a, (w, h)), (b, (v, k)) in itertools.combinations(zip(layout.positions, sizes, strict=True), 2):
         apart = a.x + w <= b.x or b.x + v <= a.x or a.y + h / 2 <= b.y - k / 2 or b.y + k / 2 <= a.y - h / 2
         assert apart, (a, b)
-    for place, (w, h) in zip(layout.places, sizes, strict=True):
+    for place, (w, h) in zip(layout.positions, sizes, strict=True):
         assert -0.1 <= place.x <= layout.width - w + 0.1
         assert h / 2 - 0.1 <= place.y <= layout.height - h / 2 + 0.1
     for (a, b), curve in zip(edges, layout.curves, strict=True):
         if a == b:
             assert curve.points == ()
             continue
-        first, last = (b, a) if curve.back else (a, b)
-        assert curve.points[0][0] == pytest.approx(layout.places[first].x + sizes[first][0], abs=0.2)
-        assert curve.points[-1][0] == pytest.approx(layout.places[last].x, abs=0.2)
+        first, last = (b, a) if curve.is_reversed else (a, b)
+        assert curve.points[0][0] == pytest.approx(layout.positions[first].x + sizes[first][0], abs=0.2)
+        assert curve.points[-1][0] == pytest.approx(layout.positions[last].x, abs=0.2)
         xs = [x for x, _ in curve.points]
         assert xs == sorted(xs), "a line never turns back"
 
@@ -208,19 +210,19 @@ def test_lines_pass_no_box_and_a_ladder_has_no_crossing() -> None:
     # 0 leads to 2 past 1, and 3 to 5 past 4.
     sizes = [(50.0, 30.0), (400.0, 30.0), (50.0, 30.0)] * 2
     edges = [(0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (3, 5), (2, 5)]
-    layout = layered(sizes, edges)
+    layout = lay_out_graph(sizes, edges)
     for curve in layout.curves:
         for (x0, y0), (x1, y1) in zip(curve.points[::2], curve.points[1::2], strict=True):
             assert y0 == y1, "straight in a column"
-            for place, (w, h) in zip(layout.places, sizes, strict=True):
+            for place, (w, h) in zip(layout.positions, sizes, strict=True):
                 assert not (x0 < place.x + w and place.x < x1 and abs(y0 - place.y) < h / 2)
 
 
 def test_a_source_stands_just_before_what_it_leads_to() -> None:
-    layout = layered([(50.0, 30.0)] * 5, [(0, 1), (1, 2), (2, 3), (4, 3)])
-    assert layout.places[4].x == layout.places[2].x == pytest.approx(2 * (50 + COLUMN_GAP))
+    layout = lay_out_graph([(50.0, 30.0)] * 5, [(0, 1), (1, 2), (2, 3), (4, 3)])
+    assert layout.positions[4].x == layout.positions[2].x == pytest.approx(2 * (50 + COLUMN_GAP))
 
 
 def test_a_loop_is_drawn_with_its_arrow_at_the_other_end() -> None:
-    layout = layered([(50.0, 30.0)] * 3, [(0, 1), (1, 2), (2, 1)])
-    assert [curve.back for curve in layout.curves] == [False, False, True]
+    layout = lay_out_graph([(50.0, 30.0)] * 3, [(0, 1), (1, 2), (2, 1)])
+    assert [curve.is_reversed for curve in layout.curves] == [False, False, True]

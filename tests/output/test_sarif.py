@@ -18,7 +18,7 @@ import pytest
 from conftest import FIXTURES, check
 from output.runs import FILE, SOURCE, a_run, finding, info, rule, span_of
 
-from urdfcheck.core import Applicability, Edit, Fix, Location, Run, Skip, Span, Suppression
+from urdfcheck.core import Applicability, Edit, Fix, Location, Run, SkippedCheck, Span, Suppression
 from urdfcheck.fix.patch import Text
 from urdfcheck.output import sarif
 from urdfcheck.output.sarif import render
@@ -337,9 +337,9 @@ def test_another_program_that_applies_a_fix_gets_what_urdfcheck_writes(newline: 
 
     def edit(old: str, new: str) -> Edit:
         start = text.index(old)
-        return Edit(file.span(start, start + len(old)), old, new)
+        return Edit(file.make_span(start, start + len(old)), old, new)
 
-    end = file.span(text.index("</robot>"), text.index("</robot>"))
+    end = file.make_span(text.index("</robot>"), text.index("</robot>"))
     edits = (
         edit(f"  <!-- gone -->{newline}", ""),
         edit("🤖🤖 0", "0 0 1"),
@@ -379,7 +379,7 @@ def test_a_path_is_relative_and_encoded_and_links_are_followed(tmp_path: Path, m
 def test_the_run_tells_what_went_wrong_and_what_was_not_checked() -> None:
     (clean,) = sarif_of(a_run(skipped=()))["invocations"]
     assert clean == {"executionSuccessful": True, "toolExecutionNotifications": []}
-    skipped = (Skip("INR003", info().id, "the mesh is missing"), Skip("ALL", "notes.txt", "no model"))
+    skipped = (SkippedCheck("INR003", info().id, "the mesh is missing"), SkippedCheck("ALL", "notes.txt", "no model"))
     (bad,) = sarif_of(a_run(skipped=skipped, failures=("INR001 crashed",), partial=True))["invocations"]
     assert not bad["executionSuccessful"]
     told = [(note["level"], note["message"]["text"]) for note in bad["toolExecutionNotifications"]]

@@ -9,7 +9,7 @@ from output.documents import Document, read
 from output.runs import IDENTITY, inertial, joint, link, scene
 
 from urdfcheck.core.scene import Scene, SceneInertia, SceneMesh, SceneShape
-from urdfcheck.output.html.tables import joints_table, meshes_table, physics_table
+from urdfcheck.output.html.tables import render_joints_table, render_meshes_table, render_physics_table
 
 TURNED = (0.0, -1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -21,7 +21,7 @@ def rows(markup: str) -> list[list[str]]:
 
 
 def physics(**changes: object) -> list[str]:
-    return rows(physics_table(scene(links=(link("wheel", **changes),)), {}))[0]
+    return rows(render_physics_table(scene(links=(link("wheel", **changes),)), {}))[0]
 
 
 def document(markup: str) -> Document:
@@ -58,14 +58,14 @@ def test_unknown_is_not_zero() -> None:
 def test_the_whole_robot_has_a_mass_and_a_place() -> None:
     body = inertial(mass=1.0, com=(0.1, 0.0, 0.0))
     links = (link("a", inertial=body), link("b", inertial=body, world=TURNED), link("frame", inertial=None))
-    assert rows(physics_table(scene(links=links), {}))[-1][1:5] == ["2", "550.000", "50.000", "0"]
+    assert rows(render_physics_table(scene(links=links), {}))[-1][1:5] == ["2", "550.000", "50.000", "0"]
 
 
 @pytest.mark.parametrize("changes", [{"world": None}, {"inertial": inertial(com=())}])
 def test_the_whole_robot_has_no_place_where_a_link_has_none(changes: dict[str, object]) -> None:
     links = (link("a", inertial=inertial(mass=1.0)), link("b", **changes))
-    assert rows(physics_table(scene(links=links), {}))[-1][1:5] == ["1.028", "—", "—", "—"]
-    assert "All together" not in physics_table(scene(links=(link("a", inertial=None),)), {})
+    assert rows(render_physics_table(scene(links=links), {}))[-1][1:5] == ["1.028", "—", "—", "—"]
+    assert "All together" not in render_physics_table(scene(links=(link("a", inertial=None),)), {})
 
 
 # -- meshes ------------------------------------------------------------------------------------------------------------
@@ -89,7 +89,7 @@ def mesh(name: str, **changes: object) -> SceneMesh:
 def test_a_mesh_tells_who_uses_it_and_how_large() -> None:
     both = (shape("visual", 0, size=(0.001,) * 3), shape("collision", 0, size=(0.001,) * 3))
     mirrored = (shape("visual", 0, size=(0.001, -0.001, 0.001)),)
-    found = rows(meshes_table(used(both, both, mirrored, meshes=(mesh("m/arm.stl"),))))
+    found = rows(render_meshes_table(used(both, both, mirrored, meshes=(mesh("m/arm.stl"),))))
     assert found[0] == [
         *("m/arm.stl", "l0, l1 visual and collisionl2 visual", "stl", "12", " yes", "0"),
         *("0.0010.001 × −0.001 × 0.001", "0.01 × 0.02 × 0.03", "1\u202f284"),
@@ -103,7 +103,7 @@ def test_copies_and_unreadable_files_are_told() -> None:
         mesh("m/b.stl", digest="m/a.stl"),
         SceneMesh("m/c.dae", problem="no XML", bytes=3),
     )
-    table = meshes_table(used(tuple(shape("visual", i) for i in range(3)), meshes=meshes))
+    table = render_meshes_table(used(tuple(shape("visual", i) for i in range(3)), meshes=meshes))
     assert "files in m/" in document(table).text
     assert [(r[0], *r[3:6]) for r in rows(table)[:3]] == [
         ("a.stl", "12", "no", "7"),
@@ -123,7 +123,7 @@ def test_other_shapes_follow_with_their_outer_size() -> None:
         SceneShape("visual", "", (), ()),
         shape("visual", 0),
     )
-    found = rows(meshes_table(used(shapes, meshes=(mesh("a.stl"),))))
+    found = rows(render_meshes_table(used(shapes, meshes=(mesh("a.stl"),))))
     assert [(r[0], r[2], r[7]) for r in found[:-1]] == [
         ("a.stl", "stl", "10 × 20 × 30"),
         ("cylinder", "primitive", "0.2 × 0.2 × 0.5"),
@@ -134,7 +134,7 @@ def test_other_shapes_follow_with_their_outer_size() -> None:
         ("package://gone/b.stl", "not found", "—"),
         ("no shape", "—", "—"),
     ]
-    assert meshes_table(used(())) == "<p>No link has a shape.</p>"
+    assert render_meshes_table(used(())) == "<p>No link has a shape.</p>"
 
 
 # -- joints ------------------------------------------------------------------------------------------------------------
@@ -142,22 +142,24 @@ def test_other_shapes_follow_with_their_outer_size() -> None:
 
 def test_limits_are_told_in_degrees_or_millimetres() -> None:
     joints = (joint("axle", "base", "wheel"), joint("lift", "base", "fork", type="prismatic", lower=0.0, upper=0.25))
-    found = rows(joints_table(scene(joints=joints), {}))
+    found = rows(render_joints_table(scene(joints=joints), {}))
     assert [row[5] for row in found] == ["−1.571 … 1.571 rad (−90° … 90°)", "0 … 250.000 mm"]
 
 
 def test_joints_have_a_column_for_what_one_of_them_has() -> None:
     plain, drive = joint("a", "base", "wheel"), joint("b", "base", "w2", effort=3.0, mimic=("a", -1.0, 0.5))
-    assert "Effort" not in joints_table(scene(joints=(plain,)), {})
-    table = joints_table(scene(joints=(plain, drive)), {})
+    assert "Effort" not in render_joints_table(scene(joints=(plain,)), {})
+    table = render_joints_table(scene(joints=(plain, drive)), {})
     assert [row[6:] for row in rows(table)] == [["—", "—"], ["−1 × a + 0.5", "3"]]
     assert "Damping" not in table
 
 
 def test_names_can_be_found_by_the_pages_script() -> None:
     name = "<b>"
-    tables = physics_table(scene(links=(link(name),)), {}) + meshes_table(used((shape("visual", kind="box"),)))
-    tables += joints_table(scene(joints=(joint(name, "base", name, mimic=("m", 1.0, 0.0)),)), {})
+    tables = render_physics_table(scene(links=(link(name),)), {}) + render_meshes_table(
+        used((shape("visual", kind="box"),))
+    )
+    tables += render_joints_table(scene(joints=(joint(name, "base", name, mimic=("m", 1.0, 0.0)),)), {})
     found = read(tables)
     assert [a["data-link"] for _, a in found.tags if "data-link" in a] == [name, "l0", "base", name]
     assert [a["data-joint"] for _, a in found.tags if "data-joint" in a] == [name, "m"]

@@ -9,8 +9,8 @@ import pytest
 from output.runs import FILE, MODEL, SOURCE, a_run, finding, span_of
 from rich.cells import cell_len
 
-from urdfcheck.core import Applicability, Cause, Edit, Fix, Location, Severity, Skip
-from urdfcheck.output.text import Detail, render, statistics
+from urdfcheck.core import Applicability, Cause, Edit, Fix, Location, Severity, SkippedCheck
+from urdfcheck.output.text import DetailLevel, render, render_statistics
 
 
 def test_a_finding_reads_place_severity_code_and_name_on_one_line() -> None:
@@ -126,18 +126,18 @@ def test_a_run_without_rules_is_not_called_clean() -> None:
 
 def test_in_brief_an_info_is_its_place_and_no_more_than_two_lines_of_its_message() -> None:
     info = finding(severity=Severity.INFO, message="a word " * 60)
-    lines = render(a_run(info), width=60, detail=Detail.BRIEF).splitlines()
+    lines = render(a_run(info), width=60, detail=DetailLevel.BRIEF).splitlines()
     at = next(i for i, line in enumerate(lines) if line.startswith(FILE + ":"))
     assert lines[at + 1].startswith("  a word")
     assert lines[at + 2].endswith(" …")
     assert len(lines[at + 2]) <= 60
     assert lines[at + 3] == ""
-    assert "1 info in brief, in full with --verbose" in render(a_run(info), width=200, detail=Detail.BRIEF)
+    assert "1 info in brief, in full with --verbose" in render(a_run(info), width=200, detail=DetailLevel.BRIEF)
     assert "put the point back" in render(a_run(info))
 
 
 def test_what_was_skipped_for_some_models_names_them() -> None:
-    skips = (Skip("MSH002", MODEL, "no meshes here"), Skip("COL001", MODEL, "no meshes here"))
+    skips = (SkippedCheck("MSH002", MODEL, "no meshes here"), SkippedCheck("COL001", MODEL, "no meshes here"))
     one = a_run(skipped=skips)
     assert "skipped COL001, MSH002: no meshes here\n" in render(one)
     two = replace(one, models=(*one.models, replace(one.models[0], id="other.urdf")))
@@ -146,12 +146,12 @@ def test_what_was_skipped_for_some_models_names_them() -> None:
 
 def test_in_brief_what_matters_stands_before_the_infos_of_its_model() -> None:
     first = finding(severity=Severity.INFO, code="AAA001")
-    text = render(a_run(first, finding(code="ZZZ001")), detail=Detail.BRIEF)
+    text = render(a_run(first, finding(code="ZZZ001")), detail=DetailLevel.BRIEF)
     assert text.index("ZZZ001") < text.index("AAA001")
 
 
 def test_quiet_is_errors_warnings_what_failed_and_one_line() -> None:
-    text = render(replace(a_run(), failures=("it broke",)), detail=Detail.QUIET)
+    text = render(replace(a_run(), failures=("it broke",)), detail=DetailLevel.QUIET)
     assert "error INR003" in text
     assert "warning INR001" in text
     assert "i info" not in text.replace("i 1 info", "")
@@ -163,8 +163,8 @@ def test_quiet_is_errors_warnings_what_failed_and_one_line() -> None:
     ]
 
 
-@pytest.mark.parametrize("detail", [Detail.BRIEF, Detail.QUIET])
-def test_an_info_that_fails_the_run_is_told_in_full(detail: Detail) -> None:
+@pytest.mark.parametrize("detail", [DetailLevel.BRIEF, DetailLevel.QUIET])
+def test_an_info_that_fails_the_run_is_told_in_full(detail: DetailLevel) -> None:
     run = a_run(finding(severity=Severity.INFO))
     assert "put the point back" not in render(run, detail=detail)
     assert "put the point back" in render(run, detail=detail, fail_on="info")
@@ -173,18 +173,20 @@ def test_an_info_that_fails_the_run_is_told_in_full(detail: Detail) -> None:
 
 def test_statistics_are_a_line_for_each_rule_the_worst_first() -> None:
     often = [finding(severity=Severity.WARNING, code="INR001", name="mass", fix=None, model=f"m{i}") for i in range(3)]
-    lines = statistics(a_run(*often, finding(), often[0])).splitlines()
+    lines = render_statistics(a_run(*often, finding(), often[0])).splitlines()
     assert [line.split() for line in lines[:3]] == [
         ["rule", "severity", "findings", "models", "fixable"],
         ["INR003", "triangle-inequality", "error", "1", "1", "1"],
         ["INR001", "mass", "warning", "4", "3", "0"],
     ]
-    assert "\x1b[" in statistics(a_run(), color=True)
+    assert "\x1b[" in render_statistics(a_run(), color=True)
 
 
 def test_statistics_add_up_to_the_last_line() -> None:
     """A rule whose findings are of two severities has a line for each."""
-    lines = statistics(a_run(finding(), finding(severity=Severity.INFO), finding(severity=Severity.INFO))).splitlines()
+    lines = render_statistics(
+        a_run(finding(), finding(severity=Severity.INFO), finding(severity=Severity.INFO))
+    ).splitlines()
     assert [line.split()[2:4] for line in lines[1:3]] == [["error", "1"], ["info", "2"]]
     assert "1 error" in lines[-1]
     assert "2 info" in lines[-1]

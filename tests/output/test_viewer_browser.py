@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from output.runs import IDENTITY, a_run, finding, inertial, info, joint, link, scene
 
 from urdfcheck.core import Location
-from urdfcheck.core.scene import Drawing, Scene, SceneInertia, SceneMesh, SceneShape
-from urdfcheck.facts.mesh.codec import pack, wide
+from urdfcheck.core.scene import Scene, SceneDrawing, SceneInertia, SceneMesh, SceneShape
+from urdfcheck.facts.mesh.codec import needs_wide_indices, pack_mesh
 from urdfcheck.output.html import render
 
 Matrix = NDArray[np.float64]
@@ -67,12 +67,12 @@ def an_open_box() -> SceneMesh:
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float) * 0.1
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     faces = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])[1:]
-    packed = pack(corners, faces, corners[[[0, 1], [1, 3], [3, 0]]], 10**6)
-    drawing = Drawing(
-        vertices=packed.vertices,
-        faces=packed.faces,
-        holes=packed.holes,
-        wide=wide(packed.vertices),
+    packed = pack_mesh(corners, faces, corners[[[0, 1], [1, 3], [3, 0]]], 10**6)
+    drawing = SceneDrawing(
+        vertices=packed.n_vertices,
+        faces=packed.n_faces,
+        holes=packed.n_hole_edges,
+        wide=needs_wide_indices(packed.n_vertices),
         low=tuple(packed.low),
         high=tuple(packed.high),
         data=packed.data,

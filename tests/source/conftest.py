@@ -16,7 +16,7 @@ from urdfcheck.core import Span
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Attribute, Element
-from urdfcheck.source.xacro.expand import Expansion, expand
+from urdfcheck.source.xacro.expand import Expansion, expand_xacro
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Expanded:
     def origins(self, attribute: Attribute) -> dict[str, str]:
         """The properties, arguments, parameters and keys that a value was computed from, with what was typed there."""
         found: dict[str, str] = {}
-        for definition in attribute.related():
+        for definition in attribute.collect_definitions():
             span = definition.span
             assert span is not None
             text = Path(span.file).read_text()[span.start : span.end]
@@ -114,7 +114,7 @@ def expand_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, assert_like_pla
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text)
         finder = PackageFinder(tmp_path, environment={})
-        expansion = expand(tmp_path / "robot.xacro", arguments or {}, finder)
+        expansion = expand_xacro(tmp_path / "robot.xacro", arguments or {}, finder)
         if like_plain:
             assert_like_plain(expansion, tmp_path / "robot.xacro", arguments or {}, finder)
         return Expanded(expansion)

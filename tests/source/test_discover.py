@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.source.discover import ModelTarget, Plan, is_launch, plan
-from urdfcheck.source.reach import Reach
+from urdfcheck.source.discover import ModelTarget, Plan, discover_targets, is_launch
+from urdfcheck.source.reach import FileReach
 
 URDF = '<robot name="r"><link name="base"/></robot>'
 XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -43,7 +43,7 @@ def write(workspace: Path, files: Mapping[str, str | bytes]) -> None:
 
 
 def planned(*paths: str, arguments: Mapping[str, str] | None = None) -> Plan:
-    return plan([Path(p) for p in paths], arguments or {}, {}, [])
+    return discover_targets([Path(p) for p in paths], arguments or {}, {}, [])
 
 
 def models(*paths: str) -> list[str]:
@@ -256,7 +256,7 @@ def test_a_pattern_of_an_include_is_looked_for_in_reach_only(workspace: Path, mo
     names = ["../../../../*/*/*/*", "/*/*/*", "parts/*.xacro", "parts/*/../../../../*"]
     write(workspace, {"a.xacro": xacro(LINK + "".join(map(include.format, names))), "parts/b.xacro": xacro("")})
     os.symlink(workspace.parent, workspace / "outside")
-    plan([Path(".")], {}, {}, [], Reach.around([workspace], []))
+    discover_targets([Path(".")], {}, {}, [], FileReach.from_paths([workspace], []))
     assert {folder for folder in asked if os.path.isdir(folder)} == {"parts", "."}
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from urdfcheck.source.xacro.expressions import Refused, compiled, names_in
+from urdfcheck.source.xacro.expressions import ExpressionRefusedError, compile_expression, find_names
 
 Expand = Callable[..., Any]
 
@@ -60,13 +60,13 @@ ESCAPES = [
 
 @pytest.mark.parametrize("expression", ORDINARY)
 def test_ordinary_expressions_pass(expression: str) -> None:
-    assert compiled(expression)
+    assert compile_expression(expression)
 
 
 @pytest.mark.parametrize(("expression", "named"), ESCAPES)
 def test_ways_out_are_refused_and_named(expression: str, named: str) -> None:
-    with pytest.raises(Refused) as refused:
-        compiled(expression)
+    with pytest.raises(ExpressionRefusedError) as refused:
+        compile_expression(expression)
     assert named in str(refused.value)
 
 
@@ -84,8 +84,8 @@ def test_ways_out_are_refused_and_named(expression: str, named: str) -> None:
     ],
 )
 def test_what_harms_nobody_is_told_apart_from_what_leads_out(expression: str, kind: str) -> None:
-    with pytest.raises(Refused) as refused:
-        compiled(expression)
+    with pytest.raises(ExpressionRefusedError) as refused:
+        compile_expression(expression)
     assert refused.value.kind == kind
 
 
@@ -95,7 +95,7 @@ def test_what_harms_nobody_is_told_apart_from_what_leads_out(expression: str, ki
 )
 def test_text_that_is_no_expression_is_an_error_of_syntax(text: str) -> None:
     with pytest.raises(SyntaxError):
-        compiled(text)
+        compile_expression(text)
 
 
 @pytest.mark.parametrize(
@@ -115,15 +115,15 @@ def test_text_that_is_no_expression_is_an_error_of_syntax(text: str) -> None:
     ],
 )
 def test_an_expression_that_is_too_deep_or_too_long_is_refused(text: str) -> None:
-    with pytest.raises(Refused) as refused:
-        compiled(text)
+    with pytest.raises(ExpressionRefusedError) as refused:
+        compile_expression(text)
     assert refused.value.kind == "too_large"
 
 
 def test_the_names_of_an_expression_are_found_in_strings_and_in_broken_text_too() -> None:
-    assert names_in("a.b + c['d'] * f(e)") == {"a", "b", "c", "d", "e", "f"}
-    assert names_in("'${mass}' + x1") == {"mass", "x1"}
-    assert names_in("width height)") == {"width", "height"}
+    assert find_names("a.b + c['d'] * f(e)") == {"a", "b", "c", "d", "e", "f"}
+    assert find_names("'${mass}' + x1") == {"mass", "x1"}
+    assert find_names("width height)") == {"width", "height"}
 
 
 # -- in files ----------------------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import xacro
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from urdfcheck.source.xacro.expressions import Refused, compiled
+from urdfcheck.source.xacro.expressions import ExpressionRefusedError, compile_expression
 from urdfcheck.source.xacro.guards import Guards
 
 NAMES: dict[str, Any] = {
@@ -31,8 +31,8 @@ def evaluate(expression: str, **names: Any) -> Any:
     symbols = xacro.create_global_symbols()
     guards = Guards(xacro.Table)
     guards.steps = 400_000
-    guards.protect(symbols)
-    return guards.evaluate(compiled(expression), {**symbols, **_fresh(), **names})
+    guards.guard_symbols(symbols)
+    return guards.evaluate(compile_expression(expression), {**symbols, **_fresh(), **names})
 
 
 def plain(expression: str) -> Any:
@@ -43,8 +43,8 @@ def _fresh() -> dict[str, Any]:
     return {k: type(v)(v) if isinstance(v, list) else v for k, v in NAMES.items()}
 
 
-def refused(expression: str, **names: Any) -> Refused:
-    with pytest.raises(Refused) as caught:
+def refused(expression: str, **names: Any) -> ExpressionRefusedError:
+    with pytest.raises(ExpressionRefusedError) as caught:
         evaluate(expression, **names)
     return caught.value
 
@@ -202,7 +202,7 @@ def test_any_harmless_expression_has_its_plain_value(expression: str) -> None:
     def outcome(run: Any) -> Any:
         try:
             return repr(run(expression))
-        except Refused as refusal:
+        except ExpressionRefusedError as refusal:
             return refusal.kind
         except Exception as error:
             return type(error)
@@ -442,11 +442,11 @@ def test_a_chain_without_end_is_refused_by_its_depth() -> None:
 def test_all_expressions_of_an_expansion_share_one_count_of_steps() -> None:
     symbols = xacro.create_global_symbols()
     guards = Guards(xacro.Table)
-    guards.protect(symbols)
+    guards.guard_symbols(symbols)
     guards.steps = 1_000
-    code = compiled("python.sum([i for i in python.range(100)])")
+    code = compile_expression("python.sum([i for i in python.range(100)])")
     assert guards.evaluate(code, symbols) == 4950
     assert guards.steps < 800
     guards.steps = 100
-    with pytest.raises(Refused, match="steps together"):
+    with pytest.raises(ExpressionRefusedError, match="steps together"):
         guards.evaluate(code, symbols)

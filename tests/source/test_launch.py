@@ -9,8 +9,14 @@ from pathlib import Path
 import pytest
 
 from urdfcheck.source.launch import python_launch_file as launch_python
-from urdfcheck.source.launch.launch_file import Description, Launch, Obstacle, is_included, load_launch
-from urdfcheck.source.launch.python_launch_file import read_python
+from urdfcheck.source.launch.launch_file import (
+    DescriptionSource,
+    Launch,
+    UnresolvedReason,
+    is_included_by_sibling,
+    load_launch,
+)
+from urdfcheck.source.launch.python_launch_file import read_python_launch
 from urdfcheck.source.package.finder import PackageFinder
 
 
@@ -32,7 +38,7 @@ def launch(package: Path, text: str | bytes, name: str = "car.launch") -> Launch
     return load_launch(path, PackageFinder(path, environment={}))
 
 
-def description(package: Path, text: str) -> Description:
+def description(package: Path, text: str) -> DescriptionSource:
     """The one robot_description of a launch file with these elements."""
     loaded = launch(package, f"<launch>\n{text}\n</launch>")
     (found,) = loaded.descriptions
@@ -148,7 +154,7 @@ def test_an_included_launch_file_is_followed_with_its_arguments(package: Path) -
     )
     assert found.path == package / "urdf/car.urdf"
     assert found.arguments == {"arm": "1"}
-    assert found.included
+    assert found.is_from_include
     assert found.at.span is not None
     assert found.at.span.file.endswith("upload.launch")
     assert [span.line for span in found.at.location.via] == [3]
@@ -203,15 +209,15 @@ def test_the_first_definition_of_an_argument_that_applies_counts(package: Path) 
 @pytest.mark.parametrize(
     ("path", "obstacle"),
     [
-        ("$(find cars)/urdf/car.urdf", Obstacle("package", "cars")),
-        ("$(arg model)", Obstacle("argument", "model")),
-        ("$(arg round)", Obstacle("circle")),
-        ("$(env HOME)/car.urdf", Obstacle("launch-time", "env HOME")),
-        ("$(eval arg('a') + '.urdf')", Obstacle("launch-time", "eval arg('a') + '.urdf')")),
-        ("$(arg many)", Obstacle("launch-time", "find car)" + "/$(find car)" * 5 + "/$(find ca")),
+        ("$(find cars)/urdf/car.urdf", UnresolvedReason("package", "cars")),
+        ("$(arg model)", UnresolvedReason("argument", "model")),
+        ("$(arg round)", UnresolvedReason("circle")),
+        ("$(env HOME)/car.urdf", UnresolvedReason("launch-time", "env HOME")),
+        ("$(eval arg('a') + '.urdf')", UnresolvedReason("launch-time", "eval arg('a') + '.urdf')")),
+        ("$(arg many)", UnresolvedReason("launch-time", "find car)" + "/$(find car)" * 5 + "/$(find ca")),
     ],
 )
-def test_what_stands_in_the_way_of_a_path_is_said(package: Path, path: str, obstacle: Obstacle) -> None:
+def test_what_stands_in_the_way_of_a_path_is_said(package: Path, path: str, obstacle: UnresolvedReason) -> None:
     text = '<arg name="model"/><arg name="round" default="$(arg trip)"/><arg name="trip" default="$(arg round)"/>'
     text += f'<arg name="many" default="{"$(find car)/" * 2000}"/>'
     found = description(package, f'{text}<param name="robot_description" textfile="{path}"/>')
@@ -223,7 +229,7 @@ def test_a_missing_file_is_named_by_its_path(package: Path, monkeypatch: pytest.
     monkeypatch.chdir(package)
     for name in ("no.urdf", "x" * 300 + ".urdf"):
         found = description(package, f'<param name="robot_description" textfile="$(find car)/{name}"/>')
-        assert (found.path, found.unresolved) == (None, Obstacle("file", name))
+        assert (found.path, found.unresolved) == (None, UnresolvedReason("file", name))
 
 
 def test_an_argument_that_cannot_be_known_is_left_to_the_models_default(package: Path) -> None:
@@ -309,7 +315,7 @@ def test_ros_2_a_variable_holds_the_description(package: Path, definition: str) 
 def test_ros_2_variables_in_a_circle_end(package: Path) -> None:
     text = '<let name="a" value="$(var b)"/><let name="b" value="$(var a)"/>'
     found = description(package, text + '<param name="robot_description" value="$(var a)"/>')
-    assert found.unresolved == Obstacle("circle")
+    assert found.unresolved == UnresolvedReason("circle")
 
 
 # -- what is started beside the model ----------------------------------------------------------------------------------
@@ -392,7 +398,7 @@ def test_a_launch_file_that_cannot_be_opened_is_a_problem(tmp_path: Path) -> Non
 def python(package: Path, text: str) -> list[Path]:
     path = package / "launch" / "car.launch.py"
     path.write_text(text)
-    found = list(read_python(path, PackageFinder(path, environment={})).models)
+    found = list(read_python_launch(path, PackageFinder(path, environment={})).models)
     return [p.relative_to(package) for p in found]
 
 
@@ -423,7 +429,7 @@ def test_python_a_model_of_another_package_is_found_by_the_packages_name(package
     (other / "package.xml").write_text("<package><name>bringup</name></package>")
     path = other / "launch" / "all.launch.py"
     path.write_text("d = get_package_share_directory('car')\nm = os.path.join(d, 'urdf', 'car.urdf')")
-    assert list(read_python(path, PackageFinder(path, environment={})).models) == [package / "urdf/car.urdf"]
+    assert list(read_python_launch(path, PackageFinder(path, environment={})).models) == [package / "urdf/car.urdf"]
 
 
 def test_python_each_model_is_named_once_and_what_does_not_exist_is_left_out(package: Path) -> None:
@@ -453,11 +459,15 @@ def read(package: Path, text: str) -> tuple[list[str], list[str], str | None]:
     source = python.file
     assert source is not None
     shown = []
-    for named in python.missing:
+    for named in python.missing_models:
         span = named.location.span
         assert span is not None
         shown.append(f"{Path(named.path).relative_to(package)} {source.text[span.start : span.end]}")
-    return shown, [n.path for n in python.unknown], None if python.broken is None else python.broken.kind
+    return (
+        shown,
+        [n.path for n in python.unknown_models],
+        None if python.syntax_problem is None else python.syntax_problem.kind,
+    )
 
 
 @pytest.mark.parametrize(
@@ -506,7 +516,7 @@ def test_python_a_relative_path_that_nothing_is_found_for_is_unknown(package: Pa
 def test_python_that_cannot_be_parsed_is_told_with_its_place(package: Path, code: str) -> None:
     loaded = launch(package, code, "car.launch.py")
     assert loaded.python is not None
-    broken = loaded.python.broken
+    broken = loaded.python.syntax_problem
     assert (broken is None) == (code == "")
     assert broken is None or broken.location.span is not None
 
@@ -528,20 +538,20 @@ def test_python_more_paths_than_anybody_names_are_not_looked_up(package: Path, m
     path = package / "launch" / "many.launch.py"
     finder = PackageFinder(path, environment={})
     path.write_text("x = 'a.urdf'\ny = 'b.urdf'\nz = 'a.urdf'\n")
-    assert [named.path for named in read_python(path, finder).unknown] == ["a.urdf", "b.urdf"]
+    assert [named.path for named in read_python_launch(path, finder).unknown_models] == ["a.urdf", "b.urdf"]
     path.write_text("x = 'a.urdf'\ny = 'b.urdf'\nz = 'car.urdf'\n")
-    assert [named.path for named in read_python(path, finder).unknown] == ["a.urdf", "b.urdf"]
+    assert [named.path for named in read_python_launch(path, finder).unknown_models] == ["a.urdf", "b.urdf"]
     path.write_text("x = 'a.urdf'\ny = 'car.urdf'\nz = 'wheel.urdf'\n")
-    assert [model.name for model in read_python(path, finder).models] == ["car.urdf"]
+    assert [model.name for model in read_python_launch(path, finder).models] == ["car.urdf"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no such files there")
 def test_a_pipe_beside_a_launch_file_is_not_waited_for(package: Path) -> None:
     loaded = launch(package, "<launch/>")
     os.mkfifo(loaded.path.parent / "a.launch")
-    assert not is_included(loaded.path)
+    assert not is_included_by_sibling(loaded.path)
     (loaded.path.parent / "b.launch").write_text(f'<launch><include file="{loaded.path.name}"/></launch>')
-    assert is_included(loaded.path)
+    assert is_included_by_sibling(loaded.path)
 
 
 def test_a_launch_file_that_is_nested_too_deeply_is_a_problem_with_what_it_is(package: Path) -> None:

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 from conftest import FIXTURES
 
-from urdfcheck.source.discover import plan
+from urdfcheck.source.discover import discover_targets
 from urdfcheck.source.launch.launch_file import load_launch
-from urdfcheck.source.launch.python_launch_file import read_python
-from urdfcheck.source.load import Source, load
+from urdfcheck.source.launch.python_launch_file import read_python_launch
+from urdfcheck.source.load import Source, load_source
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.system.files import recorded
+from urdfcheck.system.files import record_reads
 
 XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 
@@ -21,14 +21,14 @@ XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 def loaded(folder: Path, name: str, content: str | bytes, **arguments: str) -> Source:
     path = folder / name
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    return load(path, arguments, PackageFinder(path, environment={}))
+    return load_source(path, arguments, PackageFinder(path, environment={}))
 
 
 def test_a_urdf_is_its_own_expansion(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     source = loaded(tmp_path, "a.urdf", '<robot name="r">\n  <link name="l"/>\n</robot>')
     assert source.root is not None
-    assert source.root is source.main
+    assert source.root is source.main_tree
     assert (source.name, source.is_xacro, source.problems) == ("a.urdf", False, ())
     assert source.file_location.subject == "robot[r]"
 
@@ -43,8 +43,8 @@ def test_a_xacro_keeps_the_files_as_typed_beside_the_expansion(tmp_path: Path, m
     assert source.root is not None
     assert [e.tag for e in source.root.children] == ["link"]
     assert source.root.text == "7"
-    assert source.main is not None
-    assert [e.tag for e in source.main.children] == ["xacro:arg", "xacro:include"]
+    assert source.main_tree is not None
+    assert [e.tag for e in source.main_tree.children] == ["xacro:arg", "xacro:include"]
     assert set(source.files) == set(source.trees) == {"a.urdf.xacro", "i.xacro"}
     assert source.arguments_read == {"n"}
 
@@ -84,19 +84,19 @@ def test_what_is_wrong_is_one_problem_with_its_place(
 ) -> None:
     source = loaded(tmp_path, name, content)
     assert [p.kind for p in source.problems] == [kind]
-    assert source.problems_of(kind) == list(source.problems)
-    assert source.problems_of("another kind") == []
+    assert source.find_problems(kind) == list(source.problems)
+    assert source.find_problems("another kind") == []
     assert source.problems[0].location.span is not None
-    assert (source.main is not None) is readable
+    assert (source.main_tree is not None) is readable
     assert source.file_location.span is not None
 
 
 @pytest.mark.parametrize("name", ["missing.urdf", "missing.xacro", "folder.urdf"])
 def test_a_file_that_cannot_be_opened_is_a_problem(tmp_path: Path, name: str) -> None:
     (tmp_path / "folder.urdf").mkdir()
-    source = load(tmp_path / name, {}, PackageFinder(tmp_path, environment={}))
+    source = load_source(tmp_path / name, {}, PackageFinder(tmp_path, environment={}))
     assert [p.kind for p in source.problems] == ["unreadable"]
-    assert (source.root, source.main) == (None, None)
+    assert (source.root, source.main_tree) == (None, None)
 
 
 # -- any bytes ---------------------------------------------------------------------------------------------------------
@@ -167,20 +167,20 @@ def test_no_bytes_make_reading_fail(
         path.write_bytes(mutated(original[name], chance))
         finder = PackageFinder(path, environment={})
         if path.suffix == ".py":
-            read_python(path, finder)
+            read_python_launch(path, finder)
         elif ".launch" in path.name:
             assert all(p.location.span is not None for p in load_launch(path, finder).problems)
         else:
             main = Path("urdf/car_3.urdf.xacro") if path.suffix == ".xacro" else path
-            assert_sound(load(main, {}, finder))
-        plan([path], {}, {}, [])
+            assert_sound(load_source(main, {}, finder))
+        discover_targets([path], {}, {}, [])
         path.write_bytes(original[name])
-    plan([Path()], {}, {}, [])
+    discover_targets([Path()], {}, {}, [])
     assert capfd.readouterr() == ("", "")
 
 
 def test_a_missing_include_is_among_what_the_outcome_rests_on(tmp_path: Path) -> None:
     """Else a journal, or --watch, would keep the old verdict once the file is there."""
-    with recorded() as reads:
+    with record_reads() as reads:
         loaded(tmp_path, "a.xacro", f'<robot name="r" {XMLNS}><xacro:include filename="arm.xacro"/></robot>')
     assert reads[str(tmp_path / "arm.xacro")] is None

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.reach import Reach
-from urdfcheck.source.ros.controllers import read_configuration
+from urdfcheck.source.reach import FileReach
+from urdfcheck.source.ros.controllers import read_controller_config
 from urdfcheck.source.ros.joint_limits import read_joint_limits
 from urdfcheck.source.text.xml import SourceFile
-from urdfcheck.source.text.yaml import MAX_CHARACTERS, Value, YamlProblem, located_yaml, problem_in
+from urdfcheck.source.text.yaml import MAX_CHARACTERS, YamlReadError, YamlValue, find_yaml_error, parse_located_yaml
 
 TEXT = """\
 # é🤖: what stands before a value does not move it
@@ -29,8 +29,8 @@ other:
 """
 
 
-def value(text: str, *keys: str) -> Value:
-    found = located_yaml(SourceFile(Path("a.yaml"), "a.yaml", text))
+def value(text: str, *keys: str) -> YamlValue:
+    found = parse_located_yaml(SourceFile(Path("a.yaml"), "a.yaml", text))
     for key in keys:
         assert found is not None
         found = found.get(key)
@@ -41,9 +41,9 @@ def value(text: str, *keys: str) -> Value:
 @pytest.mark.parametrize("index", [0, 1, 2])
 def test_a_value_is_found_where_it_is_typed(index: int) -> None:
     item = value(TEXT, "arm", "joints").items[index]
-    assert TEXT[item.at.start : item.at.end] == item.text == ("one", "two", "three")[index]
+    assert TEXT[item.span.start : item.span.end] == item.text == ("one", "two", "three")[index]
     assert item.location.subject == f"yaml[arm.joints[{index}]]"
-    (edit,) = item.replaced("four")
+    (edit,) = item.build_edits("four")
     assert (edit.expected, edit.replacement) == (item.text, "four")
 
 
@@ -70,19 +70,19 @@ def test_words_for_no() -> None:
 def test_what_is_merged_stands_where_it_was_typed() -> None:
     assert value(TEXT, "other", "speed").text == "3"
     gain = value(TEXT, "other", "gain")
-    assert (gain.location.subject, gain.at.line) == ("yaml[other.gain]", 5)
+    assert (gain.location.subject, gain.span.line) == ("yaml[other.gain]", 5)
 
 
 def test_what_is_spelled_with_escapes_is_not_edited() -> None:
     assert value('a: "t\\x77o"', "a").text == "two"
-    assert value('a: "t\\x77o"', "a").replaced("x") == ()
+    assert value('a: "t\\x77o"', "a").build_edits("x") == ()
 
 
 @pytest.mark.parametrize(
     "text", ["a: [1", "a: &a [*a]", "a: !!python/name:os.system x", "[" * 5000, "a: " + "x" * MAX_CHARACTERS]
 )
 def test_the_guards_hold_here_too(text: str) -> None:
-    with pytest.raises(YamlProblem):
+    with pytest.raises(YamlReadError):
         value(text)
 
 
@@ -94,8 +94,8 @@ def test_no_file_out_of_reach_is_read(tmp_path: Path) -> None:
     ):
         (tmp_path / name).write_text(text)
     (tmp_path / "inside").mkdir()
-    for reach, read in ((None, True), (Reach((str(tmp_path / "inside"),)), False)):
+    for reach, read in ((None, True), (FileReach((str(tmp_path / "inside"),)), False)):
         finder = PackageFinder(tmp_path / "inside", environment={}, reach=reach)
-        assert (read_configuration(tmp_path / "c.yaml", finder) is not None) == read
+        assert (read_controller_config(tmp_path / "c.yaml", finder) is not None) == read
         assert bool(read_joint_limits(tmp_path / "l.yaml", finder)) == read
-        assert (problem_in(tmp_path / "broken.yaml", finder) is not None) == read
+        assert (find_yaml_error(tmp_path / "broken.yaml", finder) is not None) == read

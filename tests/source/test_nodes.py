@@ -8,8 +8,8 @@ import pytest
 
 from urdfcheck.core.scene import SceneLaunch, SceneNode
 from urdfcheck.source.launch.launch_file import load_launch
-from urdfcheck.source.launch.node_graph import launch_scene
-from urdfcheck.source.launch.nodes_xml import MOST, MOST_NAMES
+from urdfcheck.source.launch.node_graph import build_launch_scene
+from urdfcheck.source.launch.nodes_xml import MAX_ACTIONS, MOST_NAMES
 from urdfcheck.source.package.finder import PackageFinder
 
 
@@ -27,7 +27,7 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def scene(package: Path, text: str, name: str = "car.launch") -> SceneLaunch:
     path = package / name
     path.write_text(text if name.endswith(".py") else f"<launch>{text}</launch>")
-    return launch_scene(load_launch(path, PackageFinder(path, environment={})))
+    return build_launch_scene(load_launch(path, PackageFinder(path, environment={})))
 
 
 def flow(node: SceneNode) -> str:
@@ -269,13 +269,13 @@ def test_python_literal_calls_say_the_same(package: Path) -> None:
     [
         ("GroupAction([Node(package='a', executable='b')])", "only known when it is launched"),
         ("x = (", "could not be read"),
-        (f"[{'Node(package=1),' * (MOST + 5)}]", f"No more than {MOST}"),
+        (f"[{'Node(package=1),' * (MAX_ACTIONS + 5)}]", f"No more than {MAX_ACTIONS}"),
     ],
 )
 def test_python_what_is_not_read_is_told(package: Path, text: str, note: str) -> None:
     launch = scene(package, text, "car.launch.py")
     assert note in " ".join(launch.notes)
-    assert len(launch.nodes) <= MOST
+    assert len(launch.nodes) <= MAX_ACTIONS
 
 
 @pytest.mark.parametrize(

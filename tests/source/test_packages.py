@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.source.package.finder import PackageFinder, display_name, load_package
+from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
 
 
 def make(folder: Path, name: str | None = None) -> Path:
@@ -127,9 +127,9 @@ def test_names_that_are_nearly_the_same_are_offered(tmp_path: Path) -> None:
     for name in ("my_car", "boat_description", "ur_description"):
         make(tmp_path / name, name)
     finder = PackageFinder(tmp_path, environment={})
-    assert finder.near("my-car") == finder.near("MY_CAR") == ["my_car"]
-    assert finder.near("bot_description") == ["boat_description"]
-    assert finder.near("xyz_description") == []  # the common suffix alone makes no likeness
+    assert finder.suggest_names("my-car") == finder.suggest_names("MY_CAR") == ["my_car"]
+    assert finder.suggest_names("bot_description") == ["boat_description"]
+    assert finder.suggest_names("xyz_description") == []  # the common suffix alone makes no likeness
 
 
 def test_every_place_is_listed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -139,7 +139,7 @@ def test_every_place_is_listed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     finder = PackageFinder(
         tmp_path / "ws/src", {"a": tmp_path / "a"}, [tmp_path / "p"], {"ROS_PACKAGE_PATH": "/opt/ros"}
     )
-    assert finder.looked_in() == [
+    assert finder.describe_search_places() == [
         "--package a=a",
         "p",
         "package.xml from ws/src up to ws",
@@ -155,10 +155,10 @@ def test_a_file_belongs_to_the_nearest_package_above_it(tmp_path: Path) -> None:
     make(tmp_path / "outer", "outer")
     make(tmp_path / "outer/inner/urdf")
     make(tmp_path / "outer/inner", "inner")
-    package = PackageFinder(tmp_path, environment={}).package_of(tmp_path / "outer/inner/urdf/a.urdf")
+    package = PackageFinder(tmp_path, environment={}).find_package_of(tmp_path / "outer/inner/urdf/a.urdf")
     assert package is not None
     assert (package.name, package.path) == ("inner", tmp_path / "outer/inner")
-    assert PackageFinder(tmp_path, environment={}).package_of(tmp_path / "a.urdf") is None
+    assert PackageFinder(tmp_path, environment={}).find_package_of(tmp_path / "a.urdf") is None
 
 
 def test_a_manifest_names_the_package_and_what_it_depends_on(tmp_path: Path) -> None:
@@ -217,14 +217,14 @@ def car(tmp_path: Path) -> Path:
     ],
 )
 def test_a_path_that_exists_is_resolved(car: Path, text: str, kind: str, target: str) -> None:
-    resource = PackageFinder(car, environment={}).resolve(text.format(car=car), car / "urdf")
+    resource = PackageFinder(car, environment={}).resolve_resource(text.format(car=car), car / "urdf")
     assert (resource.kind, resource.path, resource.exists) == (kind, car / target, True)
     assert resource.package == ("car" if kind == "package" else None)
 
 
 def test_a_path_in_the_home_folder_is_told_apart(car: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", str(tmp_path))
-    resource = PackageFinder(car, environment={}).resolve("~/car/meshes/wheel.stl", car)
+    resource = PackageFinder(car, environment={}).resolve_resource("~/car/meshes/wheel.stl", car)
     assert (resource.kind, resource.exists) == ("home", True)
 
 
@@ -247,18 +247,18 @@ def test_a_path_in_the_home_folder_is_told_apart(car: Path, tmp_path: Path, monk
     ],
 )
 def test_a_path_that_leads_nowhere_does_not_exist_and_raises_nothing(car: Path, text: str, kind: str) -> None:
-    resource = PackageFinder(car, environment={}).resolve(text, car)
-    assert (resource.kind, resource.exists, resource.actual) == (kind, False, None)
+    resource = PackageFinder(car, environment={}).resolve_resource(text, car)
+    assert (resource.kind, resource.exists, resource.actual_spelling) == (kind, False, None)
 
 
 def test_the_spelling_on_disk_is_told_where_only_the_case_differs(car: Path) -> None:
-    resource = PackageFinder(car, environment={}).resolve("package://car/Meshes/Wheel.STL", car)
+    resource = PackageFinder(car, environment={}).resolve_resource("package://car/Meshes/Wheel.STL", car)
     if not resource.exists:  # on a file system that minds the case
-        assert resource.actual == "meshes/wheel.stl"
+        assert resource.actual_spelling == "meshes/wheel.stl"
     assert not resource.exists
     (car / "meshes/WHEEL.stl").write_text("")
-    two = PackageFinder(car, environment={}).resolve("package://car/meshes/Wheel.stl", car)
-    assert two.actual in {None, "wheel.stl"}  # with two candidates nothing is claimed
+    two = PackageFinder(car, environment={}).resolve_resource("package://car/meshes/Wheel.stl", car)
+    assert two.actual_spelling in {None, "wheel.stl"}  # with two candidates nothing is claimed
 
 
 def test_files_are_called_by_their_path_from_the_working_directory(
@@ -266,5 +266,5 @@ def test_files_are_called_by_their_path_from_the_working_directory(
 ) -> None:
     make(tmp_path / "a/b")
     monkeypatch.chdir(tmp_path / "a/b")
-    assert display_name(tmp_path / "a/b/c.urdf") == "c.urdf"
-    assert display_name(tmp_path / "d.urdf") == "../../d.urdf"
+    assert format_path(tmp_path / "a/b/c.urdf") == "c.urdf"
+    assert format_path(tmp_path / "d.urdf") == "../../d.urdf"

@@ -9,7 +9,7 @@ import pytest
 from conftest import check, check_text
 
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.reach import Reach, home_of
+from urdfcheck.source.reach import FileReach, find_project_folder
 
 BOX = '<robot name="r"><link name="l"><visual><geometry><mesh filename="{}"/></geometry></visual></link></robot>'
 
@@ -28,16 +28,16 @@ class TestHome:
     def test_is_the_repository_around_a_path(self, tmp_path: Path) -> None:
         (tmp_path / ".git").mkdir()
         robot = package(tmp_path / "src" / "car", "car") / "urdf" / "car.urdf"
-        assert home_of(robot) == tmp_path
+        assert find_project_folder(robot) == tmp_path
 
     def test_is_the_package_where_there_is_no_repository(self, tmp_path: Path) -> None:
-        assert home_of(package(tmp_path / "car", "car") / "urdf" / "car.urdf") == tmp_path / "car"
+        assert find_project_folder(package(tmp_path / "car", "car") / "urdf" / "car.urdf") == tmp_path / "car"
 
     def test_is_the_folder_itself_otherwise_and_the_one_above_a_folder_of_models(self, tmp_path: Path) -> None:
         (tmp_path / "robot" / "urdf").mkdir(parents=True)
-        assert home_of(tmp_path / "robot" / "car.urdf") == tmp_path / "robot"
-        assert home_of(tmp_path / "robot" / "urdf" / "car.urdf") == tmp_path / "robot"
-        assert home_of(tmp_path / "robot" / "urdf") == tmp_path / "robot"
+        assert find_project_folder(tmp_path / "robot" / "car.urdf") == tmp_path / "robot"
+        assert find_project_folder(tmp_path / "robot" / "urdf" / "car.urdf") == tmp_path / "robot"
+        assert find_project_folder(tmp_path / "robot" / "urdf") == tmp_path / "robot"
 
     def test_of_a_link_is_where_it_lies(self, tmp_path: Path) -> None:
         for name in ("in", "out"):
@@ -46,7 +46,7 @@ class TestHome:
         (tmp_path / "in" / "model.urdf").symlink_to(tmp_path / "out" / "secret.urdf")
         (tmp_path / "in" / "folder").symlink_to(tmp_path / "out")
         for link in ("model.urdf", "folder"):
-            assert home_of(tmp_path / "in" / link) == tmp_path / "in"
+            assert find_project_folder(tmp_path / "in" / link) == tmp_path / "in"
             run = check(tmp_path / "in" / link)
             assert (run.models, len(run.failures)) == ((), 1)
             assert "may be read" in run.failures[0]
@@ -57,7 +57,7 @@ class TestHome:
         (tmp_path / ".git").mkdir()  # some keep their settings in a repository
         (tmp_path / "robots").mkdir()
         (tmp_path / "downloads").mkdir()
-        assert home_of(tmp_path / "downloads" / "car.urdf") == tmp_path / "downloads"
+        assert find_project_folder(tmp_path / "downloads" / "car.urdf") == tmp_path / "downloads"
 
 
 class TestReach:
@@ -71,37 +71,37 @@ class TestReach:
         (inside / "own").symlink_to(inside / "plain")
         (inside / "folder").symlink_to(outside)
         (inside / "circle").symlink_to(inside / "circle")
-        reach = Reach.around([inside], [])
-        allowed = {name: reach.allows(inside / name) for name in ("plain", "own", "link", "folder/secret", "new")}
+        reach = FileReach.from_paths([inside], [])
+        allowed = {name: reach.can_open(inside / name) for name in ("plain", "own", "link", "folder/secret", "new")}
         assert allowed == {"plain": True, "own": True, "link": False, "folder/secret": False, "new": True}
-        assert not reach.allows(inside / ".." / "out" / "secret")
-        assert not reach.allows(inside / "a\0b")
+        assert not reach.can_open(inside / ".." / "out" / "secret")
+        assert not reach.can_open(inside / "a\0b")
 
     def test_nothing_hidden_is_opened(self, tmp_path: Path) -> None:
-        reach = Reach.around([tmp_path], [])
-        assert not reach.allows(tmp_path / ".git" / "config")
-        assert not reach.allows(tmp_path / "a" / ".env")
+        reach = FileReach.from_paths([tmp_path], [])
+        assert not reach.can_open(tmp_path / ".git" / "config")
+        assert not reach.can_open(tmp_path / "a" / ".env")
 
     def test_but_what_the_user_names_may_itself_be_hidden(self, tmp_path: Path) -> None:
         hidden = tmp_path / ".gazebo" / "models"
         hidden.mkdir(parents=True)
-        assert Reach.around([hidden / "car.urdf"], []).allows(hidden / "mesh.stl")
+        assert FileReach.from_paths([hidden / "car.urdf"], []).can_open(hidden / "mesh.stl")
 
     def test_a_folder_is_no_prefix(self, tmp_path: Path) -> None:
         (tmp_path / "car").mkdir()
-        assert not Reach.around([], [tmp_path / "car"]).allows(tmp_path / "car-secret" / "x")
+        assert not FileReach.from_paths([], [tmp_path / "car"]).can_open(tmp_path / "car-secret" / "x")
 
     def test_found_packages_are_in_reach_unless_a_link_places_them_elsewhere(self, tmp_path: Path) -> None:
         workspace = tmp_path / "ws"
         car = package(workspace / "car", "car")
         package(workspace / "wheels", "wheels")
         (workspace / "planted").symlink_to("/etc")
-        finder = PackageFinder(car, reach=Reach.around([car], []))
-        assert not finder.allows(workspace / "wheels" / "a.stl")  # nobody has asked for it
+        finder = PackageFinder(car, reach=FileReach.from_paths([car], []))
+        assert not finder.can_open(workspace / "wheels" / "a.stl")  # nobody has asked for it
         assert finder.find("wheels") == workspace / "wheels"
-        assert finder.allows(workspace / "wheels" / "a.stl")
+        assert finder.can_open(workspace / "wheels" / "a.stl")
         assert finder.find("planted") is None  # whether or not something is there
-        assert not finder.allows(workspace / "planted" / "passwd")
+        assert not finder.can_open(workspace / "planted" / "passwd")
 
 
 class TestModels:

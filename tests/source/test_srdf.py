@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.source.discover import plan
-from urdfcheck.source.load import load
+from urdfcheck.source.discover import discover_targets
+from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.ros.srdf import Srdf, load_srdf, srdfs_of
+from urdfcheck.source.ros.srdf import Srdf, load_srdf, load_srdfs
 
 URDF = '<robot name="arm"><link name="base"/></robot>'
 SRDF = '<robot name="arm"><disable_collisions link1="a" link2="b" reason="Never"/></robot>'
@@ -31,8 +31,8 @@ def write(folder: Path, files: Mapping[str, str]) -> None:
 def found(folder: Path, model: str, **arguments: str) -> list[str]:
     """The semantic descriptions of a model, by their paths from the folder."""
     path = folder / model
-    source = load(path, arguments, PackageFinder(path, environment={}))
-    return [srdf.path.relative_to(folder).as_posix() for srdf in srdfs_of(source, "arm")]
+    source = load_source(path, arguments, PackageFinder(path, environment={}))
+    return [srdf.path.relative_to(folder).as_posix() for srdf in load_srdfs(source, "arm")]
 
 
 def parsed(folder: Path, body: str) -> Srdf:
@@ -92,9 +92,9 @@ def test_a_xacro_is_expanded_with_the_arguments_of_the_model(tmp_path: Path) -> 
     assert found(tmp_path, "arm.urdf", name="arm") == ["arm.srdf.xacro"]
     srdf = load_srdf(tmp_path / "arm.srdf.xacro", {"name": "arm"}, PackageFinder(tmp_path, environment={}), "arm")
     assert srdf is not None
-    (pair,) = srdf.disabled
+    (pair,) = srdf.disabled_pairs
     assert pair.links == ("left_a", "b")
-    attribute = pair.link(0)
+    attribute = pair.get_link(0)
     assert attribute is not None
     assert attribute.typed == "${prefix}a"
 
@@ -121,14 +121,14 @@ def test_a_xacro_is_expanded_with_the_arguments_of_the_model(tmp_path: Path) -> 
     ],
 )
 def test_disabled_pairs_go_before_enabled_ones_before_defaults(tmp_path: Path, body: str, disabled: bool) -> None:
-    assert parsed(tmp_path, body).disables("a", "b") == disabled
+    assert parsed(tmp_path, body).is_pair_disabled("a", "b") == disabled
 
 
 def test_groups_name_links(tmp_path: Path) -> None:
     body = """<group name="g"><chain base_link="a" tip_link="b"/><link name="c"/><joint name="j"/></group>
     <end_effector name="e" group="g" parent_link="d"/><virtual_joint name="v" child_link="f" parent_frame="world"/>
     <disable_collisions link1="x" link2="y"/>"""
-    assert parsed(tmp_path, body).groups_name == {"a", "b", "c", "d", "f"}
+    assert parsed(tmp_path, body).grouped_links == {"a", "b", "c", "d", "f"}
 
 
 # -- named on the command line, and met in a folder --------------------------------------------------------------------
@@ -146,9 +146,9 @@ def test_one_that_is_named_means_the_models_of_its_robot(tmp_path: Path, monkeyp
     }
     write(tmp_path, files)
     (tmp_path / "ws/.git").mkdir()
-    planned = plan([Path("ws/arm_moveit_config/config/arm.srdf")], {}, {}, [])
+    planned = discover_targets([Path("ws/arm_moveit_config/config/arm.srdf")], {}, {}, [])
     assert [target.path.as_posix() for target in planned.models] == ["ws/arm/arm.urdf"]
-    unused = plan([Path("ws/arm_moveit_config/config/hand.srdf")], {}, {}, [])
+    unused = discover_targets([Path("ws/arm_moveit_config/config/hand.srdf")], {}, {}, [])
     assert not unused.models
     assert unused.unused == (
         ("ws/arm_moveit_config/config/hand.srdf", "no model of its package or repository has the name of its robot"),
@@ -159,4 +159,4 @@ def test_in_a_folder_they_are_no_models(tmp_path: Path) -> None:
     main = f'<robot name="arm" {XMLNS}><xacro:include filename="m.srdf.xacro"/><xacro:pairs/></robot>'
     macros = f'<robot {XMLNS}><xacro:macro name="pairs"/></robot>'
     write(tmp_path, {"arm.urdf": URDF, "config/arm.srdf.xacro": main, "config/m.srdf.xacro": macros})
-    assert [target.path.name for target in plan([tmp_path], {}, {}, []).models] == ["arm.urdf"]
+    assert [target.path.name for target in discover_targets([tmp_path], {}, {}, []).models] == ["arm.urdf"]

@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
-from urdfcheck.core.errors import TimeUp
+from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.reach import Reach
+from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.xacro import expand as xacro
 from urdfcheck.source.xacro import guards
-from urdfcheck.source.xacro.expand import expand
-from urdfcheck.source.xacro.macro_parameters import next_parameter
+from urdfcheck.source.xacro.expand import expand_xacro
+from urdfcheck.source.xacro.macro_parameters import parse_next_parameter
 
 Expand = Callable[..., Any]
 
@@ -100,7 +100,7 @@ def test_steps_that_many_expressions_take_together_are_counted(
 @pytest.mark.parametrize("quotes", [1, 43])
 def test_a_quote_that_is_never_closed_takes_no_time(expand_text: Expand, quotes: int) -> None:
     parameter = "x:=" + "a" * 60 + "'" * quotes
-    assert next_parameter(f"{parameter} y") == (parameter, None, "y")
+    assert parse_next_parameter(f"{parameter} y") == (parameter, None, "y")
     expand_text(f'<xacro:macro name="m" params="{parameter}"/>', like_plain=False)
 
 
@@ -114,14 +114,14 @@ def test_parameters_are_taken_apart_as_xacro_does(params: str) -> None:
 
     rest = params
     while rest.strip():
-        assert next_parameter(rest) == parse_macro_arg(rest)
-        rest = next_parameter(rest)[2]
+        assert parse_next_parameter(rest) == parse_macro_arg(rest)
+        rest = parse_next_parameter(rest)[2]
 
 
 def problem_of(folder: Path, body: str, *, reach: Path) -> Problem:
     (folder / "robot.xacro").write_text(f"{HEAD}{body}</robot>")
-    finder = PackageFinder(folder, environment={}, reach=Reach((str(reach.resolve()),)))
-    expansion = expand(folder / "robot.xacro", {}, finder)
+    finder = PackageFinder(folder, environment={}, reach=FileReach((str(reach.resolve()),)))
+    expansion = expand_xacro(folder / "robot.xacro", {}, finder)
     assert expansion.root is None
     return expansion.problems[-1]
 
@@ -186,12 +186,12 @@ def test_a_pattern_within_reach_finds_what_glob_finds(expand_text: Expand, tmp_p
         {name: part.format(name) for name in names},
     )
     assert [e.get("name") for e in x.root.children] == ["a/x.xacro", "b/y.xacro"]
-    from_here = expand(Path("robot.xacro"), {}, PackageFinder(tmp_path, environment={}))
+    from_here = expand_xacro(Path("robot.xacro"), {}, PackageFinder(tmp_path, environment={}))
     assert from_here.root is not None
     assert len(from_here.root.children) == 2
 
 
-@pytest.mark.parametrize(("error", "kind"), [(TimeUp, "time-limit"), (MemoryError, "memory-limit")])
+@pytest.mark.parametrize(("error", "kind"), [(ModelTimeout, "time-limit"), (MemoryError, "memory-limit")])
 def test_when_time_or_memory_is_over_the_place_is_told_and_what_went_on(
     expand_text: Expand, monkeypatch: pytest.MonkeyPatch, error: type[BaseException], kind: str
 ) -> None:
@@ -253,7 +253,7 @@ def test_ros_and_what_is_named_is_read(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.delenv("ROS_VERSION", raising=False)
     path = tmp_path / "robot.xacro"
     path.write_text(f'{HEAD}<a b="$(env ROS_DISTRO)$(optenv NAMED 0)$(optenv ROS_VERSION 2)$(env NAMED)"/></robot>')
-    expansion = expand(path, {}, PackageFinder(tmp_path, environment={}), frozenset({"NAMED"}))
+    expansion = expand_xacro(path, {}, PackageFinder(tmp_path, environment={}), frozenset({"NAMED"}))
     assert expansion.root is not None
     assert expansion.root.children[0].get("b") == "jazzy121"
     assert not expansion.problems

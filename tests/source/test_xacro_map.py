@@ -12,7 +12,7 @@ import pytest
 from conftest import FIXTURES
 
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.xacro.expand import Expansion, expand
+from urdfcheck.source.xacro.expand import Expansion, expand_xacro
 
 Expand = Callable[..., Any]
 LikePlain = Callable[..., None]
@@ -579,7 +579,7 @@ def assert_located(expansion: Expansion) -> None:
 )
 def test_the_fixtures_expand_to_the_byte_as_with_plain_xacro(path: Path, assert_like_plain: LikePlain) -> None:
     finder = PackageFinder(path)
-    expansion = expand(path, {}, finder)
+    expansion = expand_xacro(path, {}, finder)
     assert_located(expansion)
     assert_like_plain(expansion, path, {}, finder)
 
@@ -591,7 +591,7 @@ def test_real_robots_expand_to_the_byte_as_with_plain_xacro(corpus: Path, assert
     for entry in entries:
         path = corpus / entry["entry"]
         finder = PackageFinder(path, paths=[corpus / root for root in entry["package_roots"]])
-        expansion = expand(path, entry["xacro_args"], finder)
+        expansion = expand_xacro(path, entry["xacro_args"], finder)
         assert (expansion.root is not None) == entry["expands"], entry["id"]
         if expansion.root is not None:
             assert_located(expansion)

@@ -12,7 +12,15 @@ from hypothesis import strategies as st
 
 from urdfcheck.core import Span
 from urdfcheck.source.text import xml
-from urdfcheck.source.text.xml import MAX_DEPTH, Attribute, Element, SourceFile, XmlError, parse, unbound_prefix
+from urdfcheck.source.text.xml import (
+    MAX_DEPTH,
+    Attribute,
+    Element,
+    SourceFile,
+    XmlError,
+    find_unbound_prefix,
+    parse_xml,
+)
 from urdfcheck.system.files import read_regular
 
 FILE = Path("robot.urdf")
@@ -21,7 +29,7 @@ FILE = Path("robot.urdf")
 def tree(text: str) -> tuple[SourceFile, Element]:
     """Parse a text that never was a file."""
     source = SourceFile(FILE, FILE.name, text)
-    return source, parse(source)
+    return source, parse_xml(source)
 
 
 def read(folder: Path, data: bytes) -> tuple[SourceFile, Element]:
@@ -29,7 +37,7 @@ def read(folder: Path, data: bytes) -> tuple[SourceFile, Element]:
     path = folder / FILE
     path.write_bytes(data)
     source = SourceFile.read(path, path.name)
-    return source, parse(source)
+    return source, parse_xml(source)
 
 
 def text_at(source: SourceFile, span: Span | None) -> str:
@@ -180,11 +188,11 @@ def test_a_subject_names_the_path_from_the_robot_to_the_attribute() -> None:
 
 def test_of_two_children_of_a_kind_the_first_is_taken_as_the_reference_parser_does() -> None:
     _, root = tree('<link><inertial v="1"/>text<inertial v="2"/></link>')
-    inertial = root.child("inertial")
+    inertial = root.find_child("inertial")
     assert inertial is not None
     assert inertial.get("v") == "1"
-    assert [e.get("v") for e in root.all("inertial")] == ["1", "2"]
-    assert root.child("visual") is None
+    assert [e.get("v") for e in root.find_children("inertial")] == ["1", "2"]
+    assert root.find_child("visual") is None
     assert root.text == "text"
 
 
@@ -260,9 +268,9 @@ def test_a_declared_encoding_that_the_file_does_not_have_is_refused_at_its_name(
 
 def test_a_prefix_without_declaration_is_found_on_elements_and_attributes() -> None:
     _, root = tree('<robot xmlns:xacro="x"><xacro:a/><link xml:space="preserve"/></robot>')
-    assert unbound_prefix(root) is None
+    assert find_unbound_prefix(root) is None
     _, root = tree('<robot><a xmlns:xacro="x"/><b xacro:name="n"/></robot>')
-    assert unbound_prefix(root) == (root.children[1], "xacro")
+    assert find_unbound_prefix(root) == (root.children[1], "xacro")
 
 
 # -- limits ----------------------------------------------------------------------------------------------------------
@@ -315,8 +323,8 @@ def test_nameless_elements_are_numbered_among_those_of_their_tag_and_anew_when_o
 
 def test_a_prefix_holds_within_the_element_that_declares_it() -> None:
     _, sound = tree('<a xmlns:p="u"><p:b/><c xmlns:q="u" q:d=""><p:e/></c></a>')
-    assert unbound_prefix(sound) is None
+    assert find_unbound_prefix(sound) is None
     _, broken = tree('<a><b xmlns:p="u"><p:c/></b><p:d/></a>')
-    found = unbound_prefix(broken)
+    found = find_unbound_prefix(broken)
     assert found is not None
     assert (found[0].tag, found[1]) == ("p:d", "p")

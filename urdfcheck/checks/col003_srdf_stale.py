@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from urdfcheck.core import Applicability, Finding, Rule, Severity
-from urdfcheck.core.text import SLIP, hint, listed, only_near
+from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
-from urdfcheck.model.motion.collisions import Pair as Contacting
-from urdfcheck.model.motion.collisions import ensure_all_read
-from urdfcheck.model.motion.moveit_pairs import judged
-from urdfcheck.source.ros.srdf import Pair, Srdf
-from urdfcheck.source.text.tokens import removal, replacing
+from urdfcheck.model.motion.collisions import CollisionPair as Contacting
+from urdfcheck.model.motion.collisions import ensure_all_shapes_read
+from urdfcheck.model.motion.moveit_pairs import classify_link_pairs
+from urdfcheck.source.ros.srdf import Srdf, SrdfPair
+from urdfcheck.source.text.tokens import build_removal_edits, build_replacement_edits
 from urdfcheck.source.text.xml import Attribute
 
 # What Setup Assistant writes; of any other word the author knows why.
@@ -20,38 +20,38 @@ REASONS = ("Never", "Default", "Always", "Adjacent")
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for srdf in model.srdfs:
-        yield from _unknown(model, rule, srdf)
-        yield from _duplicates(rule, srdf)
-    yield from _hiding(model, rule)
+        yield from _check_unknown_links(model, rule, srdf)
+        yield from _check_duplicate_pairs(rule, srdf)
+    yield from _check_hidden_collisions(model, rule)
 
 
-def _unknown(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Finding]:
+def _check_unknown_links(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Finding]:
     """One finding for each name that no link has."""
-    if not srdf.groups_name <= model.link_by_name.keys():
+    if not srdf.grouped_links <= model.link_by_name.keys():
         return  # the planning groups name other links as well: it describes a larger variant of the robot
     uses: dict[str, list[Attribute]] = {}
-    for pair in srdf.disabled:
+    for pair in srdf.disabled_pairs:
         for index, name in enumerate(pair.links):
-            attribute = pair.link(index)
+            attribute = pair.get_link(index)
             if attribute is not None and name not in model.link_by_name:
                 uses.setdefault(name, []).append(attribute)
-    named = {name for pair in srdf.disabled for name in pair.links}
+    named = {name for pair in srdf.disabled_pairs for name in pair.links}
     for name, attributes in uses.items():
-        near = only_near(name, model.link_by_name.keys() - named, SLIP)
+        near = find_only_near_name(name, model.link_by_name.keys() - named, SLIP_LIKENESS)
         yield rule.finding(
             "unknown",
             at=attributes[0],
             related=attributes[1:],
-            edits=replacing(attributes, near) if near is not None else (),
+            edits=build_replacement_edits(attributes, near) if near is not None else (),
             link=name,
             count="1 pair" if len(attributes) == 1 else f"{len(attributes)} pairs",
-            near=hint(name, model.link_by_name.keys() - named),
+            near=format_name_hint(name, model.link_by_name.keys() - named),
         )
 
 
-def _duplicates(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
-    first: dict[frozenset[str], Pair] = {}
-    for pair in srdf.disabled:
+def _check_duplicate_pairs(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
+    first: dict[frozenset[str], SrdfPair] = {}
+    for pair in srdf.disabled_pairs:
         before = first.setdefault(pair.key, pair)
         if before is pair or before.element.span == pair.element.span:  # one line of a macro that is called twice
             continue
@@ -60,28 +60,32 @@ def _duplicates(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
             at=pair.element,
             related=[before.element],
             severity=Severity.INFO,
-            edits=() if pair.element.via else removal(pair.element, srdf.files),
+            edits=() if pair.element.via else build_removal_edits(pair.element, srdf.files),
             applicability=Applicability.SAFE,
             first=pair.links[0],
             second=pair.links[1],
         )
 
 
-def _hiding(model: Model, rule: Rule) -> Iterator[Finding]:
+def _check_hidden_collisions(model: Model, rule: Rule) -> Iterator[Finding]:
     """Pairs that Setup Assistant would leave to be checked, whatever reason the description gives: one finding for each
     reason, at the pair that collides most."""
-    if not any(srdf.disabled for srdf in model.srdfs):
+    if not any(srdf.disabled_pairs for srdf in model.srdfs):
         return
-    missed = {frozenset(j.pair.links): j.pair for j in judged(model) if j.reason is None and not j.pair.never_seen}
+    missed = {
+        frozenset(j.pair.links): j.pair
+        for j in classify_link_pairs(model)
+        if j.reason is None and not j.pair.is_never_in_collision
+    }
     for srdf in model.srdfs:
         for reason in REASONS:
-            hidden = [(p, missed[p.key]) for p in srdf.disabled if p.reason == reason and p.key in missed]
-            hidden.sort(key=lambda both: -both[1].count)
+            hidden = [(p, missed[p.key]) for p in srdf.disabled_pairs if p.reason == reason and p.key in missed]
+            hidden.sort(key=lambda both: -both[1].hit_count)
             if not hidden:
                 continue
             (worst, pair), more = hidden[0], hidden[1:]
-            assert pair.first is not None
-            pose = model.collisions.poses.named(pair.first)
+            assert pair.first_hit is not None
+            pose = model.collisions.poses.to_values_by_name(pair.first_hit)
             yield rule.finding(
                 reason.lower(),
                 at=worst.element,
@@ -89,22 +93,24 @@ def _hiding(model: Model, rule: Rule) -> Iterator[Finding]:
                 severity=None if reason == "Never" else Severity.INFO,
                 first=worst.links[0],
                 second=worst.links[1],
-                hits=pair.count,
+                hits=pair.hit_count,
                 samples=f"{len(pair.hits):,}",
-                more=_more([p for p, _ in more]),
+                more=_format_more_pairs([p for p, _ in more]),
                 pose=pose,
-                at_pose=listed(f"{name} = {value:.3g}" for name, value in _between(model, pair, pose).items()),
+                at_pose=join_names(
+                    f"{name} = {value:.3g}" for name, value in _select_joints_between(model, pair, pose).items()
+                ),
             )
-    ensure_all_read(model.collisions)
+    ensure_all_shapes_read(model.collisions)
 
 
-def _between(model: Model, pair: Contacting, pose: Mapping[str, float]) -> dict[str, float]:
+def _select_joints_between(model: Model, pair: Contacting, pose: Mapping[str, float]) -> dict[str, float]:
     """The positions of the joints that move the two links against each other."""
-    one, other = ({joint.name for joint in model.tree.path(link)} for link in pair.links)
+    one, other = ({joint.name for joint in model.tree.find_path_to(link)} for link in pair.links)
     return {name: value for name, value in pose.items() if name in one ^ other}
 
 
-def _more(pairs: Sequence[Pair]) -> str:
+def _format_more_pairs(pairs: Sequence[SrdfPair]) -> str:
     if not pairs:
         return ""
-    return f"; so do {listed((f'{p.links[0]} and {p.links[1]}' for p in pairs), most=3)}"
+    return f"; so do {join_names((f'{p.links[0]} and {p.links[1]}' for p in pairs), most=3)}"

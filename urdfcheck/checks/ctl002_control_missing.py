@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.parts import Joint
 
@@ -15,23 +15,23 @@ _SEPARATOR = re.compile(r"[\s,;]+")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    yield from _undriven(model, rule)
-    yield from _misplaced(model, rule)
+    yield from _check_undriven_joints(model, rule)
+    yield from _check_misplaced_commands(model, rule)
 
 
-def _undriven(model: Model, rule: Rule) -> Iterator[Finding]:
-    driven = _words_of_control(model)
+def _check_undriven_joints(model: Model, rule: Rule) -> Iterator[Finding]:
+    driven = _collect_control_words(model)
     drivable = [joint for joint in model.joints if _has_motor(joint)]
     without = [joint for joint in drivable if joint.name not in driven]
     none = len(without) == len(drivable)
     # A description without a word for a simulator is controlled elsewhere, if at all.
-    if without and (not none or any(model.robot.all("gazebo"))):
+    if without and (not none or any(model.robot.find_children("gazebo"))):
         yield rule.finding(
             "none" if none else "some",
             at=model if none else without[0],
             related=without if none else without[1:],
             severity=Severity.INFO,
-            joints=listed(j.name for j in without),
+            joints=join_names(j.name for j in without),
             count=len(without),
             total="joint" if len(drivable) == 1 else f"{len(drivable)} joints",
         )
@@ -39,13 +39,13 @@ def _undriven(model: Model, rule: Rule) -> Iterator[Finding]:
 
 def _has_motor(joint: Joint) -> bool:
     """A follower is moved by its leader, and a joint without effort is a caster or a hinge on purpose."""
-    return joint.type in _DRIVABLE and joint.mimic is None and joint.limit_value("effort") != 0
+    return joint.type in _DRIVABLE and joint.mimic is None and joint.get_limit_value("effort") != 0
 
 
-def _words_of_control(model: Model) -> set[str]:
+def _collect_control_words(model: Model) -> set[str]:
     """Every word that a transmission, a ros2_control block or a simulator plugin mentions: joint names among them."""
-    blocks = [*model.robot.all("ros2_control"), *model.robot.all("transmission")]
-    blocks += [e for extension in model.robot.all("gazebo") for e in extension.walk() if e.tag == "plugin"]
+    blocks = [*model.robot.find_children("ros2_control"), *model.robot.find_children("transmission")]
+    blocks += [e for extension in model.robot.find_children("gazebo") for e in extension.walk() if e.tag == "plugin"]
     words: set[str] = set()
     for block in blocks:
         for element in block.walk():
@@ -54,18 +54,18 @@ def _words_of_control(model: Model) -> set[str]:
     return words
 
 
-def _misplaced(model: Model, rule: Rule) -> Iterator[Finding]:
+def _check_misplaced_commands(model: Model, rule: Rule) -> Iterator[Finding]:
     commanded = [
         ("mimic", Severity.WARNING, "command interface", joint)
-        for control in model.robot.all("ros2_control")
-        for joint in control.all("joint")
-        if joint.child("command_interface") is not None and joint.get("mimic") != "false"
+        for control in model.robot.find_children("ros2_control")
+        for joint in control.find_children("joint")
+        if joint.find_child("command_interface") is not None and joint.get("mimic") != "false"
     ]
     # Gazebo Classic does not know <mimic>: there a follower with a transmission of its own is usual.
     commanded += [
         ("mimic-transmission", Severity.INFO, "transmission", joint)
-        for transmission in model.robot.all("transmission")
-        for joint in transmission.all("joint")
+        for transmission in model.robot.find_children("transmission")
+        for joint in transmission.find_children("joint")
     ]
     for message, severity, what, element in commanded:
         joint = model.joint_by_name.get(element.get("name"))

@@ -6,23 +6,23 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Finding, Located, Location, Rule, Severity
-from urdfcheck.core.text import hint, listed, nearest, only_near
+from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
-from urdfcheck.model.likeness.sibling_robots import Elsewhere
+from urdfcheck.model.likeness.sibling_robots import PackageNames
 from urdfcheck.model.motion.controllers import (
-    Associated,
-    command_interfaces,
-    configurations,
-    launched,
-    parameter_files,
-    radii,
-    separations,
-    sides,
+    AssociatedConfiguration,
+    collect_command_interfaces,
+    find_controller_configs,
+    find_launched_configs,
+    list_drive_wheels,
+    list_parameter_files,
+    measure_wheel_radii,
+    measure_wheel_separations,
 )
 from urdfcheck.source.launch.launch_file import Launch
-from urdfcheck.source.package.finder import display_name
+from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.ros.controllers import Controller
-from urdfcheck.source.text.yaml import Value, problem_in
+from urdfcheck.source.text.yaml import YamlValue, find_yaml_error
 
 # Each suggestion looks at all names.
 MOST_HINTS = 100
@@ -30,26 +30,26 @@ MOST_HINTS = 100
 
 def check(subject: Model | Launch, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
     if isinstance(subject, Launch):
-        model, found = subject.model, [] if subject.model is None else launched(subject, subject.model)
+        model, found = subject.model, [] if subject.model is None else find_launched_configs(subject, subject.model)
     else:
-        model, found = subject, configurations(subject)
-        yield from _files(subject, rule)
+        model, found = subject, find_controller_configs(subject)
+        yield from _check_parameter_files(subject, rule)
     if model is None or not found:
         return
-    elsewhere = Elsewhere(model)
+    elsewhere = PackageNames(model)
     for associated in found:
-        yield from _unknown(model, rule, associated, elsewhere)
-        if associated.named is not None:
-            yield from _uncommanded(model, rule, associated)
+        yield from _check_unknown_joints(model, rule, associated, elsewhere)
+        if associated.named_at is not None:
+            yield from _check_command_interfaces(model, rule, associated)
     for associated in found:
-        yield from _wheels(model, rule, associated, elsewhere, rel_tol)
+        yield from _check_wheel_geometry(model, rule, associated, elsewhere, rel_tol)
 
 
-def _files(model: Model, rule: Rule) -> Iterator[Finding]:
+def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
     """What the model's own plugins name as their parameters and nobody else has."""
-    for parameters in parameter_files(model):
-        shown = display_name(parameters.path) if parameters.path is not None else parameters.text
-        problem = None if parameters.path is None else problem_in(parameters.path, model.source.finder)
+    for parameters in list_parameter_files(model):
+        shown = format_path(parameters.path) if parameters.path is not None else parameters.text
+        problem = None if parameters.path is None else find_yaml_error(parameters.path, model.source.finder)
         if problem is not None:
             broken = Location("yaml", problem.span)
             yield rule.finding("broken", at=broken, related=[parameters.element], reason=str(problem))
@@ -65,67 +65,75 @@ def _files(model: Model, rule: Rule) -> Iterator[Finding]:
             )
 
 
-def _unknown(model: Model, rule: Rule, associated: Associated, elsewhere: Elsewhere) -> Iterator[Finding]:
+def _check_unknown_joints(
+    model: Model, rule: Rule, associated: AssociatedConfiguration, elsewhere: PackageNames
+) -> Iterator[Finding]:
     """One finding for each name that no joint has, and no other robot of the package; one for each controller of a file of
     which the robot has nothing, though it names the file itself."""
     configuration = associated.configuration
     # What ros2_control calls a joint and the robot has not is an error of that block.
-    known = model.joint_by_name.keys() | (command_interfaces(model) or {}).keys()
-    if associated.named is not None and not configuration.names & known:
-        yield from _none(model, rule, associated, elsewhere)
+    known = model.joint_by_name.keys() | (collect_command_interfaces(model) or {}).keys()
+    if associated.named_at is not None and not configuration.joint_names & known:
+        yield from _check_foreign_controllers(model, rule, associated, elsewhere)
         return
-    uses: dict[str, list[tuple[Controller, Value]]] = {}
+    uses: dict[str, list[tuple[Controller, YamlValue]]] = {}
     for controller in configuration.controllers:
-        missing = [j for j in controller.joints if j.text not in known and not elsewhere.may_have("joint", j.text)]
+        missing = [
+            j for j in controller.joints if j.text not in known and not elsewhere.can_package_have("joint", j.text)
+        ]
         # A controller of which the robot has nothing may be for a tool that it can be given.
-        free = _free(model, controller)
-        own = len(missing) < len(controller.joints) or any(nearest(j.text, free) for j in missing[:MOST_HINTS])
+        free = _list_unnamed_joints(model, controller)
+        own = len(missing) < len(controller.joints) or any(
+            find_nearest_name(j.text, free) for j in missing[:MOST_HINTS]
+        )
         for joint in missing if own else ():
             uses.setdefault(joint.text, []).append((controller, joint))
     for index, (name, found) in enumerate(uses.items()):
-        free = _free(model, found[0][0]) if index < MOST_HINTS else frozenset[str]()
-        near = only_near(name, free)
-        edits = [edit for _, value in found for edit in value.replaced(near)] if near is not None else []
+        free = _list_unnamed_joints(model, found[0][0]) if index < MOST_HINTS else frozenset[str]()
+        near = find_only_near_name(name, free)
+        edits = [edit for _, value in found for edit in value.build_edits(near)] if near is not None else []
         yield rule.finding(
             "unknown",
             at=found[0][1],
-            related=[*(value for _, value in found[1:]), *_of(associated.named)],
+            related=[*(value for _, value in found[1:]), *_to_list(associated.named_at)],
             edits=edits,
-            controller=listed(dict.fromkeys(controller.name for controller, _ in found)),
+            controller=join_names(dict.fromkeys(controller.name for controller, _ in found)),
             joint=name,
-            near=hint(name, free),
+            near=format_name_hint(name, free),
         )
 
 
-def _free(model: Model, controller: Controller) -> frozenset[str]:
+def _list_unnamed_joints(model: Model, controller: Controller) -> frozenset[str]:
     """The joints that a controller does not name: what an unknown name in it may mean."""
     return frozenset(model.joint_by_name) - {joint.text for joint in controller.joints}
 
 
-def _none(model: Model, rule: Rule, associated: Associated, elsewhere: Elsewhere) -> Iterator[Finding]:
+def _check_foreign_controllers(
+    model: Model, rule: Rule, associated: AssociatedConfiguration, elsewhere: PackageNames
+) -> Iterator[Finding]:
     """The controllers of another robot; not where other arguments may give the joints of this one their names."""
     for controller in associated.configuration.controllers:
         names = [joint.text for joint in controller.joints]
-        if not any(elsewhere.variants_may_have("joint", name) for name in names):
+        if not any(elsewhere.can_variants_have("joint", name) for name in names):
             yield rule.finding(
                 "none",
                 at=controller.key,
-                related=_of(associated.named),
+                related=_to_list(associated.named_at),
                 controller=controller.name,
-                joints=listed(names),
-                own=listed(joint.name for joint in model.joints if joint.moves) or "no joint that moves",
+                joints=join_names(names),
+                own=join_names(joint.name for joint in model.joints if joint.is_movable) or "no joint that moves",
             )
 
 
-def _uncommanded(model: Model, rule: Rule, associated: Associated) -> Iterator[Finding]:
+def _check_command_interfaces(model: Model, rule: Rule, associated: AssociatedConfiguration) -> Iterator[Finding]:
     """Joints that a controller of ros2_control cannot claim."""
-    offered = command_interfaces(model)
+    offered = collect_command_interfaces(model)
     if offered is None:
         return
     told: set[str] = set()
     for controller in associated.configuration.controllers:
-        wanted = controller.commands if controller.dialect == "ros2" else ()
-        for value in controller.commanded if wanted else ():
+        wanted = controller.claimed_interfaces if controller.dialect == "ros2" else ()
+        for value in controller.commanded_joints if wanted else ():
             joint = model.joint_by_name.get(value.text)
             lacking = [kind for kind in wanted if kind not in offered.get(value.text, ())]
             if joint is None or not lacking or value.text in told:
@@ -141,22 +149,24 @@ def _uncommanded(model: Model, rule: Rule, associated: Associated) -> Iterator[F
                 yield rule.finding("interface", at=value, severity=Severity.WARNING, related=[joint], own=kinds, **data)
 
 
-def _wheels(
-    model: Model, rule: Rule, associated: Associated, elsewhere: Elsewhere, rel_tol: float
+def _check_wheel_geometry(
+    model: Model, rule: Rule, associated: AssociatedConfiguration, elsewhere: PackageNames, rel_tol: float
 ) -> Iterator[Finding]:
     for controller in associated.configuration.controllers:
         if not controller.type.startswith("diff_drive_controller/"):
             continue
-        left, right = sides(controller)
+        left, right = list_drive_wheels(controller)
         names = [value.text for value in (*left, *right)]
         if not left or not right or not all(name in model.joint_by_name for name in names):
             continue
         # Wheels of this name on another robot of the package: the numbers may be that one's.
-        if associated.named is None and any(elsewhere.others_have("joint", name) for name in names):
+        if associated.named_at is None and any(elsewhere.can_others_have("joint", name) for name in names):
             continue
-        measured = [(value, "wheel_radius", radii(model, value)) for value in names[:1]]
+        measured = [(value, "wheel_radius", measure_wheel_radii(model, value)) for value in names[:1]]
         if len(left) == len(right) == 1:  # of a skid steer the track is tuned to the ground
-            measured.append((names[0], "wheel_separation", separations(model, left[0].text, right[0].text)))
+            measured.append(
+                (names[0], "wheel_separation", measure_wheel_separations(model, left[0].text, right[0].text))
+            )
         for _, key, real in measured:
             typed = controller.parameters.get(key)
             value = None if typed is None else typed.number
@@ -169,7 +179,7 @@ def _wheels(
                     at=typed,
                     related=[model.joint_by_name[name] for name in names],
                     severity=Severity.WARNING,
-                    edits=typed.replaced(f"{nearest_real:.4g}"),
+                    edits=typed.build_edits(f"{nearest_real:.4g}"),
                     controller=controller.name,
                     value=value,
                     real=nearest_real,
@@ -179,5 +189,5 @@ def _wheels(
                 )
 
 
-def _of(named: Located | None) -> list[Located]:
+def _to_list(named: Located | None) -> list[Located]:
     return [] if named is None else [named]

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.motion.joint_loads import mobility
+from urdfcheck.model.motion.joint_loads import summarize_mass_matrix
 
 
 def check(model: Model, rule: Rule, *, limit: float) -> Iterator[Finding]:
-    found = mobility(model)
-    if found is None or found.light is None or not found.number > limit:
+    found = summarize_mass_matrix(model)
+    if found is None or found.light_joint is None or not found.condition_number > limit:
         return
-    joint = found.light
+    joint = found.light_joint
     link = model.link_by_name[joint.child]
     yield rule.finding(
         "light",
@@ -21,10 +21,10 @@ def check(model: Model, rule: Rule, *, limit: float) -> Iterator[Finding]:
         related=[joint],
         link=link.name,
         joint=joint.name,
-        number=found.number,
+        number=found.condition_number,
         limit=limit,
-        own=found.own,
-        moved=found.moved,
+        own=found.own_inertia,
+        moved=found.moved_inertia,
         unit="kg" if joint.type == "prismatic" else "kg·m²",
-        enough=0.01 * found.moved,
+        enough=0.01 * found.moved_inertia,
     )

@@ -7,23 +7,23 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
-from urdfcheck.model.motion.joint_loads import Overload, overloads
+from urdfcheck.model.motion.joint_loads import Overload, find_overloads
 
 
 def check(model: Model, rule: Rule, *, rare: float, far: float) -> Iterator[Finding]:
     groups: dict[tuple[float, bool], list[Overload]] = {}
-    for load in overloads(model):
-        key = (load.joint.limit_value("effort") or 0.0, load.joint.type == "prismatic")
+    for load in find_overloads(model):
+        key = (load.joint.get_limit_value("effort") or 0.0, load.joint.type == "prismatic")
         groups.setdefault(key, []).append(load)
     for (effort, slides), loads in groups.items():
         # Arms that are alike stay in the file's order, whatever the last digits say.
         worst_first = sorted(loads, key=lambda load: -float(f"{load.torque:.3g}"))
-        yield _together(rule, effort, "N" if slides else "N·m", worst_first, model.samples, rare, far)
+        yield _build_group_finding(rule, effort, "N" if slides else "N·m", worst_first, model.samples, rare, far)
 
 
-def _together(
+def _build_group_finding(
     rule: Rule, effort: float, unit: str, loads: list[Overload], samples: int, rare: float, far: float
 ) -> Finding:
     """One finding for all joints with one effort limit: it was written for all of them."""
@@ -43,15 +43,15 @@ def _together(
         unit=unit,
         count=count,
         samples=samples,
-        others=f"; the same limit is too small for {listed(others)}" if others else "",
-        passes=_rounded_up(worst.torque),
-        pose=worst.pose,
-        joints={load.joint.name: {"torque": load.torque, "passes": _rounded_up(load.torque)} for load in loads},
+        others=f"; the same limit is too small for {join_names(others)}" if others else "",
+        passes=_round_up(worst.torque),
+        pose=worst.joint_values,
+        joints={load.joint.name: {"torque": load.torque, "passes": _round_up(load.torque)} for load in loads},
     )
     return replace(finding, subjects=tuple(a.location.subject for a in attributes))
 
 
-def _rounded_up(torque: float) -> float:
+def _round_up(torque: float) -> float:
     """The next number with three digits."""
     step = 10.0 ** (math.floor(math.log10(torque)) - 2)
     return float(f"{math.ceil(torque / step) * step:.3g}")

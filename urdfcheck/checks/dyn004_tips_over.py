@@ -9,10 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import listed
-from urdfcheck.facts.motion.contact import SLACK, Fall, Stand, fall, stand
+from urdfcheck.core.text import join_names
+from urdfcheck.facts.motion.contact import SLACK, GroundSupport, TipOver, compute_ground_support, simulate_tipping
 from urdfcheck.model import Model
-from urdfcheck.model.ground.support_polygon import LEG, Mass, contacts, corners, is_free, masses
+from urdfcheck.model.ground.support_polygon import (
+    LEG,
+    LinkMass,
+    collect_robot_corners,
+    compute_contact_points,
+    is_free_standing,
+    list_link_masses,
+)
 from urdfcheck.model.ground.wheels import is_suspended
 
 if TYPE_CHECKING:
@@ -27,20 +34,20 @@ _FALLEN = math.radians(60)
 
 def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Finding]:
     wheels = {wheel.joint.child: wheel for wheel in model.wheels}
-    if not is_free(model):
+    if not is_free_standing(model):
         return
-    weights = masses(model)
-    base = model.tree.body(model.tree.root)
+    weights = list_link_masses(model)
+    base = model.tree.list_body_links(model.tree.root)
     if not any(weight.link.name in base for weight in weights):
         return  # what everything hangs on weighs nothing: the masses are not those of a robot
-    points, owners = corners(model, wheels)
+    points, owners = collect_robot_corners(model, wheels)
     if not len(points):
         return
     com = np.average([w.com for w in weights], axis=0, weights=[w.mass for w in weights])
-    supports = _supports(model, points, owners, com, math.radians(rest))
+    supports = _find_ground_links(model, points, owners, com, math.radians(rest))
     if not _is_standing(model, supports, wheels):
         return
-    now = stand(points, owners, com)
+    now = compute_ground_support(points, owners, com)
     # Legs, with wheels on them or not, need not stand with all joints at zero.
     meant = any(not is_suspended(model, name) for name in supports if name in wheels)
     severity: Severity | None
@@ -48,30 +55,34 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
     if now.tip_angle >= -SLACK:
         # On a slope the plumb line meets the ground farther down, as if the COM were there on level ground.
         downhill = com + math.tan(math.radians(slope)) * now.height * now.outwards
-        if not meant or math.degrees(fall(points, owners, downhill, _FALLEN).tilt) <= rest:
+        if not meant or math.degrees(simulate_tipping(points, owners, downhill, _FALLEN).tilt) <= rest:
             return
         message, severity, told = "slope", Severity.INFO, {"slope": slope}
     else:
-        end = fall(points, owners, com, _FALLEN)
+        end = simulate_tipping(points, owners, com, _FALLEN)
         if math.degrees(end.tilt) <= rest:
             return
-        message, severity, told = "tips", None if meant else Severity.INFO, {"outcome": _outcome(model, end, owners)}
-    worst = _worst(weights, now)
-    touching = {name: _rounded(place) for name, place in contacts(model, points, owners, now).items()}
+        message, severity, told = (
+            "tips",
+            None if meant else Severity.INFO,
+            {"outcome": _describe_outcome(model, end, owners)},
+        )
+    worst = _find_tipping_link(weights, now)
+    touching = {name: _round_point(place) for name, place in compute_contact_points(model, points, owners, now).items()}
     assert worst.link.inertial is not None
     yield rule.finding(
         message,
         at=worst.link.inertial,
         severity=severity,
-        supports=listed(touching),
+        supports=join_names(touching),
         contacts=touching,
-        polygon=[_rounded(corner) for corner in now.polygon],
-        **_data(weights, worst, now, com),
+        polygon=[_round_point(corner) for corner in now.polygon],
+        **_collect_data(weights, worst, now, com),
         **told,
     )
 
 
-def _supports(model: Model, points: Array, owners: NDArray[np.int64], com: Array, rest: float) -> list[str]:
+def _find_ground_links(model: Model, points: Array, owners: NDArray[np.int64], com: Array, rest: float) -> list[str]:
     """The links that touch the ground, or do when the robot is tilted by ``rest`` (rad)."""
     heights = points[:, 2] - points[:, 2].min()
     reach = np.linalg.norm(points[:, :2] - com[:2], axis=1)
@@ -82,7 +93,7 @@ def _supports(model: Model, points: Array, owners: NDArray[np.int64], com: Array
 def _is_standing(model: Model, supports: Sequence[str], wheels: Collection[str]) -> bool:
     """Whether it is meant to stand by itself: on three bodies, wheels among them, or on three legs. What has two wheels or two
     feet is kept upright by its controller."""
-    if len({model.tree.body(name)[0] for name in supports}) < 3:
+    if len({model.tree.list_body_links(name)[0] for name in supports}) < 3:
         return False
     if wheels:  # most of them touch, unless the root's z does not point up
         return 2 * sum(name in wheels for name in supports) > len(wheels)
@@ -90,22 +101,22 @@ def _is_standing(model: Model, supports: Sequence[str], wheels: Collection[str])
 
 
 def _is_leg(model: Model, name: str) -> bool:
-    path = [joint for joint in model.tree.path(name) if joint.moves]
+    path = [joint for joint in model.tree.find_path_to(name) if joint.is_movable]
     return len(path) > 1 and any(LEG.search(f"{joint.name} {joint.child}") for joint in path)
 
 
-def _worst(weights: Sequence[Mass], now: Stand) -> Mass:
+def _find_tipping_link(weights: Sequence[LinkMass], now: GroundSupport) -> LinkMass:
     """The link that pulls the most over the nearest edge."""
     return max(weights, key=lambda w: w.mass * float((w.com - now.nearest) @ now.outwards))
 
 
-def _outcome(model: Model, end: Fall, owners: NDArray[np.int64]) -> str:
-    if end.touched is None or not math.isfinite(end.tilt):
+def _describe_outcome(model: Model, end: TipOver, owners: NDArray[np.int64]) -> str:
+    if end.last_contact is None or not math.isfinite(end.tilt):
         return "it falls over"
-    return f"it comes to rest tilted by {math.degrees(end.tilt):.0f}°, on {model.tree.order[owners[end.touched]]}"
+    return f"it comes to rest tilted by {math.degrees(end.tilt):.0f}°, on {model.tree.order[owners[end.last_contact]]}"
 
 
-def _data(weights: Sequence[Mass], worst: Mass, now: Stand, com: Array) -> dict[str, Any]:
+def _collect_data(weights: Sequence[LinkMass], worst: LinkMass, now: GroundSupport, com: Array) -> dict[str, Any]:
     total = sum(weight.mass for weight in weights)
     heaviest = max(weights, key=lambda w: w.mass)
     x, y, _ = now.outwards.tolist()
@@ -114,21 +125,21 @@ def _data(weights: Sequence[Mass], worst: Mass, now: Stand, com: Array) -> dict[
         "side": _SIDES[round(math.atan2(y, x) / (math.pi / 2)) % 4],
         "angle": max(0.0, math.degrees(now.tip_angle)),
         "height": now.height * 1e3,
-        "com": _rounded(com),
-        "com_text": _text(com),
+        "com": _round_point(com),
+        "com_text": _format_point(com),
         "mass": total,
         "worst": worst.link.name,
         "worst_mass": worst.mass,
-        "worst_com": _text(worst.com),
+        "worst_com": _format_point(worst.com),
         "heaviest": heaviest.link.name,
         "suspects": " and of ".join(dict.fromkeys((worst.link.name, heaviest.link.name))),
         "share": heaviest.mass / total,
     }
 
 
-def _rounded(place: Array) -> list[float]:
+def _round_point(place: Array) -> list[float]:
     return [round(float(v), 6) + 0.0 for v in place]
 
 
-def _text(place: Array) -> str:
+def _format_point(place: Array) -> str:
     return " ".join(f"{round(float(v), 3) + 0.0:g}" for v in place)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Finding, Located, Rule
-from urdfcheck.core.drop_test import LATER, STEP, Drop, Release
+from urdfcheck.core.drop_test import LATE_SECONDS, STEP, DropTest, ReleaseResult
 from urdfcheck.model import Model
 
 # Contacts that are as deep as the deepest but for rounding: of these the first one is told.
@@ -15,17 +15,19 @@ _AS_DEEP = 0.99
 
 def check(model: Model, rule: Rule, *, gain: float, sink: float) -> Iterator[Finding]:
     found = model.drop
-    for release, message, told in _complaints(found, gain, sink):
+    for release, message, told in _iter_drop_defects(found, gain, sink):
         link = model.link_by_name[told["link"]]
         inertial = link.inertial
         at: Located = link if inertial is None else inertial
         own = 0.0 if inertial is None else inertial.mass or 0.0
         torques = "its joints held where they are" if release.held else "no torques"
-        yield rule.finding(message, at=at, torques=torques, own=own, seconds=LATER, step=1e3 * STEP, **told)
+        yield rule.finding(message, at=at, torques=torques, own=own, seconds=LATE_SECONDS, step=1e3 * STEP, **told)
         return  # the worst one: what gains energy or sinks in may well burst
 
 
-def _complaints(found: Drop, gain: float, sink: float) -> Iterator[tuple[Release, str, dict[str, Any]]]:
+def _iter_drop_defects(
+    found: DropTest, gain: float, sink: float
+) -> Iterator[tuple[ReleaseResult, str, dict[str, Any]]]:
     """What is wrong with how it fell, the worst first, and the numbers that say so; ``link`` is where it shows."""
     releases = (found.free, found.held)
     for release in releases:
@@ -35,11 +37,11 @@ def _complaints(found: Drop, gain: float, sink: float) -> Iterator[tuple[Release
         joules = found.free.gain * found.mass * 9.81 * found.size
         yield found.free, "gains", {"link": found.free.fastest, "gain": found.free.gain, "joules": joules}
     for release in releases:
-        stands = release.settled is not None and not (release.tipped or release.saturated)
+        stands = release.settled is not None and not (release.has_tipped or release.saturated)
         if stands and release.depth > sink * found.soft:
             deepest = next(touching for touching in release.touching if touching.depth >= _AS_DEEP * release.depth)
             numbers = {"depth": 1e3 * deepest.depth, "load": deepest.load, "soft": 1e3 * found.soft}
             yield release, "sinks", {"link": deepest.link, **numbers}
     later = found.later
-    if later is not None and later.restless and later.speed is not None:
+    if later is not None and later.is_restless and later.speed is not None:
         yield later, "restless", {"link": later.moving, "speed": 1e3 * later.speed, "slow": 1e3 * found.slow}

@@ -7,7 +7,7 @@ from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.model import Model, Shape
-from urdfcheck.source.text.values import numbers
+from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Attribute
 
 # The attributes that hold dimensions, with what each of their numbers is called.
@@ -29,13 +29,17 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for link in model.links:
         for shape in (*link.visuals, *link.collisions):
             for name, parts in _DIMENSIONS.get(shape.kind or "", {}).items():
-                attribute = None if shape.shape is None else shape.shape.attributes.get(name)
-                values = None if attribute is None else numbers(attribute.value, len(parts))
+                attribute = None if shape.geometry_element is None else shape.geometry_element.attributes.get(name)
+                values = None if attribute is None else parse_numbers(attribute.value, len(parts))
                 if attribute is not None and values is not None:
-                    yield from _judge(rule, link.name, shape, attribute, dict(zip(parts, values, strict=True)))
+                    yield from _check_dimensions(
+                        rule, link.name, shape, attribute, dict(zip(parts, values, strict=True))
+                    )
 
 
-def _judge(rule: Rule, link: str, shape: Shape, attribute: Attribute, values: dict[str, float]) -> Iterator[Finding]:
+def _check_dimensions(
+    rule: Rule, link: str, shape: Shape, attribute: Attribute, values: dict[str, float]
+) -> Iterator[Finding]:
     mesh = shape.kind == "mesh"  # where a negative scale mirrors, which is no wrong size
     negative = [part for part, value in values.items() if value < 0 and not mesh]
     # A capsule without a cylinder between its caps is a sphere.
@@ -50,7 +54,7 @@ def _judge(rule: Rule, link: str, shape: Shape, attribute: Attribute, values: di
         "consequences": {"mujoco": DRAWN if shape.role == "visual" else FLAT if mesh else REFUSED},
     }
     if negative:
-        yield rule.finding("negative", at=attribute, edits=_edits(attribute), **data)
+        yield rule.finding("negative", at=attribute, edits=_propose_edits(attribute), **data)
     elif zero and mesh:
         severity = Severity.WARNING if shape.role == "visual" else None
         yield rule.finding("flattened", at=attribute, severity=severity, axes=", ".join(zero), **data)
@@ -60,7 +64,7 @@ def _judge(rule: Rule, link: str, shape: Shape, attribute: Attribute, values: di
         yield rule.finding("zero", at=attribute, **data)
 
 
-def _edits(attribute: Attribute) -> tuple[Edit, ...]:
+def _propose_edits(attribute: Attribute) -> tuple[Edit, ...]:
     """The same numbers without their minus signs, where they are typed as such."""
     if not attribute.literal or attribute.span is None:
         return ()

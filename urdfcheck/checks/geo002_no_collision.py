@@ -7,14 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Link, Model
-from urdfcheck.model.rigid_bodies import Body, bodies
-from urdfcheck.model.shapes.bounds import bounds, is_token
+from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_rigid_bodies
+from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
 
 
 def check(model: Model, rule: Rule, *, sheltered: float, majority: float) -> Iterator[Finding]:
-    moving = [body for body in bodies(model) if body.moves and _drawn(model, body)]
+    moving = [body for body in list_rigid_bodies(model) if body.is_movable and _list_drawn_links(model, body)]
     if not moving:
         return
     if not any(link.collisions for link in model.links):
@@ -22,12 +22,12 @@ def check(model: Model, rule: Rule, *, sheltered: float, majority: float) -> Ite
         at = model.location if name is None else name.location
         yield rule.finding("none", at=at, severity=Severity.INFO, robot=model.name, bodies=len(moving))
         return
-    bare = [body for body in moving if not _collides(model, body)]
-    missing = [body for body in bare if not _is_let_off(model, body, sheltered)]
+    bare = [body for body in moving if not _has_collision(model, body)]
+    missing = [body for body in bare if not _is_exempt(model, body, sheltered)]
     if not missing:
         return
     if len(bare) > (1 - majority) * len(moving):
-        heads = [_drawn(model, body)[0] for body in missing]
+        heads = [_list_drawn_links(model, body)[0] for body in missing]
         yield rule.finding(
             "most",
             at=heads[0],
@@ -35,63 +35,65 @@ def check(model: Model, rule: Rule, *, sheltered: float, majority: float) -> Ite
             severity=Severity.INFO,
             bare=len(bare),
             bodies=len(moving),
-            links=listed(link.name for link in heads),
+            links=join_names(link.name for link in heads),
         )
         return
     for body in missing:
-        link = _drawn(model, body)[0]
+        link = _list_drawn_links(model, body)[0]
         joint = model.tree.parent_joint[body.links[0]]
         yield rule.finding("missing", at=link, link=link.name, joint=joint.name, bodies=len(moving) - len(bare))
 
 
-def _drawn(model: Model, body: Body) -> list[Link]:
+def _list_drawn_links(model: Model, body: RigidLinkGroup) -> list[Link]:
     """The links of a body that draw something."""
     links = [model.link_by_name[name] for name in body.links]
-    return [link for link in links if any(not is_token(shape) for shape in link.visuals)]
+    return [link for link in links if any(not is_dummy_shape(shape) for shape in link.visuals)]
 
 
-def _collides(model: Model, body: Body) -> bool:
+def _has_collision(model: Model, body: RigidLinkGroup) -> bool:
     return any(model.link_by_name[name].collisions for name in body.links)
 
 
-def _is_let_off(model: Model, body: Body, sheltered: float) -> bool:
+def _is_exempt(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
     """Whether a body needs no collision: it is a marker, it carries wheels, or it lies inside its neighbour's collision."""
     weighs = any(model.link_by_name[name].inertial is not None for name in body.links)
     if not weighs and any(link.inertial is not None for link in model.links):
         return True
-    return _carries_wheels(model, body) or _is_sheltered(model, body, sheltered)
+    return _is_wheel_carrier(model, body) or _is_sheltered(model, body, sheltered)
 
 
-def _carries_wheels(model: Model, body: Body) -> bool:
+def _is_wheel_carrier(model: Model, body: RigidLinkGroup) -> bool:
     """A caster's fork, a steering knuckle, a rocker: everything it moves is a wheel, and a wheel moves nothing further."""
     tree = model.tree
     joints = [j for name in body.links for j in tree.child_joints[name] if j.type != "fixed"]
     return bool(joints) and all(
         joint.type == "continuous"
-        and any(model.link_by_name[name].collisions for name in tree.body(joint.child))
-        and not any(j.moves for name in tree.body(joint.child) for j in tree.child_joints[name])
+        and any(model.link_by_name[name].collisions for name in tree.list_body_links(joint.child))
+        and not any(j.is_movable for name in tree.list_body_links(joint.child) for j in tree.child_joints[name])
         for joint in joints
     )
 
 
-def _is_sheltered(model: Model, body: Body, sheltered: float) -> bool:
+def _is_sheltered(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
     """Whether the box round what a body draws lies within the box round the collision of a body that it is joined to."""
     tree = model.tree
     near = [tree.parent_joint[body.links[0]].parent]
     near += [j.child for name in body.links for j in tree.child_joints[name] if j.type != "fixed"]
     # Along the axes of the link that draws, so that the root's orientation does not matter.
     home = np.linalg.inv(model.frames[body.links[0]])
-    drawn = bounds(model, [(s, home @ model.frames[n]) for n in body.links for s in model.link_by_name[n].visuals])
+    drawn = compute_bounding_box(
+        model, [(s, home @ model.frames[n]) for n in body.links for s in model.link_by_name[n].visuals]
+    )
     if drawn is None:
         return False
     slack = sheltered * float(np.linalg.norm(drawn[1] - drawn[0]))
     for neighbour in near:
         placed = [
             (shape, home @ model.frames[name])
-            for name in tree.body(neighbour)
+            for name in tree.list_body_links(neighbour)
             for shape in model.link_by_name[name].collisions
         ]
-        around = bounds(model, placed)
+        around = compute_bounding_box(model, placed)
         if around is not None and (around[0] - slack <= drawn[0]).all() and (drawn[1] <= around[1] + slack).all():
             return True
     return False

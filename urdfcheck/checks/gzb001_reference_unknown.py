@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import SLIP, hint, listed, only_near
+from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
-from urdfcheck.source.text.tokens import replacing
+from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute
 
 # What is left of ``${side}`` when its dollar sign is lost; with it, it is XML that nothing has expanded.
@@ -19,41 +19,41 @@ _TEMPLATE = re.compile(r"(?<!\$)\{[^{}]*\}")
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     known = {*model.link_by_name, *model.joint_by_name}
     unknown: dict[str, list[Attribute]] = {}
-    for element in model.robot.all("gazebo"):
+    for element in model.robot.find_children("gazebo"):
         reference = element.attributes.get("reference")
         if reference is not None and reference.value and reference.value not in known:
             unknown.setdefault(reference.value, []).append(reference)
     templates = [use for name, uses in unknown.items() if _TEMPLATE.search(name) for use in uses]
     if templates:
-        yield _unfilled(rule, templates)
+        yield _build_template_finding(rule, templates)
     for name, uses in unknown.items():
         if not _TEMPLATE.search(name):
-            near = only_near(name, known, SLIP)
+            near = find_only_near_name(name, known, SLIP_LIKENESS)
             yield rule.finding(
                 "unknown",
                 at=uses[0],
-                related=[*uses[0].related(), *uses[1:]],
-                edits=replacing(uses, near) if near is not None else (),
+                related=[*uses[0].collect_definitions(), *uses[1:]],
+                edits=build_replacement_edits(uses, near) if near is not None else (),
                 reference=name,
-                near=hint(name, known),
-                content=_content(uses),
+                near=format_name_hint(name, known),
+                content=_list_child_tags(uses),
             )
 
 
-def _unfilled(rule: Rule, uses: list[Attribute]) -> Finding:
+def _build_template_finding(rule: Rule, uses: list[Attribute]) -> Finding:
     """One finding for all references that one script has left as it found them."""
     finding = rule.finding(
         "template",
         at=uses[0],
         related=uses[1:10],
-        names=listed(dict.fromkeys(use.value for use in uses)),
+        names=join_names(dict.fromkeys(use.value for use in uses)),
         which="1 <gazebo> block refers" if len(uses) == 1 else f"{len(uses)} <gazebo> blocks refer",
         example=_TEMPLATE.findall(uses[0].value)[0],
-        content=_content(uses),
+        content=_list_child_tags(uses),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(use.location.subject for use in uses)))
 
 
-def _content(uses: list[Attribute]) -> str:
+def _list_child_tags(uses: list[Attribute]) -> str:
     """What the blocks would set."""
     return ", ".join(dict.fromkeys(child.tag for use in uses for child in use.owner.children)) or "content"

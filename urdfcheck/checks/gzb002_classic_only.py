@@ -7,14 +7,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
-from urdfcheck.source.text.tokens import content_of, replacing
+from urdfcheck.source.text.tokens import build_replacement_edits, find_content_span
 from urdfcheck.source.text.xml import Attribute, Element
 
 # Libraries of gazebo_ros_pkgs, gazebo_ros2_control, gazebo_ros_control and hector_gazebo: all are built for Classic.
 _CLASSIC = re.compile(r"^(?:lib)?(gazebo_ros\w*|hector_gazebo_ros\w*)(?:\.so)?$")
-_SYSTEMS = "the sensor itself: gz-sim-sensors-system renders it and ros_gz_bridge brings it to ROS"
+_SENSOR_SYSTEM = "the sensor itself: gz-sim-sensors-system renders it and ros_gz_bridge brings it to ROS"
 _REPLACEMENTS = {
     "gazebo_ros_control": "gz_ros2_control (ROS 2): filename gz_ros2_control-system",
     "gazebo_ros2_control": "gz_ros2_control: filename gz_ros2_control-system, name {name}",
@@ -38,7 +38,7 @@ _REPLACEMENTS = {
     "gazebo_ros_gps_sensor": "gz-sim-navsat-system with a navsat sensor",
     "hector_gazebo_ros_gps": "gz-sim-navsat-system with a navsat sensor",
     "hector_gazebo_ros_magnetic": "gz-sim-magnetometer-system with a magnetometer sensor",
-    "hector_gazebo_ros_sonar": _SYSTEMS,
+    "hector_gazebo_ros_sonar": _SENSOR_SYSTEM,
 }
 # Its successor reads the same parameters: only the names change.
 _SUCCEEDED = "gazebo_ros2_control"
@@ -48,10 +48,10 @@ _SENSORS = re.compile(r"camera|kinect|laser|ray|range|prosilica|velodyne")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    gazebo = [e for extension in model.robot.all("gazebo") for e in extension.walk()]
+    gazebo = [e for extension in model.robot.find_children("gazebo") for e in extension.walk()]
     materials = [e for e in gazebo if e.text.strip().startswith("Gazebo/") and e.span is not None]
     if materials:
-        yield _materials(rule, materials)
+        yield _build_material_finding(rule, materials)
     plugins: dict[str, list[Attribute]] = {}
     for element in gazebo:
         filename = element.attributes.get("filename")
@@ -59,65 +59,67 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if match and filename is not None:
             plugins.setdefault(match.group(1), []).append(filename)
     if _SUCCEEDED in plugins:
-        yield _plugins(rule, {_SUCCEEDED: plugins.pop(_SUCCEEDED)})
+        yield _build_plugin_finding(rule, {_SUCCEEDED: plugins.pop(_SUCCEEDED)})
     if plugins:
-        yield _plugins(rule, plugins)
-    yield from _hardware(model, rule)
+        yield _build_plugin_finding(rule, plugins)
+    yield from _check_hardware_plugins(model, rule)
 
 
-def _materials(rule: Rule, elements: list[Element]) -> Finding:
+def _build_material_finding(rule: Rule, elements: list[Element]) -> Finding:
     places = list({element.span: element for element in elements}.values())
     finding = rule.finding(
         "material",
         at=places[0],
         related=places[1:],
         which="1 material has a name" if len(elements) == 1 else f"{len(elements)} materials have names",
-        names=listed(dict.fromkeys(element.text.strip() for element in elements)),
+        names=join_names(dict.fromkeys(element.text.strip() for element in elements)),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(element.subject for element in elements)))
 
 
-def _plugins(rule: Rule, plugins: Mapping[str, list[Attribute]]) -> Finding:
+def _build_plugin_finding(rule: Rule, plugins: Mapping[str, list[Attribute]]) -> Finding:
     """One finding for all libraries: the robot was written for Classic."""
     places = list({use.span: use for uses in plugins.values() for use in uses}.values())
     finding = rule.finding(
         "plugin",
         at=places[0],
         related=places[1:],
-        edits=_renamed(plugins[_SUCCEEDED]) if _SUCCEEDED in plugins else (),
+        edits=_propose_edits(plugins[_SUCCEEDED]) if _SUCCEEDED in plugins else (),
         which="1 plugin is" if len(places) == 1 else f"{len(places)} plugins are",
-        libraries=listed(uses[0].value.strip() for uses in plugins.values()),
-        replacement="; ".join(_replacement(library, len(plugins) > 1) for library in plugins),
+        libraries=join_names(uses[0].value.strip() for uses in plugins.values()),
+        replacement="; ".join(_describe_replacement(library, len(plugins) > 1) for library in plugins),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
 
 
-def _replacement(library: str, named: bool) -> str:
+def _describe_replacement(library: str, named: bool) -> str:
     known = _REPLACEMENTS.get(library)
     if known is None:
         known = (
-            _SYSTEMS if _SENSORS.search(library) else "a gz-sim system that does the same, there is none of that name"
+            _SENSOR_SYSTEM
+            if _SENSORS.search(library)
+            else "a gz-sim system that does the same, there is none of that name"
         )
     return (f"for {library} " if named else "") + known.format_map(_CONTROL)
 
 
-def _renamed(uses: list[Attribute]) -> tuple[Edit, ...]:
+def _propose_edits(uses: list[Attribute]) -> tuple[Edit, ...]:
     """The edits that name the successor's library and class; none where one of them is not typed."""
     found: list[Edit] = []
     for name, successor in _CONTROL.items():
         attributes = [use.owner.attributes[name] for use in uses if name in use.owner.attributes]
-        edits = replacing(attributes, successor)
+        edits = build_replacement_edits(attributes, successor)
         if len(attributes) < len(uses) or not edits:
             return ()
         found += edits
     return tuple(found)
 
 
-def _hardware(model: Model, rule: Rule) -> Iterator[Finding]:
-    for control in model.robot.all("ros2_control"):
+def _check_hardware_plugins(model: Model, rule: Rule) -> Iterator[Finding]:
+    for control in model.robot.find_children("ros2_control"):
         for plugin in (e for e in control.walk() if e.tag == "plugin"):
             typed = plugin.text.strip()
             if typed.startswith("gazebo_ros2_control/"):
-                span = content_of(plugin, model.source.files)
+                span = find_content_span(plugin, model.source.files)
                 edits = [Edit(span, typed, _HARDWARE)] if span is not None and typed.endswith("/GazeboSystem") else []
                 yield rule.finding("hardware", at=plugin, edits=edits, plugin=typed, control=control.get("name"))

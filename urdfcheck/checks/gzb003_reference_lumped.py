@@ -7,18 +7,18 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.inertials.fixed_joint_lumping import (
     PRESERVE,
-    Merged,
-    Reduction,
-    is_merged,
-    is_true,
-    preserved,
-    reduced,
+    FixedJointReduction,
+    MergedShape,
+    find_preserved_names,
+    is_merged_joint,
+    is_true_flag,
+    reduce_fixed_joints,
 )
-from urdfcheck.source.text.tokens import replacing
+from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
 
 # What sdformat writes into each collision, and into each visual, of the link that a block names.
@@ -29,47 +29,49 @@ _VISUAL = frozenset({"material", "visual"})
 
 
 # What still matters when the joint is gone: the rest only sets how a moving joint is solved.
-_MATTERS = frozenset({"sensor", "plugin"})
+_FUNCTIONAL_TAGS = frozenset({"sensor", "plugin"})
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    reduction, kept = reduced(model), preserved(model)
-    blocks = [block for block in model.robot.all("gazebo") if block.get("reference")]
-    collisions, visuals = _unreached(reduction.collisions), _unreached(reduction.visuals)
+    reduction, kept = reduce_fixed_joints(model), find_preserved_names(model)
+    blocks = [block for block in model.robot.find_children("gazebo") if block.get("reference")]
+    collisions, visuals = _group_unreached_shapes(reduction.collisions), _group_unreached_shapes(reduction.visuals)
     lost: dict[bool, list[Element]] = {}
     for block in blocks:
         reference = block.attributes["reference"]
         link, joint = model.link_by_name.get(reference.value), model.joint_by_name.get(reference.value)
-        yield from _misplaced(model, block, reference, link, joint, rule)
+        yield from _check_preserve_flag(model, block, reference, link, joint, rule)
         if link is not None:
-            yield from _surface("collision", _COLLISION, block, collisions[link.name], rule)
-            yield from _surface("visual", _VISUAL, block, visuals[link.name], rule)
-        elif joint is not None and is_merged(joint, kept):
+            yield from _check_surface_settings("collision", _COLLISION, block, collisions[link.name], rule)
+            yield from _check_surface_settings("visual", _VISUAL, block, visuals[link.name], rule)
+        elif joint is not None and is_merged_joint(joint, kept):
             tags = {child.tag for child in block.children}.difference(PRESERVE)
             if tags:
-                lost.setdefault(bool(tags & _MATTERS), []).append(block)
+                lost.setdefault(bool(tags & _FUNCTIONAL_TAGS), []).append(block)
     for matters, of in lost.items():
-        yield _joints(model, of, reduction, rule, "joint" if matters else "joint-settings")
-    yield from _weightless(model, blocks, reduction, rule)
-    yield from _dropped(model, reduction, kept, rule)
+        yield _build_group_finding(model, of, reduction, rule, "joint" if matters else "joint-settings")
+    yield from _check_gravity_flags(model, blocks, reduction, rule)
+    yield from _check_dropped_links(model, reduction, kept, rule)
 
 
-def _unreached(shapes: tuple[Merged, ...]) -> defaultdict[str, tuple[list[Merged], int]]:
+def _group_unreached_shapes(shapes: tuple[MergedShape, ...]) -> defaultdict[str, tuple[list[MergedShape], int]]:
     """The shapes of each link that do not get what a block says of it, and how many it has."""
-    found: defaultdict[str, tuple[list[Merged], int]] = defaultdict(lambda: ([], 0))
+    found: defaultdict[str, tuple[list[MergedShape], int]] = defaultdict(lambda: ([], 0))
     for shape in shapes:
         lost, count = found[shape.link]
-        if not shape.gets(shape.link):
+        if not shape.is_reached_by(shape.link):
             lost.append(shape)
         found[shape.link] = lost, count + 1
     return found
 
 
-def _content(tags: list[str]) -> str:
-    return listed(dict.fromkeys(tags))
+def _format_tags(tags: list[str]) -> str:
+    return join_names(dict.fromkeys(tags))
 
 
-def _joints(model: Model, blocks: list[Element], reduction: Reduction, rule: Rule, message: str) -> Finding:
+def _build_group_finding(
+    model: Model, blocks: list[Element], reduction: FixedJointReduction, rule: Rule, message: str
+) -> Finding:
     """One finding for all joints that are merged away with what blocks say of them: it comes from one habit."""
     names = [block.get("reference") for block in blocks]
     joint = model.joint_by_name[names[0]]
@@ -79,18 +81,18 @@ def _joints(model: Model, blocks: list[Element], reduction: Reduction, rule: Rul
         at=blocks[0].attributes["reference"],
         severity=Severity.WARNING if message == "joint" else Severity.INFO,
         related=[block.attributes["reference"] for block in blocks[1:10]],
-        edits=dict.fromkeys(e for block in blocks for e in _preserving(model, block)) if message == "joint" else (),
+        edits=dict.fromkeys(e for block in blocks for e in _propose_edits(model, block)) if message == "joint" else (),
         which="joint" if len(blocks) == 1 else f"{len(blocks)} joints",
-        joints=listed(dict.fromkeys(names)),
+        joints=join_names(dict.fromkeys(names)),
         child=joint.child,
-        body=reduction.body[joint.child],
-        content=_content(lost),
+        body=reduction.body_by_link[joint.child],
+        content=_format_tags(lost),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(block.subject for block in blocks)))
 
 
-def _surface(
-    role: str, tags: frozenset[str], block: Element, shapes: tuple[list[Merged], int], rule: Rule
+def _check_surface_settings(
+    role: str, tags: frozenset[str], block: Element, shapes: tuple[list[MergedShape], int], rule: Rule
 ) -> Iterator[Finding]:
     """Settings for the shapes of a link that do not arrive at all of them."""
     settings = [child for child in block.children if child.tag in tags]
@@ -106,7 +108,7 @@ def _surface(
             related=[shape.element for shape in lost[:10]],
             link=first.link,
             body=first.body,
-            content=_content([child.tag for child in settings]),
+            content=_format_tags([child.tag for child in settings]),
             role=role,
             name=first.name,
             some="" if len(lost) == count else f" for {len(lost)} of {count}",
@@ -114,35 +116,37 @@ def _surface(
         )
 
 
-def _weightless(model: Model, blocks: list[Element], reduction: Reduction, rule: Rule) -> Iterator[Finding]:
+def _check_gravity_flags(
+    model: Model, blocks: list[Element], reduction: FixedJointReduction, rule: Rule
+) -> Iterator[Finding]:
     """Gravity switched off for a link that is a small part of a body: the whole body loses it."""
     off: dict[str, dict[str, Element]] = {}
     for block in blocks:
-        flags = [child for child in block.all("turnGravityOff") if is_true(child)]
-        body = reduction.body.get(block.get("reference"))
+        flags = [child for child in block.find_children("turnGravityOff") if is_true_flag(child)]
+        body = reduction.body_by_link.get(block.get("reference"))
         if flags and body is not None:
             off.setdefault(body, {}).setdefault(block.get("reference"), flags[0])
     masses: dict[str, float] = {}
-    for name, body in reduction.body.items():
-        masses[body] = masses.get(body, 0.0) + _mass(model.link_by_name[name])
+    for name, body in reduction.body_by_link.items():
+        masses[body] = masses.get(body, 0.0) + _get_mass(model.link_by_name[name])
     for body, flagged in off.items():
-        own = sum(_mass(model.link_by_name[name]) for name in flagged)
+        own = sum(_get_mass(model.link_by_name[name]) for name in flagged)
         if body not in flagged and own < 0.5 * masses[body]:
             first, *others = flagged.values()
-            links = listed(flagged)
+            links = join_names(flagged)
             yield rule.finding("gravity", at=first, related=others, links=links, body=body, own=own, total=masses[body])
 
 
-def _mass(link: Link) -> float:
+def _get_mass(link: Link) -> float:
     mass = None if link.inertial is None else link.inertial.mass
     return 0.0 if mass is None or mass < 0 else mass
 
 
-def _misplaced(
+def _check_preserve_flag(
     model: Model, block: Element, reference: Attribute, link: Link | None, joint: Joint | None, rule: Rule
 ) -> Iterator[Finding]:
     """A request to keep a joint that is made for something else than a fixed joint."""
-    flag = next((child for child in block.children if child.tag in PRESERVE and is_true(child)), None)
+    flag = next((child for child in block.children if child.tag in PRESERVE and is_true_flag(child)), None)
     if flag is None or (joint is not None and joint.type == "fixed"):
         return
     if joint is not None:
@@ -154,16 +158,18 @@ def _misplaced(
         yield rule.finding(
             "link",
             at=reference,
-            edits=replacing([reference], above.name) if above is not None and alone else (),
+            edits=build_replacement_edits([reference], above.name) if above is not None and alone else (),
             flag=flag.tag,
             link=link.name,
             joint=f"joint {above.name}" if above is not None and fixed else "the fixed joint that is meant",
         )
 
 
-def _dropped(model: Model, reduction: Reduction, kept: Mapping[str, Element], rule: Rule) -> Iterator[Finding]:
+def _check_dropped_links(
+    model: Model, reduction: FixedJointReduction, kept: Mapping[str, Element], rule: Rule
+) -> Iterator[Finding]:
     """Joints that are kept although the link below has no mass: sdformat leaves out such a link and all that hangs on it."""
-    heavy = {body for name, body in reduction.body.items() if _mass(model.link_by_name[name]) > 0.0}
+    heavy = {body for name, body in reduction.body_by_link.items() if _get_mass(model.link_by_name[name]) > 0.0}
     above: dict[str, Joint] = {}  # the uppermost such joint of each link that is left out
     hanging: dict[str, int] = {}
     for link in model.tree.order[1:]:
@@ -188,10 +194,10 @@ def _dropped(model: Model, reduction: Reduction, kept: Mapping[str, Element], ru
         )
 
 
-def _preserving(model: Model, block: Element) -> list[Edit]:
+def _propose_edits(model: Model, block: Element) -> list[Edit]:
     """Ask sdformat to keep the joint, first thing in the block. A link without mass would then be left out."""
     span, joint = block.span, model.joint_by_name[block.get("reference")]
-    if span is None or span.file not in model.source.files or _mass(model.link_by_name[joint.child]) == 0.0:
+    if span is None or span.file not in model.source.files or _get_mass(model.link_by_name[joint.child]) == 0.0:
         return []
     text = model.source.files[span.file].text[span.start : span.end]
     if text.endswith("/>") or "$" in text:

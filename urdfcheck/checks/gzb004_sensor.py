@@ -6,12 +6,12 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from urdfcheck.core import Edit, Finding, Location, Rule, Severity, Unavailable
-from urdfcheck.core.text import hint, listed, nearest, only_near, words
+from urdfcheck.core import Edit, FactUnavailableError, Finding, Location, Rule, Severity
+from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names, split_name_words
 from urdfcheck.model import Model
-from urdfcheck.model.inertials.fixed_joint_lumping import Reduction, reduced
-from urdfcheck.source.text.tokens import content_of, replacing
-from urdfcheck.source.text.values import number
+from urdfcheck.model.inertials.fixed_joint_lumping import FixedJointReduction, reduce_fixed_joints
+from urdfcheck.source.text.tokens import build_replacement_edits, find_content_span
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
 
 # Sensor::Load of sdformat 12 to 15, and what only Gazebo Classic has.
@@ -24,7 +24,7 @@ _TYPES = frozenset({
 _RENDERED = re.compile(r"camera|depth|rgbd|thermal|segmentation|boundingbox|gpu_")
 _FRAMES = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id", "optical_frame_id", "frameName", "frame_name"})
 # Frames that somebody else publishes.
-_ELSEWHERE = frozenset({"world", "map", "odom", "earth", "ground_plane"})
+_EXTERNAL_FRAMES = frozenset({"world", "map", "odom", "earth", "ground_plane"})
 # More links than that were not typed by anybody, and each unknown frame is compared with all of them.
 _MOST_COMPARED = 1_000
 # How many names of collisions are told.
@@ -33,7 +33,7 @@ _NEW_GAZEBO = re.compile(r"(?:lib)?(?:gz|ignition-gazebo|gz_ros2_control|ign_ros
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Sensor:
+class _GazeboSensor:
     """``reference``: the link or joint that its block names."""
 
     element: Element
@@ -49,24 +49,24 @@ class _Sensor:
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    blocks = [block for block in model.robot.all("gazebo") if block.get("reference")]
-    sensors = [_Sensor(e, b.get("reference")) for b in blocks for e in b.children if e.tag == "sensor"]
+    blocks = [block for block in model.robot.find_children("gazebo") if block.get("reference")]
+    sensors = [_GazeboSensor(e, b.get("reference")) for b in blocks for e in b.children if e.tag == "sensor"]
     folded = {name.lower(): name for name in model.link_by_name}
     for sensor in sensors:
-        yield from _type(sensor, rule)
-        yield from _rate(sensor, rule)
-        yield from _frames(model, sensor, folded, rule)
+        yield from _check_type(sensor, rule)
+        yield from _check_update_rate(sensor, rule)
+        yield from _check_frames(model, sensor, folded, rule)
     if _is_for_new_gazebo(model):
         for sensor in sensors:
-            yield from _cpu_lidar(sensor, rule)
-    yield from _topics(sensors, rule)
+            yield from _check_cpu_lidar(sensor, rule)
+    yield from _check_duplicate_topics(sensors, rule)
     try:
-        reduction = reduced(model)
-    except Unavailable:
+        reduction = reduce_fixed_joints(model)
+    except FactUnavailableError:
         return
-    yield from _twice(sensors, reduction, rule)
-    for sensor, element, name, body, own in _silent(sensors, reduction):
-        span = content_of(element, model.source.files)
+    yield from _check_duplicate_names(sensors, reduction, rule)
+    for sensor, element, name, body, own in _iter_unknown_collisions(sensors, reduction):
+        span = find_content_span(element, model.source.files)
         yield rule.finding(
             "collision",
             at=element.location if span is None else Location(element.subject, span, element.via),
@@ -78,39 +78,39 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         )
 
 
-def _type(sensor: _Sensor, rule: Rule) -> Iterator[Finding]:
+def _check_type(sensor: _GazeboSensor, rule: Rule) -> Iterator[Finding]:
     typed = sensor.element.attributes.get("type")
     if typed is None or sensor.type in _TYPES:
         return
-    meant = only_near(sensor.type, _TYPES)
+    meant = find_only_near_name(sensor.type, _TYPES)
     yield rule.finding(
         "type",
         at=typed,
-        edits=() if meant is None else replacing([typed], meant),
+        edits=() if meant is None else build_replacement_edits([typed], meant),
         sensor=sensor.name,
         type=sensor.type,
-        near=hint(sensor.type, _TYPES),
+        near=format_name_hint(sensor.type, _TYPES),
     )
 
 
-def _rate(sensor: _Sensor, rule: Rule) -> Iterator[Finding]:
+def _check_update_rate(sensor: _GazeboSensor, rule: Rule) -> Iterator[Finding]:
     """A camera or lidar that renders a picture in every time step."""
-    rate = sensor.element.child("update_rate")
-    if _RENDERED.search(sensor.type) and (rate is None or number(rate.text.strip()) == 0.0):
+    rate = sensor.element.find_child("update_rate")
+    if _RENDERED.search(sensor.type) and (rate is None or parse_number(rate.text.strip()) == 0.0):
         at = sensor.element if rate is None else rate
         yield rule.finding("rate", at=at, severity=Severity.INFO, sensor=sensor.name, type=sensor.type)
 
 
-def _frames(model: Model, sensor: _Sensor, folded: Mapping[str, str], rule: Rule) -> Iterator[Finding]:
+def _check_frames(model: Model, sensor: _GazeboSensor, folded: Mapping[str, str], rule: Rule) -> Iterator[Finding]:
     for element in sensor.element.walk():
         frame = element.text.strip().lstrip("/")
-        if element.tag not in _FRAMES or not frame or frame in _ELSEWHERE or frame in model.link_by_name:
+        if element.tag not in _FRAMES or not frame or frame in _EXTERNAL_FRAMES or frame in model.link_by_name:
             continue
         if any(mark in frame for mark in ("/", "::", "$")):  # of another robot or namespace
             continue
         respelled = folded.get(frame.lower())
-        meant = respelled or _meant(frame, sensor, model)
-        span = content_of(element, model.source.files)
+        meant = respelled or _guess_frame(frame, sensor, model)
+        span = find_content_span(element, model.source.files)
         yield rule.finding(
             "frame" if meant is not None else "frame-elsewhere",
             at=element.location if span is None else Location(element.subject, span, element.via),
@@ -122,49 +122,51 @@ def _frames(model: Model, sensor: _Sensor, folded: Mapping[str, str], rule: Rule
         )
 
 
-def _meant(frame: str, sensor: _Sensor, model: Model) -> str | None:
+def _guess_frame(frame: str, sensor: _GazeboSensor, model: Model) -> str | None:
     """The link that an unknown frame may mean: the sensor's own, where only the word for link is another."""
-    if sensor.reference in model.link_by_name and _without_kind(frame) == _without_kind(sensor.reference):
+    if sensor.reference in model.link_by_name and _strip_kind_words(frame) == _strip_kind_words(sensor.reference):
         return sensor.reference
-    return nearest(frame, model.link_by_name) if len(model.link_by_name) <= _MOST_COMPARED else None
+    return find_nearest_name(frame, model.link_by_name) if len(model.link_by_name) <= _MOST_COMPARED else None
 
 
-def _without_kind(name: str) -> list[str]:
-    return [word.lower() for word in words(name) if word.lower() not in {"link", "frame"}]
+def _strip_kind_words(name: str) -> list[str]:
+    return [word.lower() for word in split_name_words(name) if word.lower() not in {"link", "frame"}]
 
 
 def _is_for_new_gazebo(model: Model) -> bool:
     """Whether the robot uses a plugin that only the successor of Gazebo Classic can load."""
-    plugins = [e for block in model.robot.all("gazebo") for e in block.walk() if e.tag == "plugin"]
+    plugins = [e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin"]
     return any(_NEW_GAZEBO.match(plugin.get("filename").strip()) for plugin in plugins)
 
 
-def _cpu_lidar(sensor: _Sensor, rule: Rule) -> Iterator[Finding]:
+def _check_cpu_lidar(sensor: _GazeboSensor, rule: Rule) -> Iterator[Finding]:
     typed = sensor.element.attributes.get("type")
     if typed is not None and sensor.type in {"ray", "lidar"}:
-        edits = replacing([typed], "gpu_lidar")
+        edits = build_replacement_edits([typed], "gpu_lidar")
         yield rule.finding("cpu-lidar", at=typed, edits=edits, sensor=sensor.name, type=sensor.type)
 
 
-def _topics(sensors: list[_Sensor], rule: Rule) -> Iterator[Finding]:
+def _check_duplicate_topics(sensors: list[_GazeboSensor], rule: Rule) -> Iterator[Finding]:
     """Sensors of one type that publish under one name."""
     alike: dict[tuple[str, str], list[Element]] = {}
     for sensor in sensors:
-        topic = sensor.element.child("topic")
+        topic = sensor.element.find_child("topic")
         if topic is not None and topic.text.strip().lstrip("/"):
             alike.setdefault((sensor.type, topic.text.strip().lstrip("/")), []).append(topic)
     for (kind, name), elements in alike.items():
         if len(elements) > 1:
-            names = listed(topic_of.parent.get("name") for topic_of in elements if topic_of.parent is not None)
+            names = join_names(topic_of.parent.get("name") for topic_of in elements if topic_of.parent is not None)
             yield rule.finding("topic", at=elements[1], related=elements[:1], names=names, topic=name, type=kind)
 
 
-def _twice(sensors: list[_Sensor], reduction: Reduction, rule: Rule) -> Iterator[Finding]:
+def _check_duplicate_names(
+    sensors: list[_GazeboSensor], reduction: FixedJointReduction, rule: Rule
+) -> Iterator[Finding]:
     """Sensors that have one name in one link of SDF: all but the first are left out."""
-    named: dict[tuple[str, str], list[_Sensor]] = {}
+    named: dict[tuple[str, str], list[_GazeboSensor]] = {}
     for sensor in sensors:
-        if sensor.name and sensor.reference in reduction.body:
-            named.setdefault((reduction.body[sensor.reference], sensor.name), []).append(sensor)
+        if sensor.name and sensor.reference in reduction.body_by_link:
+            named.setdefault((reduction.body_by_link[sensor.reference], sensor.name), []).append(sensor)
     for (body, name), of in named.items():
         if len(of) > 1:
             links = dict.fromkeys(sensor.reference for sensor in of)
@@ -179,9 +181,9 @@ def _twice(sensors: list[_Sensor], reduction: Reduction, rule: Rule) -> Iterator
             )
 
 
-def _silent(
-    sensors: list[_Sensor], reduction: Reduction
-) -> Iterator[tuple[_Sensor, Element, str, str, tuple[str, ...]]]:
+def _iter_unknown_collisions(
+    sensors: list[_GazeboSensor], reduction: FixedJointReduction
+) -> Iterator[tuple[_GazeboSensor, Element, str, str, tuple[str, ...]]]:
     """The collisions that contact sensors name and that no shape of SDF is called: the sensor, the element and the name in it,
     the link in SDF, and what shapes of the sensor's own link are called there (the first few)."""
     names = {(shape.body, shape.name) for shape in reduction.collisions}
@@ -190,11 +192,11 @@ def _silent(
         known = own.get(shape.link, ())
         own[shape.link] = (*known, shape.name) if len(known) < _MOST_NAMED else known
     for sensor in sensors:
-        body = reduction.body.get(sensor.reference)
-        contact = sensor.element.child("contact")
+        body = reduction.body_by_link.get(sensor.reference)
+        contact = sensor.element.find_child("contact")
         if body is None or contact is None or sensor.type != "contact":
             continue
-        for element in contact.all("collision"):
+        for element in contact.find_children("collision"):
             name = element.text.strip().rpartition("::")[2]  # the names of links and models may stand before it
             if name and (body, name) not in names:
                 yield sensor, element, name, body, own.get(sensor.reference, ())

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import hint, nearest, only_near
-from urdfcheck.source.package.finder import BUILT, Package, PackageFinder
-from urdfcheck.source.text.yaml import Value, YamlProblem, read_located
+from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint
+from urdfcheck.source.package.finder import BUILD_FOLDERS, Package, PackageFinder
+from urdfcheck.source.text.yaml import YamlReadError, YamlValue, read_located_yaml
 from urdfcheck.system.files import read_regular, walk
 
 # ROS type and type of Gazebo Transport, as ros_gz_bridge lists them in its README (rolling, 2026).
@@ -45,60 +45,60 @@ _KEYS = frozenset({
 })  # fmt: skip
 _TEMPLATE = re.compile(r"[$<>{}%]")
 # Files with bridges that are looked for in one package, and files whose text is looked at for that.
-_MOST, _MOST_READ = 100, 2_000
+_MOST_CONFIGS, _MOST_READ = 100, 2_000
 
 
 def check(package: Package, rule: Rule) -> Iterator[Finding]:
     if package.finder is None:
         return
-    for path in _configurations(package.path, package.finder):
+    for path in _find_bridge_configs(package.path, package.finder):
         try:
-            content = read_located(path, package.finder)
-        except YamlProblem:  # whoever loads it says so
+            content = read_located_yaml(path, package.finder)
+        except YamlReadError:  # whoever loads it says so
             continue
         for entry in () if content is None else content.items:
             if entry.get("ros_type_name") is not None or entry.get("gz_type_name") is not None:
-                yield from _entry(entry, rule)
+                yield from _check_entry(entry, rule)
 
 
-def _configurations(folder: Path, finder: PackageFinder) -> list[Path]:
+def _find_bridge_configs(folder: Path, finder: PackageFinder) -> list[Path]:
     """The yaml files of a package that name types of both sides."""
     found: list[Path] = []
     read = 0
     for place, names, files in walk(folder):
-        names[:] = [name for name in names if not name.startswith(".") and name not in BUILT]
+        names[:] = [name for name in names if not name.startswith(".") and name not in BUILD_FOLDERS]
         for name in files:
             path = Path(place, name)
-            if not name.endswith((".yaml", ".yml")) or read >= _MOST_READ or not finder.allows(path):
+            if not name.endswith((".yaml", ".yml")) or read >= _MOST_READ or not finder.can_open(path):
                 continue
             read += 1
             try:
                 text = read_regular(path)
             except OSError:
                 continue
-            if b"ros_type_name" in text and b"gz_type_name" in text and len(found) < _MOST:
+            if b"ros_type_name" in text and b"gz_type_name" in text and len(found) < _MOST_CONFIGS:
                 found.append(path)
     return found
 
 
-def _entry(entry: Value, rule: Rule) -> Iterator[Finding]:
+def _check_entry(entry: YamlValue, rule: Rule) -> Iterator[Finding]:
     for key, _ in entry.entries:
-        near = nearest(key.text, _KEYS)
+        near = find_nearest_name(key.text, _KEYS)
         if key.text not in _KEYS and near is not None:
-            yield rule.finding("key", at=key, edits=key.replaced(near), key=key.text, near=near)
+            yield rule.finding("key", at=key, edits=key.build_edits(near), key=key.text, near=near)
     both = entry.get("topic_name"), entry.get("ros_topic_name") or entry.get("gz_topic_name")
     if both[0] is not None and both[1] is not None:
         yield rule.finding("both", at=both[0], other=both[1].key.rpartition(".")[2])
     direction = entry.get("direction")
     if direction is not None and direction.text not in _DIRECTIONS and not _TEMPLATE.search(direction.text):
-        meant = only_near(direction.text.upper(), _DIRECTIONS)
+        meant = find_only_near_name(direction.text.upper(), _DIRECTIONS)
         respelled = direction.text.upper() if direction.text.upper() in _DIRECTIONS else meant
-        edits = () if respelled is None else direction.replaced(respelled)
+        edits = () if respelled is None else direction.build_edits(respelled)
         yield rule.finding("direction", at=direction, edits=edits, direction=direction.text)
-    yield from _types(entry, rule)
+    yield from _check_types(entry, rule)
 
 
-def _types(entry: Value, rule: Rule) -> Iterator[Finding]:
+def _check_types(entry: YamlValue, rule: Rule) -> Iterator[Finding]:
     ros, gz = entry.get("ros_type_name"), entry.get("gz_type_name")
     if ros is None or gz is None:
         missing = "ros_type_name" if ros is None else "gz_type_name"
@@ -109,12 +109,12 @@ def _types(entry: Value, rule: Rule) -> Iterator[Finding]:
     kind = _GZ_PREFIX.sub("", gz.text)
     if ros.text not in _PAIRS:
         whole = ros.text.replace("/", "/msg/") if "/msg/" not in ros.text else ros.text
-        meant = whole if whole in _PAIRS else only_near(ros.text, _PAIRS)
+        meant = whole if whole in _PAIRS else find_only_near_name(ros.text, _PAIRS)
         if meant is not None:  # any other may be bridged by a newer release
-            yield rule.finding("ros-type", at=ros, edits=ros.replaced(meant), type=ros.text, meant=meant)
+            yield rule.finding("ros-type", at=ros, edits=ros.build_edits(meant), type=ros.text, meant=meant)
     elif kind not in _PAIRS[ros.text]:
         partners = _PAIRS[ros.text]
-        edits = gz.replaced(f"gz.msgs.{partners[0]}") if len(partners) == 1 else ()
+        edits = gz.build_edits(f"gz.msgs.{partners[0]}") if len(partners) == 1 else ()
         yield rule.finding(
             "pair" if kind in _GZ_TYPES else "gz-type",
             at=gz,
@@ -122,7 +122,7 @@ def _types(entry: Value, rule: Rule) -> Iterator[Finding]:
             ros=ros.text,
             gz=gz.text,
             partners=" or ".join(f"gz.msgs.{name}" for name in partners),
-            near=hint(kind, _GZ_TYPES),
+            near=format_name_hint(kind, _GZ_TYPES),
         )
     elif kind == gz.text:
-        yield rule.finding("prefix", at=gz, edits=gz.replaced(f"gz.msgs.{kind}"), gz=gz.text)
+        yield rule.finding("prefix", at=gz, edits=gz.build_edits(f"gz.msgs.{kind}"), gz=gz.text)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Located, Rule, Severity, Unavailable
+from urdfcheck.core import FactUnavailableError, Finding, Located, Rule, Severity
 from urdfcheck.model import Link, Model
-from urdfcheck.model.rigid_bodies import body_mass
+from urdfcheck.model.rigid_bodies import compute_body_mass
 
 # MuJoCo's mjMINVAL: what a consumer takes for zero.
 ZERO = 1e-15
@@ -30,65 +30,65 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for link in model.links:
         if link.inertial is None or link.inertial.mass is None or link.inertial.mass > 0:
             continue
-        mass, largest = link.inertial.mass, max(map(abs, link.inertial.six or (0.0,)))
+        mass, largest = link.inertial.mass, max(map(abs, link.inertial.inertia_components or (0.0,)))
         if mass < 0:
-            yield rule.finding("negative", at=_place(link), link=link.name, mass=mass)
+            yield rule.finding("negative", at=_locate(link), link=link.name, mass=mass)
         elif largest > ZERO:
-            told = ALONE if _is_alone(model, link) else FUSED
+            told = ALONE if _is_isolated(model, link) else FUSED
             yield rule.finding(
-                "inertia_without_mass", at=_place(link), consequences=told, link=link.name, largest=largest
+                "inertia_without_mass", at=_locate(link), consequences=told, link=link.name, largest=largest
             )
         else:
             massless.append(link)
     # Only these need the tree: whether a link of no mass matters is decided by what it is fixed to.
-    kinds = [(link, _kind(model, link)) for link in massless]
-    carrying = _carrying(model) if massless else set()
+    kinds = [(link, _classify_massless_link(model, link)) for link in massless]
+    carrying = _find_mass_carriers(model) if massless else set()
     for link, kind in kinds:
         if kind != "helper":
-            without = LIGHT if model.tree.body(link.name)[0] in carrying else NAN
+            without = LIGHT if model.tree.list_body_links(link.name)[0] in carrying else NAN
             told = {} if kind == "root" else dict.fromkeys(("pinocchio", "drake"), without)
-            yield rule.finding(kind, at=_place(link), severity=SEVERITIES.get(kind), consequences=told, link=link.name)
+            yield rule.finding(kind, at=_locate(link), severity=SEVERITIES.get(kind), consequences=told, link=link.name)
     helpers = [link for link, kind in kinds if kind == "helper"]
     if helpers and "bullet" not in model.targets:  # it assumes 1 kg for a link without <inertial>
         yield rule.finding(
             "helper",
-            at=_place(helpers[0]),
-            related=[_place(link) for link in helpers[1:]],
+            at=_locate(helpers[0]),
+            related=[_locate(link) for link in helpers[1:]],
             severity=Severity.INFO,
             links=", ".join(link.name for link in helpers),
         )
 
 
-def _place(link: Link) -> Located:
+def _locate(link: Link) -> Located:
     assert link.inertial is not None
     attribute = link.inertial.mass_attribute
     return link.inertial.element if attribute is None else attribute
 
 
-def _kind(model: Model, link: Link) -> str:
+def _classify_massless_link(model: Model, link: Link) -> str:
     """``helper``: a frame that nothing depends on; ``root``: part of the base, which need not move; ``loose``: a frame that
     a joint moves; ``zero``: the real defect."""
-    body = model.tree.body(link.name)
-    mass = body_mass(model, body)
+    body = model.tree.list_body_links(link.name)
+    mass = compute_body_mass(model, body)
     if mass is None or mass > 0:
         return "helper"
     drawn = bool(link.visuals or link.collisions)
     carries = any(joint.type != "fixed" for name in body for joint in model.tree.child_joints[name])
-    if model.tree.moves(link.name):
+    if model.tree.is_movable_link(link.name):
         return "zero" if drawn or carries else "loose"
     return "root" if drawn or carries else "helper"
 
 
-def _is_alone(model: Model, link: Link) -> bool:
+def _is_isolated(model: Model, link: Link) -> bool:
     """Whether nothing that is fixed to the link has a mass; so it seems where the tree is broken."""
     try:
-        body = model.tree.body(link.name)
-    except Unavailable:
+        body = model.tree.list_body_links(link.name)
+    except FactUnavailableError:
         return True
-    return not (body_mass(model, body) or 0.0) > 0.0
+    return not (compute_body_mass(model, body) or 0.0) > 0.0
 
 
-def _carrying(model: Model) -> set[str]:
+def _find_mass_carriers(model: Model) -> set[str]:
     """The links that have a mass, or on which something hangs that has one."""
     found: set[str] = set()
     for name in reversed(model.tree.order):

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule
-from urdfcheck.facts.inertials.diagnosis import Declared
-from urdfcheck.facts.inertials.hull_bounds import outside, reach
+from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.model import Model
-from urdfcheck.model.inertials.inertial_hull import LITTLE, Enclosed
-from urdfcheck.model.repairs.inertial_edits import Mending, mending
-from urdfcheck.model.shapes.visual_solid import draws, follows_unit, geometry
+from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial
+from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
+from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
 
 # A coordinate has the wrong sign when the other one brings the centre of mass this near to the drawn part's own, as a part of
 # its size; a motor at one end of a link moves it by as much.
@@ -21,58 +21,63 @@ _NEAR = 0.1
 
 
 @dataclass(frozen=True, slots=True)
-class _Sign:
+class _SignRepair:
     """The coordinate whose sign is wrong, and the repair."""
 
     axis: str
-    repair: Mending
+    repair: InertialRepair
 
 
 def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
     for part in model.enclosed:
-        if part.mass_share < LITTLE or not draws(part.link):
+        if part.mass_share < NEGLIGIBLE_SHARE or not has_drawn_shape(part.link):
             continue
-        distances = [(outside(points, part.com), reach(points)) for points in part.readings]
+        distances = [(measure_hull_distance(points, part.com), measure_extent(points)) for points in part.readings]
         # Where programs disagree about the size (MSH008) or the up axis of a mesh, all have to agree about this.
         distance, size = min(distances, key=lambda pair: pair[0] / pair[1] if pair[1] else 0.0)
         if not size or distance <= margin * size:
             continue
-        sign = _sign(model, part)
+        sign = _find_sign_repair(model, part)
         missing = sign is None and not any(part.inertial.origin.xyz or ())
         yield rule.finding(
             "outside" if sign is None else "sign",
-            at=_place(part),
+            at=_locate(part),
             cause="sign" if sign is not None else "missing" if missing else None,
             edits=() if sign is None else sign.repair.edits,
             link=part.link.name,
             distance=float(f"{distance:.3g}"),
             size=float(f"{size:.3g}"),
             percent=float(f"{100.0 * distance / size:.2g}"),
-            around=part.around,
+            around=part.geometry_phrase,
             axis=None if sign is None else sign.axis,
             edit=None if sign is None else sign.repair.text,
         )
 
 
-def _sign(model: Model, part: Enclosed) -> _Sign | None:
+def _find_sign_repair(model: Model, part: EnclosedInertial) -> _SignRepair | None:
     """The only coordinate whose sign puts the centre of mass where the drawn part has its own; None when there is none."""
-    drawn, pose, xyz = geometry(model, part.link), part.inertial.origin.matrix, part.inertial.origin.xyz
+    drawn, pose, xyz = measure_link_geometry(model, part.link), part.inertial.origin.matrix, part.inertial.origin.xyz
     if drawn is None or pose is None or xyz is None or part.inertial.tensor is None:
         return None
-    if follows_unit(model, (part.link.name,)):
+    if has_unit_ambiguity(model, (part.link.name,)):
         return None
     found = []
     for i, axis in enumerate("xyz"):
         com = np.array(xyz)
         com[i] *= -1.0
-        near = float(np.linalg.norm(com - drawn.solid.com)) <= _NEAR * reach(drawn.points)
-        if near and outside(drawn.points, com) == 0.0:
+        near = float(np.linalg.norm(com - drawn.solid.com)) <= _NEAR * measure_extent(drawn.points)
+        if near and measure_hull_distance(drawn.points, com) == 0.0:
             found.append(
-                _Sign(axis, mending(part.inertial, Declared(part.mass, com, part.inertial.tensor, pose[:3, :3])))
+                _SignRepair(
+                    axis,
+                    build_inertial_repair(
+                        part.inertial, DeclaredInertial(part.mass, com, part.inertial.tensor, pose[:3, :3])
+                    ),
+                )
             )
     return found[0] if len(found) == 1 else None
 
 
-def _place(part: Enclosed) -> Located:
-    xyz = part.inertial.origin.attribute("xyz")
+def _locate(part: EnclosedInertial) -> Located:
+    xyz = part.inertial.origin.get_attribute("xyz")
     return part.inertial.element if xyz is None else xyz

@@ -5,54 +5,54 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from urdfcheck.core import Finding, Rule, Unavailable
-from urdfcheck.core.text import listed
+from urdfcheck.core import FactUnavailableError, Finding, Rule
+from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.rigid_bodies import bodies, body_mass
-from urdfcheck.model.shapes.visual_solid import volume_of
+from urdfcheck.model.rigid_bodies import compute_body_mass, list_rigid_bodies
+from urdfcheck.model.shapes.visual_solid import measure_links_volume
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Pair:
+class _JointMasses:
     """A joint, with the masses (kg) of the bodies before and behind it."""
 
     joint: Joint
-    parent: float
-    child: float
+    parent_mass: float
+    child_mass: float
 
     @property
     def ratio(self) -> float:
-        return self.child / self.parent
+        return self.child_mass / self.parent_mass
 
 
 def check(model: Model, rule: Rule, *, light: float, heavy: float) -> Iterator[Finding]:
-    pairs = _pairs(model)
-    root = frozenset(model.tree.body(model.tree.root))
+    pairs = _collect_joint_masses(model)
+    root = frozenset(model.tree.list_body_links(model.tree.root))
     # 1/1000 itself, in decimals, is not below 1/1000.
     lighter = [pair for pair in pairs if pair.ratio < light * (1 - 1e-9)]
     # The root may be bolted to the world, whatever it weighs.
     heavier = [pair for pair in pairs if pair.ratio > heavy * (1 + 1e-9) and pair.joint.parent not in root]
     if lighter:
-        yield _finding(model, rule, "light", sorted(lighter, key=lambda pair: pair.ratio))
+        yield _build_finding(model, rule, "light", sorted(lighter, key=lambda pair: pair.ratio))
     if heavier:
-        yield _finding(model, rule, "heavy", sorted(heavier, key=lambda pair: -pair.ratio))
+        yield _build_finding(model, rule, "heavy", sorted(heavier, key=lambda pair: -pair.ratio))
 
 
-def _pairs(model: Model) -> list[_Pair]:
+def _collect_joint_masses(model: Model) -> list[_JointMasses]:
     """The joints between two bodies with mass."""
-    found = bodies(model)
-    masses = ((body, body_mass(model, body.links) or 0.0) for body in found)
+    found = list_rigid_bodies(model)
+    masses = ((body, compute_body_mass(model, body.links) or 0.0) for body in found)
     mass = {name: own for body, own in masses for name in body.links}
-    joints = [model.tree.parent_joint[body.links[0]] for body in found if body.moves]
+    joints = [model.tree.parent_joint[body.links[0]] for body in found if body.is_movable]
     return [
-        _Pair(joint, mass[joint.parent], mass[joint.child])
+        _JointMasses(joint, mass[joint.parent], mass[joint.child])
         for joint in joints
         if mass[joint.parent] > 0 and mass[joint.child] > 0
     ]
 
 
-def _finding(model: Model, rule: Rule, message: str, pairs: list[_Pair]) -> Finding:
+def _build_finding(model: Model, rule: Rule, message: str, pairs: list[_JointMasses]) -> Finding:
     """One finding of all joints, at the most extreme."""
     worst = pairs[0]
     others = [pair.joint.name for pair in pairs[1:]]
@@ -64,28 +64,28 @@ def _finding(model: Model, rule: Rule, message: str, pairs: list[_Pair]) -> Find
         joint=worst.joint.name,
         child=worst.joint.child,
         parent=worst.joint.parent,
-        child_mass=worst.child,
-        parent_mass=worst.parent,
-        suspects=_suspects(model, worst.joint),
+        child_mass=worst.child_mass,
+        parent_mass=worst.parent_mass,
+        suspects=_describe_suspects(model, worst.joint),
         times=max(worst.ratio, 1 / worst.ratio),
-        also=f" (so {do} {listed(others)})" if others else "",
+        also=f" (so {do} {join_names(others)})" if others else "",
     )
     return replace(finding, subjects=tuple(pair.joint.location.subject for pair in pairs))
 
 
-def _suspects(model: Model, joint: Joint) -> str:
+def _describe_suspects(model: Model, joint: Joint) -> str:
     """The body on one side of a joint that is denser than any material, or lighter than all; both where that is not so of
     exactly one. A body is called by its heaviest link."""
-    bodies_of = [model.tree.body(name) for name in (joint.child, joint.parent)]
-    wrong = [body for body in bodies_of if _is_implausible(model, body)]
+    bodies_of = [model.tree.list_body_links(name) for name in (joint.child, joint.parent)]
+    wrong = [body for body in bodies_of if _has_implausible_density(model, body)]
     named = wrong if len(wrong) == 1 else bodies_of
-    return " and ".join(max(body, key=lambda name: body_mass(model, (name,)) or 0.0) for body in named)
+    return " and ".join(max(body, key=lambda name: compute_body_mass(model, (name,)) or 0.0) for body in named)
 
 
-def _is_implausible(model: Model, body: Sequence[str]) -> bool:
+def _has_implausible_density(model: Model, body: Sequence[str]) -> bool:
     try:
-        volume = volume_of(model, [model.link_by_name[name] for name in body])
-    except Unavailable:  # meshes are not read
+        volume = measure_links_volume(model, [model.link_by_name[name] for name in body])
+    except FactUnavailableError:  # meshes are not read
         return False
-    density = (body_mass(model, body) or 0.0) / volume if volume else LIGHTEST
+    density = (compute_body_mass(model, body) or 0.0) / volume if volume else LIGHTEST
     return not LIGHTEST <= density <= DENSEST

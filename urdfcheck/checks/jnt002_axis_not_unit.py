@@ -19,14 +19,14 @@ def check(model: Model, rule: Rule, *, tol: float, rounding: float) -> Iterator[
         length = math.hypot(*axis)
         if length < 1e-12 or abs(length - 1) <= tol:
             continue  # no direction at all: JNT001
-        unit = " ".join(_number(a / length) for a in axis)
+        unit = " ".join(_format_number(a / length) for a in axis)
         rounded = abs(length - 1) < rounding
         yield rule.finding(
             "rounded" if rounded else "length",
             at=attribute,
             severity=Severity.INFO if rounded else None,
-            related=attribute.related(),
-            edits=_edit(attribute, unit),
+            related=attribute.collect_definitions(),
+            edits=_propose_edits(attribute, unit),
             joint=joint.name,
             axis=" ".join(attribute.value.split()),
             length=length,
@@ -35,11 +35,11 @@ def check(model: Model, rule: Rule, *, tol: float, rounding: float) -> Iterator[
         )
 
 
-def _number(value: float) -> str:
+def _format_number(value: float) -> str:
     return str(round(value)) if value == round(value) else repr(value)
 
 
-def _edit(attribute: Attribute, unit: str) -> list[Edit]:
+def _propose_edits(attribute: Attribute, unit: str) -> list[Edit]:
     if not attribute.literal or attribute.span is None:
         return []
     return [Edit(attribute.span, attribute.typed, unit)]

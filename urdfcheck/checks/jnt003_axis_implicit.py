@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 
 
@@ -17,7 +17,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             "implicit",
             at=joints[0],
             related={j.element.span: j for j in joints[1:] if j.element.span != joints[0].element.span}.values(),
-            joints=listed(joint.name for joint in joints),
+            joints=join_names(joint.name for joint in joints),
             count="1 joint has" if len(joints) == 1 else f"{len(joints)} joints have",
         )
         yield replace(finding, subjects=tuple(joint.location.subject for joint in joints))

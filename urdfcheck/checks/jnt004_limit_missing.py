@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import lacks
+from urdfcheck.source.text.grammar import is_attribute_missing
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -18,5 +18,5 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if limit is None:
             instead = ", or make it continuous if it turns without end" if joint.type == "revolute" else ""
             yield rule.finding("missing", at=joint, joint=joint.name, type=joint.type, unit=unit, instead=instead)
-        elif lacks(limit, "lower") and lacks(limit, "upper"):
+        elif is_attribute_missing(limit, "lower") and is_attribute_missing(limit, "upper"):
             yield rule.finding("locked", at=limit, joint=joint.name, type=joint.type, unit=unit)

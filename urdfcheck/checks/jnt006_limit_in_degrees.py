@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.parts import Joint
 from urdfcheck.source.text.xml import Attribute
@@ -22,34 +22,34 @@ def check(
     model: Model, rule: Rule, *, least_angle: float, most_angle: float, least_speed: float, most_speed: float
 ) -> Iterator[Finding]:
     joints = [joint for joint in model.joints if joint.type == "revolute"]
-    ranges = {joint: _sizes(joint, ("lower", "upper")) for joint in joints}
-    if any(_is_range(sizes, least_angle, most_angle) for sizes in ranges.values()):
+    ranges = {joint: _read_magnitudes(joint, ("lower", "upper")) for joint in joints}
+    if any(_is_degree_range(sizes, least_angle, most_angle) for sizes in ranges.values()):
         # 100 may mean "no limit", unless another joint of the robot tells the unit.
-        alike = [joint for joint, sizes in ranges.items() if _may_be_range(sizes, least_angle, most_angle)]
-        yield _finding("range", alike, ("lower", "upper"), rule, model)
-    speeds = {joint: size for joint in joints for size in _sizes(joint, ("velocity",))}
+        alike = [joint for joint, sizes in ranges.items() if _can_be_degree_range(sizes, least_angle, most_angle)]
+        yield _build_finding("range", alike, ("lower", "upper"), rule, model)
+    speeds = {joint: size for joint in joints for size in _read_magnitudes(joint, ("velocity",))}
     fast = {joint: size for joint, size in speeds.items() if least_speed < size <= most_speed and size % 5 == 0}
     told = {size for size in fast.values() if not _is_placeholder(size)}
     if len(told) > 1 or any(size % 45 == 0 for size in told):
-        yield _finding("speed", list(fast), ("velocity",), rule, model)
+        yield _build_finding("speed", list(fast), ("velocity",), rule, model)
 
 
-def _values(joint: Joint, names: Iterable[str]) -> list[float]:
-    found = [joint.limit_value(name) for name in names]
+def _read_limits(joint: Joint, names: Iterable[str]) -> list[float]:
+    found = [joint.get_limit_value(name) for name in names]
     return [value for value in found if value is not None]
 
 
-def _sizes(joint: Joint, names: Iterable[str]) -> list[float]:
-    return [abs(value) for value in _values(joint, names)]
+def _read_magnitudes(joint: Joint, names: Iterable[str]) -> list[float]:
+    return [abs(value) for value in _read_limits(joint, names)]
 
 
-def _is_range(sizes: Sequence[float], least: float, most: float) -> bool:
+def _is_degree_range(sizes: Sequence[float], least: float, most: float) -> bool:
     """Whether an end is too large for radians, and neither a placeholder nor a number of turns."""
     inside = max(sizes, default=0) <= most
-    return inside and any(size >= least and not _is_placeholder(size) and not _is_turns(size) for size in sizes)
+    return inside and any(size >= least and not _is_placeholder(size) and not _is_quarter_turns(size) for size in sizes)
 
 
-def _may_be_range(sizes: Sequence[float], least: float, most: float) -> bool:
+def _can_be_degree_range(sizes: Sequence[float], least: float, most: float) -> bool:
     """Whether an end is beyond a turn in radians, in a robot that has degrees elsewhere."""
     largest = max(sizes, default=0)
     return math.tau < largest <= most and (largest >= least or all(size == round(size) for size in sizes))
@@ -60,29 +60,29 @@ def _is_placeholder(size: float) -> bool:
     return round(size / 10 ** math.floor(math.log10(size)), 6) in _PLACEHOLDERS
 
 
-def _is_turns(size: float) -> bool:
+def _is_quarter_turns(size: float) -> bool:
     """Whether it is a multiple of a quarter turn in radians, as a winch has it."""
     return size != round(size) and abs(size - round(size / (math.pi / 2)) * math.pi / 2) < _ROUNDING
 
 
-def _finding(message: str, joints: Sequence[Joint], names: Sequence[str], rule: Rule, model: Model) -> Finding:
+def _build_finding(message: str, joints: Sequence[Joint], names: Sequence[str], rule: Rule, model: Model) -> Finding:
     """One finding for all joints: who typed degrees once typed them everywhere."""
     attributes = [
         joint.limit.attributes[name]
         for joint in joints
         for name in names
-        if joint.limit is not None and name in joint.limit.attributes and joint.limit_value(name)
+        if joint.limit is not None and name in joint.limit.attributes and joint.get_limit_value(name)
     ]
-    worst = max(joints, key=lambda joint: max(map(abs, _values(joint, names))))
-    values = _values(worst, names)
-    write: Callable[[Attribute], str] = _expression if model.source.is_xacro else _radians
+    worst = max(joints, key=lambda joint: max(map(abs, _read_limits(joint, names))))
+    values = _read_limits(worst, names)
+    write: Callable[[Attribute], str] = _format_xacro_radians if model.source.is_xacro else _format_radians
     places = {attribute.span: attribute for attribute in attributes if attribute.span is not None}
     finding = rule.finding(
         message,
         at=attributes[0],
         related=[attribute for span, attribute in places.items() if span != attributes[0].span],
         edits=[Edit(a.span, a.typed, write(a)) for a in places.values() if a.literal and a.span is not None],
-        joints=listed(joint.name for joint in joints),
+        joints=join_names(joint.name for joint in joints),
         count="1 joint has" if len(joints) == 1 else f"{len(joints)} joints have",
         worst=worst.name,
         typed=" to ".join(f"{value:g}" for value in values),
@@ -93,9 +93,9 @@ def _finding(message: str, joints: Sequence[Joint], names: Sequence[str], rule: 
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
 
 
-def _expression(attribute: Attribute) -> str:
+def _format_xacro_radians(attribute: Attribute) -> str:
     return f"${{radians({attribute.value.strip()})}}"
 
 
-def _radians(attribute: Attribute) -> str:
+def _format_radians(attribute: Attribute) -> str:
     return repr(math.radians(float(attribute.value)))

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Located, Rule, Severity
-from urdfcheck.core.text import SLIP, hint, only_near
+from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint
 from urdfcheck.model import Model
 from urdfcheck.model.parts import Joint
-from urdfcheck.source.text.tokens import replacing
-from urdfcheck.source.text.values import attribute_number
+from urdfcheck.source.text.tokens import build_replacement_edits
+from urdfcheck.source.text.values import read_attribute_number
 from urdfcheck.source.text.xml import Element
 
 _BOUNDED = frozenset({"revolute", "prismatic"})
@@ -22,12 +22,12 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
             continue
         at = mimic.attributes["joint"]
         leader = model.joint_by_name.get(at.value)
-        loop = _loop(model, joint)
+        loop = _find_mimic_loop(model, joint)
         if leader is None:
             known = model.joint_by_name.keys() - {joint.name}
-            near = only_near(at.value, known, SLIP)
-            edits = replacing([at], near) if near is not None else ()
-            told = hint(at.value, known)
+            near = find_only_near_name(at.value, known, SLIP_LIKENESS)
+            edits = build_replacement_edits([at], near) if near is not None else ()
+            told = format_name_hint(at.value, known)
             yield rule.finding("unknown", at=at, edits=edits, joint=joint.name, leader=at.value, near=told)
         elif leader.name == joint.name:
             yield rule.finding("itself", at=at, joint=joint.name)
@@ -37,10 +37,10 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
         elif leader.type == "fixed":
             yield rule.finding("fixed", at=at, joint=joint.name, leader=leader.name, related=[leader])
         else:
-            yield from _range(rule, joint, leader, mimic, at, slack)
+            yield from _check_range(rule, joint, leader, mimic, at, slack)
 
 
-def _loop(model: Model, start: Joint) -> tuple[str, ...]:
+def _find_mimic_loop(model: Model, start: Joint) -> tuple[str, ...]:
     """The joints that follow each other in a circle through ``start``, empty when they do not."""
     seen: list[str] = []
     joint: Joint | None = start
@@ -50,10 +50,12 @@ def _loop(model: Model, start: Joint) -> tuple[str, ...]:
     return tuple(seen) if joint is not None and joint.name == start.name else ()
 
 
-def _range(rule: Rule, joint: Joint, leader: Joint, mimic: Element, at: Located, slack: float) -> Iterator[Finding]:
-    own, led = _limits(joint), _limits(leader)
-    multiplier = _coefficient(mimic, "multiplier", 1.0)
-    offset = _coefficient(mimic, "offset", 0.0)
+def _check_range(
+    rule: Rule, joint: Joint, leader: Joint, mimic: Element, at: Located, slack: float
+) -> Iterator[Finding]:
+    own, led = _get_limits(joint), _get_limits(leader)
+    multiplier = _read_coefficient(mimic, "multiplier", 1.0)
+    offset = _read_coefficient(mimic, "offset", 0.0)
     if own is None or led is None or multiplier is None or offset is None:
         return
     low, high = sorted(multiplier * q + offset for q in led)
@@ -76,12 +78,12 @@ def _range(rule: Rule, joint: Joint, leader: Joint, mimic: Element, at: Located,
         )
 
 
-def _limits(joint: Joint) -> tuple[float, float] | None:
-    lower, upper = joint.limit_value("lower"), joint.limit_value("upper")
+def _get_limits(joint: Joint) -> tuple[float, float] | None:
+    lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
     if joint.type not in _BOUNDED or lower is None or upper is None or lower >= upper:
         return None
     return lower, upper
 
 
-def _coefficient(mimic: Element, name: str, default: float) -> float | None:
-    return attribute_number(mimic, name) if name in mimic.attributes else default
+def _read_coefficient(mimic: Element, name: str, default: float) -> float | None:
+    return read_attribute_number(mimic, name) if name in mimic.attributes else default

@@ -8,27 +8,27 @@ from typing import Any
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.model.parts import Joint
-from urdfcheck.source.text.grammar import lacks
-from urdfcheck.source.text.values import attribute_number
+from urdfcheck.source.text.grammar import is_attribute_missing
+from urdfcheck.source.text.values import read_attribute_number
 from urdfcheck.source.text.xml import Element
 
 
 def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
     for joint in model.joints:
-        safety = joint.element.child("safety_controller")
+        safety = joint.element.find_child("safety_controller")
         if safety is None:
             continue
-        if lacks(safety, "k_velocity"):
+        if is_attribute_missing(safety, "k_velocity"):
             yield rule.finding("gain", at=safety, severity=Severity.ERROR, joint=joint.name)
-        lower, upper = joint.limit_value("lower"), joint.limit_value("upper")
-        soft = _soft(safety, "soft_lower_limit"), _soft(safety, "soft_upper_limit")
+        lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
+        soft = _read_soft_limit(safety, "soft_lower_limit"), _read_soft_limit(safety, "soft_upper_limit")
         if joint.type not in {"revolute", "prismatic"} or lower is None or upper is None or lower >= upper:
             continue  # nothing to compare with: JNT004, JNT005
         if soft[0] is not None and soft[1] is not None:
-            yield from _compare(rule, joint, safety, (lower, upper), (soft[0], soft[1]), slack)
+            yield from _check_soft_limits(rule, joint, safety, (lower, upper), (soft[0], soft[1]), slack)
 
 
-def _compare(
+def _check_soft_limits(
     rule: Rule, joint: Joint, safety: Element, hard: tuple[float, float], soft: tuple[float, float], slack: float
 ) -> Iterator[Finding]:
     data: dict[str, Any] = {
@@ -45,16 +45,16 @@ def _compare(
     elif max(soft[0], hard[0]) >= min(soft[1], hard[1]):
         yield rule.finding("locked", at=safety, **data)
     elif beyond > slack:
-        edits = [edit for side in ("lower", "upper") for edit in _pulled_in(joint, safety, side)]
+        edits = [edit for side in ("lower", "upper") for edit in _propose_edits(joint, safety, side)]
         yield rule.finding("outside", at=safety, edits=edits, beyond=beyond, **data)
 
 
-def _soft(safety: Element, name: str) -> float | None:
+def _read_soft_limit(safety: Element, name: str) -> float | None:
     """A soft limit, 0 where it is absent; None when malformed."""
-    return attribute_number(safety, name) if name in safety.attributes else 0.0
+    return read_attribute_number(safety, name) if name in safety.attributes else 0.0
 
 
-def _pulled_in(joint: Joint, safety: Element, side: str) -> Iterator[Edit]:
+def _propose_edits(joint: Joint, safety: Element, side: str) -> Iterator[Edit]:
     """Write the hard limit where the soft one lies beyond it."""
     hard = None if joint.limit is None else joint.limit.attributes.get(side)
     soft = safety.attributes.get(f"soft_{side}_limit")

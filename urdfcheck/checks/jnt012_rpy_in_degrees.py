@@ -8,9 +8,9 @@ from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import elements
-from urdfcheck.source.text.tokens import Word, words_of
-from urdfcheck.source.text.values import number, numbers
+from urdfcheck.source.text.grammar import iter_urdf_elements
+from urdfcheck.source.text.tokens import Token, tokenize_attribute
+from urdfcheck.source.text.values import parse_number, parse_numbers
 from urdfcheck.source.text.xml import Attribute
 
 # Angles that were added up stop at some turns; 95 is no fifteenth of a turn written with few digits.
@@ -18,19 +18,25 @@ _MOST_TURNS = 4
 
 
 def check(model: Model, rule: Rule, *, step: float, near: float) -> Iterator[Finding]:
-    origins = [e.attributes["rpy"] for e in elements(model.robot) if e.tag == "origin" and "rpy" in e.attributes]
-    wrong = {a.span or a.location.subject: a for a in origins if any(_is_degrees(v, step, near) for v in _angles(a))}
+    origins = [
+        e.attributes["rpy"] for e in iter_urdf_elements(model.robot) if e.tag == "origin" and "rpy" in e.attributes
+    ]
+    wrong = {
+        a.span or a.location.subject: a for a in origins if any(_is_degrees(v, step, near) for v in _parse_angles(a))
+    }
     if not wrong:
         return
     attributes = [a for a in origins if (a.span or a.location.subject) in wrong]
-    worst = max((v for a in wrong.values() for v in _angles(a)), key=abs)
+    worst = max((v for a in wrong.values() for v in _parse_angles(a)), key=abs)
     # Who typed one angle of an origin in degrees typed all three so.
-    words = [word for a in wrong.values() for word in words_of(a, model.source.files) if number(word.text)]
+    words = [
+        word for a in wrong.values() for word in tokenize_attribute(a, model.source.files) if parse_number(word.text)
+    ]
     finding = rule.finding(
         "degrees",
         at=attributes[0],
         related=list(wrong.values())[1:],
-        edits=[word.replaced(_radians(word, in_xacro=model.source.is_xacro)) for word in words],
+        edits=[word.build_edit(_format_radians(word, in_xacro=model.source.is_xacro)) for word in words],
         where="1 origin holds" if len(attributes) == 1 else f"{len(attributes)} origins hold",
         worst=worst,
         turns=abs(worst) / math.tau,
@@ -39,8 +45,8 @@ def check(model: Model, rule: Rule, *, step: float, near: float) -> Iterator[Fin
     yield replace(finding, subjects=tuple(dict.fromkeys(a.location.subject for a in attributes)))
 
 
-def _angles(attribute: Attribute) -> tuple[float, ...]:
-    return numbers(attribute.value, 3) or ()
+def _parse_angles(attribute: Attribute) -> tuple[float, ...]:
+    return parse_numbers(attribute.value, 3) or ()
 
 
 def _is_degrees(angle: float, step: float, near: float) -> bool:
@@ -50,5 +56,5 @@ def _is_degrees(angle: float, step: float, near: float) -> bool:
     return math.tau < size <= 360 * _MOST_TURNS and not fraction
 
 
-def _radians(word: Word, *, in_xacro: bool) -> str:
+def _format_radians(word: Token, *, in_xacro: bool) -> str:
     return f"${{radians({word.text})}}" if in_xacro else repr(math.radians(float(word.text)))

@@ -7,19 +7,19 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Applicability, Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.facts.likeness.typed_numbers import is_noise_angle, is_noise_length
 from urdfcheck.model import Model
-from urdfcheck.source.text.tokens import Word, words_of
-from urdfcheck.source.text.values import attribute_numbers, number
+from urdfcheck.source.text.tokens import Token, tokenize_attribute
+from urdfcheck.source.text.values import parse_number, read_attribute_numbers
 from urdfcheck.source.text.xml import Element
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    by_file: dict[str, dict[int, Word]] = {}
+    by_file: dict[str, dict[int, Token]] = {}
     for part in (*(link.element for link in model.links), *(joint.element for joint in model.joints)):
         for element in part.walk():
-            for word in _noise(element, model):
+            for word in _find_noise_words(element, model):
                 by_file.setdefault(word.span.file, {}).setdefault(word.span.start, word)
     for places in by_file.values():
         words = list(places.values())
@@ -29,10 +29,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             "noise",
             at=words[0],
             related=words[1:],
-            edits=[word.replaced("0") for word in words],
+            edits=[word.build_edit("0") for word in words],
             applicability=Applicability.SAFE,  # of no length or angle that anything can tell from zero
             count=f"{len(words)} numbers are" if len(words) > 1 else "one number is",
-            parts=listed(dict.fromkeys(_part(word) for word in words)),
+            parts=join_names(dict.fromkeys(_get_part_name(word) for word in words)),
             largest=largest.text,
             size=abs(float(largest.text)),
             unit=unit,
@@ -40,20 +40,20 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield replace(finding, subjects=tuple(dict.fromkeys(word.location.subject for word in words)))
 
 
-def _noise(element: Element, model: Model) -> Iterator[Word]:
+def _find_noise_words(element: Element, model: Model) -> Iterator[Token]:
     """The words of an origin or an axis that mean zero."""
     kinds: list[tuple[str, Callable[[float], bool]]] = []
     if element.tag == "origin":
         kinds = [("xyz", is_noise_length), ("rpy", is_noise_angle)]
-    elif element.tag == "axis" and math.hypot(*(attribute_numbers(element, "xyz", 3, ()) or ())) > 0.5:
+    elif element.tag == "axis" and math.hypot(*(read_attribute_numbers(element, "xyz", 3, ()) or ())) > 0.5:
         kinds = [("xyz", is_noise_length)]  # relative to the rest of the axis, whose length is 1
     for name, is_noise in kinds:
-        for word in words_of(element.attributes.get(name), model.source.files):
-            value = number(word.text)
+        for word in tokenize_attribute(element.attributes.get(name), model.source.files):
+            value = parse_number(word.text)
             if value is not None and is_noise(value):
                 yield word
 
 
-def _part(word: Word) -> str:
+def _get_part_name(word: Token) -> str:
     """``wheel_4`` for a word of ``joint[wheel_4]/origin@rpy``."""
     return word.location.subject.split("/")[0].partition("[")[2].rstrip("]")

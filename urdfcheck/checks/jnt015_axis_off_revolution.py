@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Edit, Finding, Location, Rule
-from urdfcheck.facts.inertials.inertia_tensor import covariance_of, validity
-from urdfcheck.facts.likeness.revolution import Round, angle_of_lines, axis_of_revolution, outline
+from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_mass_covariance
+from urdfcheck.facts.likeness.revolution import RoundOutline, find_revolution_axis, measure_line_angle, measure_outline
 from urdfcheck.model import Joint, Link, Model
-from urdfcheck.model.ground.wheels import NAMED, points_of
+from urdfcheck.model.ground.wheels import WHEEL_NAME, collect_shape_corners
 from urdfcheck.model.parts import Inertial, Shape
 
 if TYPE_CHECKING:
@@ -31,58 +31,58 @@ _SQUARE = 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Witness:
+class _AxisEvidence:
     """What tells a wheel's own ``axis`` (3,), in its frame: ``kind`` visual, collision or inertia; ``shape`` of what is drawn.
 
     ``is_wheel``: whether it would be taken for a wheel whatever its joint does, being flat and about its frame's origin."""
 
     kind: str
     axis: Array
-    place: Location
+    location: Location
     is_wheel: bool
-    shape: Round | None = None
+    shape: RoundOutline | None = None
 
 
 def check(model: Model, rule: Rule, *, limit: float, eccentric: float) -> Iterator[Finding]:
     rolls = {wheel.joint.name for wheel in model.wheels}
-    wheels = [j for j in model.joints if j.name in model.axes and (j.name in rolls or _is_called_wheel(j))]
+    wheels = [j for j in model.joints if j.name in model.axes and (j.name in rolls or _is_named_wheel(j))]
     upright = [joint for joint in wheels if abs(abs(float(model.axes[joint.name][2])) - 1) < _SQUARE]
     for joint in wheels:
         if len(upright) == 1 and joint is upright[0] and len(wheels) == 3:
             continue  # the steered wheel of a tricycle, with one joint for both
-        yield from _findings(model, rule, joint, math.radians(limit), eccentric)
+        yield from _check_wheel(model, rule, joint, math.radians(limit), eccentric)
 
 
-def _is_called_wheel(joint: Joint) -> bool:
+def _is_named_wheel(joint: Joint) -> bool:
     words = f"{joint.name} {joint.child}"
-    return joint.type == "continuous" and bool(NAMED.search(words)) and not _CARRIER.search(words)
+    return joint.type == "continuous" and bool(WHEEL_NAME.search(words)) and not _CARRIER.search(words)
 
 
-def _findings(model: Model, rule: Rule, joint: Joint, limit: float, eccentric: float) -> Iterator[Finding]:
+def _check_wheel(model: Model, rule: Rule, joint: Joint, limit: float, eccentric: float) -> Iterator[Finding]:
     axis = np.array(joint.axis or (1.0, 0.0, 0.0))
     axis = axis / np.linalg.norm(axis)
-    witnesses = _witnesses(model, model.link_by_name[joint.child])
-    angles = [angle_of_lines(witness.axis, axis) for witness in witnesses]
+    witnesses = _collect_evidence(model, model.link_by_name[joint.child])
+    angles = [measure_line_angle(witness.axis, axis) for witness in witnesses]
     against = [w for w, angle in zip(witnesses, angles, strict=True) if angle > limit]
     others = [w.kind for w in witnesses if w not in against]
     drawn = [w for w in witnesses if w.shape is not None]
-    data: dict[str, Any] = {"joint": joint.name, "wheel": joint.child, "axis": _text(axis)}
+    data: dict[str, Any] = {"joint": joint.name, "wheel": joint.child, "axis": _format_axis(axis)}
     if against and not others and not (drawn or against)[0].is_wheel:
         return  # a rod, or something that hangs beside its joint
     if drawn and not others:
-        yield _axis(model, rule, joint, drawn[0], witnesses, limit, data)
+        yield _build_axis_finding(model, rule, joint, drawn[0], witnesses, limit, data)
         return
     for witness in against:
         inertial = None if witness.shape is not None else model.link_by_name[joint.child].inertial
         yield rule.finding(
             "drawn" if inertial is None else "inertia" if others else "unsure",
-            at=witness.place,
+            at=witness.location,
             related=[joint.axis_location],
-            edits=_exchanged(inertial, witness.axis, axis) if inertial is not None and others else (),
+            edits=_propose_edits(inertial, witness.axis, axis) if inertial is not None and others else (),
             kind=witness.kind,
             others=" and ".join(others) + (" is" if len(others) == 1 else " are"),
-            angle=math.degrees(angle_of_lines(witness.axis, axis)),
-            own=_text(witness.axis),
+            angle=math.degrees(measure_line_angle(witness.axis, axis)),
+            own=_format_axis(witness.axis),
             **data,
         )
     for witness in drawn:
@@ -92,7 +92,7 @@ def _findings(model: Model, rule: Rule, joint: Joint, limit: float, eccentric: f
         if witness not in against and offset > eccentric * witness.shape.radius:
             yield rule.finding(
                 "eccentric",
-                at=witness.place,
+                at=witness.location,
                 kind=witness.kind,
                 offset=offset * 1e3,
                 part=offset / witness.shape.radius,
@@ -102,89 +102,99 @@ def _findings(model: Model, rule: Rule, joint: Joint, limit: float, eccentric: f
             return
 
 
-def _axis(
-    model: Model, rule: Rule, joint: Joint, drawn: _Witness, witnesses: Sequence[_Witness], limit: float, data: Any
+def _build_axis_finding(
+    model: Model,
+    rule: Rule,
+    joint: Joint,
+    drawn: _AxisEvidence,
+    witnesses: Sequence[_AxisEvidence],
+    limit: float,
+    data: Any,
 ) -> Finding:
     """All that is known of the wheel speaks against the joint's axis."""
-    own = drawn.axis * _forward(model, joint, drawn.axis)
+    own = drawn.axis * _choose_axis_sign(model, joint, drawn.axis)
     element = joint.axis_element
     attribute = None if element is None else element.attributes.get("xyz")
     edits = []
     if attribute is not None and attribute.literal and attribute.span is not None:
-        edits.append(Edit(attribute.span, attribute.typed, _text(own)))
-    agreeing = [w.kind for w in witnesses if angle_of_lines(w.axis, drawn.axis) <= limit]
+        edits.append(Edit(attribute.span, attribute.typed, _format_axis(own)))
+    agreeing = [w.kind for w in witnesses if measure_line_angle(w.axis, drawn.axis) <= limit]
     return rule.finding(
         "default" if attribute is None else "axis",
         at=joint.axis_location,
         edits=edits,
         witnesses=" and ".join(agreeing),
         tell="tells" if len(agreeing) == 1 else "tell",
-        angle=math.degrees(angle_of_lines(drawn.axis, joint.axis or (1.0, 0.0, 0.0))),
-        own=_text(own),
+        angle=math.degrees(measure_line_angle(drawn.axis, joint.axis or (1.0, 0.0, 0.0))),
+        own=_format_axis(own),
         **data,
     )
 
 
-def _witnesses(model: Model, link: Link) -> list[_Witness]:
+def _collect_evidence(model: Model, link: Link) -> list[_AxisEvidence]:
     found = []
     for kind, shapes in (("visual", link.visuals), ("collision", link.collisions)):
-        witness = _drawn(model, kind, shapes)
+        witness = _find_drawn_axis(model, kind, shapes)
         if witness is not None:
             found.append(witness)
     if link.inertial is not None:
-        found += _weighed(link.inertial)
+        found += _find_inertia_axis(link.inertial)
     return found
 
 
-def _drawn(model: Model, kind: str, shapes: Sequence[Shape]) -> _Witness | None:
+def _find_drawn_axis(model: Model, kind: str, shapes: Sequence[Shape]) -> _AxisEvidence | None:
     """The axis of revolution of the largest shape about which all of them are round."""
-    points = points_of(model, shapes)
+    points = collect_shape_corners(model, shapes)
     if points is None or not len(points):
         return None
     sized = []
     for shape in shapes:
-        axis, own = _shape_axis(model, shape), points_of(model, [shape])
+        axis, own = _compute_shape_axis(model, shape), collect_shape_corners(model, [shape])
         if axis is not None and own is not None:
             sized.append((float(np.ptp(own, axis=0).max()), shape, axis))
     for _, shape, axis in sorted(sized, key=lambda one: -one[0]):
-        seen = outline(points, axis)
+        seen = measure_outline(points, axis)
         if seen.is_round():
             near = float(np.linalg.norm(seen.centre)) <= 2 * seen.radius and seen.width <= 4 * seen.radius
-            return _Witness(kind, axis, shape.location, near, seen)
+            return _AxisEvidence(kind, axis, shape.location, near, seen)
     return None
 
 
-def _shape_axis(model: Model, shape: Shape) -> Array | None:
+def _compute_shape_axis(model: Model, shape: Shape) -> Array | None:
     pose = shape.origin.matrix
     if pose is None or shape.kind in {None, "box", "sphere"}:
         return None
     if shape.kind != "mesh":
         along: Array = pose[:3, 2]
         return along
-    facts, scale = model.meshes.facts_of(shape), model.drawn_scale(shape)
+    facts, scale = model.meshes.get_facts(shape), model.compute_drawn_scale(shape)
     if facts is None or scale is None:
         return None
-    axis = axis_of_revolution(facts.surface_covariance * np.outer(scale, scale))
+    axis = find_revolution_axis(facts.surface_covariance * np.outer(scale, scale))
     return None if axis is None else pose[:3, :3] @ axis
 
 
-def _weighed(inertial: Inertial) -> list[_Witness]:
+def _find_inertia_axis(inertial: Inertial) -> list[_AxisEvidence]:
     """The axis of revolution of the mass, where its tensor is one that a body can have."""
     tensor, mass = inertial.tensor_in_link, inertial.mass
     if tensor is None or mass is None or not mass > 0:
         return []
-    report = validity(tensor)
-    axis = axis_of_revolution(covariance_of(tensor, mass)) if report.positive_definite and report.triangle else None
+    report = check_inertia_validity(tensor)
+    axis = (
+        find_revolution_axis(compute_mass_covariance(tensor, mass))
+        if report.positive_definite and report.triangle_inequality
+        else None
+    )
     if axis is None:
         return []
     # About the axis of a disc the moment is the largest.
     flat = float(axis @ tensor @ axis) > 0.99 * report.moments[2]
-    return [_Witness("inertia", axis, inertial.location, flat)]
+    return [_AxisEvidence("inertia", axis, inertial.location, flat)]
 
 
-def _exchanged(inertial: Inertial, own: Array, axis: Array) -> list[Edit]:
+def _propose_edits(inertial: Inertial, own: Array, axis: Array) -> list[Edit]:
     """The moments about two axes of the frame exchanged, where no more than that is wrong and both are typed as they stand."""
-    element, six, pose = inertial.tensor_element, inertial.six, inertial.origin.matrix
+    element, six, pose = inertial.tensor_element, inertial.inertia_components, inertial.origin.matrix
     places = [int(np.abs(one).argmax()) for one in (own, axis)]
     if element is None or six is None or pose is None or not np.array_equal(pose[:3, :3], np.eye(3)):
         return []
@@ -197,13 +207,13 @@ def _exchanged(inertial: Inertial, own: Array, axis: Array) -> list[Edit]:
     return [Edit(one.span, one.typed, other.typed), Edit(other.span, other.typed, one.typed)]
 
 
-def _forward(model: Model, joint: Joint, axis: Array) -> float:
+def _choose_axis_sign(model: Model, joint: Joint, axis: Array) -> float:
     """The sign that makes an axis of the joint's child point to the robot's left, or along +x or +z when it lies there."""
     rotated = model.frames[joint.child][:3, :3] @ axis
     return math.copysign(1.0, float(rotated[int(np.abs(rotated).argmax())]))
 
 
-def _text(axis: Array) -> str:
+def _format_axis(axis: Array) -> str:
     largest = int(np.abs(axis).argmax())
     if 1 - abs(float(axis[largest])) < _SQUARE**2:
         axis = np.sign(axis) * (np.arange(3) == largest)

@@ -6,93 +6,97 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from urdfcheck.core import Finding, Rule, Unavailable
+from urdfcheck.core import FactUnavailableError, Finding, Rule
 from urdfcheck.model import Model
 from urdfcheck.model.parts import Joint
-from urdfcheck.model.rigid_bodies import body_inertia
+from urdfcheck.model.rigid_bodies import compute_body_inertia
 
 
 def check(
     model: Model, rule: Rule, *, parallel: float, round_to: float, round_tol: float, decimals: int, eccentric: float
 ) -> Iterator[Finding]:
     for joint in model.joints:
-        attribute = joint.origin.attribute("rpy")
+        attribute = joint.origin.get_attribute("rpy")
         if joint.type not in {"revolute", "continuous"} or attribute is None or not attribute.literal:
             continue  # an angle that was computed was meant
-        angle = _turn_about_axis(joint, parallel)
-        if angle is None or _is_round(angle, round_to, round_tol) or _few_decimals(attribute.value, decimals):
+        angle = _measure_turn_about_axis(joint, parallel)
+        if angle is None or _is_round_angle(angle, round_to, round_tol) or _has_few_decimals(attribute.value, decimals):
             continue
         data: dict[str, Any] = {"joint": joint.name, "angle": angle, "degrees": math.degrees(angle)}
         if joint.type == "revolute":
-            lower, upper = joint.limit_value("lower"), joint.limit_value("upper")
+            lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
             if lower is not None and upper is not None and lower < upper:  # else it cannot turn: JNT004, JNT005
                 data |= {"lower": math.degrees(lower), "upper": math.degrees(upper)}
                 yield rule.finding("limits", at=attribute, **data)
-        elif _shows(model, joint, eccentric):
+        elif _is_asymmetric(model, joint, eccentric):
             yield rule.finding("shifted", at=attribute, **data)
 
 
-def _turn_about_axis(joint: Joint, parallel: float) -> float | None:
+def _measure_turn_about_axis(joint: Joint, parallel: float) -> float | None:
     """The angle (rad) of an origin that does nothing but turn about the joint's own axis, else None."""
     import numpy as np
 
-    from urdfcheck.facts.motion.kinematics import log_rotation
+    from urdfcheck.facts.motion.kinematics import compute_axis_angle
 
     matrix, axis = joint.origin.matrix, joint.axis
     length = 0.0 if axis is None else math.hypot(*axis)
     if matrix is None or axis is None or length == 0:
         return None
-    about, angle = log_rotation(matrix[:3, :3])
+    about, angle = compute_axis_angle(matrix[:3, :3])
     along = float(np.dot(about, axis)) / length
     off = float(np.linalg.norm(np.cross(about, axis))) / length
     return math.copysign(angle, along) if off <= parallel and angle > 0 else None
 
 
-def _is_round(angle: float, step: float, tolerance: float) -> bool:
+def _is_round_angle(angle: float, step: float, tolerance: float) -> bool:
     degrees = math.degrees(angle)
     return abs(degrees - step * round(degrees / step)) <= tolerance
 
 
-def _few_decimals(text: str, most: int) -> bool:
+def _has_few_decimals(text: str, most: int) -> bool:
     """Whether the angle was typed by hand: no word has more than so many decimals."""
     return all(len(word.partition(".")[2]) <= most for word in text.split())
 
 
-def _shows(model: Model, joint: Joint, eccentric: float) -> bool:
+def _is_asymmetric(model: Model, joint: Joint, eccentric: float) -> bool:
     """Whether what the joint moves is known not to be round about its axis: it carries another joint, its mass is
     eccentric, or its drawing is."""
     try:
-        body = model.tree.body(joint.child)
+        body = model.tree.list_body_links(joint.child)
         carries = any(other.type != "fixed" for name in body for other in model.tree.child_joints[name])
-        return carries or _mass_shows(model, joint, body, eccentric) or _drawing_shows(model, joint, eccentric)
-    except Unavailable:
+        return (
+            carries
+            or _has_asymmetric_mass(model, joint, body, eccentric)
+            or _has_asymmetric_drawing(model, joint, eccentric)
+        )
+    except FactUnavailableError:
         return False
 
 
-def _mass_shows(model: Model, joint: Joint, body: tuple[str, ...], eccentric: float) -> bool:
+def _has_asymmetric_mass(model: Model, joint: Joint, body: tuple[str, ...], eccentric: float) -> bool:
     import numpy as np
 
-    from urdfcheck.facts.inertials.inertia_tensor import covariance_of
+    from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 
-    found, axis = body_inertia(model, body), model.axes.get(joint.name)
+    found, axis = compute_body_inertia(model, body), model.axes.get(joint.name)
     if found is None or axis is None:
         return False
     mass, com, tensor = found
     across = np.eye(3) - np.outer(axis, axis)
     # Across the axis, ascending: a zero along it, and the two that are equal for a body of revolution.
-    _, less, more = np.linalg.eigvalsh(across @ covariance_of(tensor, mass) @ across).tolist()
+    _, less, more = np.linalg.eigvalsh(across @ compute_mass_covariance(tensor, mass) @ across).tolist()
     off = float(np.linalg.norm(across @ (com - model.frames[joint.child][:3, 3])))
     size = math.sqrt(max(0.0, less + more))
     return size > 0 and (off > eccentric * size or more - less > eccentric * (more + less))
 
 
-def _drawing_shows(model: Model, joint: Joint, eccentric: float) -> bool:
+def _has_asymmetric_drawing(model: Model, joint: Joint, eccentric: float) -> bool:
     """Whether what is drawn reaches out unequally far in 16 directions across the axis."""
     import numpy as np
 
-    from urdfcheck.model.shapes.visual_solid import rigid_points
+    from urdfcheck.model.shapes.visual_solid import collect_rigid_corners
 
-    points, axis = rigid_points(model, model.link_by_name[joint.child]), np.array(joint.axis)
+    points, axis = collect_rigid_corners(model, model.link_by_name[joint.child]), np.array(joint.axis)
     if points is None:
         return False
     axis = axis / np.linalg.norm(axis)

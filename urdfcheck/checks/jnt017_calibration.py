@@ -6,19 +6,19 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.source.text.values import attribute_number
+from urdfcheck.source.text.values import read_attribute_number
 
 
 def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
     for joint in model.joints:
-        calibration = joint.element.child("calibration")
-        lower, upper = joint.limit_value("lower"), joint.limit_value("upper")
+        calibration = joint.element.find_child("calibration")
+        lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
         if calibration is None or joint.type not in {"revolute", "prismatic"}:
             continue
         if lower is None or upper is None or lower >= upper:
             continue  # JNT004, JNT005
         for edge in ("rising", "falling"):
-            value = attribute_number(calibration, edge)
+            value = read_attribute_number(calibration, edge)
             if value is not None and not lower - slack <= value <= upper + slack:
                 yield rule.finding(
                     "outside",

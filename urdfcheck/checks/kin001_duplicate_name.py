@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Rule, Severity
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
 
 # It needs no names of joints, but for what refers to them.
@@ -14,35 +14,35 @@ MUJOCO = {"link": "refuses the file: repeated name", "joint": "replaces the name
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    yield from _repeated(model.links, "link", rule)
-    yield from _repeated(model.joints, "joint", rule)
+    yield from _check_repeated_names(model.links, "link", rule)
+    yield from _check_repeated_names(model.joints, "joint", rule)
     # Converters merge the two links of a fixed joint: its name disappears before it can clash.
     shared = [j for j in model.joint_by_name.values() if j.name in model.link_by_name and j.name and j.type != "fixed"]
     if shared:
         names = [joint.name for joint in shared]
-        links = [_name(model.link_by_name[name]) for name in names]
+        links = [_locate_name(model.link_by_name[name]) for name in names]
         finding = rule.finding(
             "shared",
-            at=_name(shared[0]),
+            at=_locate_name(shared[0]),
             severity=Severity.WARNING,
             related=links[:10],
             who="a link and a joint share the name" if len(names) == 1 else "links and joints share the names",
-            names=listed(names),
+            names=join_names(names),
             first=names[0],
         )
-        yield replace(finding, subjects=tuple(_name(joint).subject for joint in shared))
+        yield replace(finding, subjects=tuple(_locate_name(joint).subject for joint in shared))
 
 
-def _repeated(parts: Sequence[Link] | Sequence[Joint], kind: str, rule: Rule) -> Iterator[Finding]:
+def _check_repeated_names(parts: Sequence[Link] | Sequence[Joint], kind: str, rule: Rule) -> Iterator[Finding]:
     first: dict[str, Link | Joint] = {}
     for part in parts:
         if part.name and first.setdefault(part.name, part) is not part:
-            related, told = [_name(first[part.name])], {"mujoco": MUJOCO[kind]}
+            related, told = [_locate_name(first[part.name])], {"mujoco": MUJOCO[kind]}
             yield rule.finding(
-                "repeated", at=_name(part), related=related, consequences=told, kind=kind, called=part.name
+                "repeated", at=_locate_name(part), related=related, consequences=told, kind=kind, called=part.name
             )
 
 
-def _name(part: Link | Joint) -> Location:
+def _locate_name(part: Link | Joint) -> Location:
     attribute = part.element.attributes.get("name")
     return part.location if attribute is None else attribute.location

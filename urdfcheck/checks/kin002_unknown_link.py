@@ -7,54 +7,55 @@ from dataclasses import replace
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.link_graph import Graph
+from urdfcheck.model.link_graph import KinematicGraph
 from urdfcheck.source.text.xml import Attribute
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    graph = Graph.of(model)
+    graph = KinematicGraph.from_model(model)
     # One link that is missing is one mistake, however many joints name it.
     found: dict[str, list[tuple[Joint, Attribute]]] = {}
     for joint in graph.broken:
-        for element in (joint.element.child("parent"), joint.element.child("child")):
+        for element in (joint.element.find_child("parent"), joint.element.find_child("child")):
             name = element.attributes.get("link") if element is not None else None
             if element is not None and name is not None and name.value and name.value not in graph.links:
                 found.setdefault(name.value, []).append((joint, name))
     for called, places in found.items():
-        yield _finding(graph, called, places, rule)
+        yield _build_finding(graph, called, places, rule)
 
 
-def _finding(graph: Graph, called: str, places: list[tuple[Joint, Attribute]], rule: Rule) -> Finding:
+def _build_finding(graph: KinematicGraph, called: str, places: list[tuple[Joint, Attribute]], rule: Rule) -> Finding:
     attributes = [attribute for _, attribute in places]
-    related = [*(a.location for a in attributes[1:10]), *(d.location for d in attributes[0].related())]
-    data: dict[str, Any] = {"called": called, "where": _where(places)}
-    near = graph.meant(attributes[0].owner.tag, called)
+    related = [*(a.location for a in attributes[1:10]), *(d.location for d in attributes[0].collect_definitions())]
+    data: dict[str, Any] = {"called": called, "where": _describe_places(places)}
+    near = graph.guess_link(attributes[0].owner.tag, called)
     if near is None:
-        links = listed(graph.links) or "none"
+        links = join_names(graph.links) or "none"
         finding = rule.finding("unknown", at=attributes[0], related=related, links=links, **data)
     else:
-        edits = [edit for attribute in attributes for edit in _edit(attribute, near)]
+        edits = [edit for attribute in attributes for edit in _propose_edits(attribute, near)]
         finding = rule.finding("near", at=attributes[0], related=related, edits=edits, near=near, **data)
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
 
 
-def _where(places: list[tuple[Joint, Attribute]]) -> str:
+def _describe_places(places: list[tuple[Joint, Attribute]]) -> str:
     """``the parent of joints a, b and c and the child of joint d``."""
     joints: dict[str, list[str]] = {}
     for joint, attribute in places:
         joints.setdefault(attribute.owner.tag, []).append(joint.name)
     return " and ".join(
-        f"the {role} of {'joint' if len(names) == 1 else 'joints'} {_and(names)}" for role, names in joints.items()
+        f"the {role} of {'joint' if len(names) == 1 else 'joints'} {_format_names(names)}"
+        for role, names in joints.items()
     )
 
 
-def _and(names: list[str]) -> str:
-    return listed(names, 3) if len(names) > 3 else " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+def _format_names(names: list[str]) -> str:
+    return join_names(names, 3) if len(names) > 3 else " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
-def _edit(attribute: Attribute, near: str) -> tuple[Edit, ...]:
+def _propose_edits(attribute: Attribute, near: str) -> tuple[Edit, ...]:
     if not attribute.literal or attribute.span is None:
         return ()
     return (Edit(attribute.span, attribute.typed, near),)

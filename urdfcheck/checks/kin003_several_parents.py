@@ -6,27 +6,27 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Location, Rule
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.link_graph import Graph
+from urdfcheck.model.link_graph import KinematicGraph
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    graph = Graph.of(model)
-    in_loops = {joint for loop in graph.loops() for joint in loop}
-    for link, joints in graph.parents().items():
+    graph = KinematicGraph.from_model(model)
+    in_loops = {joint for loop in graph.find_loops() for joint in loop}
+    for link, joints in graph.map_parent_joints().items():
         # The joints of a loop are KIN004's, the second joint of a name is KIN001's.
         counted = [j for j in joints if j not in in_loops and (not j.name or model.joint_by_name[j.name] is j)]
         if len(counted) > 1:
             yield rule.finding(
                 "several",
-                at=_child(counted[1]),
-                related=[_child(j) for j in counted if j is not counted[1]],
+                at=_locate_child(counted[1]),
+                related=[_locate_child(j) for j in counted if j is not counted[1]],
                 link=link,
                 joints=", ".join(f"{j.name} (from {j.parent})" for j in counted),
                 parents=[j.parent for j in counted],
             )
 
 
-def _child(joint: Joint) -> Location:
-    element = joint.element.child("child")
+def _locate_child(joint: Joint) -> Location:
+    element = joint.element.find_child("child")
     assert element is not None, "a joint of the graph has a child"
     return element.attributes["link"].location

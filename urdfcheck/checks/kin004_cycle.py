@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.link_graph import Graph
+from urdfcheck.model.link_graph import KinematicGraph
 
 _SHOWN = 12
 
@@ -15,11 +15,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     children = {joint.child for joint in model.joints}
     rooted = any(link.name not in children for link in model.links)
     loss = "drops the loop, without a message" if rooted else "refuses the file: no root link found"
-    for loop in Graph.of(model).loops():
+    for loop in KinematicGraph.from_model(model).find_loops():
         closing = loop[-1]
         links = [joint.parent for joint in loop]
         shown = [*links[:_SHOWN], "…"] if len(links) > _SHOWN else links
-        child = closing.element.child("child")
+        child = closing.element.find_child("child")
         assert child is not None, "a joint of the graph has a child"
         yield rule.finding(
             "loop",

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
-from urdfcheck.model.link_graph import Graph
+from urdfcheck.model.link_graph import KinematicGraph
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    graph = Graph.of(model)
-    parents = graph.parents()
-    explained, unknown = _explained(graph)
+    graph = KinematicGraph.from_model(model)
+    parents = graph.map_parent_joints()
+    explained, unknown = _find_explained_links(graph)
     pieces = [
         piece
-        for piece in graph.pieces()
+        for piece in graph.find_components()
         if not explained & set(piece) and any(not parents[link] for link in piece)  # else a loop: KIN004
     ]
     if len(pieces) - unknown < 2:
@@ -27,13 +27,15 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         at=model.link_by_name[roots[1]],
         related=[model.link_by_name[root] for root in (roots[0], *roots[2:10])],
         count=len(pieces),
-        main=f"{roots[0]} ({_links(len(pieces[0]))})",
-        others=listed(f"{root} ({_links(len(piece))})" for root, piece in zip(roots[1:], pieces[1:], strict=True)),
+        main=f"{roots[0]} ({_format_link_count(len(pieces[0]))})",
+        others=join_names(
+            f"{root} ({_format_link_count(len(piece))})" for root, piece in zip(roots[1:], pieces[1:], strict=True)
+        ),
         roots=roots,
     )
 
 
-def _explained(graph: Graph) -> tuple[set[str], int]:
+def _find_explained_links(graph: KinematicGraph) -> tuple[set[str], int]:
     """Links that are apart because a joint names a wrong link, and how many more wrong names could explain a piece.
 
     Those joints have findings of their own (KIN002, KIN006, XML005).
@@ -44,7 +46,7 @@ def _explained(graph: Graph) -> tuple[set[str], int]:
         if joint.child in graph.links:
             links.add(joint.child)
             continue
-        meant = graph.meant("child", joint.child) if joint.child else None
+        meant = graph.guess_link("child", joint.child) if joint.child else None
         if meant is None:
             unknown += 1
         else:
@@ -52,5 +54,5 @@ def _explained(graph: Graph) -> tuple[set[str], int]:
     return links, unknown
 
 
-def _links(count: int) -> str:
+def _format_link_count(count: int) -> str:
     return "1 link" if count == 1 else f"{count} links"

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.link_graph import Graph
+from urdfcheck.model.link_graph import KinematicGraph
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    Graph.of(model)  # a file whose xacro is not expanded has its links still to come
+    KinematicGraph.from_model(model)  # a file whose xacro is not expanded has its links still to come
     if not model.links:
         yield rule.finding("none", at=model, robot=model.name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Location, Rule, Severity
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Link, Model
 
 # libsdformat takes a mass that differs from 0 by less as none (gz::math::equal).
@@ -17,13 +17,15 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if not model.links:
         return  # nothing that could vanish: KIN007
     if all(link.inertial is None for link in model.links):
-        yield rule.finding("drawing", at=_name(model), severity=Severity.INFO, which=_which(len(model.links)))
+        yield rule.finding(
+            "drawing", at=_locate_name(model), severity=Severity.INFO, which=_describe_lack(len(model.links))
+        )
         return
     root = model.tree.root
     # A root of this name stands for the world: what hangs on it is converted piece by piece.
     heads = [joint.child for joint in model.tree.child_joints[root]] if root == "world" else [root]
-    kept = _preserved(model)
-    bodies = {head: [model.link_by_name[name] for name in _lump(model, head, kept)] for head in heads}
+    kept = _list_preserved_joints(model)
+    bodies = {head: [model.link_by_name[name] for name in _list_merged_links(model, head, kept)] for head in heads}
     if not bodies or any(_has_mass(links) for links in bodies.values()):
         return
     head, links = next(iter(bodies.items()))
@@ -33,14 +35,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         "vanishes",
         at=links[0],
         link=head,
-        with_it=f" (with {listed(link.name for link in links[1:])}, fixed to it)" if len(links) > 1 else "",
+        with_it=f" (with {join_names(link.name for link in links[1:])}, fixed to it)" if len(links) > 1 else "",
         count=len(model.links),
         mass=sum(mass for mass in masses if mass is not None),
-        joints=listed(joint.name for joint in model.joints if joint.name in moving and joint.type != "fixed"),
+        joints=join_names(joint.name for joint in model.joints if joint.name in moving and joint.type != "fixed"),
     )
 
 
-def _lump(model: Model, head: str, kept: frozenset[str]) -> list[str]:
+def _list_merged_links(model: Model, head: str, kept: frozenset[str]) -> list[str]:
     """The links that the conversion merges into ``head``: those behind fixed joints that nothing preserves."""
     queue, found = [head], []
     while queue:
@@ -50,11 +52,11 @@ def _lump(model: Model, head: str, kept: frozenset[str]) -> list[str]:
     return found
 
 
-def _preserved(model: Model) -> frozenset[str]:
+def _list_preserved_joints(model: Model) -> frozenset[str]:
     """The fixed joints that a Gazebo extension keeps."""
     return frozenset(
         gazebo.get("reference")
-        for gazebo in model.robot.all("gazebo")
+        for gazebo in model.robot.find_children("gazebo")
         if any(child.tag in _KEPT and child.text.strip().lower() in {"true", "1"} for child in gazebo.children)
     )
 
@@ -63,14 +65,15 @@ def _has_mass(links: list[Link]) -> bool:
     """Whether they have a mass together, or one that is wrong: not a number, negative, 0 with an inertia (INR002)."""
     inertials = [link.inertial for link in links if link.inertial is not None]
     return any(
-        i.mass is None or i.mass < 0 or i.mass > _NO_MASS or (i.mass == 0 and any(i.six or ())) for i in inertials
+        i.mass is None or i.mass < 0 or i.mass > _NO_MASS or (i.mass == 0 and any(i.inertia_components or ()))
+        for i in inertials
     )
 
 
-def _which(links: int) -> str:
+def _describe_lack(links: int) -> str:
     return "the only link has no" if links == 1 else f"none of the {links} links has an"
 
 
-def _name(model: Model) -> Location:
+def _locate_name(model: Model) -> Location:
     name = model.robot.attributes.get("name")
     return model.location if name is None else name.location

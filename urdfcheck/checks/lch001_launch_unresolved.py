@@ -7,11 +7,18 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from urdfcheck.core import Confidence, Finding, Location, Rule, Severity
-from urdfcheck.core.text import hint
-from urdfcheck.source.launch.launch_file import Description, Include, Launch, Obstacle, declared, is_included
+from urdfcheck.core.text import format_name_hint
+from urdfcheck.source.launch.launch_file import (
+    BrokenInclude,
+    DescriptionSource,
+    Launch,
+    UnresolvedReason,
+    is_included_by_sibling,
+    list_declared_arguments,
+)
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
-from urdfcheck.source.package.finder import PackageFinder, display_name
-from urdfcheck.source.text.tokens import part_of
+from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import Element
 
 # How much of a command a message shows.
@@ -20,102 +27,111 @@ _SHOWN = 80
 
 def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
     if launch.python is not None:
-        yield from _python(launch.python, launch.finder, rule)
+        yield from _check_python_launch(launch.python, launch.finder, rule)
     for description in launch.descriptions:
         if description.unresolved is not None:
-            at = part_of(description.at, description.file, launch.files)
-            yield from _unresolved(launch, description, description.unresolved, at, rule)
-    for include in launch.broken:
-        yield from _broken(launch, include, rule)
+            at = locate_text(description.at, description.file, launch.files)
+            yield from _check_description(launch, description, description.unresolved, at, rule)
+    for include in launch.broken_includes:
+        yield from _check_include(launch, include, rule)
 
 
-def _broken(launch: Launch, include: Include, rule: Rule) -> Iterator[Finding]:
+def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterator[Finding]:
     """An include that leads nowhere."""
-    at, name = include.at, include.obstacle.name
-    if include.obstacle.kind == "file":
-        yield rule.finding("include-file", at=at, path=name, near=_near_file(name, launch.finder))
-    elif include.obstacle.kind == "circle":
+    at, name = include.at, include.unresolved.name
+    if include.unresolved.kind == "file":
+        yield rule.finding("include-file", at=at, path=name, near=_suggest_file(name, launch.finder))
+    elif include.unresolved.kind == "circle":
         yield rule.finding("include-circle", at=at, path=name)
     else:
-        names = [argument.get("name") for argument in declared(_root(at.owner))]
+        names = [argument.get("name") for argument in list_declared_arguments(_find_root(at.owner))]
         if name not in names:  # one without a default is handed over at launch
-            yield rule.finding("include-argument", at=at, file=at.value, argument=name, near=hint(name, names))
+            yield rule.finding(
+                "include-argument", at=at, file=at.value, argument=name, near=format_name_hint(name, names)
+            )
 
 
-def _unresolved(
-    launch: Launch, description: Description, obstacle: Obstacle, at: Location, rule: Rule
+def _check_description(
+    launch: Launch, description: DescriptionSource, obstacle: UnresolvedReason, at: Location, rule: Rule
 ) -> Iterator[Finding]:
-    path = _file_of(description, launch)
+    path = _find_launch_file(description, launch)
     if obstacle.kind == "package":
-        package = launch.finder.package_of(path.absolute())
+        package = launch.finder.find_package_of(path.absolute())
         if package is None or obstacle.name not in package.dependencies:
-            near = _or(launch.finder.near(obstacle.name))
+            near = _format_suggestions(launch.finder.suggest_names(obstacle.name))
             yield rule.finding("package", at=at, file=description.file, package=obstacle.name, near=near)
         else:
-            yield _unknown(rule, at, f"package {obstacle.name!r} is not on this machine")
+            yield _build_unknown_finding(rule, at, f"package {obstacle.name!r} is not on this machine")
     elif obstacle.kind == "argument":
-        names = [argument.get("name") for argument in declared(_root(description.at.owner))]
+        names = [argument.get("name") for argument in list_declared_arguments(_find_root(description.at.owner))]
         if obstacle.name not in names:
-            near = hint(obstacle.name, names)
+            near = format_name_hint(obstacle.name, names)
             yield rule.finding("argument", at=at, file=description.file, argument=obstacle.name, near=near)
-        elif not is_included(path):  # one without a default is handed over at launch, or by that other file
-            yield _unknown(rule, at, f"argument {obstacle.name!r} has no default")
+        elif not is_included_by_sibling(path):  # one without a default is handed over at launch, or by that other file
+            yield _build_unknown_finding(rule, at, f"argument {obstacle.name!r} has no default")
     elif obstacle.kind == "file":
-        yield rule.finding("file", at=at, path=obstacle.name, near=_near_file(obstacle.name, launch.finder))
+        yield rule.finding("file", at=at, path=obstacle.name, near=_suggest_file(obstacle.name, launch.finder))
     elif obstacle.kind == "circle":
         yield rule.finding("circle", at=at, file=description.file)
     else:
         typed = textwrap.shorten(description.file, _SHOWN, placeholder=" …")
-        yield _unknown(rule, at, f"`{typed}` is computed then")
+        yield _build_unknown_finding(rule, at, f"`{typed}` is computed then")
 
 
-def _unknown(rule: Rule, at: Location, reason: str) -> Finding:
+def _build_unknown_finding(rule: Rule, at: Location, reason: str) -> Finding:
     return rule.finding("unknown", at=at, severity=Severity.INFO, reason=reason)
 
 
-def _python(python: PythonLaunch, finder: PackageFinder, rule: Rule) -> Iterator[Finding]:
-    if python.broken is not None:
-        yield rule.finding("syntax", at=python.broken.location, severity=Severity.WARNING, error=python.broken.message)
-    lost = [*(("named", named) for named in python.missing), *(("include-file", named) for named in python.includes)]
+def _check_python_launch(python: PythonLaunch, finder: PackageFinder, rule: Rule) -> Iterator[Finding]:
+    if python.syntax_problem is not None:
+        yield rule.finding(
+            "syntax", at=python.syntax_problem.location, severity=Severity.WARNING, error=python.syntax_problem.message
+        )
+    lost = [
+        *(("named", named) for named in python.missing_models),
+        *(("include-file", named) for named in python.missing_includes),
+    ]
     for message, named in lost:
-        path = display_name(Path(named.path))
+        path = format_path(Path(named.path))
         yield rule.finding(
             message,
             at=named.location,
             severity=Severity.WARNING,
             confidence=Confidence.STRONG,
             path=path,
-            near=_near_file(path, finder),
+            near=_suggest_file(path, finder),
         )
-    for named in python.unknown:
+    for named in python.unknown_models:
         yield rule.finding("unfound", at=named.location, severity=Severity.INFO, path=named.path)
-    if python.loads is not None and not (python.models or python.missing or python.unknown):
-        yield _unknown(rule, python.loads, "the file names no model that is found")
+    if python.description_location is not None and not (
+        python.models or python.missing_models or python.unknown_models
+    ):
+        yield _build_unknown_finding(rule, python.description_location, "the file names no model that is found")
 
 
-def _file_of(description: Description, launch: Launch) -> Path:
+def _find_launch_file(description: DescriptionSource, launch: Launch) -> Path:
     """The launch file, included or not, that a description stands in."""
     span = description.at.span
     file = None if span is None else launch.files.get(span.file)
     return launch.path if file is None else file.path
 
 
-def _root(element: Element) -> Element:
+def _find_root(element: Element) -> Element:
     while element.parent is not None:
         element = element.parent
     return element
 
 
-def _or(names: list[str]) -> str:
+def _format_suggestions(names: list[str]) -> str:
     return f" (did you mean {' or '.join(map(repr, names))}?)" if names else ""
 
 
-def _near_file(path: str, finder: PackageFinder) -> str:
+def _suggest_file(path: str, finder: PackageFinder) -> str:
     folder = Path(path).parent
-    if not finder.allows(folder / "any"):  # what lies there is nobody's to know
+    if not finder.can_open(folder / "any"):  # what lies there is nobody's to know
         return ""
     try:
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
         return f"; the folder {folder.as_posix()} is not there either"
-    return hint(Path(path).name, names)
+    return format_name_hint(Path(path).name, names)

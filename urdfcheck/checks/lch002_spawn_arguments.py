@@ -7,28 +7,28 @@ from dataclasses import dataclass
 from itertools import zip_longest
 
 from urdfcheck.core import Edit, Finding, Location, Rule
-from urdfcheck.source.launch.launch_file import Launch, executable
-from urdfcheck.source.text.tokens import Word, words_of
-from urdfcheck.source.text.values import number
+from urdfcheck.source.launch.launch_file import Launch, get_executable
+from urdfcheck.source.text.tokens import Token, tokenize_attribute
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
 
 _PLACE = frozenset({"-x", "-y", "-z", "-R", "-P", "-Y"})
 
 
 @dataclass(frozen=True, slots=True)
-class _Tool:
+class _SpawnerTool:
     """A spawner: its options that take one value, the one that names the robot, whether that one is demanded, and what
     happens when a value is missing and another word follows."""
 
-    values: frozenset[str]
-    name: str
-    demanded: bool
-    outcome: str
+    value_options: frozenset[str]
+    name_option: str
+    is_name_required: bool
+    outcome_template: str
 
 
 _REFUSES = "{tool} stops with «argument {option}: expected one argument» and the robot never spawns"
 _TOOLS = {
-    "spawn_model": _Tool(
+    "spawn_model": _SpawnerTool(
         _PLACE
         | {
             "-file",
@@ -44,7 +44,7 @@ _TOOLS = {
         True,
         _REFUSES + "; versions before 2018 (ROS Kinetic) took the next word as the value",
     ),
-    "spawn_entity.py": _Tool(
+    "spawn_entity.py": _SpawnerTool(
         _PLACE
         | {
             *("-file", "-topic", "-database", "-entity", "-reference_frame", "-gazebo_namespace", "-robot_namespace"),
@@ -54,7 +54,7 @@ _TOOLS = {
         True,
         _REFUSES,
     ),
-    "create": _Tool(
+    "create": _SpawnerTool(
         _PLACE | {"-world", "-file", "-param", "-string", "-topic", "-name"},
         "-name",
         False,
@@ -67,52 +67,56 @@ _PACKAGES = frozenset({"gazebo_ros", "ros_gz_sim", "ros_ign_gazebo"})
 def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
     robot = launch.model.name if launch.model is not None else ""
     for node in launch.nodes:
-        tool = _TOOLS.get(executable(node))
+        tool = _TOOLS.get(get_executable(node))
         args = node.attributes.get("args")
         if tool is None or args is None or node.get("pkg") not in _PACKAGES:
             continue
-        words = words_of(args, launch.files)
-        empty = list(_without_value(words, tool))
+        words = tokenize_attribute(args, launch.files)
+        empty = list(_iter_valueless_options(words, tool))
         for option, following in empty:
-            yield _valueless(rule, node, tool, option, following, robot)
+            yield _build_valueless_finding(rule, node, tool, option, following, robot)
         unknown = any(word.text.startswith("$(") for word in words)
-        if tool.demanded and not unknown and tool.name not in {word.text for word in words}:
-            yield rule.finding("missing", at=args, tool=executable(node), option=tool.name, robot=_quoted(robot))
+        if tool.is_name_required and not unknown and tool.name_option not in {word.text for word in words}:
+            yield rule.finding(
+                "missing", at=args, tool=get_executable(node), option=tool.name_option, robot=_quote_robot_name(robot)
+            )
 
 
-def _without_value(words: Sequence[Word], tool: _Tool) -> Iterator[tuple[Word, Word | None]]:
+def _iter_valueless_options(words: Sequence[Token], tool: _SpawnerTool) -> Iterator[tuple[Token, Token | None]]:
     """Each option that another option or the end follows, with the word that follows."""
     for word, following in zip_longest(words, words[1:]):
-        if word.text in tool.values and (following is None or _is_option(following.text)):
+        if word.text in tool.value_options and (following is None or _is_option(following.text)):
             yield word, following
 
 
 def _is_option(text: str) -> bool:
     """Whether a word is no value. A negative number is one to argparse, and `-$(arg x)` is most likely to become one."""
-    return text.startswith("-") and "$(" not in text and number(text) is None
+    return text.startswith("-") and "$(" not in text and parse_number(text) is None
 
 
-def _quoted(robot: str) -> str:
+def _quote_robot_name(robot: str) -> str:
     return f"`{robot}`" if robot else "the robot's name"
 
 
-def _valueless(rule: Rule, node: Element, tool: _Tool, option: Word, following: Word | None, robot: str) -> Finding:
-    names_robot = option.text == tool.name
-    edits: list[Edit] = [option.replaced(f"{option.text} {robot}")] if names_robot and robot else []
+def _build_valueless_finding(
+    rule: Rule, node: Element, tool: _SpawnerTool, option: Token, following: Token | None, robot: str
+) -> Finding:
+    names_robot = option.text == tool.name_option
+    edits: list[Edit] = [option.build_edit(f"{option.text} {robot}")] if names_robot and robot else []
     return rule.finding(
         "valueless" if following is not None else "valueless-end",
-        at=_both(option, following),
+        at=_merge_locations(option, following),
         edits=edits,
-        tool=executable(node),
+        tool=get_executable(node),
         option=option.text,
         following="" if following is None else following.text,
-        outcome=tool.outcome.format(tool=executable(node), option=option.text),
+        outcome=tool.outcome_template.format(tool=get_executable(node), option=option.text),
         taken=f" and would call the robot {following.text!r}" if names_robot and following is not None else "",
-        value=_quoted(robot) if names_robot else "a value",
+        value=_quote_robot_name(robot) if names_robot else "a value",
     )
 
 
-def _both(option: Word, following: Word | None) -> Location:
+def _merge_locations(option: Token, following: Token | None) -> Location:
     """From the option to the word that stands where its value should be."""
     if following is None:
         return option.location

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Finding, Rule
-from urdfcheck.source.launch.launch_file import Launch, executable
-from urdfcheck.source.text.tokens import part_of
-from urdfcheck.source.text.values import number
+from urdfcheck.source.launch.launch_file import Launch, get_executable
+from urdfcheck.source.text.tokens import locate_text
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element
 
 
@@ -50,21 +50,21 @@ def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
     successors = _SUCCESSORS.get(launch.dialect, {})
     for node in launch.nodes:
         attribute = node.attributes.get("type") or node.attributes.get("exec")
-        successor = successors.get((node.get("pkg"), executable(node)))
+        successor = successors.get((node.get("pkg"), get_executable(node)))
         if successor is not None and attribute is not None:
             yield rule.finding(
                 "removed",
                 at=attribute,
-                edits=_edits(node, attribute, successor) if successor.drop_in and not _has_period(node) else [],
+                edits=_propose_edits(node, attribute, successor) if successor.drop_in and not _has_period(node) else [],
                 old=f"{node.get('pkg')}/{attribute.value}",
                 new=f"{successor.package}/{successor.executable}",
                 since=successor.since,
             )
     for description in launch.descriptions:
-        script = description.words[0] if description.words and not description.included else ""
+        script = description.words[0] if description.words and not description.is_from_include else ""
         successor = successors.get(("xacro", script.rpartition("/")[2]))
         if successor is not None:
-            at = part_of(description.at, "xacro.py", launch.files)
+            at = locate_text(description.at, "xacro.py", launch.files)
             edits = [] if at.span is None else [Edit(at.span, "xacro.py", "xacro")]
             yield rule.finding(
                 "removed", at=at, edits=edits, old="xacro/xacro.py", new="xacro/xacro", since=successor.since
@@ -74,10 +74,10 @@ def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
 def _has_period(node: Element) -> bool:
     """Whether a static transform ends in the period of tf: tf2_ros would take nine words for a quaternion."""
     words = node.get("args").split()
-    return node.get("pkg") == "tf" and len(words) in {9, 10} and number(words[-1]) is not None
+    return node.get("pkg") == "tf" and len(words) in {9, 10} and parse_number(words[-1]) is not None
 
 
-def _edits(node: Element, attribute: Attribute, successor: _Successor) -> list[Edit]:
+def _propose_edits(node: Element, attribute: Attribute, successor: _Successor) -> list[Edit]:
     wanted = ((node.attributes["pkg"], successor.package), (attribute, successor.executable))
     changed = [(a, value) for a, value in wanted if a.value != value]
     if any(a.span is None or not a.literal for a, _ in changed):

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.source.launch.launch_file import Launch, is_included
-from urdfcheck.source.text.tokens import removal
+from urdfcheck.source.launch.launch_file import Launch, is_included_by_sibling
+from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
 
 _READ = re.compile(r"\$\((?:arg|var)\s+([^\s)]+)")
@@ -18,8 +18,8 @@ _NAME = re.compile(r"\w+")
 def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
     if launch.root is None:
         return
-    read = _names_read(launch.root)
-    handed_on = _hands_everything_on(launch)
+    read = _collect_read_names(launch.root)
+    handed_on = _has_pass_all_include(launch)
     verb = "var" if launch.dialect == "ros2" else "arg"
     included: bool | None = None
     for argument in launch.arguments:
@@ -28,22 +28,22 @@ def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
             continue
         if name not in read:
             if not handed_on:
-                edits = removal(argument, launch.files)
+                edits = build_removal_edits(argument, launch.files)
                 yield rule.finding("unused", at=argument, edits=edits, argument=name, verb=verb)
         elif not any(key in argument.attributes for key in ("default", "value", "doc", "description")):
-            included = is_included(launch.path) if included is None else included
+            included = is_included_by_sibling(launch.path) if included is None else included
             if not included:
                 yield rule.finding("required", at=argument, severity=Severity.WARNING, argument=name)
 
 
-def _names_read(root: Element) -> set[str]:
+def _collect_read_names(root: Element) -> set[str]:
     """The names in `$(arg x)`, `$(var x)` and, because it may name arguments in several ways, every word of `$(eval …)`."""
     texts = [text for e in root.walk() for text in (e.text, *(a.value for a in e.attributes.values()))]
     read = {name for text in texts for name in _READ.findall(text)}
     return read.union(*(_NAME.findall(text) for text in texts if _EVAL.search(text)))
 
 
-def _hands_everything_on(launch: Launch) -> bool:
+def _has_pass_all_include(launch: Launch) -> bool:
     """ROS 1 hands all arguments to an include when told so, ROS 2 always."""
     includes = [] if launch.root is None else [e for e in launch.root.walk() if e.tag == "include"]
     return any(launch.dialect == "ros2" or e.get("pass_all_args") in {"true", "1"} for e in includes)

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import nearest
+from urdfcheck.core.text import find_nearest_name
 from urdfcheck.model import Model
-from urdfcheck.model.shapes.extent import lowest_point
+from urdfcheck.model.shapes.extent import find_lowest_point
 from urdfcheck.source.launch.launch_file import Launch, StaticTransform
 
 # The line that the SolidWorks exporter writes into every launch file, whatever the robot is.
@@ -20,14 +20,14 @@ def check(launch: Launch, rule: Rule, *, height_tol: float, likeness: float) -> 
     placed = {t.child for t in launch.transforms}
     for transform in launch.transforms:
         if model is not None and transform.child in model.link_by_name:
-            yield from _in_model(rule, transform, model)
+            yield from _check_model_link(rule, transform, model)
         elif _is_footprint(transform, model):
-            yield from _footprint(rule, transform, model, height_tol)
+            yield from _check_footprint(rule, transform, model, height_tol)
         elif model is not None and transform.parent not in placed:
-            yield from _unknown(rule, transform, model, likeness)
+            yield from _check_unknown_parent(rule, transform, model, likeness)
 
 
-def _in_model(rule: Rule, transform: StaticTransform, model: Model) -> Iterator[Finding]:
+def _check_model_link(rule: Rule, transform: StaticTransform, model: Model) -> Iterator[Finding]:
     """A transform to a link of the model: it needs none, unless it is the root and hangs below the world."""
     joint = next((j for j in model.joints if j.child == transform.child), None)
     data: dict[str, Any] = {"parent": transform.parent, "child": transform.child}
@@ -46,10 +46,12 @@ def _is_footprint(transform: StaticTransform, model: Model | None) -> bool:
     return transform.parent == "base_link" if model is None else transform.parent in model.link_by_name
 
 
-def _footprint(rule: Rule, transform: StaticTransform, model: Model | None, height_tol: float) -> Iterator[Finding]:
+def _check_footprint(
+    rule: Rule, transform: StaticTransform, model: Model | None, height_tol: float
+) -> Iterator[Finding]:
     exported = (transform.parent, transform.child, transform.xyz, transform.rpy) == _EXPORTED
     cause = "solidworks-exporter" if exported else None
-    lowest = None if model is None or transform.xyz is None else lowest_point(model, transform.parent)
+    lowest = None if model is None or transform.xyz is None else find_lowest_point(model, transform.parent)
     frames: dict[str, Any] = {"parent": transform.parent, "child": transform.child}
     if lowest is None or transform.xyz is None or abs(lowest[0] - transform.xyz[2]) <= height_tol:
         yield rule.finding("footprint", at=transform.at, cause=cause, **frames)
@@ -68,8 +70,8 @@ def _footprint(rule: Rule, transform: StaticTransform, model: Model | None, heig
     )
 
 
-def _unknown(rule: Rule, transform: StaticTransform, model: Model, likeness: float) -> Iterator[Finding]:
+def _check_unknown_parent(rule: Rule, transform: StaticTransform, model: Model, likeness: float) -> Iterator[Finding]:
     """A parent that the model lacks but for a letter or two; any other may come from a driver."""
-    near = nearest(transform.parent, model.link_by_name, likeness)
+    near = find_nearest_name(transform.parent, model.link_by_name, likeness)
     if transform.parent not in model.link_by_name and near is not None:
         yield rule.finding("unknown-frame", at=transform.at, parent=transform.parent, child=transform.child, near=near)

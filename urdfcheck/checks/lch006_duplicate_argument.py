@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.source.launch.launch_file import Launch
-from urdfcheck.source.text.tokens import removal
+from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
 
 _SCOPES = frozenset({"launch", "group", "include"})
@@ -15,8 +15,8 @@ _SCOPES = frozenset({"launch", "group", "include"})
 def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
     # `.launch.xml` is how ROS 2 calls them, also where nothing in the file tells.
     ros1 = launch.dialect == "ros1" and not launch.name.endswith(".xml")
-    for first, second in _repeated(launch.root, ros1) if launch.root is not None else ():
-        equal = _value(first) == _value(second)
+    for first, second in _iter_repeated_arguments(launch.root, ros1) if launch.root is not None else ():
+        equal = _get_value(first) == _get_value(second)
         handed = second.parent is not None and second.parent.tag == "include"
         message = "ros1" if ros1 else "handed" if handed else "ros2"
         yield rule.finding(
@@ -24,39 +24,39 @@ def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
             at=second,
             severity=Severity.ERROR if ros1 else Severity.WARNING,
             related=[first],
-            edits=removal(second, launch.files) if equal else (),
+            edits=build_removal_edits(second, launch.files) if equal else (),
             argument=first.get("name"),
             line=0 if first.span is None else first.span.line,
-            values="with the same value" if equal else f"as {_shown(first)} and as {_shown(second)}",
+            values="with the same value" if equal else f"as {_format_value(first)} and as {_format_value(second)}",
             which="the second" if equal else "one of them",
         )
 
 
-def _repeated(
-    scope: Element, ros1: bool, known: tuple[dict[str, Element], ...] = ()
+def _iter_repeated_arguments(
+    scope: Element, ros1: bool, enclosing_scopes: tuple[dict[str, Element], ...] = ()
 ) -> Iterator[tuple[Element, Element]]:
     """Each argument that is declared again in a scope, with its first declaration. ``known``: what was declared around it so
     far, which a group of ROS 1 knows; what is handed to an include never mixes with that. What stands under a condition may
     be the other choice, and is left out."""
     own: dict[str, Element] = {}
-    known = (*known, own) if ros1 and scope.tag == "group" else (own,)
+    enclosing_scopes = (*enclosing_scopes, own) if ros1 and scope.tag == "group" else (own,)
     for element in scope.children:
         if "if" in element.attributes or "unless" in element.attributes:
             continue
         name = element.get("name")
         if element.tag == "arg" and name:
-            first = next((names[name] for names in known if name in names), None)
+            first = next((names[name] for names in enclosing_scopes if name in names), None)
             if first is not None:
                 yield first, element
             own.setdefault(name, element)
         elif element.tag in _SCOPES:
-            yield from _repeated(element, ros1, known)
+            yield from _iter_repeated_arguments(element, ros1, enclosing_scopes)
 
 
-def _value(argument: Element) -> tuple[str, str]:
+def _get_value(argument: Element) -> tuple[str, str]:
     return argument.get("value"), argument.get("default")
 
 
-def _shown(argument: Element) -> str:
+def _format_value(argument: Element) -> str:
     value = argument.get("value") or argument.get("default")
     return f"`{value}`" if value else "nothing"

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.source.launch.launch_file import Launch, executable
-from urdfcheck.source.text.tokens import removal
+from urdfcheck.source.launch.launch_file import Launch, get_executable
+from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
 
 
@@ -14,19 +14,19 @@ def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
     if launch.root is None:
         return
     for element in launch.root.walk():
-        message = _leftover(element)
+        message = _classify_leftover(element)
         if message is not None:
             yield rule.finding(
                 message,
                 at=element,
                 cause="solidworks-exporter" if message == "calibration" else None,
-                edits=removal(element, launch.files),
+                edits=build_removal_edits(element, launch.files),
                 name=element.get("name"),
             )
 
 
-def _leftover(element: Element) -> str | None:
-    if element.tag == "node" and executable(element) == "rostopic":
+def _classify_leftover(element: Element) -> str | None:
+    if element.tag == "node" and get_executable(element) == "rostopic":
         words = element.get("args").split()
         return "calibration" if words[:2] in (["pub", "/calibrated"], ["pub", "calibrated"]) else None
     if element.tag == "param" and element.get("name").rpartition("/")[2] == "use_gui":

@@ -9,20 +9,20 @@ from typing import Any
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.facts.mesh.measure import Boundary
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
-from urdfcheck.model.shapes.mesh_marks import drawable, rounded_off
+from urdfcheck.model.shapes.mesh_marks import round_significant, sample_for_drawing
 
 # What a report can draw: the longest rims, each thinned to this many points.
-LOOPS, POINTS = 16, 64
+MAX_LOOPS, MAX_POINTS = 16, 64
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     drawn: list[MeshUse] = []
     colliding: list[Sequence[MeshUse]] = []
-    for uses, facts in model.meshes.measured():
+    for uses, facts in model.meshes.list_measured():
         # Where a corner is nowhere, its triangles are missing: MSH007 says so.
         if not facts.open_edges or facts.non_finite_vertices:
             continue
@@ -31,25 +31,25 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         else:
             colliding.append(uses)
     if colliding:
-        yield _colliding(model, rule, colliding)
+        yield _build_collision_finding(model, rule, colliding)
     if drawn:
-        counts = [_open_edges(model, use) for use in drawn]
+        counts = [_count_open_edges(model, use) for use in drawn]
         yield rule.finding(
             "drawn",
             at=drawn[0].filename,
             related=[use.filename for use in drawn[1:]],
             severity=Severity.INFO,
             count=len(drawn),
-            meshes=listed([f"{use.name} ({n:,})" for use, n in zip(drawn, counts, strict=True)]),
+            meshes=join_names([f"{use.name} ({n:,})" for use, n in zip(drawn, counts, strict=True)]),
         )
 
 
-def _colliding(model: Model, rule: Rule, meshes: list[Sequence[MeshUse]]) -> Finding:
+def _build_collision_finding(model: Model, rule: Rule, meshes: list[Sequence[MeshUse]]) -> Finding:
     """One finding for all of a robot: they come from one exporter, or one program that made them coarser."""
-    holes = {uses[0]: _loops(model, uses[0]) for uses in meshes}
+    holes = {uses[0]: _collect_boundary_loops(model, uses[0]) for uses in meshes}
     worst = max(holes, key=lambda use: holes[use][0]["length"])
-    counts = [_open_edges(model, use) for use in holes]
-    names = listed(f"{use.name} ({n:,})" for use, n in zip(holes, counts, strict=True))
+    counts = [_count_open_edges(model, use) for use in holes]
+    names = join_names(f"{use.name} ({n:,})" for use, n in zip(holes, counts, strict=True))
     several = len(meshes) > 1
     places = sum(map(len, holes.values()))
     first, *rest = (use.filename for uses in meshes for use in uses)
@@ -64,30 +64,32 @@ def _colliding(model: Model, rule: Rule, meshes: list[Sequence[MeshUse]]) -> Fin
         length=holes[worst][0]["length"],
         centre=" ".join(f"{v:g}" for v in holes[worst][0]["centre"]),
         whose=f"the frame of {worst.name}" if several else "the mesh's frame",
-        loops=[loop for loops in holes.values() for loop in loops[:LOOPS]],
+        loops=[loop for loops in holes.values() for loop in loops[:MAX_LOOPS]],
     )
     return replace(finding, subjects=tuple(dict.fromkeys(use.filename.location.subject for use in holes)))
 
 
-def _open_edges(model: Model, use: MeshUse) -> int:
+def _count_open_edges(model: Model, use: MeshUse) -> int:
     assert use.resource.path is not None, "its file was measured"
     return model.meshes.facts[use.resource.path].open_edges
 
 
-def _loops(model: Model, use: MeshUse) -> list[dict[str, Any]]:
+def _collect_boundary_loops(model: Model, use: MeshUse) -> list[dict[str, Any]]:
     assert use.resource.path is not None, "its file was measured"
-    loops = [_loop(model, use, boundary) for boundary in model.meshes.facts[use.resource.path].boundaries]
+    loops = [
+        _describe_boundary_loop(model, use, boundary) for boundary in model.meshes.facts[use.resource.path].boundaries
+    ]
     return sorted(loops, key=lambda loop: -loop["length"])
 
 
-def _loop(model: Model, use: MeshUse, boundary: Boundary) -> dict[str, Any]:
+def _describe_boundary_loop(model: Model, use: MeshUse, boundary: Boundary) -> dict[str, Any]:
     """Sizes in metres, places in the mesh's own frame after scaling."""
-    scale = np.array(model.drawn_scale(use.shape) or (1.0, 1.0, 1.0))
+    scale = np.array(model.compute_drawn_scale(use.shape) or (1.0, 1.0, 1.0))
     points = boundary.points * scale
     steps = np.diff(points, axis=0, append=points[:1] if boundary.closed else points[-1:])
     return {
         "closed": boundary.closed,
-        "length": rounded_off(float(np.linalg.norm(steps, axis=1).sum())),
-        "centre": [rounded_off(float(v), 4) for v in boundary.centre * scale],
-        "points": drawable(model, use, boundary.points, POINTS),
+        "length": round_significant(float(np.linalg.norm(steps, axis=1).sum())),
+        "centre": [round_significant(float(v), 4) for v in boundary.centre * scale],
+        "points": sample_for_drawing(model, use, boundary.points, MAX_POINTS),
     }

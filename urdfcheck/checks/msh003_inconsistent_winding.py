@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
-from urdfcheck.model.shapes.mesh_marks import drawable
+from urdfcheck.model.shapes.mesh_marks import sample_for_drawing
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     drawn: list[MeshUse] = []
-    for uses, facts in model.meshes.measured():
+    for uses, facts in model.meshes.list_measured():
         if facts.winding_consistent:
             continue
         if uses[0].shape.role != "collision":
@@ -27,7 +27,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             mesh=uses[0].filename.value,
             wrong=wrong,
             edges=f"{wrong:,} edge" + "s" * (wrong > 1),
-            lines=drawable(model, uses[0], facts.flipped_lines),
+            lines=sample_for_drawing(model, uses[0], facts.flipped_lines),
         )
     if drawn:
         yield rule.finding(
@@ -36,5 +36,5 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             related=[use.filename for use in drawn[1:]],
             severity=Severity.INFO,
             count=len(drawn),
-            meshes=listed([use.name for use in drawn]),
+            meshes=join_names([use.name for use in drawn]),
         )

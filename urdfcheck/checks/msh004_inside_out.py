@@ -10,7 +10,7 @@ from urdfcheck.model import Model
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for uses, facts in model.meshes.measured():
+    for uses, facts in model.meshes.list_measured():
         if not facts.inside_out:
             continue
         # A scale that mirrors turns the mesh the right way out again in consumers that leave the corners as they are.

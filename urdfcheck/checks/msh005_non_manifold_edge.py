@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.shapes.mesh_marks import drawable
+from urdfcheck.model.shapes.mesh_marks import sample_for_drawing
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for uses, facts in model.meshes.measured():
+    for uses, facts in model.meshes.list_measured():
         if uses[0].shape.role != "collision" or not facts.non_manifold_edges:
             continue
         # Closed bodies that touch along an edge enclose what they should; a mesh with open edges is MSH002's.
@@ -23,5 +23,5 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             mesh=uses[0].filename.value,
             count=facts.non_manifold_edges,
             edges=f"{facts.non_manifold_edges:,} edge" + "s" * (facts.non_manifold_edges > 1),
-            lines=drawable(model, uses[0], facts.non_manifold_lines),
+            lines=sample_for_drawing(model, uses[0], facts.non_manifold_lines),
         )

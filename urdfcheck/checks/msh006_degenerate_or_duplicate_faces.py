@@ -8,22 +8,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.facts.mesh.measure import MeshFacts
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
-from urdfcheck.model.shapes.mesh_marks import drawable
+from urdfcheck.model.shapes.mesh_marks import sample_for_drawing
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 # Meshes whose triangles a report can draw, and triangles of each.
-MESHES, TRIANGLES = 8, 32
+MAX_MESHES, MAX_TRIANGLES = 8, 32
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     found: list[tuple[MeshUse, MeshFacts]] = []
-    for uses, facts in model.meshes.measured():
+    for uses, facts in model.meshes.list_measured():
         if uses[0].shape.role != "collision":
             continue
         if facts.degenerate_faces or facts.duplicate_faces:
@@ -35,24 +35,24 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             related=[use.filename for use, _ in found[1:]],
             degenerate=sum(facts.degenerate_faces for _, facts in found),
             duplicate=sum(facts.duplicate_faces for _, facts in found),
-            meshes=listed([f"{use.name} ({_counted(facts)})" for use, facts in found]),
+            meshes=join_names([f"{use.name} ({_format_face_counts(facts)})" for use, facts in found]),
             places=[
                 {
                     "mesh": use.filename.value,
                     "link": use.link.name,
-                    "triangles": drawable(model, use, _left_in(facts), TRIANGLES),
+                    "triangles": sample_for_drawing(model, use, _find_bad_triangles(facts), MAX_TRIANGLES),
                 }
-                for use, facts in found[:MESHES]
+                for use, facts in found[:MAX_MESHES]
             ],
         )
 
 
-def _counted(facts: MeshFacts) -> str:
+def _format_face_counts(facts: MeshFacts) -> str:
     counts = [(facts.degenerate_faces, "without area"), (facts.duplicate_faces, "repeated")]
     return ", ".join(f"{n:,} {what}" for n, what in counts if n)
 
 
-def _left_in(facts: MeshFacts) -> NDArray[np.float64]:
+def _find_bad_triangles(facts: MeshFacts) -> NDArray[np.float64]:
     """Corners (n, 3, 3) of those triangles without area, or repeated, that welding the mesh has not dropped."""
     corners = facts.vertices[facts.faces]
     sides = corners - np.roll(corners, 1, axis=1)

@@ -8,14 +8,14 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
 
 # What MuJoCo does with such a mesh that collides, and with one that is only drawn.
-READ = "refuses to compile: vertex coordinate is not finite"
-DRAWN = "loads it: it leaves out what is only drawn"
+MUJOCO_REFUSES = "refuses to compile: vertex coordinate is not finite"
+MUJOCO_SKIPS = "loads it: it leaves out what is only drawn"
 # What Bullet does with a binary STL that collides.
-CRASH = "refuses the file by crashing"
+BULLET_CRASHES = "refuses the file by crashing"
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for uses, facts in model.meshes.measured():
+    for uses, facts in model.meshes.list_measured():
         if facts.non_finite_vertices:
             collides = uses[0].shape.role == "collision"
             crashes = collides and facts.format == "stl-binary"
@@ -23,7 +23,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 "non_finite",
                 at=uses[0].filename,
                 related=[use.filename for use in uses[1:]],
-                consequences={"mujoco": READ if collides else DRAWN, "bullet": CRASH if crashes else "loads it"},
+                consequences={
+                    "mujoco": MUJOCO_REFUSES if collides else MUJOCO_SKIPS,
+                    "bullet": BULLET_CRASHES if crashes else "loads it",
+                },
                 mesh=uses[0].filename.value,
                 count=facts.non_finite_vertices,
                 corners=f"{facts.non_finite_vertices:,} corner" + "s" * (facts.non_finite_vertices > 1),

@@ -9,7 +9,7 @@ from urdfcheck.model import Model
 
 
 def check(model: Model, rule: Rule, *, triangles: int) -> Iterator[Finding]:
-    for uses, facts in model.meshes.measured():
+    for uses, facts in model.meshes.list_measured():
         if uses[0].shape.role == "collision" and facts.n_triangles > triangles:
             yield rule.finding(
                 "heavy",

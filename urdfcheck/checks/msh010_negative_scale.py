@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import prod
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 
 
@@ -24,6 +24,6 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             at=mirrored[0].filename,
             related=[use.filename for use in mirrored[1:]],
             count=len(mirrored),
-            meshes=listed(names),
+            meshes=join_names(names),
             shapes=f"{len(mirrored)} collision shape" + "s" * (len(mirrored) > 1),
         )

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.facts.mesh.measure import MeshFacts
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
@@ -30,56 +30,56 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for program, formats in FORMATS.items():
         if model.targets and program not in model.targets:
             continue
-        loaded = _loaded(model, program)
-        refused = [(use, facts) for use, facts in loaded if _format(facts) not in formats]
-        heavy = [(u, f) for u, f in loaded if _format(f) == "stl" and f.n_triangles > MUJOCO_STL_FACES]
+        loaded = _collect_loaded_meshes(model, program)
+        refused = [(use, facts) for use, facts in loaded if _get_file_format(facts) not in formats]
+        heavy = [(u, f) for u, f in loaded if _get_file_format(f) == "stl" and f.n_triangles > MUJOCO_STL_FACES]
         if model.targets and refused:
-            yield _finding(rule, program, refused, loads=" or ".join(sorted(formats)))
+            yield _build_finding(rule, program, refused, loads=" or ".join(sorted(formats)))
         if model.targets and program == "mujoco" and heavy:
             most = max(facts.n_triangles for _, facts in heavy)
-            yield _finding(rule, "faces", heavy, triangles=most, limit=MUJOCO_STL_FACES)
+            yield _build_finding(rule, "faces", heavy, triangles=most, limit=MUJOCO_STL_FACES)
         found = [*refused, *(heavy if program == "mujoco" else ())]
         if found:
             unable[program] = found
     if not model.targets and unable:
-        yield _any(rule, unable)
+        yield _build_untargeted_finding(rule, unable)
 
 
-def _any(rule: Rule, unable: Mapping[str, list[tuple[MeshUse, MeshFacts]]]) -> Finding:
+def _build_untargeted_finding(rule: Rule, unable: Mapping[str, list[tuple[MeshUse, MeshFacts]]]) -> Finding:
     """Nobody said who will read the model: worth knowing, once."""
     meshes = list({use.name: (use, facts) for found in unable.values() for use, facts in found}.values())
     told = {program: str(rule.consumers[program][program]) for program in unable}
-    heavy = [f for _, f in unable.get("mujoco", ()) if _format(f) in FORMATS["mujoco"]]
+    heavy = [f for _, f in unable.get("mujoco", ()) if _get_file_format(f) in FORMATS["mujoco"]]
     if heavy:
         told["mujoco"] = str(rule.consumers["faces"]["mujoco"])
-    names = listed([NAMES[program] for program in unable])
-    return _finding(rule, "any", meshes, consequences=told, severity=Severity.INFO, programs=names)
+    names = join_names([NAMES[program] for program in unable])
+    return _build_finding(rule, "any", meshes, consequences=told, severity=Severity.INFO, programs=names)
 
 
-def _loaded(model: Model, target: str) -> list[tuple[MeshUse, MeshFacts]]:
+def _collect_loaded_meshes(model: Model, target: str) -> list[tuple[MeshUse, MeshFacts]]:
     """The first use of each file that a program loads."""
-    collision_only = target in COLLISION_ONLY and not (target == "mujoco" and _keeps_visuals(model))
-    found = [(uses[0], facts) for uses, facts in model.meshes.measured()]
+    collision_only = target in COLLISION_ONLY and not (target == "mujoco" and _has_discardvisual_off(model))
+    found = [(uses[0], facts) for uses, facts in model.meshes.list_measured()]
     return [(u, f) for u, f in found if u.shape.role == "collision" or not collision_only]
 
 
-def _keeps_visuals(model: Model) -> bool:
+def _has_discardvisual_off(model: Model) -> bool:
     """MuJoCo discards what a URDF only draws, unless the model says otherwise."""
-    compilers = [c for extension in model.robot.all("mujoco") for c in extension.all("compiler")]
+    compilers = [c for extension in model.robot.find_children("mujoco") for c in extension.find_children("compiler")]
     return any(compiler.get("discardvisual") == "false" for compiler in compilers)
 
 
-def _format(facts: MeshFacts) -> str:
+def _get_file_format(facts: MeshFacts) -> str:
     """Whether an STL file is text or binary is another rule's."""
     return facts.format.partition("-")[0]
 
 
-def _finding(rule: Rule, message: str, found: list[tuple[MeshUse, MeshFacts]], **data: Any) -> Finding:
+def _build_finding(rule: Rule, message: str, found: list[tuple[MeshUse, MeshFacts]], **data: Any) -> Finding:
     return rule.finding(
         message,
         at=found[0][0].filename,
         related=[use.filename for use, _ in found[1:]],
         count=len(found),
-        meshes=listed([use.name for use, _ in found]),
+        meshes=join_names([use.name for use, _ in found]),
         **data,
     )

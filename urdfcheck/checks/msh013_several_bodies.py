@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     found: list[tuple[MeshUse, int]] = []
-    for uses, facts in model.meshes.measured():
+    for uses, facts in model.meshes.list_measured():
         if uses[0].shape.role == "collision" and len(facts.components) > 1:
             found.append((uses[0], len(facts.components)))
     found.sort(key=lambda entry: -entry[1])
@@ -22,6 +22,6 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             at=found[0][0].filename,
             related=[use.filename for use, _ in found[1:]],
             count=len(found),
-            meshes=listed([f"{use.name} ({n})" for use, n in found]),
+            meshes=join_names([f"{use.name} ({n})" for use, n in found]),
             most=found[0][1],
         )

@@ -5,22 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 
 # A closed mesh with less of its hull's volume than this is a sheet with two sides, whose volume is rounding.
-SHEET = 1e-6
+MIN_HULL_SHARE = 1e-6
 
 
 def check(model: Model, rule: Rule, *, times: float) -> Iterator[Finding]:
     found: list[tuple[MeshUse, float]] = []
-    for uses, facts in model.meshes.measured():
+    for uses, facts in model.meshes.list_measured():
         # The volume of an open mesh means nothing.
         if uses[0].shape.role != "collision" or not facts.closed:
             continue
         volume, hull = abs(facts.volume), facts.hull.volume
-        if volume > SHEET * hull and hull > times * volume:
+        if volume > MIN_HULL_SHARE * hull and hull > times * volume:
             found.append((uses[0], hull / volume))
     found.sort(key=lambda entry: -entry[1])
     if found:
@@ -29,6 +29,6 @@ def check(model: Model, rule: Rule, *, times: float) -> Iterator[Finding]:
             at=found[0][0].filename,
             related=[use.filename for use, _ in found[1:]],
             count=len(found),
-            meshes=listed([f"{use.name} ({ratio:.3g} times)" for use, ratio in found]),
+            meshes=join_names([f"{use.name} ({ratio:.3g} times)" for use, ratio in found]),
             most=found[0][1],
         )

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Rule, Severity
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
 
 # Each kind of mistake: its message, its severity, and whether a link or joint (told apart by the flag) makes it.
@@ -25,26 +25,26 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     parts: list[Link | Joint] = [*model.links, *model.joints]
     named = [part for part in parts if "name" in part.element.attributes]
     for message, severity, wrong in _KINDS:
-        yield from _finding(message, severity, [p for p in named if wrong(p.name, isinstance(p, Link))], rule)
+        yield from _build_findings(message, severity, [p for p in named if wrong(p.name, isinstance(p, Link))], rule)
     roots = {link.name for link in model.links} - {joint.child for joint in model.joints}
     worlds = [p for p in named if p.name == "world" and (isinstance(p, Joint) or p.name not in roots)]
-    yield from _finding("world", Severity.WARNING, worlds, rule)
+    yield from _build_findings("world", Severity.WARNING, worlds, rule)
 
 
-def _finding(message: str, severity: Severity, parts: list[Link | Joint], rule: Rule) -> Iterator[Finding]:
+def _build_findings(message: str, severity: Severity, parts: list[Link | Joint], rule: Rule) -> Iterator[Finding]:
     """One finding for all names of a kind: they come from one habit."""
     if parts:
         names = [part.name for part in parts]
         finding = rule.finding(
             message,
-            at=_name(parts[0]),
+            at=_locate_name(parts[0]),
             severity=severity,
-            related=[_name(part) for part in parts[1:10]],
-            names=listed(f"'{name}'" for name in dict.fromkeys(names)),
+            related=[_locate_name(part) for part in parts[1:10]],
+            names=join_names(f"'{name}'" for name in dict.fromkeys(names)),
             count=len(names),
         )
-        yield replace(finding, subjects=tuple(_name(part).subject for part in parts))
+        yield replace(finding, subjects=tuple(_locate_name(part).subject for part in parts))
 
 
-def _name(part: Link | Joint) -> Location:
+def _locate_name(part: Link | Joint) -> Location:
     return part.element.attributes["name"].location

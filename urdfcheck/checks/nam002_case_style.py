@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.source.text.xml import Attribute
 
@@ -20,7 +20,7 @@ def check(model: Model, rule: Rule, *, least: int, share: float) -> Iterator[Fin
     odd: list[Attribute] = []
     styles: list[str] = []
     for parts in (model.links, model.joints):
-        style, breaking = _odd_ones(parts, least, share)
+        style, breaking = _find_style_outliers(parts, least, share)
         odd += breaking
         if breaking:
             styles.append(style)
@@ -29,16 +29,16 @@ def check(model: Model, rule: Rule, *, least: int, share: float) -> Iterator[Fin
             "odd",
             at=odd[0],
             related=odd[1:10],
-            names=listed(dict.fromkeys(attribute.value for attribute in odd)),
+            names=join_names(dict.fromkeys(attribute.value for attribute in odd)),
             spelled=" and ".join(dict.fromkeys(styles)),
         )
         yield replace(finding, subjects=tuple(attribute.location.subject for attribute in odd))
 
 
-def _odd_ones(parts: Sequence[Link | Joint], least: int, share: float) -> tuple[str, list[Attribute]]:
+def _find_style_outliers(parts: Sequence[Link | Joint], least: int, share: float) -> tuple[str, list[Attribute]]:
     """The style of almost all names of a kind, and the names of another one. A name that fits every style decides nothing."""
     named = [p.element.attributes["name"] for p in parts if p.name and p.name not in _STANDARD]
-    known = [(attribute, style) for attribute in named if (style := _style(attribute.value)) is not None]
+    known = [(attribute, style) for attribute in named if (style := _classify_case_style(attribute.value)) is not None]
     for style in ("lower case", "camelCase"):
         odd = [attribute for attribute, other in known if other != style]
         if len(known) - len(odd) >= least and len(known) - len(odd) >= share * len(known):
@@ -46,7 +46,7 @@ def _odd_ones(parts: Sequence[Link | Joint], least: int, share: float) -> tuple[
     return "", []
 
 
-def _style(name: str) -> str | None:
+def _classify_case_style(name: str) -> str | None:
     """How a name is spelled; None for one lower-case word, which every style writes so."""
     if _CAMEL.search(name):
         return "camelCase"

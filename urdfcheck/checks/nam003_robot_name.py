@@ -11,12 +11,12 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
 
 # What packages and files add to a robot's name.
-_USUAL = frozenset({
+_GENERIC_WORDS = frozenset({
     "description", "descriptions", "support", "model", "models", "robot", "robots", "urdf", "xacro", "gazebo", "ros",
     "ros2", "moveit", "config", "bringup", "resources", "sim", "simulation", "package", "pkg", "common", "data",
 })  # fmt: skip
-_ALIKE = 0.85
-_SHORT = 6
+_MIN_SIMILARITY = 0.85
+_MIN_LETTERS = 6
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -24,43 +24,43 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if name is None or not name.value.strip():
         return
     stem = PurePosixPath(model.source.name).name.split(".")[0]
-    if _misspelt(name.value, stem):
+    if _is_misspelt_name(name.value, stem):
         yield rule.finding("misspelt", at=name, name=name.value, file=stem)
         return
     package = model.package
-    if package is None or _related(name.value, package.name):
+    if package is None or _is_related_name(name.value, package.name):
         return
-    for file, included in _dropped(model):
+    for file, included in _find_dropped_names(model):
         names = (name.value, package.name, included)
-        if len({_words(n)[0] for n in names}) == 1:  # they begin alike: three names for one robot
+        if len({_extract_name_words(n)[0] for n in names}) == 1:  # they begin alike: three names for one robot
             yield rule.finding("several", at=name, name=name.value, package=package.name, included=included, file=file)
             return
 
 
-def _dropped(model: Model) -> Iterator[tuple[str, str]]:
+def _find_dropped_names(model: Model) -> Iterator[tuple[str, str]]:
     """The files that the model includes and the names of their roots, which xacro drops."""
     for file, tree in model.source.trees.items():
         included = tree.get("name")
-        if file != model.source.name and included not in {"", model.name} and _words(included):
+        if file != model.source.name and included not in {"", model.name} and _extract_name_words(included):
             yield PurePosixPath(file).name, included
 
 
-def _words(name: str) -> list[str]:
+def _extract_name_words(name: str) -> list[str]:
     """The words of a name in lower case, without those that say nothing about the robot."""
     words = re.findall(r"[a-z0-9]+", name.lower())
-    return [w for w in words if w not in _USUAL] or words
+    return [w for w in words if w not in _GENERIC_WORDS] or words
 
 
-def _related(one: str, other: str) -> bool:
+def _is_related_name(one: str, other: str) -> bool:
     """Whether one name is the other with something added (``husky`` and ``husky_description``)."""
-    a, b = _words(one), _words(other)
+    a, b = _extract_name_words(one), _extract_name_words(other)
     return set(a) <= set(b) or set(b) <= set(a) or "".join(a) in "".join(b) or "".join(b) in "".join(a)
 
 
-def _misspelt(name: str, stem: str) -> bool:
+def _is_misspelt_name(name: str, stem: str) -> bool:
     """Two long names of the same digits that differ in a letter or two."""
-    a, b = "".join(_words(name)), "".join(_words(stem))
-    if min(len(a), len(b)) < _SHORT or _related(name, stem) or sorted(a) == sorted(b):
+    a, b = "".join(_extract_name_words(name)), "".join(_extract_name_words(stem))
+    if min(len(a), len(b)) < _MIN_LETTERS or _is_related_name(name, stem) or sorted(a) == sorted(b):
         return False
     same_digits = re.findall(r"\d", a) == re.findall(r"\d", b)
-    return same_digits and difflib.SequenceMatcher(None, a, b).ratio() >= _ALIKE
+    return same_digits and difflib.SequenceMatcher(None, a, b).ratio() >= _MIN_SIMILARITY

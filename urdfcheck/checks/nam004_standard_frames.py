@@ -10,7 +10,7 @@ import numpy as np
 
 from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.model import Joint, Model
-from urdfcheck.source.text.tokens import replacing
+from urdfcheck.source.text.tokens import build_replacement_edits
 
 # What a base_link may hang on: the fixed world, the frames that localisation moves, and the footprint (REP 105, REP 120).
 _ABOVE_BASE = frozenset({"world", "map", "earth", "odom", "base_footprint"})
@@ -18,88 +18,88 @@ _ABOVE_BASE = frozenset({"world", "map", "earth", "odom", "base_footprint"})
 _OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 _OPTICAL_RPY = "-1.5707963267948966 0 -1.5707963267948966"
 # What a camera link and its optical frame add to the camera's name.
-_ADDED = re.compile(r"_?(?:optical|frame|link|joint|parent)(?=_|$)")
+_FRAME_SUFFIX = re.compile(r"_?(?:optical|frame|link|joint|parent)(?=_|$)")
 
 
 def check(model: Model, rule: Rule, *, angle_tol: float) -> Iterator[Finding]:
     tree = model.tree
     base = tree.parent_joint.get("base_link")
-    if base is not None and not {joint.parent for joint in tree.path("base_link")} <= _ABOVE_BASE:
+    if base is not None and not {joint.parent for joint in tree.find_path_to("base_link")} <= _ABOVE_BASE:
         yield rule.finding("base", at=base, parent=base.parent, root=tree.root)
     footprint = tree.parent_joint.get("base_footprint")
-    if footprint is not None and any(joint.parent == "base_link" for joint in tree.path("base_footprint")):
+    if footprint is not None and any(joint.parent == "base_link" for joint in tree.find_path_to("base_footprint")):
         yield rule.finding("footprint", at=footprint, parent=footprint.parent)
     tool = tree.parent_joint.get("tool0")
     if tool is not None and tool.parent == "flange":
-        yield from _tool(tool, rule, angle_tol)
-    yield from _optical(model, rule, angle_tol)
+        yield from _check_tool_frame(tool, rule, angle_tol)
+    yield from _check_optical_frames(model, rule, angle_tol)
 
 
-def _tool(joint: Joint, rule: Rule, tol: float) -> Iterator[Finding]:
+def _check_tool_frame(joint: Joint, rule: Rule, tol: float) -> Iterator[Finding]:
     """tool0 is the flange with z pointing away from the robot, where the flange has x."""
     matrix = joint.origin.matrix
     if matrix is None or joint.type != "fixed":
         return
     off = float(np.arccos(np.clip(matrix[0, 2], -1.0, 1.0)))
     if off > tol:
-        yield rule.finding("tool", at=_turn(joint), off=off)
+        yield rule.finding("tool", at=_locate_rotation(joint), off=off)
 
 
-def _optical(model: Model, rule: Rule, tol: float) -> Iterator[Finding]:
+def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Finding]:
     """One finding for all optical frames with one wrong rotation: they come from one habit."""
     wrong: dict[tuple[int, ...], list[Joint]] = {}
     for joint in model.joints:
         matrix = joint.origin.matrix
         if joint.type != "fixed" or matrix is None or not _is_optical_frame(joint.child, joint.parent):
             continue
-        if _angle(matrix[:3, :3] @ _OPTICAL.T) > tol:
+        if _measure_rotation_angle(matrix[:3, :3] @ _OPTICAL.T) > tol:
             wrong.setdefault(tuple(np.round(matrix[:3, :3] * 1e3).astype(int).ravel()), []).append(joint)
     for joints in wrong.values():
         first = joints[0]
         rotation = first.origin.matrix
         assert rotation is not None
-        unturned = _angle(rotation[:3, :3]) <= tol
+        unturned = _measure_rotation_angle(rotation[:3, :3]) <= tol
         finding = rule.finding(
             "optical-unturned" if unturned else "optical",
-            at=_turn(first),
-            related=[_turn(joint) for joint in joints[1:]],
-            edits=_corrected(joints),
+            at=_locate_rotation(first),
+            related=[_locate_rotation(joint) for joint in joints[1:]],
+            edits=_propose_edits(joints),
             names=" and ".join(dict.fromkeys(joint.child for joint in joints[:3])),
             parent=first.parent,
-            look=_direction(rotation[:3, 2]),
-            top=_direction(-rotation[:3, 1]),
+            look=_describe_direction(rotation[:3, 2]),
+            top=_describe_direction(-rotation[:3, 1]),
             typed=" ".join(f"{v:g}" for v in first.origin.rpy or ()),
         )
-        yield replace(finding, subjects=tuple(_turn(joint).subject for joint in joints))
+        yield replace(finding, subjects=tuple(_locate_rotation(joint).subject for joint in joints))
 
 
 def _is_optical_frame(child: str, parent: str) -> bool:
     """Whether a name says that it is the optical frame of the camera that its parent is."""
     if "optical" not in child.lower() or "optical" in parent.lower():
         return False
-    return _ADDED.sub("", child.lower()) == _ADDED.sub("", parent.lower())
+    return _FRAME_SUFFIX.sub("", child.lower()) == _FRAME_SUFFIX.sub("", parent.lower())
 
 
-def _angle(rotation: np.ndarray) -> float:
+def _measure_rotation_angle(rotation: np.ndarray) -> float:
     """The angle (rad) of a rotation matrix."""
     return float(np.arccos(np.clip((np.trace(rotation) - 1.0) / 2.0, -1.0, 1.0)))
 
 
-def _direction(vector: np.ndarray) -> str:
+def _describe_direction(vector: np.ndarray) -> str:
     """Where a unit vector in a camera link (x forward, y left, z up) mostly points."""
     axis = int(np.abs(vector).argmax())
     names = (("back", "forward"), ("right", "left"), ("down", "up"))
     return names[axis][int(vector[axis] > 0)]
 
 
-def _turn(joint: Joint) -> Location:
+def _locate_rotation(joint: Joint) -> Location:
     """Where the rotation of a joint is typed."""
     element = joint.origin.element
-    attribute = joint.origin.attribute("rpy")
+    attribute = joint.origin.get_attribute("rpy")
     return joint.location if element is None else element.location if attribute is None else attribute.location
 
 
-def _corrected(joints: list[Joint]) -> tuple[Edit, ...]:
-    attributes = [joint.origin.attribute("rpy") for joint in joints]
+def _propose_edits(joints: list[Joint]) -> tuple[Edit, ...]:
+    attributes = [joint.origin.get_attribute("rpy") for joint in joints]
     known = [attribute for attribute in attributes if attribute is not None]
-    return replacing(known, _OPTICAL_RPY) if len(known) == len(attributes) else ()
+    return build_replacement_edits(known, _OPTICAL_RPY) if len(known) == len(attributes) else ()

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 
 Array = NDArray[np.float64]
@@ -19,15 +19,15 @@ Array = NDArray[np.float64]
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[^A-Za-z]+")
 _RIGHT = {"left": "right", "Left": "Right", "LEFT": "RIGHT"}
 # left, and a letter that says front, rear, back or the like: fl, rl, lf, lb, bl, lh, hl.
-_SHORT = re.compile(r"l|[fbrhmFBRHM]?[lL]|[lL][fbrhmFBRHM]")
+_SHORT_LEFT = re.compile(r"l|[fbrhmFBRHM]?[lL]|[lL][fbrhmFBRHM]")
 # Frames are aligned to within this rotation (entries of the matrix).
-_ALIGNED = 1e-3
+_ALIGNMENT_TOLERANCE = 1e-3
 # Longer names were not typed by anybody, and each of their words is tried.
-_LONGEST = 200
+_MAX_NAME_LENGTH = 200
 
 
 @dataclass(frozen=True, slots=True)
-class _Side:
+class _LimbPair:
     """A left and a right limb of one body: the joints that hold them, and by how much (m) left is left of right, as the
     coordinates of the body have it (y points to the left)."""
 
@@ -37,7 +37,7 @@ class _Side:
 
 
 def check(model: Model, rule: Rule, *, least: int, apart: float) -> Iterator[Finding]:
-    sides = list(_sides(model, apart))
+    sides = list(_find_limb_pairs(model, apart))
     usual = [side for side in sides if side.offset > 0]
     odd = [side for side in sides if side.offset < 0]
     if len(usual) < len(odd):
@@ -46,50 +46,50 @@ def check(model: Model, rule: Rule, *, least: int, apart: float) -> Iterator[Fin
         joints = [joint for side in odd for joint in (side.left, side.right)]
         finding = rule.finding(
             "swapped",
-            at=joints[0].element.child("child") or joints[0],
+            at=joints[0].element.find_child("child") or joints[0],
             related=joints[1:10],
             left=odd[0].left.child,
             right=odd[0].right.child,
             offset=abs(odd[0].offset),
-            others=listed(side.left.child for side in usual),
+            others=join_names(side.left.child for side in usual),
             count=len(usual),
-            more="" if len(odd) == 1 else f" (likewise {listed(side.left.child for side in odd[1:])})",
+            more="" if len(odd) == 1 else f" (likewise {join_names(side.left.child for side in odd[1:])})",
         )
         yield replace(finding, subjects=tuple(f"link[{joint.child}]" for joint in joints))
 
 
-def _sides(model: Model, apart: float) -> Iterator[_Side]:
+def _find_limb_pairs(model: Model, apart: float) -> Iterator[_LimbPair]:
     """The limbs of each pair of names that differ in their side, each limb once, where they are apart (m) across the body
     rather than along it."""
     tree, frames = model.tree, model.frames
     seen: set[tuple[str, str]] = set()
     for name in tree.order:
-        for other in _on_the_right(name):
+        for other in _generate_right_names(name):
             if other not in frames:
                 continue
-            paths = tree.path(name), tree.path(other)
-            shared = _shared(*paths)
+            paths = tree.find_path_to(name), tree.find_path_to(other)
+            shared = _count_shared_joints(*paths)
             if shared in {len(paths[0]), len(paths[1])}:  # one hangs on the other
                 continue
             left, right = paths[0][shared], paths[1][shared]
             body = frames[left.parent]
             distance = body[:3, :3].T @ (frames[name][:3, 3] - frames[other][:3, 3])
             across = abs(distance[1]) >= max(apart, 0.5 * float(np.linalg.norm(distance)))
-            if across and (left.name, right.name) not in seen and _have_sides(body, left, right):
+            if across and (left.name, right.name) not in seen and _can_tell_sides(body, left, right):
                 seen.add((left.name, right.name))
-                yield _Side(left, right, float(distance[1]))
+                yield _LimbPair(left, right, float(distance[1]))
 
 
-def _have_sides(body: Array, left: Joint, right: Joint) -> bool:
+def _can_tell_sides(body: Array, left: Joint, right: Joint) -> bool:
     """Whether left and right can only mean the robot's: on a body that is turned like the root, no fingers of a gripper that
     may be mounted either way, and nothing fixed that faces backwards or upside down."""
-    if np.abs(body[:3, :3] - np.eye(3)).max() > _ALIGNED or left.type == right.type == "prismatic":
+    if np.abs(body[:3, :3] - np.eye(3)).max() > _ALIGNMENT_TOLERANCE or left.type == right.type == "prismatic":
         return False
     turns = [joint.origin.matrix for joint in (left, right) if joint.type == "fixed"]
     return all(turn is not None and turn[0, 0] > 0.0 and turn[2, 2] > 0.0 for turn in turns)
 
 
-def _shared(one: tuple[Joint, ...], other: tuple[Joint, ...]) -> int:
+def _count_shared_joints(one: tuple[Joint, ...], other: tuple[Joint, ...]) -> int:
     """How many joints two paths begin with."""
     for number, (a, b) in enumerate(zip(one, other, strict=False)):
         if a is not b:
@@ -97,12 +97,12 @@ def _shared(one: tuple[Joint, ...], other: tuple[Joint, ...]) -> int:
     return min(len(one), len(other))
 
 
-def _on_the_right(name: str) -> Iterator[str]:
+def _generate_right_names(name: str) -> Iterator[str]:
     """A name with one word for left made the word for right."""
-    words = _WORDS.findall(name) if len(name) <= _LONGEST else []
+    words = _WORDS.findall(name) if len(name) <= _MAX_NAME_LENGTH else []
     for place, word in enumerate(words):
         swapped = _RIGHT.get(word)
-        if swapped is None and len(word) <= 2 and _SHORT.fullmatch(word):
+        if swapped is None and len(word) <= 2 and _SHORT_LEFT.fullmatch(word):
             swapped = word.replace("l", "r").replace("L", "R")
         if swapped is not None:
             yield "".join((*words[:place], swapped, *words[place + 1 :]))

@@ -9,11 +9,11 @@ from urdfcheck.model import Joint, Link, Model
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    yield from _collisions("link", model.links, rule)
-    yield from _collisions("joint", model.joints, rule)
+    yield from _check_case_clashes("link", model.links, rule)
+    yield from _check_case_clashes("joint", model.joints, rule)
 
 
-def _collisions(kind: str, parts: tuple[Link, ...] | tuple[Joint, ...], rule: Rule) -> Iterator[Finding]:
+def _check_case_clashes(kind: str, parts: tuple[Link, ...] | tuple[Joint, ...], rule: Rule) -> Iterator[Finding]:
     """One finding for each name that several parts of a kind spell differently. One spelling twice is a duplicate."""
     alike: dict[str, dict[str, Link | Joint]] = {}
     for part in parts:

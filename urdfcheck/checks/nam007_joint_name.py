@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed, words
+from urdfcheck.core.text import join_names, split_name_words
 from urdfcheck.model import Joint, Link, Model
 
 # Words that say what kind of thing has the name, not which one.
@@ -15,15 +15,17 @@ _SIDES = frozenset({"left", "right", "l", "r", "front", "rear", "back"})
 
 
 def check(model: Model, rule: Rule, *, least: int) -> Iterator[Finding]:
-    yield from _finding("reversed", [joint for joint in model.joints if _is_reversed(joint)], rule)
-    yield from _finding("other", list(_misnamed(model, least)), rule)
+    yield from _build_findings("reversed", [joint for joint in model.joints if _is_reversed(joint)], rule)
+    yield from _build_findings("other", list(_find_misnamed_joints(model, least)), rule)
     # `base_to_arm_link` names the link arm_link, and one name for a link and a joint is another rule's business.
     joints = [j for j in model.joints if not any(j.name.endswith(link) for link in (j.parent, j.child) if link)]
-    yield from _finding("link-as-joint", [j for j in joints if _ends(j.name, "link", "joint")], rule)
-    yield from _finding("joint-as-link", [link for link in model.links if _ends(link.name, "joint", "link")], rule)
+    yield from _build_findings("link-as-joint", [j for j in joints if _has_kind_suffix(j.name, "link", "joint")], rule)
+    yield from _build_findings(
+        "joint-as-link", [link for link in model.links if _has_kind_suffix(link.name, "joint", "link")], rule
+    )
 
 
-def _finding(message: str, parts: list[Joint] | list[Link], rule: Rule) -> Iterator[Finding]:
+def _build_findings(message: str, parts: list[Joint] | list[Link], rule: Rule) -> Iterator[Finding]:
     """One finding for all names with the same mistake: they come from one habit."""
     if not parts:
         return
@@ -33,7 +35,7 @@ def _finding(message: str, parts: list[Joint] | list[Link], rule: Rule) -> Itera
         message,
         at=names[0],
         related=names[1:10],
-        names=listed(attribute.value for attribute in names),
+        names=join_names(attribute.value for attribute in names),
         parent=parent,
         child=child,
     )
@@ -43,37 +45,48 @@ def _finding(message: str, parts: list[Joint] | list[Link], rule: Rule) -> Itera
 def _is_reversed(joint: Joint) -> bool:
     """Whether ``A_to_B`` goes from B to A."""
     one, to, other = joint.name.partition("_to_")
-    if not to or not _key(one) or not _key(other) or _key(one) == _key(other):
+    if (
+        not to
+        or not _build_name_key(one)
+        or not _build_name_key(other)
+        or _build_name_key(one) == _build_name_key(other)
+    ):
         return False
-    return _key(one) == _key(joint.child) and _key(other) == _key(joint.parent)
+    return _build_name_key(one) == _build_name_key(joint.child) and _build_name_key(other) == _build_name_key(
+        joint.parent
+    )
 
 
-def _misnamed(model: Model, least: int) -> Iterator[Joint]:
+def _find_misnamed_joints(model: Model, least: int) -> Iterator[Joint]:
     """Joints with the name of another link than the one they carry, in number or side, where joints are named after what
     they carry."""
-    after_child = [joint for joint in model.joints if _key(joint.name) and _key(joint.name) == _key(joint.child)]
+    after_child = [
+        joint
+        for joint in model.joints
+        if _build_name_key(joint.name) and _build_name_key(joint.name) == _build_name_key(joint.child)
+    ]
     if len(after_child) < least:
         return
-    links = {_key(link.name) for link in model.links}
+    links = {_build_name_key(link.name) for link in model.links}
     for joint in model.joints:
-        name, child = _key(joint.name), _key(joint.child)
+        name, child = _build_name_key(joint.name), _build_name_key(joint.child)
         if (
             name in links
-            and name not in {child, _key(joint.parent)}
-            and _without_number(name) == _without_number(child)
+            and name not in {child, _build_name_key(joint.parent)}
+            and _replace_number_and_side(name) == _replace_number_and_side(child)
         ):
             yield joint
 
 
-def _key(name: str) -> tuple[str, ...]:
-    return tuple(word for word in map(str.lower, words(name)) if word not in _KIND)
+def _build_name_key(name: str) -> tuple[str, ...]:
+    return tuple(word for word in map(str.lower, split_name_words(name)) if word not in _KIND)
 
 
-def _without_number(key: tuple[str, ...]) -> tuple[str, ...]:
+def _replace_number_and_side(key: tuple[str, ...]) -> tuple[str, ...]:
     return tuple("#" if word.isdigit() else "side" if word in _SIDES else word for word in key)
 
 
-def _ends(name: str, kind: str, other: str) -> bool:
+def _has_kind_suffix(name: str, kind: str, other: str) -> bool:
     """Whether a name ends in the word for a kind, and nowhere has the word for the other."""
-    parts = [word.lower() for word in words(name)]
+    parts = [word.lower() for word in split_name_words(name)]
     return len(parts) > 1 and parts[-1] == kind and other not in parts

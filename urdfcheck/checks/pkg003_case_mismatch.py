@@ -6,50 +6,50 @@ from collections.abc import Iterator, Mapping
 
 from urdfcheck.core import Applicability, Edit, Finding, Location, Rule
 from urdfcheck.source.load import Source
-from urdfcheck.source.resources import ResourceUse, machine_part, resource_uses
-from urdfcheck.source.text.shape_roles import compiled
+from urdfcheck.source.resources import ResourceUse, find_machine_path, list_resource_uses
+from urdfcheck.source.text.shape_roles import describe_missing_mesh
 from urdfcheck.source.text.xml import SourceFile
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     found: dict[tuple[object, str], list[ResourceUse]] = {}
-    for use in resource_uses(source):
+    for use in list_resource_uses(source):
         resource = use.resource
-        if not resource.exists and resource.actual is not None and machine_part(use, source) is None:
+        if not resource.exists and resource.actual_spelling is not None and find_machine_path(use, source) is None:
             found.setdefault((resource.path, resource.text), []).append(use)
     for uses in found.values():
         first = uses[0]
-        actual = first.resource.actual or ""
-        edits = [_edit(use, actual, source.files) for use in uses]
+        actual = first.resource.actual_spelling or ""
+        edits = [_propose_edit(use, actual, source.files) for use in uses]
         yield rule.finding(
             "case",
-            at=_place(first, actual, source.files),
+            at=_locate(first, actual, source.files),
             related=[u for u in uses if u.attribute.span != first.attribute.span],
             edits=dict.fromkeys(edit for edit in edits if edit is not None) if all(edits) else (),
             applicability=Applicability.SAFE if all(u.attribute.literal for u in uses) else Applicability.UNSAFE,
-            written=_written(first, actual),
+            written=_extract_typed_ending(first, actual),
             actual=actual,
             file=first.resource.text,
-            consequences=compiled(use.attribute.owner for use in uses),
+            consequences=describe_missing_mesh(use.attribute.owner for use in uses),
         )
 
 
-def _written(use: ResourceUse, actual: str) -> str:
+def _extract_typed_ending(use: ResourceUse, actual: str) -> str:
     """The last parts of the path as typed: as many as are spelled otherwise on disk."""
     return "/".join(use.resource.text.replace("\\", "/").split("/")[-len(actual.split("/")) :])
 
 
-def _edit(use: ResourceUse, actual: str, files: Mapping[str, SourceFile]) -> Edit | None:
+def _propose_edit(use: ResourceUse, actual: str, files: Mapping[str, SourceFile]) -> Edit | None:
     """Replace the end of the typed path, which must be typed out there and not computed, and differ in nothing else."""
-    span, written = use.attribute.span, _written(use, actual)
+    span, written = use.attribute.span, _extract_typed_ending(use, actual)
     if span is None or span.file not in files or not use.attribute.typed.endswith(written):
         return None
     if written.casefold() != actual.casefold():  # a blank that is typed as %20
         return None
-    return Edit(files[span.file].span(span.end - len(written), span.end), written, actual)
+    return Edit(files[span.file].make_span(span.end - len(written), span.end), written, actual)
 
 
-def _place(use: ResourceUse, actual: str, files: Mapping[str, SourceFile]) -> Location:
-    edit = _edit(use, actual, files)
+def _locate(use: ResourceUse, actual: str, files: Mapping[str, SourceFile]) -> Location:
+    edit = _propose_edit(use, actual, files)
     whole = use.location
     return whole if edit is None else Location(whole.subject, edit.span, whole.via)

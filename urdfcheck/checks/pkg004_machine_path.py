@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from urdfcheck.core import Edit, Finding, Location, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.source.load import Source
-from urdfcheck.source.resources import ResourceUse, machine_part, resource_uses
-from urdfcheck.source.text.shape_roles import compiled
+from urdfcheck.source.resources import ResourceUse, find_machine_path, list_resource_uses
+from urdfcheck.source.text.shape_roles import describe_missing_mesh
 
 
 @dataclass(slots=True, eq=False)
-class _Place:
+class _MachinePath:
     """The text that holds the path of a machine, and the files that come from it."""
 
     location: Location
@@ -24,39 +24,39 @@ _KINDS = {"absolute": "an absolute path", "file": "a file:// path", "home": "a p
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
-    places: dict[object, _Place] = {}
-    for use in resource_uses(source):
-        typed = machine_part(use, source)
+    places: dict[object, _MachinePath] = {}
+    for use in list_resource_uses(source):
+        typed = find_machine_path(use, source)
         if typed is None:
             continue
         at = Location(use.location.subject, typed.span, use.location.via)
         # One place for each text, and for each file that several texts name.
         key = use.resource.path if typed is use.attribute else typed.span
-        places.setdefault(key, _Place(at)).uses.append(use)
+        places.setdefault(key, _MachinePath(at)).uses.append(use)
     for place in places.values():
-        yield _finding(place, source, rule)
+        yield _build_finding(place, source, rule)
 
 
-def _finding(place: _Place, source: Source, rule: Rule) -> Finding:
+def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
     first = place.uses[0]
-    portable = _portable(first, source)
+    portable = _build_portable_path(first, source)
     files = list(dict.fromkeys(u.resource.text for u in place.uses))
     message = "unread" if not first.resource.allowed else "here-only" if first.resource.exists else "nowhere"
     return rule.finding(
         message,
         at=place.location,
         related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
-        edits=_edits(place, source) if portable else [],
-        consequences=compiled(use.attribute.owner for use in place.uses) if message == "nowhere" else None,
+        edits=_propose_edits(place, source) if portable else [],
+        consequences=describe_missing_mesh(use.attribute.owner for use in place.uses) if message == "nowhere" else None,
         file=first.resource.text,
         files=files,
-        listed=listed(files, 2),
+        listed=join_names(files, 2),
         kind=_KINDS[first.resource.kind],
         portable=portable or "package://PACKAGE/meshes/FILE",
     )
 
 
-def _portable(use: ResourceUse, source: Source) -> str | None:
+def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
     """The package path of a file that lies in the model's own package."""
     own, path = source.package, use.resource.path
     if own is None or path is None or not use.resource.exists:
@@ -67,10 +67,10 @@ def _portable(use: ResourceUse, source: Source) -> str | None:
         return None
 
 
-def _edits(place: _Place, source: Source) -> list[Edit]:
+def _propose_edits(place: _MachinePath, source: Source) -> list[Edit]:
     edits = {}
     for use in place.uses:
-        span, portable = use.attribute.span, _portable(use, source)
+        span, portable = use.attribute.span, _build_portable_path(use, source)
         if span is not None and use.attribute.literal and portable:
             edits[span] = Edit(span, use.attribute.typed, portable)
     return list(edits.values())

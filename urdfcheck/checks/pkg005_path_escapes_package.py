@@ -9,18 +9,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from urdfcheck.core import Edit, Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.source.load import Source
-from urdfcheck.source.package.finder import display_name
-from urdfcheck.source.resources import resource_uses
+from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.resources import list_resource_uses
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.source.xacro.usage import elements, own_trees
+from urdfcheck.source.xacro.usage import iter_elements_by_tag, select_own_trees
 
 _FIND = re.compile(r"^\s*\$\(find\s+([^\s()]+)\s*\)/([^$]*)$")
 
 
 @dataclass(frozen=True, slots=True)
-class _Escape:
+class _EscapingPath:
     """A path that leads out of the folder of ``package`` to a file that is there."""
 
     attribute: Attribute
@@ -30,40 +30,40 @@ class _Escape:
 
 
 @dataclass(slots=True)
-class _Goal:
+class _EscapeTarget:
     """What several paths lead to: another package, or a folder that belongs to none."""
 
     package: str
     folder: Path
-    escapes: list[_Escape] = field(default_factory=list)
+    escapes: list[_EscapingPath] = field(default_factory=list)
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
-    goals: dict[tuple[str, Path], _Goal] = {}
-    for escape in (*_files(source), *_includes(source)):
-        other = source.finder.package_of(escape.target)
-        goal = _Goal("", escape.target.parent) if other is None else _Goal(other.name, other.path)
+    goals: dict[tuple[str, Path], _EscapeTarget] = {}
+    for escape in (*_find_escaping_files(source), *_find_escaping_includes(source)):
+        other = source.finder.find_package_of(escape.target)
+        goal = _EscapeTarget("", escape.target.parent) if other is None else _EscapeTarget(other.name, other.path)
         goals.setdefault((escape.package, goal.folder), goal).escapes.append(escape)
     for goal in goals.values():
-        yield _finding(goal, rule)
+        yield _build_finding(goal, rule)
 
 
-def _files(source: Source) -> Iterator[_Escape]:
+def _find_escaping_files(source: Source) -> Iterator[_EscapingPath]:
     own = source.package
-    for use in resource_uses(source):
+    for use in list_resource_uses(source):
         resource = use.resource
         if resource.path is None or not resource.exists or ".." not in resource.text:
             continue
         folder = source.finder.find(resource.package) if resource.package else None if own is None else own.path
         name = resource.package or ("" if own is None else own.name)
         if folder is not None and resource.kind in {"package", "relative"} and not _is_below(resource.path, folder):
-            yield _Escape(use.attribute, resource.text, name, _absolute(resource.path))
+            yield _EscapingPath(use.attribute, resource.text, name, _make_absolute(resource.path))
 
 
-def _includes(source: Source) -> Iterator[_Escape]:
+def _find_escaping_includes(source: Source) -> Iterator[_EscapingPath]:
     own = source.package
-    trees = own_trees(source)
-    for element in elements(trees, "xacro:include") if own is not None else ():
+    trees = select_own_trees(source)
+    for element in iter_elements_by_tag(trees, "xacro:include") if own is not None else ():
         name = element.attributes.get("filename")
         if own is None or name is None or name.span is None or ".." not in name.value:
             continue
@@ -74,23 +74,25 @@ def _includes(source: Source) -> Iterator[_Escape]:
         if home is None or start is None or "$" in inside:
             continue
         target = start / inside
-        if not _is_below(target, home) and source.finder.allows(target) and target.is_file():
-            yield _Escape(name, name.value, package, _absolute(target))
+        if not _is_below(target, home) and source.finder.can_open(target) and target.is_file():
+            yield _EscapingPath(name, name.value, package, _make_absolute(target))
 
 
 def _is_below(path: Path, folder: Path) -> bool:
     """Whether a path stays in a folder, by its text or by where it really leads."""
-    return any(f in p.parents for p, f in ((_absolute(path), _absolute(folder)), (path.resolve(), folder.resolve())))
+    return any(
+        f in p.parents for p, f in ((_make_absolute(path), _make_absolute(folder)), (path.resolve(), folder.resolve()))
+    )
 
 
-def _absolute(path: Path) -> Path:
+def _make_absolute(path: Path) -> Path:
     return Path(os.path.abspath(path))
 
 
-def _finding(goal: _Goal, rule: Rule) -> Finding:
+def _build_finding(goal: _EscapeTarget, rule: Rule) -> Finding:
     first, *others = goal.escapes
     files = list(dict.fromkeys(escape.text for escape in goal.escapes))
-    edits = {e.attribute.span: edit for e in goal.escapes for edit in _edits(e, goal)}
+    edits = {e.attribute.span: edit for e in goal.escapes for edit in _propose_edits(e, goal)}
     return rule.finding(
         "package" if goal.package else "nowhere",
         at=first.attribute,
@@ -98,14 +100,14 @@ def _finding(goal: _Goal, rule: Rule) -> Finding:
         edits=edits.values(),
         package=first.package,
         other=goal.package,
-        folder=display_name(goal.folder),
+        folder=format_path(goal.folder),
         files=files,
-        listed=listed(files, 2),
-        portable=_portable(first, goal),
+        listed=join_names(files, 2),
+        portable=_build_portable_path(first, goal),
     )
 
 
-def _portable(escape: _Escape, goal: _Goal) -> str:
+def _build_portable_path(escape: _EscapingPath, goal: _EscapeTarget) -> str:
     if not goal.package:
         return ""
     inside = Path(os.path.relpath(escape.target, goal.folder)).as_posix()
@@ -113,8 +115,8 @@ def _portable(escape: _Escape, goal: _Goal) -> str:
     return f"{start}/{inside}"
 
 
-def _edits(escape: _Escape, goal: _Goal) -> Iterator[Edit]:
+def _propose_edits(escape: _EscapingPath, goal: _EscapeTarget) -> Iterator[Edit]:
     attribute = escape.attribute
     typed = attribute.literal or attribute.owner.tag == "xacro:include"
     if goal.package and typed and attribute.span is not None:
-        yield Edit(attribute.span, attribute.typed, _portable(escape, goal))
+        yield Edit(attribute.span, attribute.typed, _build_portable_path(escape, goal))

@@ -18,22 +18,24 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     root = package.root
     if root is None or root.tag != "package":
         return
-    element = root.child("name")
+    element = root.find_child("name")
     if element is None:
-        good = _corrected(package.path.absolute().name)
+        good = _suggest_name(package.path.absolute().name)
         yield rule.finding("missing", at=root, severity=Severity.ERROR, good=good)
         return
     name = package.name
-    good = _corrected(name)
+    good = _suggest_name(name)
     if not _REP144.fullmatch(name):
         hyphen = bool(_CATKIN.fullmatch(name)) and len(name) > 1
         kind = "hyphen" if hyphen else "short" if len(name) < 2 else "illegal"
-        yield rule.finding(kind, at=element, name=name, good=good, why=_why(name), debian=name.replace("_", "-"))
+        yield rule.finding(
+            kind, at=element, name=name, good=good, why=_explain_illegal_name(name), debian=name.replace("_", "-")
+        )
     elif "__" in name:
         yield rule.finding("double", at=element, name=name, good=good)
 
 
-def _why(name: str) -> str:
+def _explain_illegal_name(name: str) -> str:
     if not name:
         return "it is empty"
     if not name[0].isalpha() or not name[0].isascii():
@@ -44,7 +46,7 @@ def _why(name: str) -> str:
     return "it holds " + ", ".join(repr(c) for c in odd)
 
 
-def _corrected(name: str) -> str:
+def _suggest_name(name: str) -> str:
     """The name with what is not allowed replaced: ``Car-3`` becomes ``car_3``."""
     words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
     cleaned = re.sub(r"_+", "_", re.sub(r"[^a-z0-9]", "_", words)).strip("_")

@@ -7,31 +7,31 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.source.load import Source
-from urdfcheck.source.package.finder import display_name
-from urdfcheck.source.resources import ResourceUse, resource_uses
-from urdfcheck.source.text.shape_roles import opened
+from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.resources import ResourceUse, list_resource_uses
+from urdfcheck.source.text.shape_roles import describe_unreadable_mesh
 from urdfcheck.system.files import read_start
 
 POINTER = b"version https://git-lfs.github.com/spec/"
 _SIZE = re.compile(rb"^size (\d+)$", re.MULTILINE)
 # A pointer of the format's first version has 130 bytes; by its specification none has more than 1024.
-_LONGEST = 1024
+_MAX_POINTER_BYTES = 1024
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     """One finding for each repository: one command repairs all of its files."""
     sizes: dict[Path, int | None] = {}
     by_repository: dict[Path | None, list[ResourceUse]] = {}
-    for use in resource_uses(source):
+    for use in list_resource_uses(source):
         path = use.resource.path
         if use.attribute.owner.tag != "mesh" or path is None or not use.resource.exists:
             continue
         if path not in sizes:
-            sizes[path] = _declared_size(path)
+            sizes[path] = _read_pointer_size(path)
         if sizes[path] is not None:
-            by_repository.setdefault(_repository(path), []).append(use)
+            by_repository.setdefault(_find_repository(path), []).append(use)
     for repository, uses in by_repository.items():
         paths = list(dict.fromkeys(use.resource.path for use in uses if use.resource.path is not None))
         yield rule.finding(
@@ -39,21 +39,21 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             at=uses[0],
             related=uses[1:],
             cause="archive" if repository is None else "clone",
-            path=display_name(paths[0]),
+            path=format_path(paths[0]),
             count=len(paths),
-            listed=listed([path.name for path in paths], 4),
-            files=[display_name(path) for path in paths],
-            consequences=opened(use.attribute.owner for use in uses),
+            listed=join_names([path.name for path in paths], 4),
+            files=[format_path(path) for path in paths],
+            consequences=describe_unreadable_mesh(use.attribute.owner for use in uses),
             bytes=sum(sizes[path] or 0 for path in paths),
-            repository=None if repository is None else display_name(repository),
-            where="a clone of the repository" if repository is None else display_name(repository),
+            repository=None if repository is None else format_path(repository),
+            where="a clone of the repository" if repository is None else format_path(repository),
         )
 
 
-def _declared_size(path: Path) -> int | None:
+def _read_pointer_size(path: Path) -> int | None:
     """The size in bytes of the file that a pointer stands for; None when the file is no pointer."""
     try:
-        start = read_start(path, _LONGEST)
+        start = read_start(path, _MAX_POINTER_BYTES)
     except OSError:
         return None
     if not start.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(POINTER):
@@ -62,6 +62,6 @@ def _declared_size(path: Path) -> int | None:
     return int(size[1]) if size else 0
 
 
-def _repository(path: Path) -> Path | None:
+def _find_repository(path: Path) -> Path | None:
     """The clone that a file lies in; None in a folder that is none, as an unpacked archive."""
     return next((folder for folder in path.parents if (folder / ".git").exists()), None)

@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source
-from urdfcheck.source.resources import ResourceUse, is_misspelt, machine_part, resource_uses
+from urdfcheck.source.resources import ResourceUse, find_machine_path, is_misspelt, list_resource_uses
 from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.xacro.usage import typed_at
+from urdfcheck.source.xacro.usage import locate_expression
 
 
 def check(subject: Source | Launch, rule: Rule) -> Iterator[Finding]:
     for problem in subject.problems:
         if problem.kind == "out-of-reach":
-            yield _unread(problem, subject, rule)
+            yield _build_unread_finding(problem, subject, rule)
     if isinstance(subject, Source):
-        uses = [u for u in resource_uses(subject) if _is_outside(u, subject)]
+        uses = [u for u in list_resource_uses(subject) if _is_outside(u, subject)]
         files = list(dict.fromkeys(u.resource.text for u in uses))
         if uses:
             yield rule.finding(
@@ -27,18 +27,18 @@ def check(subject: Source | Launch, rule: Rule) -> Iterator[Finding]:
                 related={u.attribute.span: u for u in uses[1:]}.values(),
                 amount="1 file lies" if len(files) == 1 else f"{len(files)} files lie",
                 files=files,
-                listed=listed(files, 3),
+                listed=join_names(files, 3),
             )
 
 
 def _is_outside(use: ResourceUse, source: Source) -> bool:
-    return not use.resource.allowed and not is_misspelt(use) and machine_part(use, source) is None
+    return not use.resource.allowed and not is_misspelt(use) and find_machine_path(use, source) is None
 
 
-def _unread(problem: Problem, subject: Source | Launch, rule: Rule) -> Finding:
+def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule) -> Finding:
     if isinstance(subject, Launch):
         return rule.finding("launch", at=problem.location, path=problem.data["path"])
-    at = typed_at(subject, problem, "load_yaml")  # a property is evaluated where it is first read
+    at = locate_expression(subject, problem, "load_yaml")  # a property is evaluated where it is first read
     others = [] if at is problem.location else [problem.location]
     related = [*others, *(r for r in problem.related if r.span != at.span)]
     return rule.finding("read", at=at, related=related, path=problem.data["path"])

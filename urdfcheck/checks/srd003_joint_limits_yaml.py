@@ -5,44 +5,49 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Location, Rule, Severity
-from urdfcheck.core.text import hint, nearest
+from urdfcheck.core.text import find_nearest_name, format_name_hint
 from urdfcheck.model import Model
-from urdfcheck.model.likeness.sibling_robots import Elsewhere
-from urdfcheck.model.motion.planning_limits import LIMITS_FILE, joint_limits, own_srdfs, position_range
+from urdfcheck.model.likeness.sibling_robots import PackageNames
+from urdfcheck.model.motion.planning_limits import (
+    LIMITS_FILE,
+    compute_position_range,
+    list_own_srdfs,
+    load_joint_limits,
+)
 from urdfcheck.model.parts import Joint
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.ros.joint_limits import JointLimits
 from urdfcheck.source.ros.srdf import Srdf
-from urdfcheck.source.text.yaml import problem_in
+from urdfcheck.source.text.yaml import find_yaml_error
 
 # What ROS 2 reads as a floating-point number, and refuses as an integer.
 _DOUBLES = ("min_position", "max_position", "max_velocity", "max_acceleration", "max_jerk")
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
-    elsewhere = Elsewhere(model)
+    elsewhere = PackageNames(model)
     seen: set[str] = set()
-    for srdf in own_srdfs(model):
+    for srdf in list_own_srdfs(model):
         if str(srdf.path.parent) in seen:  # one file for several descriptions of the robot
             continue
         seen.add(str(srdf.path.parent))
-        problem = problem_in(srdf.path.parent / LIMITS_FILE, model.source.finder)
+        problem = find_yaml_error(srdf.path.parent / LIMITS_FILE, model.source.finder)
         if problem is not None:
             yield rule.finding(
                 "broken", at=Location("yaml", problem.span), severity=Severity.ERROR, reason=str(problem)
             )
-        limits = joint_limits(model, srdf)
-        yield from _unknown(model, rule, srdf, limits, elsewhere)
-        yield from _integers(rule, limits, model.source.finder.package_of(srdf.path.absolute()))
+        limits = load_joint_limits(model, srdf)
+        yield from _check_unknown_joints(model, rule, srdf, limits, elsewhere)
+        yield from _check_integer_values(rule, limits, model.source.finder.find_package_of(srdf.path.absolute()))
         for entry in limits:
             joint = model.joint_by_name.get(entry.joint.text)
             if joint is not None and joint.mimic is None:
-                yield from _position(rule, entry, joint, rel_tol)
-                yield from _velocity(rule, entry, joint, rel_tol)
+                yield from _check_position_limits(rule, entry, joint, rel_tol)
+                yield from _check_velocity_limit(rule, entry, joint, rel_tol)
 
 
-def _unknown(
-    model: Model, rule: Rule, srdf: Srdf, limits: tuple[JointLimits, ...], elsewhere: Elsewhere
+def _check_unknown_joints(
+    model: Model, rule: Rule, srdf: Srdf, limits: tuple[JointLimits, ...], elsewhere: PackageNames
 ) -> Iterator[Finding]:
     missing = [e for e in limits if e.joint.text not in model.joint_by_name and e.joint.text not in srdf.virtual_joints]
     if 2 * len(missing) > len(limits):
@@ -51,34 +56,34 @@ def _unknown(
     for entry in missing:
         # The variables of a joint with several degrees of freedom are called joint/x.
         name = entry.joint.text
-        if "/" in name or elsewhere.may_have("joint", name):
+        if "/" in name or elsewhere.can_package_have("joint", name):
             continue
-        near = nearest(name, free)
-        edits = () if near is None else entry.joint.replaced(near)
-        yield rule.finding("unknown", at=entry.joint, edits=edits, joint=name, near=hint(name, free))
+        near = find_nearest_name(name, free)
+        edits = () if near is None else entry.joint.build_edits(near)
+        yield rule.finding("unknown", at=entry.joint, edits=edits, joint=name, near=format_name_hint(name, free))
 
 
-def _integers(rule: Rule, limits: tuple[JointLimits, ...], package: Package | None) -> Iterator[Finding]:
+def _check_integer_values(rule: Rule, limits: tuple[JointLimits, ...], package: Package | None) -> Iterator[Finding]:
     """Numbers without a point, which a node of ROS 2 refuses: one finding for the file."""
     if package is None or package.root is None or not any(name.startswith("ament_") for name in package.dependencies):
         return
-    typed = [value for entry in limits for name in _DOUBLES if (value := entry.setting(name)) and value.is_integer]
+    typed = [value for entry in limits for name in _DOUBLES if (value := entry.get_setting(name)) and value.is_integer]
     if typed:
         yield rule.finding(
             "integer",
             at=typed[0],
             severity=Severity.ERROR,
             related=typed[1:],
-            edits=[edit for value in typed for edit in value.replaced(f"{value.text}.0")],
+            edits=[edit for value in typed for edit in value.build_edits(f"{value.text}.0")],
             key=typed[0].key.rpartition(".")[2],
             value=typed[0].text,
             count="" if len(typed) == 1 else f" (and {len(typed) - 1} more)",
         )
 
 
-def _position(rule: Rule, entry: JointLimits, joint: Joint, rel_tol: float) -> Iterator[Finding]:
-    low, high = entry.number("min_position"), entry.number("max_position")
-    at = entry.setting("max_position") or entry.setting("min_position")
+def _check_position_limits(rule: Rule, entry: JointLimits, joint: Joint, rel_tol: float) -> Iterator[Finding]:
+    low, high = entry.get_number("min_position"), entry.get_number("max_position")
+    at = entry.get_setting("max_position") or entry.get_setting("min_position")
     if at is None:
         return
     if joint.type == "continuous":
@@ -87,7 +92,7 @@ def _position(rule: Rule, entry: JointLimits, joint: Joint, rel_tol: float) -> I
     if low is not None and high is not None and low >= high:
         yield rule.finding("inverted", at=at, joint=joint.name, low=low, high=high)
         return
-    known = position_range(joint, {})
+    known = compute_position_range(joint, {})
     if known is None:
         return
     slack = rel_tol * (known.upper - known.lower)
@@ -98,7 +103,7 @@ def _position(rule: Rule, entry: JointLimits, joint: Joint, rel_tol: float) -> I
         if beyond:
             yield rule.finding(
                 "position",
-                at=entry.setting(name) or at,
+                at=entry.get_setting(name) or at,
                 related=[joint.limit] if joint.limit is not None else [],
                 joint=joint.name,
                 key=name,
@@ -108,9 +113,9 @@ def _position(rule: Rule, entry: JointLimits, joint: Joint, rel_tol: float) -> I
             )
 
 
-def _velocity(rule: Rule, entry: JointLimits, joint: Joint, rel_tol: float) -> Iterator[Finding]:
-    at, value = entry.setting("max_velocity"), entry.number("max_velocity")
-    own = joint.limit_value("velocity")
+def _check_velocity_limit(rule: Rule, entry: JointLimits, joint: Joint, rel_tol: float) -> Iterator[Finding]:
+    at, value = entry.get_setting("max_velocity"), entry.get_number("max_velocity")
+    own = joint.get_limit_value("velocity")
     off = entry.is_off("has_velocity_limits")
     if at is None or value is None or off:
         return

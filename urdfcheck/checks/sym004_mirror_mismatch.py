@@ -9,24 +9,31 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Finding, Located, Location, Rule, Severity
-from urdfcheck.core.text import listed
-from urdfcheck.facts.inertials.diagnosis import Declared
-from urdfcheck.facts.likeness.mirror import Deviation, principal_deviation, wrong_signs
+from urdfcheck.core.text import join_names
+from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs, measure_principal_deviation
 from urdfcheck.model import Joint, Link, Model
-from urdfcheck.model.inertials.inertial_differences import differences, place_of_difference
+from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
 from urdfcheck.model.inertials.mirrored_inertials import (
     CONTRADICTIONS,
-    Side,
-    cause_of,
-    changes,
-    comparable,
-    sides,
-    wrong_side,
+    PairSide,
+    compare_sides,
+    find_cause,
+    find_wrong_side,
+    get_comparable_inertial,
+    list_inertial_changes,
 )
-from urdfcheck.model.likeness.mirror_pairs import Pair
-from urdfcheck.model.likeness.mirrored_joints import Limited, chains, displaced, is_shifted, joints_of, limited
-from urdfcheck.model.repairs.edits import Change, edits_of, remedy
-from urdfcheck.source.text.values import attribute_number
+from urdfcheck.model.likeness.mirror_pairs import MirrorPair
+from urdfcheck.model.likeness.mirrored_joints import (
+    MismatchedLimit,
+    find_mismatched_limit,
+    find_misplaced_joint,
+    find_pair_joints,
+    group_by_chain,
+    is_shifted,
+)
+from urdfcheck.model.repairs.edits import AttributeChange, describe_remedy, make_attribute_edits
+from urdfcheck.source.text.values import read_attribute_number
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,13 +43,13 @@ if TYPE_CHECKING:
 # A mistake that INR009 leaves to this rule.
 UNMIRRORED = "unmirrored"
 # So many joints of one chain with wrong limits have one cause.
-CHAIN = 3
-SINGLE = {
+MIN_CHAIN_JOINTS = 3
+ONE_SIDE_RELATIONS = {
     "mirrored": "the mirror image of {}",
     "both": "the same part as {}, mirrored or turned",
     "copied": "the same part as {}",
 }
-BOTH = {
+BOTH_SIDES_RELATIONS = {
     "mirrored": "mirror images of each other",
     "both": "one part twice, mirrored or turned",
     "copied": "one part twice",
@@ -51,18 +58,22 @@ BOTH = {
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
     found = model.pairs
-    wrong = [one for pair in _once(found) if (one := limited(model, pair, found, note)) is not None]
-    for chain in chains(wrong):
-        if len(chain) < CHAIN:
-            yield from (_limits(rule, one, differ) for one in chain)
+    wrong = [
+        one
+        for pair in _skip_repeated_pairs(found)
+        if (one := find_mismatched_limit(model, pair, found, note)) is not None
+    ]
+    for chain in group_by_chain(wrong):
+        if len(chain) < MIN_CHAIN_JOINTS:
+            yield from (_build_limits_finding(rule, one, differ) for one in chain)
         else:
-            yield _chain(model, rule, chain, differ, note)
+            yield _build_chain_finding(model, rule, chain, differ, note)
     told: dict[str, set[str]] = {"inertial": set(), "dynamics": set(), "place": set()}
     for pair in found:
         for subject, finding in (
-            ("inertial", _inertials(model, rule, pair, differ, note)),
-            ("dynamics", _dynamics(model, rule, pair, differ, note)),
-            ("place", _place(model, rule, pair, found)),
+            ("inertial", _compare_inertials(model, rule, pair, differ, note)),
+            ("dynamics", _compare_dynamics(model, rule, pair, differ, note)),
+            ("place", _compare_origins(model, rule, pair, found)),
         ):
             # A link may be in a pair of its hand and in one of the robot: what is wrong with it is told once.
             if finding is not None and not told[subject] & {pair.one, pair.other}:
@@ -70,7 +81,7 @@ def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[F
                 yield finding
 
 
-def _once(found: Iterable[Pair]) -> Iterator[Pair]:
+def _skip_repeated_pairs(found: Iterable[MirrorPair]) -> Iterator[MirrorPair]:
     """The pairs without those of links that are in an earlier one."""
     seen: set[str] = set()
     for pair in found:
@@ -79,53 +90,59 @@ def _once(found: Iterable[Pair]) -> Iterator[Pair]:
             yield pair
 
 
-def _severity(share: float, differ: float, pair: Pair, cause: str | None = None) -> Severity:
+def _choose_severity(share: float, differ: float, pair: MirrorPair, cause: str | None = None) -> Severity:
     """Parts that only their places and drawings make a pair may be meant to differ."""
-    return Severity.WARNING if share >= differ and (pair.named or cause is not None) else Severity.INFO
+    return Severity.WARNING if share >= differ and (pair.is_named or cause is not None) else Severity.INFO
 
 
 # -- inertials --------------------------------------------------------------------------------------------------------
 
 
-def _inertials(model: Model, rule: Rule, pair: Pair, differ: float, note: float) -> Finding | None:
-    both = sides(model, pair)
+def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, differ: float, note: float) -> Finding | None:
+    both = compare_sides(model, pair)
     if both is None:
-        return None if _explained(model, pair) else _moments(model, rule, pair, differ, note)
-    if not both[1].apart.worst > note:
+        return (
+            None
+            if _is_explained_by_one_side(model, pair)
+            else _compare_principal_moments(model, rule, pair, differ, note)
+        )
+    if not both[1].deviation.worst > note:
         return None
-    wrong = wrong_side(model, pair, both, note)
+    wrong = find_wrong_side(model, pair, both, note)
     side, like = (both[1], ()) if wrong is None else wrong
-    apart, cause = side.apart, cause_of(pair, side, note)
-    if cause not in CONTRADICTIONS and _explained(model, pair):
+    apart, cause = side.deviation, find_cause(pair, side, note)
+    if cause not in CONTRADICTIONS and _is_explained_by_one_side(model, pair):
         return None
-    parts = (("centre of mass", apart.place), ("inertia tensor", apart.spread))
+    parts = (("centre of mass", apart.com_offset), ("inertia tensor", apart.spread))
     data: dict[str, Any] = {
         "one": both[0].link.name,
         "other": both[1].link.name,
         "link": side.link.name,
         "twin": side.twin.name,
-        "relation": (BOTH if wrong is None else SINGLE)[pair.drawn or ""].format(side.twin.name),
-        "differences": ", ".join(differences(side.found, side.expected, apart, note)),
+        "relation": (BOTH_SIDES_RELATIONS if wrong is None else ONE_SIDE_RELATIONS)[pair.drawn_as or ""].format(
+            side.twin.name
+        ),
+        "differences": ", ".join(describe_differences(side.actual, side.expected, apart, note)),
         "what": " and the ".join(word for word, share in parts if share > note),
-        "signs": listed(wrong_signs(side.found, side.expected, note), 9),
+        "signs": join_names(find_wrong_signs(side.actual, side.expected, note), 9),
         "share": apart.worst,
-        "between": _between(both[0].link, both[1].link),
+        "between": _list_subjects(both[0].link, both[1].link),
     }
     place: dict[str, Any] = {
-        "at": _at(side.link, apart, note),
-        "related": [_at(side.twin, apart, note)],
+        "at": _locate_difference(side.link, apart, note),
+        "related": [_locate_difference(side.twin, apart, note)],
         "cause": cause,
-        "severity": _severity(apart.worst, differ, pair, cause),
+        "severity": _choose_severity(apart.worst, differ, pair, cause),
     }
-    shared = _shared(side)
+    shared = _has_shared_inertial(side)
     if wrong is None:
-        other_way = "the other way round" if shared else _remedy(both[0])
-        return rule.finding("pair", **place, first=_remedy(both[1]), second=other_way, **data)
-    message, edits = "like" if like else "inertial", () if shared else edits_of(changes(side))
-    return rule.finding(message, **place, edits=edits, remedy=_remedy(side), like=listed(like), **data)
+        other_way = "the other way round" if shared else _describe_remedy(both[0])
+        return rule.finding("pair", **place, first=_describe_remedy(both[1]), second=other_way, **data)
+    message, edits = "like" if like else "inertial", () if shared else make_attribute_edits(list_inertial_changes(side))
+    return rule.finding(message, **place, edits=edits, remedy=_describe_remedy(side), like=join_names(like), **data)
 
 
-def _explained(model: Model, pair: Pair) -> bool:
+def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
     """Whether one link's numbers have a mistake of their own, which INR009 names: then the pair differs for that."""
     causes = []
     for name in (pair.one, pair.other):
@@ -135,47 +152,55 @@ def _explained(model: Model, pair: Pair) -> bool:
     return causes[0] != causes[1]
 
 
-def _moments(model: Model, rule: Rule, pair: Pair, differ: float, note: float) -> Finding | None:
+def _compare_principal_moments(
+    model: Model, rule: Rule, pair: MirrorPair, differ: float, note: float
+) -> Finding | None:
     """What holds of mirror images and of copies alike, for a pair of which the drawings say nothing."""
-    if pair.drawn not in {None, "neither"} or not (pair.named and pair.in_place and pair.alike is not False):
+    if pair.drawn_as not in {None, "neither"} or not (
+        pair.is_named and pair.is_in_place and pair.is_alike is not False
+    ):
         return None
     one, other = (model.link_by_name[name] for name in (pair.one, pair.other))
-    first, second = comparable(one), comparable(other)
-    apart = None if first is None or second is None else principal_deviation(second, first)
+    first, second = get_comparable_inertial(one), get_comparable_inertial(other)
+    apart = None if first is None or second is None else measure_principal_deviation(second, first)
     if first is None or second is None or apart is None or not apart.worst > note:
         return None
     told = []
     if apart.mass > note:
         told.append(f"masses of {first.mass:.4g} and {second.mass:.4g} kg")
     if apart.spread > note:
-        told.append(f"principal moments of ({_principal(first)}) and ({_principal(second)}) kg·m²")
+        told.append(
+            f"principal moments of ({_format_principal_moments(first)}) and ({_format_principal_moments(second)}) kg·m²"
+        )
     return rule.finding(
         "moments",
-        at=_at(other, apart, note),
-        related=[_at(one, apart, note)],
-        severity=_severity(apart.worst, differ, pair),
+        at=_locate_difference(other, apart, note),
+        related=[_locate_difference(one, apart, note)],
+        severity=_choose_severity(apart.worst, differ, pair),
         one=one.name,
         other=other.name,
         differences=" and ".join(told),
         share=apart.worst,
-        between=_between(one, other),
+        between=_list_subjects(one, other),
     )
 
 
-def _principal(numbers: Declared) -> str:
+def _format_principal_moments(numbers: DeclaredInertial) -> str:
     return ", ".join(f"{moment:.3g}" for moment in np.linalg.eigvalsh(numbers.inertia))
 
 
-def _at(link: Link, apart: Deviation, note: float) -> Located:
+def _locate_difference(link: Link, apart: InertialDeviation, note: float) -> Located:
     assert link.inertial is not None
-    return place_of_difference(link.inertial, apart, note)
+    return locate_difference(link.inertial, apart, note)
 
 
-def _remedy(side: Side) -> str:
-    return remedy(changes(side), side.link.name, side.twin.name, shared=_shared(side))
+def _describe_remedy(side: PairSide) -> str:
+    return describe_remedy(
+        list_inertial_changes(side), side.link.name, side.twin.name, shared=_has_shared_inertial(side)
+    )
 
 
-def _shared(side: Side) -> bool:
+def _has_shared_inertial(side: PairSide) -> bool:
     """Whether one text makes the inertials of both sides."""
     one, other = side.link.inertial, side.twin.inertial
     assert one is not None
@@ -183,7 +208,7 @@ def _shared(side: Side) -> bool:
     return one.element.span == other.element.span
 
 
-def _between(*both: Link | Joint) -> list[str]:
+def _list_subjects(*both: Link | Joint) -> list[str]:
     """The elements of both sides: a rule that explains either explains the difference (`worker.hide`)."""
     return [one.location.subject for one in both]
 
@@ -191,31 +216,33 @@ def _between(*both: Link | Joint) -> list[str]:
 # -- joints -----------------------------------------------------------------------------------------------------------
 
 
-def _limits(rule: Rule, one: Limited, differ: float) -> Finding:
+def _build_limits_finding(rule: Rule, one: MismatchedLimit, differ: float) -> Finding:
     limit, twin = one.joint.limit, one.twin.limit
     assert limit is not None
     assert twin is not None
     cause = "limits_copied" if one.copied else None
-    texts = {name: f"{value + 0.0:.10g}" for name, value in one.wanted.items()}
+    texts = {name: f"{value + 0.0:.10g}" for name, value in one.expected.items()}
     shared = limit.span == twin.span
-    wanted = [Change(limit.attributes.get(name), name, text) for name, text in texts.items()]
+    wanted = [AttributeChange(limit.attributes.get(name), name, text) for name, text in texts.items()]
     return rule.finding(
-        "limits" if one.like else "limits_pair",
+        "limits" if one.agreeing_joints else "limits_pair",
         at=limit,
         related=[twin],
         cause=cause,
-        severity=_severity(one.share, differ, one.pair, cause),
-        edits=edits_of(wanted) if one.like and not shared else [],
+        severity=_choose_severity(one.max_difference, differ, one.pair, cause),
+        edits=make_attribute_edits(wanted) if one.agreeing_joints and not shared else [],
         joint=one.joint.name,
         twin=one.twin.name,
-        differences=_limit_differences(one),
-        like=listed(one.like),
-        remedy=remedy(wanted, one.joint.name, one.twin.name, shared=shared),
-        share=one.share,
+        differences=_describe_limit_differences(one),
+        like=join_names(one.agreeing_joints),
+        remedy=describe_remedy(wanted, one.joint.name, one.twin.name, shared=shared),
+        share=one.max_difference,
     )
 
 
-def _chain(model: Model, rule: Rule, chain: Sequence[Limited], differ: float, note: float) -> Finding:
+def _build_chain_finding(
+    model: Model, rule: Rule, chain: Sequence[MismatchedLimit], differ: float, note: float
+) -> Finding:
     limits = [limit for one in chain for limit in (one.joint.limit, one.twin.limit) if limit is not None]
     cause = "shifted" if is_shifted(model, chain, note) else None
     return rule.finding(
@@ -223,31 +250,31 @@ def _chain(model: Model, rule: Rule, chain: Sequence[Limited], differ: float, no
         at=limits[0],
         related=limits[1:],
         cause=cause,
-        severity=_severity(max(one.share for one in chain), differ, chain[0].pair, cause),
+        severity=_choose_severity(max(one.max_difference for one in chain), differ, chain[0].pair, cause),
         count=len(chain),
-        joints=listed((one.joint.name for one in chain), 12),
-        twins=listed((one.twin.name for one in chain), 12),
+        joints=join_names((one.joint.name for one in chain), 12),
+        twins=join_names((one.twin.name for one in chain), 12),
         joint=chain[0].joint.name,
-        differences=_limit_differences(chain[0]),
+        differences=_describe_limit_differences(chain[0]),
     )
 
 
-def _limit_differences(one: Limited) -> str:
+def _describe_limit_differences(one: MismatchedLimit) -> str:
     return ", ".join(
-        f"{name} {one.joint.limit_value(name) or 0.0:.6g} instead of {value + 0.0:.6g}"
-        for name, value in one.wanted.items()
+        f"{name} {one.joint.get_limit_value(name) or 0.0:.6g} instead of {value + 0.0:.6g}"
+        for name, value in one.expected.items()
     )
 
 
-def _dynamics(model: Model, rule: Rule, pair: Pair, differ: float, note: float) -> Finding | None:
-    joints = joints_of(model, pair)
-    if joints is None or pair.drawn == "neither":
+def _compare_dynamics(model: Model, rule: Rule, pair: MirrorPair, differ: float, note: float) -> Finding | None:
+    joints = find_pair_joints(model, pair)
+    if joints is None or pair.drawn_as == "neither":
         return None
-    elements = [joint.element.child("dynamics") for joint in joints]
+    elements = [joint.element.find_child("dynamics") for joint in joints]
     told: list[str] = []
     share = 0.0
     for name in ("damping", "friction"):
-        a, b = (0.0 if e is None or name not in e.attributes else attribute_number(e, name) for e in elements)
+        a, b = (0.0 if e is None or name not in e.attributes else read_attribute_number(e, name) for e in elements)
         if a is not None and b is not None and abs(a - b) > note * max(abs(a), abs(b)):
             told.append(f"{name} {b:g} instead of {a:g}")
             share = max(share, abs(a - b) / max(abs(a), abs(b)))
@@ -257,7 +284,7 @@ def _dynamics(model: Model, rule: Rule, pair: Pair, differ: float, note: float) 
         "dynamics",
         at=elements[1] or joints[1].element,
         related=[elements[0] or joints[0].element],
-        severity=_severity(share, differ, pair),
+        severity=_choose_severity(share, differ, pair),
         joint=joints[1].name,
         twin=joints[0].name,
         differences=", ".join(told),
@@ -265,33 +292,33 @@ def _dynamics(model: Model, rule: Rule, pair: Pair, differ: float, note: float) 
     )
 
 
-def _place(model: Model, rule: Rule, pair: Pair, found: Sequence[Pair]) -> Finding | None:
-    off = displaced(model, pair, found)
+def _compare_origins(model: Model, rule: Rule, pair: MirrorPair, found: Sequence[MirrorPair]) -> Finding | None:
+    off = find_misplaced_joint(model, pair, found)
     if off is None:
         return None
     both = off.joint, off.twin
-    data: dict[str, Any] = {"joint": off.joint.name, "twin": off.twin.name, "between": _between(*both)}
+    data: dict[str, Any] = {"joint": off.joint.name, "twin": off.twin.name, "between": _list_subjects(*both)}
     if off.distance:
-        at, related = (_origin(joint, "xyz") for joint in both)
+        at, related = (_locate_origin(joint, "xyz") for joint in both)
         back, there = off.places
-        first, second = _moved(off.joint, off.twin, there), _moved(off.twin, off.joint, back)
+        first, second = _describe_move(off.joint, off.twin, there), _describe_move(off.twin, off.joint, back)
         return rule.finding(
             "origin", at=at, related=[related], distance=off.distance * 1e3, first=first, second=second, **data
         )
-    at, related = (_origin(joint, "rpy") if off.turned else joint.axis_location for joint in both)
+    at, related = (_locate_origin(joint, "rpy") if off.turned else joint.axis_location for joint in both)
     return rule.finding("axis", at=at, related=[related], angle=math.degrees(off.angle), **data)
 
 
-def _moved(joint: Joint, twin: Joint, place: Array) -> str:
+def _describe_move(joint: Joint, twin: Joint, place: Array) -> str:
     """How a joint gets to another place (3,) in its parent's frame."""
     text = " ".join(f"{round(float(v), 6) + 0.0:g}" for v in place)
-    attributes = [one.origin.attribute("xyz") for one in (joint, twin)]
+    attributes = [one.origin.get_attribute("xyz") for one in (joint, twin)]
     shared = attributes[0] is not None and attributes[1] is not None and attributes[0].span == attributes[1].span
-    return remedy([Change(attributes[0], "xyz", text)], joint.name, twin.name, shared=shared)
+    return describe_remedy([AttributeChange(attributes[0], "xyz", text)], joint.name, twin.name, shared=shared)
 
 
-def _origin(joint: Joint, name: str) -> Location:
-    attribute = joint.origin.attribute(name)
+def _locate_origin(joint: Joint, name: str) -> Location:
+    attribute = joint.origin.get_attribute(name)
     if attribute is not None:
         return attribute.location
     return joint.location if joint.origin.element is None else joint.origin.element.location

@@ -9,15 +9,15 @@ import numpy as np
 
 from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.ground.wheel_plane import uneven
+from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
 from urdfcheck.model.parts import Joint
 
 
 def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[Finding]:
-    footing = uneven(model, spread=spread, least=least)
+    footing = find_uneven_wheels(model, rel_tol=spread, abs_tol=least)
     if footing is None:
         return
-    found, odd = footing.wheels, footing.odd
+    found, odd = footing.wheels, footing.odd_wheel
     radius = min(wheel.radius for wheel in found)
     heights = {wheel.joint.child: round(float(wheel.contact[2]), 6) for wheel in found}
     data: dict[str, Any] = {
@@ -29,7 +29,11 @@ def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[
     }
     if odd is None:
         yield rule.finding(
-            "uneven", at=_place(found[0].joint), related=[_place(w.joint) for w in found[1:]], count=len(found), **data
+            "uneven",
+            at=_locate(found[0].joint),
+            related=[_locate(w.joint) for w in found[1:]],
+            count=len(found),
+            **data,
         )
         return
     joint = odd.wheel.joint
@@ -40,19 +44,19 @@ def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[
         "where": "above" if odd.rise > 0 else "below",
         "others": ", ".join(w.joint.child for w in found if w is not odd.wheel),
     }
-    if odd.by_radius:
-        data |= {"own": odd.wheel.radius * 1e3, "usual": (odd.wheel.radius + odd.smaller) * 1e3}
-        yield rule.finding("radius", at=_place(joint), **data)
+    if odd.is_caused_by_radius:
+        data |= {"own": odd.wheel.radius * 1e3, "usual": (odd.wheel.radius + odd.radius_deficit) * 1e3}
+        yield rule.finding("radius", at=_locate(joint), **data)
         return
-    before, after, edits = _moved(model, joint, odd.rise)
-    yield rule.finding("odd", at=_place(joint), edits=edits, before=before, after=after, **data)
+    before, after, edits = _propose_origin_xyz(model, joint, odd.rise)
+    yield rule.finding("odd", at=_locate(joint), edits=edits, before=before, after=after, **data)
 
 
-def _moved(model: Model, joint: Joint, rise: float) -> tuple[str, str, list[Edit]]:
+def _propose_origin_xyz(model: Model, joint: Joint, rise: float) -> tuple[str, str, list[Edit]]:
     """The xyz of a joint's origin, what it has to be to bring the wheel down by ``rise``, and the edit that makes it so."""
     typed = joint.origin.xyz or (0.0, 0.0, 0.0)
     shift = model.frames[joint.parent][:3, :3].T @ np.array((0.0, 0.0, -rise))
-    attribute = joint.origin.attribute("xyz")
+    attribute = joint.origin.get_attribute("xyz")
     words = ["0", "0", "0"] if attribute is None else attribute.value.split()
     # What the shift does not reach stays as it was typed.
     moved = [
@@ -65,6 +69,6 @@ def _moved(model: Model, joint: Joint, rise: float) -> tuple[str, str, list[Edit
     return before, after, [Edit(attribute.span, attribute.typed, after)]
 
 
-def _place(joint: Joint) -> Location:
-    attribute = joint.origin.attribute("xyz")
+def _locate(joint: Joint) -> Location:
+    attribute = joint.origin.get_attribute("xyz")
     return joint.location if attribute is None else attribute.location

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from urdfcheck.core import Finding, Rule, Unavailable
+from urdfcheck.core import FactUnavailableError, Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.model.tree import TooDeep
+from urdfcheck.model.tree import TreeTooDeepError
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package
@@ -15,8 +15,8 @@ from urdfcheck.source.package.finder import Package
 
 def check(subject: Source | Launch | Package | Model, rule: Rule) -> Iterator[Finding]:
     if isinstance(subject, Model):
-        yield from _meshes(subject, rule)
-        yield from _chain(subject, rule)
+        yield from _check_mesh_sizes(subject, rule)
+        yield from _check_tree_depth(subject, rule)
         return
     message = "model" if isinstance(subject, Source) else "launch" if isinstance(subject, Launch) else "manifest"
     for problem in subject.problems:
@@ -25,19 +25,19 @@ def check(subject: Source | Launch | Package | Model, rule: Rule) -> Iterator[Fi
             yield rule.finding(message, at=at, related=problem.related, error=problem.message, **problem.data)
 
 
-def _meshes(model: Model, rule: Rule) -> Iterator[Finding]:
-    for path, uses in model.meshes.by_file().items():
+def _check_mesh_sizes(model: Model, rule: Rule) -> Iterator[Finding]:
+    for path, uses in model.meshes.group_by_file().items():
         error = model.meshes.errors.get(path)
         if error is not None and error.reason_id == "too-large":
             first, *others = (use.filename for use in uses)
             yield rule.finding("mesh", at=first, related=others, mesh=first.value, error=str(error))
 
 
-def _chain(model: Model, rule: Rule) -> Iterator[Finding]:
+def _check_tree_depth(model: Model, rule: Rule) -> Iterator[Finding]:
     try:
         _ = model.tree
-    except TooDeep as deep:
+    except TreeTooDeepError as deep:
         last = model.link_by_name[deep.link].element
         yield rule.finding("chain", at=last, what="levels", limit=deep.limit, found=deep.levels)
-    except Unavailable:
+    except FactUnavailableError:
         pass  # the KIN rules say why there is no tree

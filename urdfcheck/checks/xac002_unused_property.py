@@ -6,14 +6,20 @@ import re
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
-from urdfcheck.model.shapes.extent import size_of
+from urdfcheck.model.shapes.extent import measure_link_size
 from urdfcheck.source.load import Source
-from urdfcheck.source.text.tokens import removal
-from urdfcheck.source.text.values import number
+from urdfcheck.source.text.tokens import build_removal_edits
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.source.xacro.usage import mentioned_elsewhere, names_read, own_trees, properties, reads_unseen_files
+from urdfcheck.source.xacro.usage import (
+    collect_outside_mentions,
+    collect_properties,
+    collect_read_names,
+    has_unseen_includes,
+    select_own_trees,
+)
 
 # A property that by its name is a side of a link: base_x of base or base_link.
 _SIDE = re.compile(r"^(\w+?)_(?:size_|dim_)?([xyz])$")
@@ -21,43 +27,43 @@ _SIDE = re.compile(r"^(\w+?)_(?:size_|dim_)?([xyz])$")
 
 def check(model: Model, rule: Rule, *, each: int, near: float) -> Iterator[Finding]:
     source = model.source
-    if not source.is_xacro or reads_unseen_files(source):
+    if not source.is_xacro or has_unseen_includes(source):
         return
     by_file: dict[str, list[list[Attribute]]] = {}
-    for definitions in _unread(source):
+    for definitions in _find_unread_properties(source):
         span = definitions[0].span
         by_file.setdefault("" if span is None else span.file, []).append(definitions)
     for file, unread in by_file.items():
         if len(unread) > each:
-            yield _many(file, unread, rule)
+            yield _build_summary_finding(file, unread, rule)
             continue
         for definitions in unread:
-            yield _one(definitions, model, rule, near)
+            yield _build_property_finding(definitions, model, rule, near)
 
 
-def _unread(source: Source) -> list[list[Attribute]]:
+def _find_unread_properties(source: Source) -> list[list[Attribute]]:
     """The definitions of each property that nothing reads; those for another scope are meant for other files."""
-    read = set().union(*(names_read(tree) for tree in source.trees.values()))
+    read = set().union(*(collect_read_names(tree) for tree in source.trees.values()))
     unread = {
         name: definitions
-        for name, definitions in properties(own_trees(source)).items()
+        for name, definitions in collect_properties(select_own_trees(source)).items()
         if name not in read and not any("scope" in d.owner.attributes for d in definitions)
     }
-    elsewhere = mentioned_elsewhere(source) if unread else None
+    elsewhere = collect_outside_mentions(source) if unread else None
     if elsewhere is None or not elsewhere.complete:
         return []
     return [definitions for name, definitions in unread.items() if name not in elsewhere.names]
 
 
-def _one(definitions: Sequence[Attribute], model: Model, rule: Rule, near: float) -> Finding:
+def _build_property_finding(definitions: Sequence[Attribute], model: Model, rule: Rule, near: float) -> Finding:
     first, *others = definitions
     value = first.owner.get("value") or first.owner.get("default")
-    wrong = _wrong_side(first.value, value, model, near)
+    wrong = _find_mismatched_side(first.value, value, model, near)
     return rule.finding(
         "unused" if wrong is None else "wrong",
         at=first,
         related=others,
-        edits=[] if others or first.owner.children else removal(first.owner, model.source.files),
+        edits=[] if others or first.owner.children else build_removal_edits(first.owner, model.source.files),
         name=first.value,
         value=f" = {value}" if value else "",
         link="" if wrong is None else wrong[0],
@@ -65,13 +71,13 @@ def _one(definitions: Sequence[Attribute], model: Model, rule: Rule, near: float
     )
 
 
-def _wrong_side(name: str, value: str, model: Model, near: float) -> tuple[str, tuple[float, ...]] | None:
+def _find_mismatched_side(name: str, value: str, model: Model, near: float) -> tuple[str, tuple[float, ...]] | None:
     """The link whose side a property names with another length than the link (or half of it) has, and its sides."""
-    named, typed = _SIDE.match(name), number(value)
+    named, typed = _SIDE.match(name), parse_number(value)
     if named is None or typed is None:
         return None
     link = model.link_by_name.get(named.group(1)) or model.link_by_name.get(f"{named.group(1)}_link")
-    sides = None if link is None else size_of(model, link)
+    sides = None if link is None else measure_link_size(model, link)
     if link is None or sides is None:
         return None
     side = sides["xyz".index(named.group(2))]
@@ -79,9 +85,9 @@ def _wrong_side(name: str, value: str, model: Model, near: float) -> tuple[str, 
     return None if agrees else (link.name, sides)
 
 
-def _many(file: str, unread: Sequence[Sequence[Attribute]], rule: Rule) -> Finding:
+def _build_summary_finding(file: str, unread: Sequence[Sequence[Attribute]], rule: Rule) -> Finding:
     names = [definitions[0].value for definitions in unread]
     places = [d for definitions in unread for d in definitions]
     return rule.finding(
-        "several", at=places[0], related=places[1:], names=names, listed=listed(names), count=len(names), file=file
+        "several", at=places[0], related=places[1:], names=names, listed=join_names(names), count=len(names), file=file
     )

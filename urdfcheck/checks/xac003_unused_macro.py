@@ -5,25 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.source.load import Source
 from urdfcheck.source.xacro.usage import (
     Macro,
-    macros,
-    macros_called,
-    mentioned_elsewhere,
-    own_trees,
-    reads_unseen_files,
+    collect_called_macros,
+    collect_macros,
+    collect_outside_mentions,
+    has_unseen_includes,
+    select_own_trees,
 )
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     source = model.source
-    if not source.is_xacro or reads_unseen_files(source):
+    if not source.is_xacro or has_unseen_includes(source):
         return
     by_file: dict[str, list[Macro]] = {}
-    for macro in _uncalled(source):
+    for macro in _find_uncalled_macros(source):
         span = macro.element.span
         by_file.setdefault("" if span is None else span.file, []).append(macro)
     for file, (first, *others) in by_file.items():
@@ -34,19 +34,19 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             related=[macro.element.attributes["name"] for macro in others],
             names=names,
             name=first.name,
-            listed=listed(names),
+            listed=join_names(names),
             count=len(names),
             file=file,
         )
 
 
-def _uncalled(source: Source) -> list[Macro]:
+def _find_uncalled_macros(source: Source) -> list[Macro]:
     """The macros that no file calls which may know them; none where the name of one that is called is computed."""
-    called = macros_called(source.trees)
-    uncalled = [m for name, m in macros(own_trees(source)).items() if name and name not in called]
+    called = collect_called_macros(source.trees)
+    uncalled = [m for name, m in collect_macros(select_own_trees(source)).items() if name and name not in called]
     if not uncalled or any("$" in name for name in called):
         return []
-    elsewhere = mentioned_elsewhere(source)
+    elsewhere = collect_outside_mentions(source)
     if not elsewhere.complete or any("$" in name for name in elsewhere.macros):
         return []
     return [macro for macro in uncalled if macro.name not in elsewhere.macros]

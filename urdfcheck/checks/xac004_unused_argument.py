@@ -6,23 +6,29 @@ from collections import Counter
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.source.load import Source
-from urdfcheck.source.text.tokens import removal
+from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.source.xacro.usage import arguments_read, elements, mentioned_elsewhere, own_trees, reads_unseen_files
+from urdfcheck.source.xacro.usage import (
+    collect_outside_mentions,
+    collect_read_arguments,
+    has_unseen_includes,
+    iter_elements_by_tag,
+    select_own_trees,
+)
 
 # Lines that are deleted in one go, beside the first.
-_MOST_EDITED = 100
+_MAX_EDITED = 100
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     source = model.source
-    if not source.is_xacro or reads_unseen_files(source):
+    if not source.is_xacro or has_unseen_includes(source):
         return
     by_file: dict[str, list[Attribute]] = {}
-    for name in _unread(source):
+    for name in _find_unread_arguments(source):
         by_file.setdefault("" if name.span is None else name.span.file, []).append(name)
     for file, (first, *others) in by_file.items():
         names = [name.value for name in (first, *others)]
@@ -30,28 +36,32 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             "several" if others else "unused",
             at=first,
             related=others,
-            edits=[edit for name in (first, *others[:_MOST_EDITED]) for edit in removal(name.owner, source.files)],
+            edits=[
+                edit
+                for name in (first, *others[:_MAX_EDITED])
+                for edit in build_removal_edits(name.owner, source.files)
+            ],
             names=names,
             name=first.value,
-            listed=listed(names),
+            listed=join_names(names),
             count=len(names),
             file=file,
         )
 
 
-def _unread(source: Source) -> list[Attribute]:
+def _find_unread_arguments(source: Source) -> list[Attribute]:
     """The names of the arguments that nothing reads and nobody hands over. One that several files declare is part of what
     they agree on: the outer file hands it to the inner one."""
-    declared = [e.attributes["name"] for e in elements(source.trees, "xacro:arg") if "name" in e.attributes]
+    declared = [e.attributes["name"] for e in iter_elements_by_tag(source.trees, "xacro:arg") if "name" in e.attributes]
     times = Counter(name.value for name in declared)
-    used = arguments_read(source.trees) | source.arguments_read | source.arguments.keys()
-    own = own_trees(source)
+    used = collect_read_arguments(source.trees) | source.arguments_read | source.arguments.keys()
+    own = select_own_trees(source)
     unread = [
         name
         for name in declared
         if name.value not in used and times[name.value] == 1 and name.span is not None and name.span.file in own
     ]
-    elsewhere = mentioned_elsewhere(source) if unread else None
+    elsewhere = collect_outside_mentions(source) if unread else None
     if elsewhere is None or not elsewhere.complete:
         return []
     return [name for name in unread if name.value not in elsewhere.arguments]

@@ -10,18 +10,18 @@ from functools import cached_property
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
-from urdfcheck.facts.likeness.typed_numbers import near_miss
+from urdfcheck.facts.likeness.typed_numbers import find_near_miss
 from urdfcheck.source.load import Source
-from urdfcheck.source.text.tokens import removal
-from urdfcheck.source.text.values import number
+from urdfcheck.source.text.tokens import build_removal_edits
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.xacro.usage import (
-    Mentions,
-    mentioned_elsewhere,
-    names_read,
-    own_trees,
-    properties,
-    reads_unseen_files,
+    XacroMentions,
+    collect_outside_mentions,
+    collect_properties,
+    collect_read_names,
+    has_unseen_includes,
+    select_own_trees,
 )
 
 _PI = re.compile(r"(?:M_)?PI", re.IGNORECASE)
@@ -30,7 +30,7 @@ _DEGREE = re.compile(r"DEG(?:REES?)?_?(?:2|TO)_?RAD(?:IANS?)?|D2R", re.IGNORECAS
 
 
 @dataclass(frozen=True, slots=True)
-class _Constant:
+class _MathConstant:
     """What a property must mean: its name in words, its value, and what xacro writes for it."""
 
     words: str
@@ -38,45 +38,45 @@ class _Constant:
     expression: str
 
 
-class _Read:
+class _ReadableNames:
     """Which names something may read: an expression of any file of the model, its package or folder, or what is unseen."""
 
     def __init__(self, source: Source) -> None:
         self.source = source
-        self.here = set().union(*(names_read(tree) for tree in source.trees.values()))
+        self.here = set().union(*(collect_read_names(tree) for tree in source.trees.values()))
         # Where the expansion stopped, or did not follow an include to another package, nobody knows what reads a name.
-        self.unknown = source.root is None or reads_unseen_files(source)
+        self.unknown = source.root is None or has_unseen_includes(source)
 
     @cached_property
-    def elsewhere(self) -> Mentions:
-        return mentioned_elsewhere(self.source)
+    def mentions_elsewhere(self) -> XacroMentions:
+        return collect_outside_mentions(self.source)
 
-    def maybe(self, name: str) -> bool:
+    def may_be_read(self, name: str) -> bool:
         known = self.unknown or name in self.here
-        return known or not self.elsewhere.complete or name in self.elsewhere.names
+        return known or not self.mentions_elsewhere.complete or name in self.mentions_elsewhere.names
 
 
 def check(source: Source, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
     if not source.is_xacro:
         return
-    read = _Read(source)
-    for name, definitions in properties(own_trees(source)).items():
+    read = _ReadableNames(source)
+    for name, definitions in collect_properties(select_own_trees(source)).items():
         for definition in definitions:
             value = definition.owner.attributes.get("value")
-            typed = None if value is None else number(value.value)
-            constant = None if value is None or typed is None else _constant(name, value.value)
+            typed = None if value is None else parse_number(value.value)
+            constant = None if value is None or typed is None else _match_constant(name, value.value)
             if value is not None and typed is not None and constant is not None:
                 off = abs(typed / constant.value - 1)
-                yield from _judge(name, value, constant, off, rel_tol, read, source, rule)
+                yield from _check_constant(name, value, constant, off, rel_tol, read, source, rule)
 
 
-def _judge(
+def _check_constant(
     name: str,
     value: Attribute,
-    constant: _Constant,
+    constant: _MathConstant,
     off: float,
     rel_tol: float,
-    read: _Read,
+    read: _ReadableNames,
     source: Source,
     rule: Rule,
 ) -> Iterator[Finding]:
@@ -87,10 +87,10 @@ def _judge(
         "expression": constant.expression,
         "exact": constant.value,
         "relative": off,
-        "digits": _digits(value.value),
+        "digits": _count_significant_digits(value.value),
     }
-    removed = removal(value.owner, source.files)
-    is_read = off > rel_tol and read.maybe(name)
+    removed = build_removal_edits(value.owner, source.files)
+    is_read = off > rel_tol and read.may_be_read(name)
     if is_read and name != "pi":
         edits = [] if value.span is None else [Edit(value.span, value.typed, constant.expression)]
         yield rule.finding("rounded" if off < 0.01 else "wrong", at=value, edits=edits, **data)
@@ -101,17 +101,17 @@ def _judge(
         yield rule.finding("redefined", at=value, edits=removed, severity=Severity.INFO, **data)
 
 
-def _constant(name: str, text: str) -> _Constant | None:
+def _match_constant(name: str, text: str) -> _MathConstant | None:
     """The constant that a name promises; of names such as ``PI_2`` the value must say which fraction is meant."""
     if _PI.fullmatch(name):
-        return _Constant("π", math.pi, "${pi}")
+        return _MathConstant("π", math.pi, "${pi}")
     if _DEGREE.fullmatch(name):
-        return _Constant("π/180", math.pi / 180, "${pi / 180}")
-    near = near_miss(text) if _FRACTION.search(name) else None
-    return None if near is None else _Constant(near.constant.replace("pi", "π"), near.exact, near.expression)
+        return _MathConstant("π/180", math.pi / 180, "${pi / 180}")
+    near = find_near_miss(text) if _FRACTION.search(name) else None
+    return None if near is None else _MathConstant(near.constant.replace("pi", "π"), near.exact, near.expression)
 
 
-def _digits(text: str) -> int:
+def _count_significant_digits(text: str) -> int:
     """The significant digits of a number as typed."""
     mantissa = text.lower().partition("e")[0]
     return len(re.sub(r"\D", "", mantissa).lstrip("0"))

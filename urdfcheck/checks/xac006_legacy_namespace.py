@@ -8,35 +8,35 @@ from dataclasses import replace
 
 from urdfcheck.core import Applicability, Finding, Rule
 from urdfcheck.source.load import Source
-from urdfcheck.source.text.tokens import replacing
+from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.source.xacro.usage import own_trees
+from urdfcheck.source.xacro.usage import select_own_trees
 
 CURRENT = "http://www.ros.org/wiki/xacro"
 # What the wiki's own pages declared at some time; every release of xacro takes it.
 _ACCEPTED = frozenset({CURRENT, "http://wiki.ros.org/xacro"})
 _LEGACY = ("http://ros.org/wiki/xacro", "http://www.ros.org/wiki/xacro/#")
 # Closer than this to the current one, an unknown address is a slip of the finger and not a name of one's own.
-_ALIKE = 0.9
+_MIN_SIMILARITY = 0.9
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     if not source.is_xacro:
         return
     typed: dict[str, list[Attribute]] = {}
-    for tree in own_trees(source).values():
+    for tree in select_own_trees(source).values():
         for element in tree.walk():
             namespace = element.attributes.get("xmlns:xacro")
             if namespace is not None:
                 typed.setdefault(namespace.value.strip(), []).append(namespace)
     for address, places in typed.items():
-        message = _message(address)
+        message = _choose_message(address)
         if message is not None:
             finding = rule.finding(
                 message,
                 at=places[0],
                 related=places[1:],
-                edits=[edit for place in places for edit in replacing([place], CURRENT)],
+                edits=[edit for place in places for edit in build_replacement_edits([place], CURRENT)],
                 applicability=Applicability.SAFE,
                 namespace=address,
                 files="" if len(places) == 1 else f" in {len(places)} files",
@@ -45,9 +45,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             yield replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
 
 
-def _message(namespace: str) -> str | None:
+def _choose_message(namespace: str) -> str | None:
     if namespace in _ACCEPTED:
         return None
     if namespace.startswith(_LEGACY):
         return "legacy"
-    return "misspelt" if difflib.SequenceMatcher(None, namespace, CURRENT).ratio() >= _ALIKE else None
+    return "misspelt" if difflib.SequenceMatcher(None, namespace, CURRENT).ratio() >= _MIN_SIMILARITY else None

@@ -7,22 +7,22 @@ from collections.abc import Iterator, Mapping
 
 from urdfcheck.core import Finding, Location, Rule, Span
 from urdfcheck.model import Model
-from urdfcheck.source.text.values import number
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.usage import elements, own_trees
+from urdfcheck.source.xacro.usage import iter_elements_by_tag, select_own_trees
 
 _CONDITIONS = frozenset({"xacro:if", "xacro:unless"})
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     source = model.source
-    problems = source.problems_of("property-lost")
+    problems = source.find_problems("property-lost")
     if not problems:
         return
-    own = own_trees(source)
+    own = select_own_trees(source)
     definitions = {
         a.span: e
-        for e in elements(source.trees, "xacro:property")
+        for e in iter_elements_by_tag(source.trees, "xacro:property")
         for a in (e.attributes.get("value"),)
         if a is not None
     }
@@ -30,10 +30,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for problem in problems:
         first, second = problem.data["lost"], problem.location
         before, after = definitions.get(first.span), definitions.get(second.span)
-        if before is None or after is None or _is_meant(before, after, second, tags):
+        if before is None or after is None or _is_intentional(before, after, second, tags):
             continue
-        files = _file(first), _file(second)
-        message = _message(first, second, files)
+        files = _get_file_name(first), _get_file_name(second)
+        message = _choose_message(first, second, files)
         if message is None or not own.keys() & set(files):
             continue
         # The definition that has no effect is the one that the author of both files can see is wrong.
@@ -45,21 +45,25 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             name=problem.data["name"],
             first=before.get("value"),
             second=after.get("value"),
-            where=f"line {_line(first)} of {files[0]}",
+            where=f"line {_get_line_number(first)} of {files[0]}",
             file=files[1],
         )
 
 
-def _is_meant(before: Element, after: Element, second: Location, tags: Mapping[Span | None, Element]) -> bool:
+def _is_intentional(before: Element, after: Element, second: Location, tags: Mapping[Span | None, Element]) -> bool:
     """Whether the second value is equal, or is there on a condition, for another scope, or in a file that was chosen."""
-    if "scope" in before.attributes or "scope" in after.attributes or _equal(before.get("value"), after.get("value")):
+    if (
+        "scope" in before.attributes
+        or "scope" in after.attributes
+        or _is_equal_value(before.get("value"), after.get("value"))
+    ):
         return True
     calls = [tags[span] for span in second.via if span in tags]
     chosen = any("$" in call.get("filename").replace("$(find ", "") for call in calls)
     return chosen or any(_is_conditional(element) for element in (after, *calls))
 
 
-def _message(first: Location, second: Location, files: tuple[str, str]) -> str | None:
+def _choose_message(first: Location, second: Location, files: tuple[str, str]) -> str | None:
     """How the first value is lost; None where a file sets what a file that it includes has set, as one sets defaults."""
     if files[0] == files[1]:
         return "twice"
@@ -77,14 +81,14 @@ def _is_conditional(element: Element) -> bool:
     return False
 
 
-def _equal(one: str, other: str) -> bool:
-    a, b = number(one), number(other)
+def _is_equal_value(one: str, other: str) -> bool:
+    a, b = parse_number(one), parse_number(other)
     return one.split() == other.split() if a is None or b is None else math.isclose(a, b, rel_tol=1e-12)
 
 
-def _file(location: Location) -> str:
+def _get_file_name(location: Location) -> str:
     return "" if location.span is None else location.span.file
 
 
-def _line(location: Location) -> int:
+def _get_line_number(location: Location) -> int:
     return 0 if location.span is None else location.span.line

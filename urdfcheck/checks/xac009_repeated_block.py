@@ -8,96 +8,98 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
-from urdfcheck.model.likeness.repeated_blocks import Column, variation
+from urdfcheck.core.text import join_names
+from urdfcheck.model.likeness.repeated_blocks import NumberColumn, classify_columns
 from urdfcheck.source.load import Source
-from urdfcheck.source.text.values import number
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element
-from urdfcheck.source.xacro.usage import own_trees
+from urdfcheck.source.xacro.usage import select_own_trees
 
 # Digits that CAD exports of one part differ in: residue of the arithmetic, not another part.
-_SAME = {"rel_tol": 1e-6, "abs_tol": 1e-12}
+_TOLERANCES = {"rel_tol": 1e-6, "abs_tol": 1e-12}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Block:
+class _LinkBlock:
     """A link and the joint that carries it. ``shape`` is its structure without any value."""
 
     link: Element
     name: str
     columns: tuple[Attribute, ...]
-    shape: tuple[tuple[str, ...], ...]
+    structure: tuple[tuple[str, ...], ...]
 
-    def value(self, column: int) -> str:
+    def get_value(self, column: int) -> str:
         """A value with the block's own name left out, so that what follows from the name is equal."""
         return self.columns[column].value.replace(self.name, "\0")
 
-    def differs(self, other: _Block) -> list[int]:
+    def find_differing_columns(self, other: _LinkBlock) -> list[int]:
         """The columns in which two blocks of one structure differ."""
-        return [i for i in range(len(self.columns)) if not _equal(self.value(i), other.value(i))]
+        return [i for i in range(len(self.columns)) if not _is_equal_value(self.get_value(i), other.get_value(i))]
 
 
 def check(source: Source, rule: Rule, *, blocks: int, attributes: int, share: float) -> Iterator[Finding]:
     if not source.is_xacro:
         return
-    for name, tree in own_trees(source).items():
+    for name, tree in select_own_trees(source).items():
         if name.endswith(".urdf"):
             continue  # included as some program wrote it
         for parent in tree.walk():
-            found = [b for b in _blocks(parent) if len(b.columns) >= attributes]
-            for group in _groups(found, share):
+            found = [b for b in _collect_blocks(parent) if len(b.columns) >= attributes]
+            for group in _group_blocks(found, share):
                 if len(group) >= blocks:
-                    yield _finding(group, rule)
+                    yield _build_finding(group, rule)
 
 
-def _finding(group: Sequence[_Block], rule: Rule) -> Finding:
+def _build_finding(group: Sequence[_LinkBlock], rule: Rule) -> Finding:
     first = group[0]
-    columns = sorted({i for other in group[1:] for i in first.differs(other)})
-    macro = _common_name([b.name for b in group])
-    told = [_words(first.columns[i]) for i in columns if first.columns[i].name != "name"]
-    whole, split = _split(group, columns)
-    varies = variation(split)
-    parameters = [*(c.name for c in varies.parameters), *_parameters([first.columns[i] for i in whole])]
+    columns = sorted({i for other in group[1:] for i in first.find_differing_columns(other)})
+    macro = _suggest_macro_name([b.name for b in group])
+    told = [_describe_attribute(first.columns[i]) for i in columns if first.columns[i].name != "name"]
+    whole, split = _split_columns(group, columns)
+    varies = classify_columns(split)
+    parameters = [*(c.name for c in varies.parameters), *_name_parameters([first.columns[i] for i in whole])]
     given = {c.name: c.words[0] for c in varies.parameters}
-    with_joint = any(labels[0] == "joint" for labels in first.shape)
+    with_joint = any(labels[0] == "joint" for labels in first.structure)
     return rule.finding(
         "repeated",
         at=first.link,
         related=[b.link for b in group[1:]],
         count=len(group),
         links=[b.name for b in group],
-        listed=listed([b.name for b in group], 4),
+        listed=join_names([b.name for b in group], 4),
         what="links and the joints that carry them" if with_joint else "links",
         differences=told,
-        differ=listed(told) or "nothing",
+        differ=join_names(told) or "nothing",
         macro=macro,
         parameters=" ".join(["name", *parameters]),
         call="".join(f' {p}="{given.get(p, "…")}"' for p in parameters),
         first=first.name,
         lone="".join(
-            f"; only {group[i].name} has {c.name} {c.words[i]}, the others {rest}" for c, i, rest in varies.lone
+            f"; only {group[i].name} has {c.name} {c.words[i]}, the others {rest}" for c, i, rest in varies.outliers
         ),
         derived=", with " * bool(varies.derived) + " and ".join(f"{name} `{e}`" for name, e in varies.derived),
         refused="".join(
             f"; {c.name} {c.words[i]} of {group[i].name} has no place there: if it is meant, add `{c.name}:={rest}` to the params"
-            for c, i, rest in varies.lone
+            for c, i, rest in varies.outliers
         ),
     )
 
 
-def _split(group: Sequence[_Block], columns: Sequence[int]) -> tuple[list[int], list[Column]]:
+def _split_columns(group: Sequence[_LinkBlock], columns: Sequence[int]) -> tuple[list[int], list[NumberColumn]]:
     """The differing attributes that are one parameter each, and the numbers of those that are rows of numbers."""
     whole, split = [], []
     for i in columns:
         attribute = group[0].columns[i]
         rows = [block.columns[i].value.split() for block in group]
-        if any(len(row) != len(rows[0]) for row in rows) or any(number(word) is None for row in rows for word in row):
+        if any(len(row) != len(rows[0]) for row in rows) or any(
+            parse_number(word) is None for row in rows for word in row
+        ):
             whole.append(i)
             continue
-        names = _numbers(attribute, len(rows[0]))
+        names = _name_numbers(attribute, len(rows[0]))
         for name, words in zip(names, zip(*rows, strict=True), strict=True):
-            leads = _words(attribute) == "joint origin xyz"
-            split.append(Column(name, words, leads, attribute.name == "rpy"))
+            leads = _describe_attribute(attribute) == "joint origin xyz"
+            split.append(NumberColumn(name, words, leads, attribute.name == "rpy"))
     names = [c.name for c in split]
     # Two origins have an x each: there the whole attribute is the parameter.
     if len(set(names)) < len(names):
@@ -105,9 +107,9 @@ def _split(group: Sequence[_Block], columns: Sequence[int]) -> tuple[list[int], 
     return whole, split
 
 
-def _numbers(attribute: Attribute, count: int) -> list[str]:
+def _name_numbers(attribute: Attribute, count: int) -> list[str]:
     """A name for each number of an attribute: x y z and roll pitch yaw of the joint's origin, else the attribute's own."""
-    place = _words(attribute)
+    place = _describe_attribute(attribute)
     if place in {"joint origin xyz", "joint origin rpy"} and count == 3:
         return ["x", "y", "z"] if attribute.name == "xyz" else ["roll", "pitch", "yaw"]
     if count == 1:
@@ -116,15 +118,17 @@ def _numbers(attribute: Attribute, count: int) -> list[str]:
     return [f"{attribute.owner.tag}_{letter}" for letter in letters]
 
 
-def _blocks(parent: Element) -> list[_Block]:
+def _collect_blocks(parent: Element) -> list[_LinkBlock]:
     carried: dict[str, Element] = {}
-    for joint in parent.all("joint"):
-        child = joint.child("child")
+    for joint in parent.find_children("joint"):
+        child = joint.find_child("child")
         carried.setdefault("" if child is None else child.get("link"), joint)
-    return [_block(link, carried.get(link.get("name"))) for link in parent.all("link") if link.get("name")]
+    return [
+        _build_block(link, carried.get(link.get("name"))) for link in parent.find_children("link") if link.get("name")
+    ]
 
 
-def _block(link: Element, joint: Element | None) -> _Block:
+def _build_block(link: Element, joint: Element | None) -> _LinkBlock:
     elements = [*link.walk(), *(joint.walk() if joint is not None else ())]
     columns = [e.attributes[n] for e in elements for n in sorted(e.attributes)]
     depth = {id(link): 0, id(joint): 0}
@@ -132,33 +136,33 @@ def _block(link: Element, joint: Element | None) -> _Block:
     for element in elements:
         level = depth.setdefault(id(element), depth.get(id(element.parent), 0) + 1)
         shape.append((element.tag, str(level), *sorted(element.attributes)))
-    return _Block(link, link.get("name"), tuple(columns), tuple(shape))
+    return _LinkBlock(link, link.get("name"), tuple(columns), tuple(shape))
 
 
-def _groups(found: Sequence[_Block], share: float) -> Iterator[list[_Block]]:
+def _group_blocks(found: Sequence[_LinkBlock], share: float) -> Iterator[list[_LinkBlock]]:
     """Blocks of one structure, of which each differs from the first in few columns only."""
     left = list(found)
     while left:
         first = left[0]
         allowed = share * len(first.columns)
-        group = [b for b in left if b.shape == first.shape and len(first.differs(b)) <= allowed]
+        group = [b for b in left if b.structure == first.structure and len(first.find_differing_columns(b)) <= allowed]
         yield group
         left = [b for b in left if b not in group]
 
 
-def _equal(one: str, other: str) -> bool:
+def _is_equal_value(one: str, other: str) -> bool:
     if one == other:
         return True
     pairs = list(zip(one.split(), other.split(), strict=False))
-    return len(one.split()) == len(other.split()) and all(_equal_words(a, b) for a, b in pairs)
+    return len(one.split()) == len(other.split()) and all(_is_equal_word(a, b) for a, b in pairs)
 
 
-def _equal_words(one: str, other: str) -> bool:
-    a, b = number(one), number(other)
-    return one == other if a is None or b is None else math.isclose(a, b, **_SAME)
+def _is_equal_word(one: str, other: str) -> bool:
+    a, b = parse_number(one), parse_number(other)
+    return one == other if a is None or b is None else math.isclose(a, b, **_TOLERANCES)
 
 
-def _words(attribute: Attribute) -> str:
+def _describe_attribute(attribute: Attribute) -> str:
     """``joint origin rpy``."""
     subject = attribute.owner
     while subject.parent is not None and subject.tag not in {"link", "joint"}:
@@ -167,7 +171,7 @@ def _words(attribute: Attribute) -> str:
     return " ".join([*names, attribute.name])
 
 
-def _parameters(columns: Sequence[Attribute]) -> list[str]:
+def _name_parameters(columns: Sequence[Attribute]) -> list[str]:
     """A name for each column: its attribute's where that is enough, else with the element's before it."""
     short = [c.name for c in columns]
     long = [f"{c.owner.tag}_{c.name}" for c in columns]
@@ -175,15 +179,15 @@ def _parameters(columns: Sequence[Attribute]) -> list[str]:
     return list(dict.fromkeys(s if c else n for s, n, c in zip(short, long, clear, strict=True)))
 
 
-def _common_start(names: Sequence[str]) -> str:
+def _find_common_prefix(names: Sequence[str]) -> str:
     shortest = min(names, key=len)
     return next((shortest[:i] for i, c in enumerate(shortest) if any(n[i] != c for n in names)), shortest)
 
 
-def _common_name(names: Sequence[str]) -> str:
+def _suggest_macro_name(names: Sequence[str]) -> str:
     """What the names have in common: ``wheel`` of wheel_1 and wheel_2, or of left_wheel and right_wheel."""
     names = [re.sub(r"\$\{[^$}]*\}", "", n) for n in names]
-    prefix = _common_start(names)
-    suffix = _common_start([n[::-1] for n in names])[::-1]
+    prefix = _find_common_prefix(names)
+    suffix = _find_common_prefix([n[::-1] for n in names])[::-1]
     longest = re.sub(r"\W", "", max(prefix, suffix, key=len).strip("_0123456789"))
     return longest if longest.isidentifier() and longest not in {"link", "joint"} else "part"

@@ -7,17 +7,17 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.source.load import Source
-from urdfcheck.source.xacro.usage import elements, typed_at, unprefixed
+from urdfcheck.source.xacro.usage import find_unprefixed_tags, iter_elements_by_tag, locate_expression
 
 _READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
-    for problem in source.problems_of("argument-missing"):
+    for problem in source.find_problems("argument-missing"):
         name = str(problem.data["argument"])
-        at = typed_at(source, problem, f"$(arg {name})")
-        declared = [e for e in elements(source.trees, "xacro:arg") if e.get("name") == name]
-        missing = [name, *(n for n in _without_default(source) if n != name)]
+        at = locate_expression(source, problem, f"$(arg {name})")
+        declared = [e for e in iter_elements_by_tag(source.trees, "xacro:arg") if e.get("name") == name]
+        missing = [name, *(n for n in _find_undeclared_arguments(source) if n != name)]
         yield rule.finding(
             "too-late" if declared else "missing",
             at=at,
@@ -27,13 +27,15 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             missing=missing,
             options=" ".join(f"--arg {n}:=…" for n in missing),
             default=declared[0].get("default") if declared else "",
-            between=[e.subject for e in unprefixed(source.trees) if e.tag == "include" or e.get("name") == name],
+            between=[
+                e.subject for e in find_unprefixed_tags(source.trees) if e.tag == "include" or e.get("name") == name
+            ],
         )
 
 
-def _without_default(source: Source) -> list[str]:
+def _find_undeclared_arguments(source: Source) -> list[str]:
     """The arguments that the files reached read, nobody has given and no file declares."""
-    declared = {e.get("name") for e in elements(source.trees, "xacro:arg")}
+    declared = {e.get("name") for e in iter_elements_by_tag(source.trees, "xacro:arg")}
     read = {
         name: None
         for tree in source.trees.values()

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.source.load import Source
-from urdfcheck.source.xacro.usage import typed_at
+from urdfcheck.source.xacro.usage import locate_expression
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
-    for problem in source.problems_of("unsafe-expression"):
+    for problem in source.find_problems("unsafe-expression"):
         expression = str(problem.data["expression"])
-        at = typed_at(source, problem, expression)
+        at = locate_expression(source, problem, expression)
         users = [] if at is problem.location else [problem.location]
         users += [problem.data["reader"]] if "reader" in problem.data else []
         yield rule.finding(

@@ -9,7 +9,7 @@ from urdfcheck.source.load import Source
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
-    for problem in source.problems_of("include-cycle"):
+    for problem in source.find_problems("include-cycle"):
         # The way goes once round: the last include leads to where the first of the circle stands.
         first, way = problem.location.span, problem.location.via
         circle = way[way.index(first) :] if first in way else way

@@ -14,18 +14,18 @@ _IN_ORDER = re.compile(r"(?<!\S)(--inorder|-i)(\s+|$)")
 
 
 def check(subject: Source | Launch, rule: Rule) -> Iterator[Finding]:
-    yield from _options(subject, rule) if isinstance(subject, Launch) else _functions(subject, rule)
+    yield from _check_options(subject, rule) if isinstance(subject, Launch) else _check_functions(subject, rule)
 
 
-def _functions(source: Source, rule: Rule) -> Iterator[Finding]:
+def _check_functions(source: Source, rule: Rule) -> Iterator[Finding]:
     """What xacro itself says of a function each time that it is called."""
-    for problem in source.problems_of("xacro-warning"):
+    for problem in source.find_problems("xacro-warning"):
         said = _DIRECT.match(problem.message)
         if said:
             yield rule.finding("function", at=problem.location, function=said.group(1), namespace=said.group(2))
 
 
-def _options(launch: Launch, rule: Rule) -> Iterator[Finding]:
+def _check_options(launch: Launch, rule: Rule) -> Iterator[Finding]:
     for description in launch.descriptions:
         at, span = description.at, description.at.span
         if span is None or span.file not in launch.files or "xacro" not in "".join(description.words[:1]):
@@ -33,8 +33,8 @@ def _options(launch: Launch, rule: Rule) -> Iterator[Finding]:
         file = launch.files[span.file]
         for match in _IN_ORDER.finditer(at.typed):
             start = span.start + match.start()
-            option = file.span(start, start + len(match.group(1)))
-            removed = file.span(start, start + len(match.group(0)))
+            option = file.make_span(start, start + len(match.group(1)))
+            removed = file.make_span(start, start + len(match.group(0)))
             yield rule.finding(
                 "inorder",
                 at=Location(at.location.subject, option, at.location.via),

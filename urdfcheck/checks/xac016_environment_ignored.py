@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.source.load import Source
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
-    problems = source.problems_of("environment-ignored")
+    problems = source.find_problems("environment-ignored")
     if not problems:
         return
     names = sorted({str(p.data["variable"]) for p in problems})
@@ -23,6 +23,6 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         variables=names,
         amount="1 variable" if len(names) == 1 else f"{len(names)} variables",
         was="was" if len(names) == 1 else "were",
-        listed=listed(names, 5),
+        listed=join_names(names, 5),
         options=" ".join(f"--env {name}" for name in names[:5]) + (" …" if len(names) > 5 else ""),
     )

@@ -9,9 +9,9 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package
-from urdfcheck.source.ros.srdf import broken_srdfs
+from urdfcheck.source.ros.srdf import find_broken_srdfs
 from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.text.xml import SourceFile, unbound_prefix
+from urdfcheck.source.text.xml import SourceFile, find_unbound_prefix
 
 _KINDS = ("malformed", "encoding", "utf-16", "instruction", "doctype", "prefix", "unreadable")
 # How a file that was never XML begins, and what that tells.
@@ -22,49 +22,49 @@ _OUR_CHOICE = "doctype"
 
 def check(subject: Source | Launch | Package, rule: Rule) -> Iterator[Finding]:
     if isinstance(subject, Source):
-        yield from _model(subject, rule)
+        yield from _check_model(subject, rule)
     elif isinstance(subject, Launch):
-        yield from _beside(subject.problems, subject.files, "launch", rule)
+        yield from _check_companion_file(subject.problems, subject.files, "launch", rule)
     else:
         files = {} if subject.file is None else {subject.file.name: subject.file}
-        yield from _beside(subject.problems, files, "manifest", rule)
-        for problem, file in broken_srdfs(subject.path):
-            yield from _beside([problem], {} if file is None else {file.name: file}, "srdf", rule)
+        yield from _check_companion_file(subject.problems, files, "manifest", rule)
+        for problem, file in find_broken_srdfs(subject.path):
+            yield from _check_companion_file([problem], {} if file is None else {file.name: file}, "srdf", rule)
 
 
-def _model(source: Source, rule: Rule) -> Iterator[Finding]:
-    for problem in source.problems_of(*_KINDS):
+def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
+    for problem in source.find_problems(*_KINDS):
         location = replace(problem.location, subject=problem.location.subject or "robot")
-        file = _file(problem, source.files)
+        file = _find_source_file(problem, source.files)
         if problem.kind == "prefix" and not source.is_xacro:
             if not _is_xacro_prefix(source):
                 yield rule.finding("prefix", at=location, severity=Severity.WARNING, error=problem.message)
         else:
-            cause = _cause(problem, file)
-            message = "other" if cause in {"git_lfs", "web_page"} else _message(problem, file)
+            cause = _classify_cause(problem, file)
+            message = "other" if cause in {"git_lfs", "web_page"} else _choose_message(problem, file)
             yield rule.finding(message, at=location, cause=cause, error=problem.message)
 
 
-def _beside(
+def _check_companion_file(
     problems: Sequence[Problem], files: Mapping[str, SourceFile], message: str, rule: Rule
 ) -> Iterator[Finding]:
     """A launch file or a package.xml that could not be read."""
     for problem in problems:
         if problem.kind not in _KINDS:
             continue
-        at, cause = problem.location, _cause(problem, _file(problem, files))
+        at, cause = problem.location, _classify_cause(problem, _find_source_file(problem, files))
         if problem.kind == _OUR_CHOICE and cause is None:
             yield rule.finding("unread", at=at, severity=Severity.WARNING, error=problem.message)
         else:
             yield rule.finding(message, at=at, cause=cause, error=problem.message)
 
 
-def _file(problem: Problem, files: Mapping[str, SourceFile]) -> SourceFile | None:
+def _find_source_file(problem: Problem, files: Mapping[str, SourceFile]) -> SourceFile | None:
     span = problem.location.span
     return None if span is None else files.get(span.file)
 
 
-def _message(problem: Problem, file: SourceFile | None) -> str:
+def _choose_message(problem: Problem, file: SourceFile | None) -> str:
     if problem.kind != "malformed" or file is None:
         return problem.kind
     return "empty" if not file.text.strip() else "binary" if "\0" in file.text else "malformed"
@@ -72,11 +72,11 @@ def _message(problem: Problem, file: SourceFile | None) -> str:
 
 def _is_xacro_prefix(source: Source) -> bool:
     """A plain URDF with xacro's own prefix was meant to be expanded: XML009 says so."""
-    found = unbound_prefix(source.main) if source.main is not None else None
+    found = find_unbound_prefix(source.main_tree) if source.main_tree is not None else None
     return found is not None and found[1] == "xacro"
 
 
-def _cause(problem: Problem, file: SourceFile | None) -> str | None:
+def _classify_cause(problem: Problem, file: SourceFile | None) -> str | None:
     if file is None:
         return None
     text = file.text.lstrip("\ufeff \t\r\n")

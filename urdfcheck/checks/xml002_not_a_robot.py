@@ -8,7 +8,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package
-from urdfcheck.source.text.tokens import renaming
+from urdfcheck.source.text.tokens import build_rename_edits
 
 _FORMATS = {
     "sdf": "an SDF model",
@@ -26,15 +26,15 @@ _FORMATS = {
 
 def check(subject: Source | Launch | Package, rule: Rule) -> Iterator[Finding]:
     if isinstance(subject, Source):
-        yield from _model(subject, rule)
+        yield from _check_model(subject, rule)
         return
     wanted = "launch" if isinstance(subject, Launch) else "package"
     if subject.root is not None and subject.root.tag != wanted:
         yield rule.finding(wanted, at=subject.root, tag=subject.root.tag)
 
 
-def _model(source: Source, rule: Rule) -> Iterator[Finding]:
-    root = source.root if source.root is not None else source.main
+def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
+    root = source.root if source.root is not None else source.main_tree
     if root is None:
         return
     if root.tag != "robot":
@@ -42,8 +42,8 @@ def _model(source: Source, rule: Rule) -> Iterator[Finding]:
         if known is None:
             yield rule.finding("root", at=root, tag=root.tag)
         else:
-            edits = renaming([root], "robot", source.files) if root.tag == "Robot" else ()
-            told = _readers(root.tag)
+            edits = build_rename_edits([root], "robot", source.files) if root.tag == "Robot" else ()
+            told = _describe_consequences(root.tag)
             yield rule.finding("format", at=root, edits=edits, consequences=told, tag=root.tag, format=known)
         return
     name = root.attributes.get("name")
@@ -55,7 +55,7 @@ def _model(source: Source, rule: Rule) -> Iterator[Finding]:
         yield rule.finding("empty", at=name, severity=Severity.WARNING)
 
 
-def _readers(tag: str) -> dict[str, str]:
+def _describe_consequences(tag: str) -> dict[str, str]:
     """What MuJoCo and Gazebo do with a file of this kind: each has a format of its own."""
     own = {"mujoco": tag == "mujoco", "gazebo": tag == "sdf"}
     return {name: "loads it: this is its own format" if reads else "refuses the file" for name, reads in own.items()}

@@ -8,9 +8,9 @@ from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import CHILDREN, elements, meant_element
-from urdfcheck.source.text.shape_roles import collides
-from urdfcheck.source.text.tokens import renaming
+from urdfcheck.source.text.grammar import CHILDREN, guess_element_tag, iter_urdf_elements
+from urdfcheck.source.text.shape_roles import is_collision_part
+from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.xml import Element
 
 # Elements that a program other than urdfdom reads where they stand, or that name an extension of their own.
@@ -55,33 +55,33 @@ _XACRO = frozenset(["macro", "property", "include", "arg", "if", "unless", "inse
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     found: dict[tuple[str, str], list[Element]] = {}
-    for parent in elements(model.robot):
+    for parent in iter_urdf_elements(model.robot):
         for child in parent.children:
-            if _unknown(parent.tag, child):
+            if _is_unknown_element(parent.tag, child):
                 found.setdefault((parent.tag, child.tag), []).append(child)
     for (parent_tag, tag), places in found.items():
-        judged = _judge(parent_tag, places[0])
+        judged = _classify_element(parent_tag, places[0])
         if judged is None:
             continue
         message, severity, data = judged
-        data = {"tag": tag, "parent": parent_tag, "times": _times(len(places)), **data}
+        data = {"tag": tag, "parent": parent_tag, "times": _format_times(len(places)), **data}
         finding = rule.finding(
             message,
             at=places[0],
             severity=severity,
             related=places[1:10],
-            edits=renaming(places, data["near"], model.source.files) if "near" in data else (),
-            consequences=_readers(parent_tag, places),
+            edits=build_rename_edits(places, data["near"], model.source.files) if "near" in data else (),
+            consequences=_describe_consequences(parent_tag, places),
             **data,
         )
         yield replace(finding, subjects=tuple(place.subject for place in places))
 
 
-def _readers(parent: str, places: list[Element]) -> dict[str, str]:
+def _describe_consequences(parent: str, places: list[Element]) -> dict[str, str]:
     """What urdfdom, MuJoCo, Drake and Bullet do with it: where a shape should be, they find none."""
     if parent != "geometry":
         return dict.fromkeys(("urdfdom", "mujoco", "drake", "bullet"), "ignores it without a message")
-    drawn = not any(map(collides, places))
+    drawn = not any(map(is_collision_part, places))
     return {
         "urdfdom": "drops the shape, and every visual and collision of the link that it has not read yet",
         "mujoco": "loads it: it leaves out what is only drawn" if drawn else "refuses the file",
@@ -90,14 +90,14 @@ def _readers(parent: str, places: list[Element]) -> dict[str, str]:
     }
 
 
-def _unknown(parent: str, child: Element) -> bool:
+def _is_unknown_element(parent: str, child: Element) -> bool:
     known = CHILDREN.get(parent, frozenset()) | _EXTENSIONS.get(parent, frozenset())
     return child.tag not in known and ":" not in child.tag and child.tag not in _XACRO
 
 
-def _judge(parent: str, child: Element) -> tuple[str, Severity, dict[str, Any]] | None:
+def _classify_element(parent: str, child: Element) -> tuple[str, Severity, dict[str, Any]] | None:
     """Which message an unknown element deserves, None when it is somebody's own extension of the robot."""
-    near = meant_element(parent, child)
+    near = guess_element_tag(parent, child)
     if near is not None:
         return "misspelt", Severity.ERROR if parent == "geometry" else Severity.WARNING, {"near": near}
     homes = [home for home, children in CHILDREN.items() if child.tag in children and home != "robot"]
@@ -113,5 +113,5 @@ def _judge(parent: str, child: Element) -> tuple[str, Severity, dict[str, Any]] 
     return "ignored", Severity.INFO, {}
 
 
-def _times(count: int) -> str:
+def _format_times(count: int) -> str:
     return "" if count == 1 else f" ({count} times)"

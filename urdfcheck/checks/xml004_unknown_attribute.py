@@ -7,21 +7,21 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity, Span
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.source.text.grammar import (
-    NUMBERS,
-    REQUIRED,
-    WORDS,
-    elements,
-    inside_misspelt,
-    known_attributes,
-    loss,
-    meant,
-    without,
+    NUMERIC_ATTRIBUTES,
+    REQUIRED_ATTRIBUTES,
+    TEXT_ATTRIBUTES,
+    describe_engine_reactions,
+    describe_loss,
+    get_known_attributes,
+    guess_attribute,
+    iter_misspelt_contents,
+    iter_urdf_elements,
 )
-from urdfcheck.source.text.tokens import name_of
-from urdfcheck.source.text.values import number
+from urdfcheck.source.text.tokens import find_name_span
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile
 
 # Labels and notes; what nothing is expected to read.
@@ -36,7 +36,7 @@ _WITHOUT_AXIS = frozenset({"fixed", "floating"})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Unread:
+class _UnreadAttribute:
     """One attribute that is not read: which message that deserves, what the message needs, and what programs do."""
 
     attribute: Attribute
@@ -46,52 +46,58 @@ class _Unread:
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    found: dict[tuple[str, ...], list[_Unread]] = {}
-    for element in elements(model.robot):
+    found: dict[tuple[str, ...], list[_UnreadAttribute]] = {}
+    for element in iter_urdf_elements(model.robot):
         for attribute in element.attributes.values():
-            unread = _judge(element, attribute)
+            unread = _classify_attribute(element, attribute)
             if unread is not None:
                 # What resembles nothing is one finding for all of an element's own attributes.
                 name = "" if unread.message == "ignored" else attribute.name
                 kind = (unread.message, element.tag, name, unread.consequences.get("urdfdom", ""))
                 found.setdefault(kind, []).append(unread)
-    for around, element in inside_misspelt(model.robot):
+    for around, element in iter_misspelt_contents(model.robot):
         for attribute in element.attributes.values():
-            unread = _judge(element, attribute)
+            unread = _classify_attribute(element, attribute)
             if unread is not None and "near" in unread.data:
-                slip = _Unread(attribute, "inside", {"near": unread.data["near"], "around": around.tag})
+                slip = _UnreadAttribute(attribute, "inside", {"near": unread.data["near"], "around": around.tag})
                 found.setdefault((slip.message, element.tag, attribute.name, around.tag), []).append(slip)
     for places in found.values():
-        yield _finding(places, rule, model.source.files)
+        yield _build_finding(places, rule, model.source.files)
 
 
-def _judge(element: Element, attribute: Attribute) -> _Unread | None:
+def _classify_attribute(element: Element, attribute: Attribute) -> _UnreadAttribute | None:
     name, tag = attribute.name, element.tag
-    if name in known_attributes(tag) | _LABELS | _EXTENSIONS.get(tag, frozenset()) or ":" in name or name == "xmlns":
+    if (
+        name in get_known_attributes(tag) | _LABELS | _EXTENSIONS.get(tag, frozenset())
+        or ":" in name
+        or name == "xmlns"
+    ):
         return None
     if tag == "axis" and element.parent is not None and element.parent.get("type") in _WITHOUT_AXIS:
         return None
-    near = meant(element, name)
+    near = guess_attribute(element, name)
     if tag == "robot" and near == "name":
         return None  # a robot without a name: XML002
-    if near is not None and near in REQUIRED.get(tag, ()):
-        told = {"urdfdom": loss(element), **without(element, [near])}
-        return _Unread(attribute, "required", {"near": near}, told)
+    if near is not None and near in REQUIRED_ATTRIBUTES.get(tag, ()):
+        told = {"urdfdom": describe_loss(element), **describe_engine_reactions(element, [near])}
+        return _UnreadAttribute(attribute, "required", {"near": near}, told)
     if near is not None:
-        return _Unread(attribute, "misspelt", {"near": near})
-    homes = sorted(home for home in NUMBERS.keys() | WORDS.keys() if name in known_attributes(home))
+        return _UnreadAttribute(attribute, "misspelt", {"near": near})
+    homes = sorted(
+        home for home in NUMERIC_ATTRIBUTES.keys() | TEXT_ATTRIBUTES.keys() if name in get_known_attributes(home)
+    )
     if not homes:
-        return _Unread(attribute, "ignored", {})
-    if all(number(word) == 0 for word in attribute.value.split()):
+        return _UnreadAttribute(attribute, "ignored", {})
+    if all(parse_number(word) == 0 for word in attribute.value.split()):
         return None  # rpy="0 0 0" of an axis: nothing is lost
-    return _Unread(attribute, "misplaced", {"homes": " or ".join(f"<{home}>" for home in homes)})
+    return _UnreadAttribute(attribute, "misplaced", {"homes": " or ".join(f"<{home}>" for home in homes)})
 
 
-def _finding(places: list[_Unread], rule: Rule, files: Mapping[str, SourceFile]) -> Finding:
+def _build_finding(places: list[_UnreadAttribute], rule: Rule, files: Mapping[str, SourceFile]) -> Finding:
     """One finding for the same slip in many places."""
     first = places[0]
-    spans = [name_of(place.attribute, files) for place in places]
-    locations = [_at(place.attribute, span) for place, span in zip(places, spans, strict=True)]
+    spans = [find_name_span(place.attribute, files) for place in places]
+    locations = [_locate_attribute_name(place.attribute, span) for place, span in zip(places, spans, strict=True)]
     near = first.data.get("near", "")
     # A line of a macro stands in the file once however many elements it makes.
     names = dict.fromkeys(span for span in spans if span is not None)
@@ -103,7 +109,7 @@ def _finding(places: list[_Unread], rule: Rule, files: Mapping[str, SourceFile])
         edits=[Edit(span, first.attribute.name, near) for span in names] if near else (),
         consequences=first.consequences,
         severity={"required": Severity.ERROR, "ignored": Severity.INFO}.get(first.message),
-        attribute=listed(dict.fromkeys(f"`{place.attribute.name}`" for place in places)),
+        attribute=join_names(dict.fromkeys(f"`{place.attribute.name}`" for place in places)),
         tag=first.attribute.owner.tag,
         times="" if len(subjects) == 1 else f" ({len(subjects)} times)",
         **first.data,
@@ -111,5 +117,5 @@ def _finding(places: list[_Unread], rule: Rule, files: Mapping[str, SourceFile])
     return replace(finding, subjects=tuple(place.attribute.location.subject for place in places))
 
 
-def _at(attribute: Attribute, name: Span | None) -> Location:
+def _locate_attribute_name(attribute: Attribute, name: Span | None) -> Location:
     return attribute.location if name is None else replace(attribute.location, span=name)

@@ -7,7 +7,13 @@ from typing import Any
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import REQUIRED, elements, lacks, loss, without
+from urdfcheck.source.text.grammar import (
+    REQUIRED_ATTRIBUTES,
+    describe_engine_reactions,
+    describe_loss,
+    is_attribute_missing,
+    iter_urdf_elements,
+)
 from urdfcheck.source.text.xml import Element
 
 # A limit's effort and velocity, a joint's type and a safety controller's k_velocity have rules of their own.
@@ -18,55 +24,69 @@ _CHILDREN = {
     "collision": ("geometry",),
 }
 # The tags whose attributes are told here.
-_OWN = frozenset({
+_CHECKED_TAGS = frozenset({
     "link", "parent", "child", "mass", "inertia", "mesh", "box", "cylinder", "capsule", "sphere", "mimic", "material",
     "color",
 })  # fmt: skip
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for element in elements(model.robot):
-        yield from _children(element, rule)
-        yield from _attributes(element, rule)
+    for element in iter_urdf_elements(model.robot):
+        yield from _check_children(element, rule)
+        yield from _check_attributes(element, rule)
         if element.tag == "geometry" and not element.children:
-            yield rule.finding("shape", at=element, consequences=_lost(element), owner=_owner(element))
-        elif element.tag == "dynamics" and lacks(element, "damping") and lacks(element, "friction"):
-            yield rule.finding("dynamics", at=element, consequences=_lost(element), owner=_owner(element))
+            yield rule.finding(
+                "shape", at=element, consequences=_describe_consequences(element), owner=_describe_owner(element)
+            )
+        elif (
+            element.tag == "dynamics"
+            and is_attribute_missing(element, "damping")
+            and is_attribute_missing(element, "friction")
+        ):
+            yield rule.finding(
+                "dynamics", at=element, consequences=_describe_consequences(element), owner=_describe_owner(element)
+            )
     for joint in model.joints:
         axis = joint.axis_element
-        if joint.has_axis and axis is not None and lacks(axis, "xyz"):
-            yield rule.finding("axis", at=axis, owner=_owner(axis))
+        if joint.has_axis and axis is not None and is_attribute_missing(axis, "xyz"):
+            yield rule.finding("axis", at=axis, owner=_describe_owner(axis))
 
 
-def _children(element: Element, rule: Rule) -> Iterator[Finding]:
-    missing = [tag for tag in _CHILDREN.get(element.tag, ()) if element.child(tag) is None]
+def _check_children(element: Element, rule: Rule) -> Iterator[Finding]:
+    missing = [tag for tag in _CHILDREN.get(element.tag, ()) if element.find_child(tag) is None]
     if missing:
         listed = " and no ".join(f"<{tag}>" for tag in missing)
-        told = _lost(element)
+        told = _describe_consequences(element)
         yield rule.finding(
-            "child", at=element, consequences=told, tag=element.tag, missing=listed, owner=_owner(element)
+            "child", at=element, consequences=told, tag=element.tag, missing=listed, owner=_describe_owner(element)
         )
 
 
-def _attributes(element: Element, rule: Rule) -> Iterator[Finding]:
-    wanted = REQUIRED[element.tag] if element.tag in _OWN else ("name",) if element.tag == "joint" else ()
-    missing = [name for name in wanted if lacks(element, name)]
-    data: dict[str, Any] = {"tag": element.tag, "owner": _owner(element)}
+def _check_attributes(element: Element, rule: Rule) -> Iterator[Finding]:
+    wanted = (
+        REQUIRED_ATTRIBUTES[element.tag]
+        if element.tag in _CHECKED_TAGS
+        else ("name",)
+        if element.tag == "joint"
+        else ()
+    )
+    missing = [name for name in wanted if is_attribute_missing(element, name)]
+    data: dict[str, Any] = {"tag": element.tag, "owner": _describe_owner(element)}
     if missing:
-        told = {**_lost(element), **without(element, missing)}
+        told = {**_describe_consequences(element), **describe_engine_reactions(element, missing)}
         yield rule.finding("attribute", at=element, consequences=told, missing=", ".join(missing), **data)
     elif element.tag in {"parent", "child"} and "link" in element.attributes and not element.get("link"):
         at = element.attributes["link"]
-        yield rule.finding("empty", at=at, consequences=_lost(element), missing="link", **data)
+        yield rule.finding("empty", at=at, consequences=_describe_consequences(element), missing="link", **data)
     elif element.tag == "mesh" and "filename" in element.attributes and not element.get("filename").strip():
         yield rule.finding("file", at=element.attributes["filename"], **data)
 
 
-def _lost(element: Element) -> dict[str, str]:
-    return {"urdfdom": loss(element)}
+def _describe_consequences(element: Element) -> dict[str, str]:
+    return {"urdfdom": describe_loss(element)}
 
 
-def _owner(element: Element) -> str:
+def _describe_owner(element: Element) -> str:
     """``link arm`` or ``joint hinge``: the named part around an element, or the robot."""
     inner = element
     while inner.parent is not None and inner.parent.tag != "robot":

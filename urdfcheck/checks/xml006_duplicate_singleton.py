@@ -5,58 +5,58 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import CHILDREN, elements
-from urdfcheck.source.text.tokens import removal
+from urdfcheck.source.text.grammar import CHILDREN, iter_urdf_elements
+from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
 
 # Children of which there may be many.
-_MANY = frozenset({"link", "joint", "visual", "collision"})
+_REPEATABLE = frozenset({"link", "joint", "visual", "collision"})
 # What MuJoCo does not look at, so that it does not refuse two of them.
 _UNSEEN_BY_MUJOCO = frozenset({"safety_controller", "calibration", "texture"})
 _COLLECTIONS = frozenset({"robot"})
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for element in elements(model.robot):
+    for element in iter_urdf_elements(model.robot):
         if element.tag in _COLLECTIONS:
             continue
-        for same in _repeated(element):
-            yield _finding(element, same, model, rule)
+        for same in _find_repeated_children(element):
+            yield _build_finding(element, same, model, rule)
 
 
-def _repeated(element: Element) -> Iterator[list[Element]]:
+def _find_repeated_children(element: Element) -> Iterator[list[Element]]:
     """The children of which there may be one: of each tag, and of a geometry all shapes together."""
     groups: dict[str, list[Element]] = {}
     for child in element.children:
-        if child.tag in CHILDREN.get(element.tag, frozenset()) - _MANY:
+        if child.tag in CHILDREN.get(element.tag, frozenset()) - _REPEATABLE:
             groups.setdefault("shape" if element.tag == "geometry" else child.tag, []).append(child)
     return (group for group in groups.values() if len(group) > 1)
 
 
-def _finding(element: Element, same: list[Element], model: Model, rule: Rule) -> Finding:
+def _build_finding(element: Element, same: list[Element], model: Model, rule: Rule) -> Finding:
     first, second = same[0], same[1]
-    content = _content(first)
-    identical = all(_content(other) == content for other in same[1:])
+    content = _build_content_key(first)
+    identical = all(_build_content_key(other) == content for other in same[1:])
     message = "shapes" if element.tag == "geometry" else "identical" if identical else "repeated"
     # urdfdom takes the first of them: to delete the others changes nothing there.
-    edits = [edit for other in same[1:] for edit in removal(other, model.source.files)] if identical else []
+    edits = [edit for other in same[1:] for edit in build_removal_edits(other, model.source.files)] if identical else []
     return rule.finding(
         message,
         at=second,
         related=[first, *same[2:10]],
         edits=edits if len(edits) == len(same) - 1 else (),
         severity=Severity.WARNING if identical else None,
-        consequences=None if message == "shapes" else {"mujoco": _mujoco(element, second)},
-        parent=_owner(element),
+        consequences=None if message == "shapes" else {"mujoco": _describe_mujoco_behaviour(element, second)},
+        parent=_describe_owner(element),
         tag=second.tag,
         count="two" if len(same) == 2 else str(len(same)),
-        listed=listed(f"<{shape.tag}>" for shape in same),
+        listed=join_names(f"<{shape.tag}>" for shape in same),
     )
 
 
-def _mujoco(element: Element, second: Element) -> str:
+def _describe_mujoco_behaviour(element: Element, second: Element) -> str:
     if second.tag in _UNSEEN_BY_MUJOCO:
         return "ignores all of them"
     if element.tag == "visual" and second.tag != "material":
@@ -64,19 +64,19 @@ def _mujoco(element: Element, second: Element) -> str:
     return "refuses the file: repeated element"
 
 
-def _content(element: Element) -> tuple[object, ...]:
+def _build_content_key(element: Element) -> tuple[object, ...]:
     """Everything that an element says, in comparable form."""
     attributes = sorted((name, " ".join(a.value.split())) for name, a in element.attributes.items())
-    return element.tag, tuple(attributes), tuple(_content(child) for child in element.children)
+    return element.tag, tuple(attributes), tuple(_build_content_key(child) for child in element.children)
 
 
-def _owner(element: Element) -> str:
+def _describe_owner(element: Element) -> str:
     """``joint hinge``, or ``visual of link arm``."""
     parts: list[Element] = [element]
     while parts[-1].parent is not None and parts[-1].parent.tag != "robot":
         parts.append(parts[-1].parent)
-    return _named([parts[0], *parts[-1:]] if len(parts) > 1 else parts)
+    return _join_part_names([parts[0], *parts[-1:]] if len(parts) > 1 else parts)
 
 
-def _named(parts: Iterable[Element]) -> str:
+def _join_part_names(parts: Iterable[Element]) -> str:
     return " of ".join(f"{part.tag} {part.get('name')}".strip() for part in parts)

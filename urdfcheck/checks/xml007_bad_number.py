@@ -9,8 +9,8 @@ from typing import Any
 
 from urdfcheck.core import Applicability, Edit, Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import NUMBERS, elements, is_unexpanded, loss
-from urdfcheck.source.text.values import DECIMAL, LARGEST, computable, number
+from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, describe_loss, is_unexpanded, iter_urdf_elements
+from urdfcheck.source.text.values import DECIMAL, MAX_MAGNITUDE, is_computable, parse_number
 from urdfcheck.source.text.xml import Attribute
 
 _NOT_A_NUMBER = re.compile(r"[+-]?nan(\(\w*\))?", re.IGNORECASE)
@@ -29,38 +29,40 @@ _SI = frozenset({"m", "kg", "rad", "n", "nm", "n*m", "n·m", "s", "rad/s", "m/s"
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for element in elements(model.robot):
-        for name, count in NUMBERS.get(element.tag, {}).items():
+    for element in iter_urdf_elements(model.robot):
+        for name, count in NUMERIC_ATTRIBUTES.get(element.tag, {}).items():
             attribute = element.attributes.get(name)
             if attribute is None or is_unexpanded(attribute.value):
                 continue
-            judged = _judge(attribute.value, count)
+            judged = _classify_value(attribute.value, count)
             if judged is not None:
                 message, word, better = judged
-                edits = _edits(attribute, word, better)
+                edits = _propose_edits(attribute, word, better)
                 yield rule.finding(
                     message,
                     at=attribute,
                     edits=edits,
-                    related=attribute.related(),
-                    consequences={"urdfdom": loss(element)},
-                    **_data(attribute, word),
+                    related=attribute.collect_definitions(),
+                    consequences={"urdfdom": describe_loss(element)},
+                    **_collect_data(attribute, word),
                 )
-            elif (extreme := _extreme(attribute)) is not None:
-                yield rule.finding("extreme", at=attribute, severity=Severity.WARNING, **_data(attribute, extreme))
+            elif (extreme := _find_extreme_number(attribute)) is not None:
+                yield rule.finding(
+                    "extreme", at=attribute, severity=Severity.WARNING, **_collect_data(attribute, extreme)
+                )
             elif _has_blank(attribute, count, plain=not model.source.is_xacro):
-                edits = _edits(attribute, attribute.typed, " ".join(attribute.typed.split()))
+                edits = _propose_edits(attribute, attribute.typed, " ".join(attribute.typed.split()))
                 yield rule.finding(
                     "blank",
                     at=attribute,
                     edits=edits,
                     applicability=Applicability.SAFE,
-                    consequences={"urdfdom": loss(element)},
-                    **_data(attribute, attribute.value),
+                    consequences={"urdfdom": describe_loss(element)},
+                    **_collect_data(attribute, attribute.value),
                 )
 
 
-def _data(attribute: Attribute, word: str) -> dict[str, Any]:
+def _collect_data(attribute: Attribute, word: str) -> dict[str, Any]:
     shown = word if len(word) <= 40 else word[:37] + "..."
     names = [unicodedata.name(c, f"U+{ord(c):04X}").lower() for c in word if not c.isascii()]
     return {
@@ -71,35 +73,35 @@ def _data(attribute: Attribute, word: str) -> dict[str, Any]:
     }
 
 
-def _edits(attribute: Attribute, word: str, better: str | None) -> tuple[Edit, ...]:
+def _propose_edits(attribute: Attribute, word: str, better: str | None) -> tuple[Edit, ...]:
     """Replace a word of a literal attribute; none where the repair is not certain."""
     if better is None or not attribute.literal or attribute.span is None or attribute.typed.count(word) != 1:
         return ()
     return (Edit(attribute.span, attribute.typed, attribute.typed.replace(word, better)),)
 
 
-def _judge(value: str, count: int) -> tuple[str, str, str | None] | None:
+def _classify_value(value: str, count: int) -> tuple[str, str, str | None] | None:
     """The message for a value that holds a word that is no number, that word, and what it probably should read."""
     words = value.split()
     if not words:
         return "empty", value, None
-    if all(number(word) is not None for word in words):
-        return _foreign_blank(value)
+    if all(parse_number(word) is not None for word in words):
+        return _classify_foreign_blank(value)
     if count == 1 and len(words) > 1 and _UNIT.fullmatch(value.strip()):
         words = [value.strip()]
     separated = [w for w in re.split(r"[,;\s]+", value) if w]
-    if len(separated) == count > 1 and all(number(w) is not None for w in separated):
+    if len(separated) == count > 1 and all(parse_number(w) is not None for w in separated):
         return "separator", value.strip(), " ".join(separated)
-    word = next(w for w in words if number(w) is None)
-    return _judge_word(word)
+    word = next(w for w in words if parse_number(w) is None)
+    return _classify_word(word)
 
 
-def _foreign_blank(value: str) -> tuple[str, str, str | None] | None:
+def _classify_foreign_blank(value: str) -> tuple[str, str, str | None] | None:
     """Python splits at a non-breaking space, no parser of URDF does."""
     return None if value.isascii() else ("character", value, " ".join(value.split()))
 
 
-def _judge_word(word: str) -> tuple[str, str, str | None]:
+def _classify_word(word: str) -> tuple[str, str, str | None]:
     if _NOT_A_NUMBER.fullmatch(word):
         return "nan", word, None
     if _INFINITE.fullmatch(word):
@@ -111,10 +113,10 @@ def _judge_word(word: str) -> tuple[str, str, str | None]:
         return "unit", word, unit.group(1) if unit.group(2).lower() in _SI else None
     if not word.isascii():
         ascii_word = re.sub("[\u2010-\u2015\u2212\ufe63\uff0d]", "-", word)
-        return "character", word, ascii_word if number(ascii_word) is not None else None
-    if "_" in word and number(word.replace("_", "")) is not None:
+        return "character", word, ascii_word if parse_number(ascii_word) is not None else None
+    if "_" in word and parse_number(word.replace("_", "")) is not None:
         return "underscore", word, word.replace("_", "")
-    if word.count(",") == 1 and number(word.replace(",", ".")) is not None:
+    if word.count(",") == 1 and parse_number(word.replace(",", ".")) is not None:
         # 1,000 may mean one or a thousand; 0,000 and 0,5 cannot mean thousands.
         thousands = re.fullmatch(r"[+-]?[1-9]\d{0,2},\d{3}", word)
         return "comma", word, None if thousands else word.replace(",", ".")
@@ -125,12 +127,12 @@ def _judge_word(word: str) -> tuple[str, str, str | None]:
     return "other", word, None
 
 
-def _extreme(attribute: Attribute) -> str | None:
+def _find_extreme_number(attribute: Attribute) -> str | None:
     """The first number with which no check can compute. Small ones count as zero, but of a mass, which divides."""
     tag = attribute.owner.tag
     for word in attribute.value.split() if tag in _MEASURED else ():
-        value = number(word) or 0.0
-        if abs(value) > LARGEST or (tag == "mass" and not computable(value)):
+        value = parse_number(word) or 0.0
+        if abs(value) > MAX_MAGNITUDE or (tag == "mass" and not is_computable(value)):
             return word
     return None
 

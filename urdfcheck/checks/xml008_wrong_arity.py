@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import NUMBERS, elements, loss
-from urdfcheck.source.text.values import number
+from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, describe_loss, iter_urdf_elements
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute
 
 # What is probably meant by fewer numbers: one scale for all axes, a colour without its alpha.
@@ -15,20 +15,20 @@ _COMPLETED = {("mesh", "scale", 1): "{0} {0} {0}", ("color", "rgba", 3): "{0} {1
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for element in elements(model.robot):
-        for name, count in NUMBERS.get(element.tag, {}).items():
+    for element in iter_urdf_elements(model.robot):
+        for name, count in NUMERIC_ATTRIBUTES.get(element.tag, {}).items():
             attribute = element.attributes.get(name)
             words = attribute.value.split() if attribute is not None else []
-            if attribute is None or not words or len(words) == count or any(number(w) is None for w in words):
+            if attribute is None or not words or len(words) == count or any(parse_number(w) is None for w in words):
                 continue
             # A colour of the wrong length is not even mentioned by urdfdom: it becomes black.
             message = "colour" if element.tag == "color" else "count"
             yield rule.finding(
                 message,
                 at=attribute,
-                edits=_edits(attribute, words),
-                related=attribute.related(),
-                consequences={"urdfdom": loss(element)} if message == "count" else None,
+                edits=_propose_edits(attribute, words),
+                related=attribute.collect_definitions(),
+                consequences={"urdfdom": describe_loss(element)} if message == "count" else None,
                 where=f"{element.subject}@{name}",
                 value=" ".join(words) if len(words) <= 8 else " ".join(words[:8]) + " …",
                 found=len(words),
@@ -36,7 +36,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             )
 
 
-def _edits(attribute: Attribute, words: list[str]) -> tuple[Edit, ...]:
+def _propose_edits(attribute: Attribute, words: list[str]) -> tuple[Edit, ...]:
     form = _COMPLETED.get((attribute.owner.tag, attribute.name, len(words)))
     if form is None or not attribute.literal or attribute.span is None:
         return ()

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Location, Rule
 from urdfcheck.source.load import Source
-from urdfcheck.source.text.grammar import NUMBERS, elements, is_unexpanded
+from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
 
 _SUBSTITUTION = re.compile(r"\$\{[^}]*\}?|\$\([^)]*\)?")
 
 # What Drake and Bullet do with the file, and with one in which a number is missing.
-READERS = {
+CONSEQUENCES = {
     False: {"drake": "loads it", "bullet": "loads it"},
     True: {"drake": "refuses the file", "bullet": "replaces the number by 0, or refuses the file"},
 }
@@ -24,14 +24,14 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     if root is None or root.tag != "robot":
         return
     if source.is_xacro:
-        for element in elements(root):
-            for where, text, number in _left(element):
-                yield rule.finding("left", at=where, consequences=READERS[number], text=text)
+        for element in iter_urdf_elements(root):
+            for where, text, number in _find_unexpanded_xacro(element):
+                yield rule.finding("left", at=where, consequences=CONSEQUENCES[number], text=text)
         return
-    found = [place for element in root.walk() for place in _left(element)]
+    found = [place for element in root.walk() for place in _find_unexpanded_xacro(element)]
     if found:
         tags = sum(text.startswith("<") for _, text, _ in found)
-        told = READERS[any(number for *_, number in found)]
+        told = CONSEQUENCES[any(number for *_, number in found)]
         yield rule.finding(
             "not_expanded",
             at=found[0][0],
@@ -42,19 +42,19 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         )
 
 
-def _left(element: Element) -> Iterator[tuple[Location, str, bool]]:
+def _find_unexpanded_xacro(element: Element) -> Iterator[tuple[Location, str, bool]]:
     """What is left of xacro in one element, with the text that shows it, and whether a number should be there."""
-    numbers = NUMBERS.get(element.tag, {})
+    numbers = NUMERIC_ATTRIBUTES.get(element.tag, {})
     if element.tag.startswith("xacro:"):
         yield element.location, f"<{element.tag}>", False
     for attribute in element.attributes.values():
         if is_unexpanded(attribute.value):
-            yield attribute.location, _shown(attribute.value), attribute.name in numbers
+            yield attribute.location, _shorten_expression(attribute.value), attribute.name in numbers
     if is_unexpanded(element.text):
-        yield element.location, _shown(element.text), False
+        yield element.location, _shorten_expression(element.text), False
 
 
-def _shown(text: str) -> str:
+def _shorten_expression(text: str) -> str:
     match = _SUBSTITUTION.search(text)
     shown = match.group(0) if match else text.strip()
     return shown if len(shown) <= 60 else shown[:57] + "..."

@@ -8,15 +8,15 @@ from dataclasses import replace
 
 from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import elements, is_unexpanded, loss, version_of_urdf
-from urdfcheck.source.text.values import numbers
+from urdfcheck.source.text.grammar import describe_loss, is_unexpanded, iter_urdf_elements, parse_urdf_version
+from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Element
 
 _LIMITS = ("acceleration", "deceleration", "jerk")
 
 
 def check(model: Model, rule: Rule, *, tol: float) -> Iterator[Finding]:
-    version = version_of_urdf(model.robot)
+    version = parse_urdf_version(model.robot)
     declared = model.robot.attributes.get("version")
     if version is None:
         if declared is not None and not is_unexpanded(declared.value):
@@ -24,21 +24,21 @@ def check(model: Model, rule: Rule, *, tol: float) -> Iterator[Finding]:
         return
     if version > (1, 0) and declared is not None:
         yield rule.finding("newer", at=declared, severity=Severity.INFO, version=declared.value)
-    found = list(elements(model.robot))
+    found = list(iter_urdf_elements(model.robot))
     turned = [e for e in found if e.tag == "origin" and "quat_xyzw" in e.attributes]
     if version < (1, 1):
-        yield from _together(rule, "capsule", [e for e in found if e.tag == "capsule"])
-        yield from _together(rule, "quaternion", [e.attributes["quat_xyzw"] for e in turned])
+        yield from _build_findings(rule, "capsule", [e for e in found if e.tag == "capsule"])
+        yield from _build_findings(rule, "quaternion", [e.attributes["quat_xyzw"] for e in turned])
     else:
         for origin in turned:
-            yield from _orientation(rule, origin, tol)
+            yield from _check_quaternion(rule, origin, tol)
     if version < (1, 2):
         limits = [e.attributes[name] for e in found if e.tag == "limit" for name in _LIMITS if name in e.attributes]
-        yield from _together(rule, "limit", limits)
+        yield from _build_findings(rule, "limit", limits)
 
 
-def _orientation(rule: Rule, origin: Element, tol: float) -> Iterator[Finding]:
-    quaternion = numbers(origin.get("quat_xyzw"), 4)
+def _check_quaternion(rule: Rule, origin: Element, tol: float) -> Iterator[Finding]:
+    quaternion = parse_numbers(origin.get("quat_xyzw"), 4)
     at = origin.attributes["quat_xyzw"]
     length = None if quaternion is None else math.hypot(*quaternion)
     if "rpy" in origin.attributes:
@@ -47,7 +47,7 @@ def _orientation(rule: Rule, origin: Element, tol: float) -> Iterator[Finding]:
             at=at,
             severity=Severity.ERROR,
             related=[origin.attributes["rpy"]],
-            consequences={"urdfdom": loss(origin)},
+            consequences={"urdfdom": describe_loss(origin)},
         )
     elif length == 0:
         yield rule.finding("zero", at=at)
@@ -55,7 +55,7 @@ def _orientation(rule: Rule, origin: Element, tol: float) -> Iterator[Finding]:
         yield rule.finding("length", at=at, severity=Severity.INFO, length=length)
 
 
-def _together(rule: Rule, message: str, places: Iterable[Located]) -> Iterator[Finding]:
+def _build_findings(rule: Rule, message: str, places: Iterable[Located]) -> Iterator[Finding]:
     """One finding for all places where a feature is used: its cause is the version."""
     locations = list(dict.fromkeys(place.location for place in places))
     if locations:

@@ -8,7 +8,7 @@ from itertools import chain
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.text.values import attribute_numbers
+from urdfcheck.source.text.values import read_attribute_numbers
 from urdfcheck.source.text.xml import Element
 
 # Colours are shown with 8 bits per channel: half a step cannot be seen.
@@ -16,14 +16,14 @@ _STEP = 0.5 / 255
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    own = model.robot.all("material")
-    inner = [m for link in model.links for shape in link.visuals for m in shape.element.all("material")]
-    yield from _empty([*own, *inner], rule)
-    yield from _repeated(own, rule)
-    yield from _different(own, inner, rule)
+    own = model.robot.find_children("material")
+    inner = [m for link in model.links for shape in link.visuals for m in shape.element.find_children("material")]
+    yield from _check_empty_names([*own, *inner], rule)
+    yield from _check_repeated_materials(own, rule)
+    yield from _check_conflicting_materials(own, inner, rule)
 
 
-def _empty(materials: list[Element], rule: Rule) -> Iterator[Finding]:
+def _check_empty_names(materials: list[Element], rule: Rule) -> Iterator[Finding]:
     names = [material.attributes["name"] for material in materials if "name" in material.attributes]
     empty = [name.location for name in names if not name.value.strip()]
     if empty:
@@ -32,7 +32,7 @@ def _empty(materials: list[Element], rule: Rule) -> Iterator[Finding]:
         yield replace(finding, subjects=tuple(location.subject for location in empty))
 
 
-def _repeated(own: list[Element], rule: Rule) -> Iterator[Finding]:
+def _check_repeated_materials(own: list[Element], rule: Rule) -> Iterator[Finding]:
     first: dict[str, Element] = {}
     for material in own:
         name = material.get("name")
@@ -40,7 +40,7 @@ def _repeated(own: list[Element], rule: Rule) -> Iterator[Finding]:
             yield rule.finding("repeated", at=material, severity=Severity.ERROR, related=[first[name]], material=name)
 
 
-def _different(own: list[Element], inner: list[Element], rule: Rule) -> Iterator[Finding]:
+def _check_conflicting_materials(own: list[Element], inner: list[Element], rule: Rule) -> Iterator[Finding]:
     """The first definition of a name (the robot's own come first) counts for every visual that uses the name."""
     first: dict[str, Element] = {}
     others: dict[str, list[Element]] = {}
@@ -48,7 +48,7 @@ def _different(own: list[Element], inner: list[Element], rule: Rule) -> Iterator
         name = material.get("name").strip()
         if not name or not material.children:
             continue
-        if not _same(first.setdefault(name, material), material) and material not in own:
+        if not _is_same_appearance(first.setdefault(name, material), material) and material not in own:
             others.setdefault(name, []).append(material)
     for name, materials in others.items():
         yield rule.finding(
@@ -57,36 +57,38 @@ def _different(own: list[Element], inner: list[Element], rule: Rule) -> Iterator
             related=[first[name], *materials[1:10]],
             material=name,
             count=len(materials),
-            typed=_look(materials[0]),
-            counts=_look(first[name]),
-            owner=_owner(materials[0]),
-            first=_owner(first[name]),
+            typed=_describe_appearance(materials[0]),
+            counts=_describe_appearance(first[name]),
+            owner=_describe_owner(materials[0]),
+            first=_describe_owner(first[name]),
         )
 
 
-def _rgba(material: Element) -> tuple[float, ...] | None:
-    return attribute_numbers(material.child("color"), "rgba", 4, ())
+def _read_rgba(material: Element) -> tuple[float, ...] | None:
+    return read_attribute_numbers(material.find_child("color"), "rgba", 4, ())
 
 
-def _texture(material: Element) -> str:
-    texture = material.child("texture")
+def _get_texture_path(material: Element) -> str:
+    texture = material.find_child("texture")
     return "" if texture is None else texture.get("filename")
 
 
-def _same(a: Element, b: Element) -> bool:
-    one, other = _rgba(a), _rgba(b)
+def _is_same_appearance(a: Element, b: Element) -> bool:
+    one, other = _read_rgba(a), _read_rgba(b)
     if not one or not other:
-        return bool(one) == bool(other) and _texture(a) == _texture(b)
-    return _texture(a) == _texture(b) and all(abs(x - y) <= _STEP for x, y in zip(one, other, strict=True))
+        return bool(one) == bool(other) and _get_texture_path(a) == _get_texture_path(b)
+    return _get_texture_path(a) == _get_texture_path(b) and all(
+        abs(x - y) <= _STEP for x, y in zip(one, other, strict=True)
+    )
 
 
-def _look(material: Element) -> str:
-    rgba = _rgba(material)
+def _describe_appearance(material: Element) -> str:
+    rgba = _read_rgba(material)
     parts = [" ".join(f"{x:g}" for x in rgba)] if rgba else []
-    return ", ".join([*parts, *([_texture(material)] if _texture(material) else [])]) or "no colour"
+    return ", ".join([*parts, *([_get_texture_path(material)] if _get_texture_path(material) else [])]) or "no colour"
 
 
-def _owner(material: Element) -> str:
+def _describe_owner(material: Element) -> str:
     element = material
     while element.parent is not None and element.parent.tag != "robot":
         element = element.parent

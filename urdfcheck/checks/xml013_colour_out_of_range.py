@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import elements
-from urdfcheck.source.text.values import numbers
+from urdfcheck.source.text.grammar import iter_urdf_elements
+from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Attribute
 
 _SCALE = 255
@@ -16,22 +16,22 @@ _SCALE = 255
 
 def check(model: Model, rule: Rule, *, rounding: float) -> Iterator[Finding]:
     found: dict[tuple[float, ...], list[Attribute]] = {}
-    for element in elements(model.robot):
+    for element in iter_urdf_elements(model.robot):
         attribute = element.attributes.get("rgba") if element.tag == "color" else None
-        rgba = numbers(attribute.value, 4) if attribute is not None else None
+        rgba = parse_numbers(attribute.value, 4) if attribute is not None else None
         if attribute is not None and rgba is not None and not all(0 <= part <= 1 for part in rgba):
             found.setdefault(rgba, []).append(attribute)
     for rgba, attributes in found.items():
-        yield _finding(rule, rgba, attributes, rounding)
+        yield _build_finding(rule, rgba, attributes, rounding)
 
 
-def _finding(rule: Rule, rgba: tuple[float, ...], attributes: list[Attribute], rounding: float) -> Finding:
+def _build_finding(rule: Rule, rgba: tuple[float, ...], attributes: list[Attribute], rounding: float) -> Finding:
     """One finding for all places with the same numbers."""
-    better = _scaled(rgba) or _clamped(rgba, rounding)
+    better = _scale_to_unit_range(rgba) or _clip_rounding(rgba, rounding)
     places = {a.span: a for a in attributes if a.span is not None}
     text = "" if better is None else " ".join(f"{part:.4g}" for part in better)
     finding = rule.finding(
-        "scaled" if _scaled(rgba) else "outside",
+        "scaled" if _scale_to_unit_range(rgba) else "outside",
         at=attributes[0],
         related=[a for span, a in places.items() if span != attributes[0].span],
         edits=[Edit(a.span, a.typed, text) for a in places.values() if text and a.literal and a.span is not None],
@@ -42,7 +42,7 @@ def _finding(rule: Rule, rgba: tuple[float, ...], attributes: list[Attribute], r
     return replace(finding, subjects=tuple(a.location.subject for a in attributes))
 
 
-def _scaled(rgba: tuple[float, ...]) -> tuple[float, ...] | None:
+def _scale_to_unit_range(rgba: tuple[float, ...]) -> tuple[float, ...] | None:
     """The colour that is meant by whole numbers up to 255; the alpha among them often is a fraction."""
     colour, alpha = rgba[:3], rgba[3]
     whole = all(part == round(part) and 0 <= part <= _SCALE for part in colour)
@@ -51,7 +51,7 @@ def _scaled(rgba: tuple[float, ...]) -> tuple[float, ...] | None:
     return (*(part / _SCALE for part in colour), alpha if alpha <= 1 else alpha / _SCALE)
 
 
-def _clamped(rgba: tuple[float, ...], rounding: float) -> tuple[float, ...] | None:
+def _clip_rounding(rgba: tuple[float, ...], rounding: float) -> tuple[float, ...] | None:
     """The colour without what rounding added; None where more is wrong with it."""
     inside = tuple(min(max(part, 0.0), 1.0) for part in rgba)
     return inside if all(abs(a - b) <= rounding for a, b in zip(inside, rgba, strict=True)) else None

@@ -13,7 +13,7 @@ from urdfcheck.core.errors import UrdfcheckError
 if TYPE_CHECKING:
     from urdfcheck.policy.baseline import Baseline
     from urdfcheck.policy.config import Config, Configurations, Given
-    from urdfcheck.policy.limits import Limits
+    from urdfcheck.policy.limits import ResourceLimits
     from urdfcheck.run.pipeline import Request
 
 # MiB: an audit of an empty robot takes about half of it.
@@ -29,9 +29,9 @@ class Parser(argparse.ArgumentParser):
     """A word of the command line may be a stranger's file name: what is wrong with it is told like everything else."""
 
     def error(self, message: str) -> NoReturn:
-        from urdfcheck.output.shared.inert import for_log
+        from urdfcheck.output.shared.inert import escape_for_log
 
-        super().error(for_log(message))
+        super().error(escape_for_log(message))
 
 
 def add_options(p: argparse.ArgumentParser) -> None:
@@ -87,11 +87,11 @@ def ensure_paths(options: argparse.Namespace) -> None:
 
 def output_file(text: str) -> tuple[str, Path]:
     """The format and the file of an ``--output``."""
-    from urdfcheck.output import FORMATS, PICTURE
+    from urdfcheck.output import FORMATS, PICTURE_FORMAT
 
     output_format, assigned, file = text.partition("=")
-    if not assigned or not file or output_format not in (*FORMATS, PICTURE):
-        formats = ", ".join((*FORMATS, PICTURE))
+    if not assigned or not file or output_format not in (*FORMATS, PICTURE_FORMAT):
+        formats = ", ".join((*FORMATS, PICTURE_FORMAT))
         raise UrdfcheckError(f"--output {text}: write FORMAT=FILE with one of the formats {formats}")
     return output_format, Path(file)
 
@@ -204,7 +204,7 @@ def given(options: argparse.Namespace) -> Given:
 
     def codes(values: Sequence[str] | None) -> frozenset[str] | None:
         words = _words(values)
-        return frozenset(catalogue.select(words)) if words else None
+        return frozenset(catalogue.select_rules(words)) if words else None
 
     return Given(
         codes(options.select),
@@ -275,15 +275,15 @@ def _targets(text: str) -> tuple[str, ...]:
     return names
 
 
-def _limits(seconds: float | None, memory: int | None) -> Limits:
-    from urdfcheck.policy.limits import Limits
+def _limits(seconds: float | None, memory: int | None) -> ResourceLimits:
+    from urdfcheck.policy.limits import ResourceLimits
 
     if seconds is not None and not 0 <= seconds < 1e9:
         raise UrdfcheckError(f"--timeout {seconds:g}: a number of seconds, 0 for no limit")
     if memory is not None and memory < LEAST_MEMORY:
         raise UrdfcheckError(f"--memory {memory}: at least {LEAST_MEMORY} MiB, which the libraries take")
-    default = Limits()
-    return Limits(default.seconds if seconds is None else seconds, default.memory if memory is None else memory)
+    default = ResourceLimits()
+    return ResourceLimits(default.seconds if seconds is None else seconds, default.memory if memory is None else memory)
 
 
 def _jobs(given: int | None) -> int:

@@ -21,11 +21,11 @@ def first_worker() -> Worker | None:
 
     if not workers.FORKS:
         return None
-    libraries.prefer_own()
+    libraries.prefer_own_folders()
     # What both of them need is loaded before they part: once instead of twice.
     for module in ("urdfcheck.run.pipeline", "urdfcheck.run.audit"):
         importlib.import_module(module)
-    catalogue.rules()
+    catalogue.load_rules()
     return workers.Worker.start(prepare)
 
 
@@ -34,12 +34,12 @@ def prepare() -> None:
     from urdfcheck import rules as catalogue
     from urdfcheck.system import libraries
 
-    libraries.prefer_own()
+    libraries.prefer_own_folders()
     importlib.import_module("numpy")
     from urdfcheck.run.findings_cache import applies
 
-    for rule in catalogue.rules().values():
+    for rule in catalogue.load_rules().values():
         if catalogue.has_check(rule) and not applies(rule):
-            importlib.import_module(catalogue.module_of(rule))
+            importlib.import_module(catalogue.get_check_module(rule))
     with contextlib.suppress(ImportError):  # where there is none, it is not missed
         importlib.import_module("py_landlock")

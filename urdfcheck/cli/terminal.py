@@ -12,7 +12,7 @@ from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
     from urdfcheck.core import Run, Severity
-    from urdfcheck.output.text import Detail
+    from urdfcheck.output.text import DetailLevel
 
 OK, FINDINGS, FAILED, NOTHING = 0, 1, 2, 3
 # Characters of an HTML document from which on it is a burden to open.
@@ -23,9 +23,9 @@ PROGRESS_FROM, PROGRESS_EVERY, BAR = 1.0, 0.2, 30
 
 def say(text: str, stream: TextIO | None = None) -> None:
     """Print a line for a person; on standard output, if on no other stream."""
-    from urdfcheck.output.shared.inert import for_log
+    from urdfcheck.output.shared.inert import escape_for_log
 
-    print(for_log(text), file=stream)
+    print(escape_for_log(text), file=stream)
 
 
 def silence_stdout() -> None:
@@ -33,7 +33,7 @@ def silence_stdout() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def show(run: Run, output_format: str, color: str, detail: Detail | None = None, fail_on: str = "error") -> None:
+def show(run: Run, output_format: str, color: str, detail: DetailLevel | None = None, fail_on: str = "error") -> None:
     """Print a run in this format; ``color``: auto | always | never; ``detail`` and ``fail_on``: see
     :func:`urdfcheck.output.text.render`."""
     from urdfcheck import output
@@ -44,7 +44,7 @@ def show(run: Run, output_format: str, color: str, detail: Detail | None = None,
     from urdfcheck.output import text
 
     width, colored = _page(color)
-    detail = text.Detail.BRIEF if detail is None else detail
+    detail = text.DetailLevel.BRIEF if detail is None else detail
     sys.stdout.write(text.render(run, width=width, color=colored, detail=detail, fail_on=fail_on))
 
 
@@ -53,7 +53,7 @@ def show_statistics(run: Run, color: str) -> None:
     from urdfcheck.output import text
 
     width, colored = _page(color)
-    sys.stdout.write(text.statistics(run, width=width, color=colored))
+    sys.stdout.write(text.render_statistics(run, width=width, color=colored))
 
 
 def _page(color: str) -> tuple[int, bool]:
@@ -108,14 +108,14 @@ def write_report(run: Run, output_format: str, file: Path, *, as_pages: bool = F
     """Write a run in this format; ``as_pages``: HTML, with a page for each model, into a folder."""
     from urdfcheck import output
 
-    if output_format == output.PICTURE:
-        write(output.picture(run), file)
+    if output_format == output.PICTURE_FORMAT:
+        write(output.render_picture(run), file)
         return
     documents: Iterable[tuple[str, Path]]
     if as_pages:
         from urdfcheck.output import html
 
-        documents = ((text, file / name) for name, text in html.pages(run))
+        documents = ((text, file / name) for name, text in html.iter_report_pages(run))
     else:
         documents = [(output.render(run, output_format), file)]
     for text, path in documents:
@@ -186,7 +186,7 @@ def exit_code(run: Run, fail_on: str, *, allow_empty: bool = False) -> int:
     """Our own failures weigh more than findings, findings more than having had nothing to check. ``fail_on`` holds for what
     belongs to no model whose configuration says otherwise."""
     codes = {code_of(bool(run.failures), None, fail_on)}
-    codes |= {code_of(False, f.severity, run.fail_on.get(f.model, fail_on)) for f in run.active}
+    codes |= {code_of(False, f.severity, run.fail_on.get(f.model, fail_on)) for f in run.active_findings}
     code = max(codes)
     return NOTHING if code == OK and not run.units and not allow_empty else code
 

@@ -3,7 +3,7 @@
 What only outputs that draw need is in :mod:`urdfcheck.core.scene`.
 """
 
-from urdfcheck.core.errors import Unavailable, UrdfcheckError
+from urdfcheck.core.errors import FactUnavailableError, UrdfcheckError
 from urdfcheck.core.findings import (
     NEWLINE,
     Applicability,
@@ -16,34 +16,34 @@ from urdfcheck.core.findings import (
     Located,
     Location,
     Severity,
-    Skip,
+    SkippedCheck,
     Span,
     Suppression,
     Verdict,
 )
-from urdfcheck.core.rule import Option, Rule
+from urdfcheck.core.rule import Rule, RuleOption
 from urdfcheck.core.run import ModelInfo, Run
 
 __all__ = [
+    "NEWLINE",
     "Applicability",
     "Cause",
     "Computed",
     "Confidence",
     "Edit",
+    "FactUnavailableError",
     "Finding",
     "Fix",
     "Located",
     "Location",
     "ModelInfo",
-    "NEWLINE",
-    "Option",
     "Rule",
+    "RuleOption",
     "Run",
     "Severity",
-    "Skip",
+    "SkippedCheck",
     "Span",
     "Suppression",
-    "Unavailable",
     "UrdfcheckError",
     "Verdict",
 ]

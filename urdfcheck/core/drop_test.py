@@ -11,21 +11,21 @@ from dataclasses import dataclass
 SECONDS, STEP = 2.0, 1e-3
 # s after which a robot that is held and has not come to rest is looked at again: what leans has fallen by then, and what swings
 # has calmed down.
-LATER = 10.0
+LATE_SECONDS = 10.0
 # Steps (s) that are tried to find the largest that is stable; 64 ms is a sixteenth of a second, where nobody simulates any more.
 STEPS = tuple(2.5e-4 * 2.0**k for k in range(9))
 # A robot has settled while no body of it is faster than this part of √(g·size), the speed of a fall from half its size: in the
 # time of such a fall it goes less than a hundredth of its size.
-SLOW = 0.01
+SETTLED_SPEED_RATIO = 0.01
 # A robot that is turned by more (rad) has tipped over or fallen: 15°, and no robot on its wheels or feet leans as far by itself.
-TIPPED = 0.26
+TIPPED_ANGLE = 0.26
 # Energy may come from rounding and from soft contacts, in parts of weight times size: 5e-4 is the most that 55 published
 # models gained at a step of 1 ms.
-GAIN = 0.01
+MAX_ENERGY_GAIN = 0.01
 
 
 @dataclass(frozen=True, slots=True)
-class Touching:
+class GroundContact:
     """A link on the plane at the end: the number of ``points``, their middle ``place`` on its surface, ``lowest`` z of them,
     ``depth`` (m) in the plane, ``load`` (N, over the last quarter of a second)."""
 
@@ -38,7 +38,7 @@ class Touching:
 
 
 @dataclass(frozen=True, slots=True)
-class Release:
+class ReleaseResult:
     """The robot let go, ``held`` by its motors or not.
 
     ``burst`` (s): when the simulator gave up, None if it did not; ``fastest``: the link that was the fastest of all.
@@ -59,7 +59,7 @@ class Release:
     moving: str
     settled: float | None
     tilt: float | None
-    touching: tuple[Touching, ...]
+    touching: tuple[GroundContact, ...]
     saturated: tuple[str, ...]
     sag: float | None
     sagging: str
@@ -71,21 +71,21 @@ class Release:
         return max((touching.depth for touching in self.touching), default=0.0)
 
     @property
-    def restless(self) -> bool:
+    def is_restless(self) -> bool:
         """Whether it still moves, and neither falls nor rolls, nor gives way because its motors are too weak."""
         still = self.burst is None and self.settled is None
-        return still and self.held and not (self.tipped or self.saturated or self.rolls)
+        return still and self.held and not (self.has_tipped or self.saturated or self.rolls)
 
     @property
-    def tipped(self) -> bool:
+    def has_tipped(self) -> bool:
         """Whether it lies or leans otherwise than it was set down."""
-        return self.tilt is None or self.tilt > TIPPED
+        return self.tilt is None or self.tilt > TIPPED_ANGLE
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
+class StabilityCurve:
     """Time ``steps`` (s), ascending, and for each the largest ``speeds`` (m/s) of a body within two seconds without torques
-    and the energy that was ``gains`` as in `Release`, None where it burst. ``implicit``: how the damping of joints is
+    and the energy that was ``gains`` as in `ReleaseResult`, None where it burst. ``implicit``: how the damping of joints is
     integrated. ``largest`` (s): the largest step up to which all are stable, None where none is; ``all_stable``: there may be
     larger ones."""
 
@@ -96,7 +96,7 @@ class Curve:
     stable: tuple[bool, ...]
 
     @property
-    def largest(self) -> float | None:
+    def largest_step(self) -> float | None:
         """See above."""
         found = None
         for step, stable in zip(self.steps, self.stable, strict=True):
@@ -112,7 +112,7 @@ class Curve:
 
 
 @dataclass(frozen=True, slots=True)
-class Drop:
+class DropTest:
     """A drop test.
 
     ``model``: id of the model; ``fixed``: why its root cannot move, empty if it can; ``drawn``: whether it stands on what it
@@ -133,7 +133,7 @@ class Drop:
     slow: float
     soft: float
     unlimited: tuple[str, ...]
-    free: Release
-    held: Release
-    later: Release | None
-    curves: tuple[Curve, ...]
+    free: ReleaseResult
+    held: ReleaseResult
+    later: ReleaseResult | None
+    curves: tuple[StabilityCurve, ...]

@@ -70,7 +70,7 @@ class Verdict(IntEnum):
         return "computes NaN" if self is Verdict.NAN else self.name.lower()
 
     @classmethod
-    def of(cls, sentence: str) -> Verdict:
+    def from_sentence(cls, sentence: str) -> Verdict:
         """The verdict that a sentence begins with."""
         first = sentence.partition(" ")[0].rstrip(",:;")
         return cls.NAN if sentence.startswith("computes NaN") else _VERDICTS.get(first, cls.LOADS)
@@ -121,7 +121,7 @@ class Located(Protocol):
 class Computed(Located, Protocol):
     """A located thing whose text was computed from definitions that stand elsewhere."""
 
-    def related(self) -> Iterable[Located]: ...
+    def collect_definitions(self) -> Iterable[Located]: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,7 +186,7 @@ class Finding:
     variants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
-    def why(self) -> str | None:
+    def cause_text(self) -> str | None:
         """What its cause says beyond the message."""
         # A message that says it goes on with a small letter.
         return None if self.cause is None or self.cause.text[1:] in self.message else self.cause.text
@@ -206,7 +206,7 @@ class Finding:
 
 
 @dataclass(frozen=True, slots=True)
-class Skip:
+class SkippedCheck:
     """A check that could not run on a model, and why."""
 
     code: str

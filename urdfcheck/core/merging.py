@@ -7,33 +7,37 @@ from dataclasses import replace
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule
-from urdfcheck.core.text import listed
+from urdfcheck.core.text import join_names
 
 
-def alike(rule: Rule, findings: Iterable[Finding], *names: str, each: Collection[str] = ()) -> Iterator[Finding]:
+def merge_identical(
+    rule: Rule, findings: Iterable[Finding], *names: str, varying: Collection[str] = ()
+) -> Iterator[Finding]:
     """Findings whose ``data`` differ in nothing but these names become one, at the first of the places, that lists the others
     and repairs all: a block that was copied is wrong once. ``each``: what may differ as well, because each has a repair of
     its own."""
     groups: dict[str, list[Finding]] = {}
     for finding in findings:
-        same = {key: value for key, value in finding.data.items() if key not in {*names, *each}}
-        groups.setdefault(repr((finding.message_id, finding.severity, bool(_edits([finding])), same)), []).append(
-            finding
-        )
+        same = {key: value for key, value in finding.data.items() if key not in {*names, *varying}}
+        groups.setdefault(
+            repr((finding.message_id, finding.severity, bool(_collect_edits([finding])), same)), []
+        ).append(finding)
     for group in groups.values():
-        yield _one(rule, group, names, each) if len(group) > 1 else group[0]
+        yield _merge_group(rule, group, names, varying) if len(group) > 1 else group[0]
 
 
-def _one(rule: Rule, group: Sequence[Finding], names: Sequence[str], each: Collection[str]) -> Finding:
+def _merge_group(rule: Rule, group: Sequence[Finding], names: Sequence[str], each: Collection[str]) -> Finding:
     first = group[0]
     places = list({finding.location.span or finding.location.subject: finding.location for finding in group}.values())
-    data: dict[str, Any] = {key: _of_each(group, key, names[0]) if key in each else v for key, v in first.data.items()}
-    data |= {name: listed(dict.fromkeys(f.data[name] for f in group)) for name in names if name in data}
+    data: dict[str, Any] = {
+        key: _quote_first_text(group, key, names[0]) if key in each else v for key, v in first.data.items()
+    }
+    data |= {name: join_names(dict.fromkeys(f.data[name] for f in group)) for name in names if name in data}
     finding = rule.finding(
         first.message_id,
         at=first.location,
         cause=first.cause.id if first.cause else None,
-        edits=_edits(group),
+        edits=_collect_edits(group),
         related=[*places[1:], *(place for finding in group for place in finding.related)],
         severity=first.severity,
         confidence=first.confidence,
@@ -42,7 +46,7 @@ def _one(rule: Rule, group: Sequence[Finding], names: Sequence[str], each: Colle
     return replace(finding, subjects=tuple(dict.fromkeys(subject for f in group for subject in f.subjects)))
 
 
-def _of_each(group: Sequence[Finding], key: str, name: str) -> Any:
+def _quote_first_text(group: Sequence[Finding], key: str, name: str) -> Any:
     """A text of the first, and that the others have their own."""
     data: Mapping[str, Any] = group[0].data
     text = data[key]
@@ -51,7 +55,7 @@ def _of_each(group: Sequence[Finding], key: str, name: str) -> Any:
     return f"{text} (for {data[name]}, likewise for the others)"
 
 
-def _edits(group: Iterable[Finding]) -> list[Edit]:
+def _collect_edits(group: Iterable[Finding]) -> list[Edit]:
     """Of all of them, each place in the text once: one macro line makes several elements."""
     edits = (edit for finding in group if finding.fix is not None for edit in finding.fix.edits)
     return list({edit.span: edit for edit in edits}.values())

@@ -21,7 +21,7 @@ from urdfcheck.core.findings import (
 
 
 @dataclass(frozen=True, slots=True)
-class Option:
+class RuleOption:
     """A threshold of a rule as its page declares it."""
 
     name: str
@@ -47,7 +47,7 @@ class Rule:
     hidden_by: tuple[str, ...]
     concerns: tuple[str, ...]
     fix: Applicability
-    options: Mapping[str, Option]
+    options: Mapping[str, RuleOption]
     messages: Mapping[str, str]
     fixes: Mapping[str, str]
     causes: Mapping[str, str]
@@ -85,7 +85,7 @@ class Rule:
         location = at if isinstance(at, Location) else at.location
         edits = tuple(edits)
         # Where the properties, arguments and yaml keys stand that a computed value was made of.
-        definitions: Iterable[Located] = at.related() if isinstance(at, Computed) else ()
+        definitions: Iterable[Located] = at.collect_definitions() if isinstance(at, Computed) else ()
         places = [r if isinstance(r, Location) else r.location for r in (*related, *definitions)]
         consumers = {k: v for k, v in self.consumers.items() if isinstance(v, str)}
         consumers.update(self.consumers.get(message, {}))

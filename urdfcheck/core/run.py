@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from urdfcheck.core.findings import Finding, Severity, Skip
+from urdfcheck.core.findings import Finding, Severity, SkippedCheck
 from urdfcheck.core.rule import Rule
 
 if TYPE_CHECKING:
-    from urdfcheck.core.drop_test import Drop
+    from urdfcheck.core.drop_test import DropTest
     from urdfcheck.core.scene import Scene
 
 
@@ -41,41 +41,41 @@ class Run:
 
     models: tuple[ModelInfo, ...]
     findings: tuple[Finding, ...]
-    skipped: tuple[Skip, ...]
+    skipped: tuple[SkippedCheck, ...]
     rules: Mapping[str, Rule]
     versions: Mapping[str, str]
     sources: Mapping[str, str]
     scenes: tuple[Scene, ...] = ()
-    drops: tuple[Drop, ...] = ()
+    drops: tuple[DropTest, ...] = ()
     seconds: float = 0.0
     failures: tuple[str, ...] = ()
     units: int = 0
-    ids: frozenset[str] = frozenset()
-    judged: Mapping[str, frozenset[str]] = field(default_factory=dict)
-    homes: Mapping[tuple[str, str] | None, Mapping[str, str]] = field(default_factory=dict)
+    unit_ids: frozenset[str] = frozenset()
+    complete_rules: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    baseline_unit_names: Mapping[tuple[str, str] | None, Mapping[str, str]] = field(default_factory=dict)
     tier: str = "full"
     targets: tuple[str, ...] = ()
     partial: bool = False
     fail_on: Mapping[str, str] = field(default_factory=dict)
     baselines: frozenset[str] = frozenset()
 
-    def count(self, severity: Severity) -> int:
+    def count_findings(self, severity: Severity) -> int:
         """Findings of exactly this severity that are not suppressed."""
-        return sum(f.severity == severity for f in self.active)
+        return sum(f.severity == severity for f in self.active_findings)
 
-    def arguments_of(self, finding: Finding) -> Mapping[str, str]:
+    def find_variant_arguments(self, finding: Finding) -> Mapping[str, str]:
         """The arguments that it takes to see a finding of a model with several variants."""
         if not finding.variants:
             return {}
         return next((info.args for info in self.models if info.id == finding.model), {})
 
     @property
-    def active(self) -> tuple[Finding, ...]:
+    def active_findings(self) -> tuple[Finding, ...]:
         """The findings that nobody knows yet."""
         return tuple(f for f in self.findings if f.suppressed is None)
 
     @property
-    def suppressed(self) -> Mapping[str, int]:
+    def suppressed_counts(self) -> Mapping[str, int]:
         """How many findings are known, by who says so: source, configuration, baseline."""
         counts = dict.fromkeys(("source", "configuration", "baseline"), 0)
         for finding in self.findings:

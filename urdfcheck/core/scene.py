@@ -24,7 +24,7 @@ class SceneShape:
 
 
 @dataclass(frozen=True, slots=True)
-class Drawing:
+class SceneDrawing:
     """A mesh, or what has one ``color`` of it, to be drawn, as `urdfcheck.facts.mesh.codec` packs it. ``low``, ``high``: its
     bounds in file units; ``vertices``, ``faces``, ``holes``: how many corners, triangles and open edges (those of the file) it
     has; ``wide``: three bytes per index."""
@@ -54,7 +54,7 @@ class SceneMesh:
     watertight: bool | None = None
     open_edges: int = 0
     problem: str = ""
-    drawings: tuple[Drawing, ...] = ()
+    drawings: tuple[SceneDrawing, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,12 +8,12 @@ from collections.abc import Iterable
 
 # How alike a name is to one that it is a slip of. `leftThumbMotorRoll` may mean `leftThumbRoll`, which is worth a question;
 # they are 0.84 alike, and of parts of one robot many are.
-SLIP = 0.85
+SLIP_LIKENESS = 0.85
 _DIGITS = re.compile(r"\d")
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 
 
-def nearest(name: str, known: Iterable[str], likeness: float = 0.75) -> str | None:
+def find_nearest_name(name: str, known: Iterable[str], likeness: float = 0.75) -> str | None:
     """The known name that is spelled most like ``name``, None when none is (1 is equal, 0.75 shares most letters).
 
     A name that differs in its digits only is another part of the same kind, not another spelling.
@@ -24,25 +24,25 @@ def nearest(name: str, known: Iterable[str], likeness: float = 0.75) -> str | No
     return close[0] if close else None
 
 
-def only_near(name: str, known: Iterable[str], likeness: float = 0.75) -> str | None:
+def find_only_near_name(name: str, known: Iterable[str], likeness: float = 0.75) -> str | None:
     """The known name that is spelled like ``name`` where it is the only one: what an edit may write."""
-    near = nearest(name, known, likeness)
-    return None if near is None or nearest(name, set(known) - {near}, likeness) else near
+    near = find_nearest_name(name, known, likeness)
+    return None if near is None or find_nearest_name(name, set(known) - {near}, likeness) else near
 
 
-def hint(name: str, known: Iterable[str]) -> str:
+def format_name_hint(name: str, known: Iterable[str]) -> str:
     """`` (did you mean 'x'?)`` for the end of a message, or nothing."""
-    close = nearest(name, known)
+    close = find_nearest_name(name, known)
     return f" (did you mean {close!r}?)" if close else ""
 
 
-def listed(names: Iterable[str], most: int = 6) -> str:
+def join_names(names: Iterable[str], most: int = 6) -> str:
     """``a, b, c and 4 more``."""
     names = list(names)
     shown = ", ".join(names[:most])
     return f"{shown} and {len(names) - most} more" if len(names) > most else shown
 
 
-def words(name: str) -> list[str]:
+def split_name_words(name: str) -> list[str]:
     """``LShoulder_pitch2`` as L, Shoulder, pitch, 2: camel case, digits and punctuation part them."""
     return _WORD.findall(name)

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.system.files import Stamp, stamp_of
+from urdfcheck.system.files import Stamp, read_stamp
 
 NAME = "journal"
 _FIRST = b'{"urdfcheck audit": 1, '
@@ -150,7 +150,7 @@ class _Freshness:
     """Whether files are as they were."""
 
     def __init__(self) -> None:
-        self._stamp = lru_cache(_REMEMBERED)(stamp_of)
+        self._stamp = lru_cache(_REMEMBERED)(read_stamp)
 
     def __call__(self, reads: Mapping[str, object]) -> bool:
         """An entry that rests on no file that is there may rest on anything."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from urdfcheck import __version__
 from urdfcheck.core import Severity
-from urdfcheck.source.text.xml import quoted
+from urdfcheck.source.text.xml import quote_attribute
 from urdfcheck.system.files import read_regular
 
 if TYPE_CHECKING:
@@ -36,8 +36,8 @@ class LinkPair:
 
     links: tuple[str, str]
     reason: str | None
-    proven: bool
-    seen: bool
+    proven_never: bool
+    seen_colliding: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,22 +49,24 @@ class LinkPairs:
     pairs: tuple[LinkPair, ...]
 
 
-def pairs_of(model: Model) -> LinkPairs:
+def compute_link_pairs(model: Model) -> LinkPairs:
     """The pairs of a model, judged as MoveIt's Setup Assistant does.
 
     :raises Unavailable: when its collisions are not known.
     """
-    from urdfcheck.model.motion.moveit_pairs import judged
+    from urdfcheck.model.motion.moveit_pairs import classify_link_pairs
 
     pairs = [
-        LinkPair((min(j.pair.links), max(j.pair.links)), j.reason, j.pair.never_proven, not j.pair.never_seen)
-        for j in judged(model)
+        LinkPair(
+            (min(j.pair.links), max(j.pair.links)), j.reason, j.pair.is_proven_apart, not j.pair.is_never_in_collision
+        )
+        for j in classify_link_pairs(model)
     ]
-    samples = model.collisions.samples
+    samples = model.collisions.sample_count
     return LinkPairs(model.name, samples, tuple(sorted(pairs, key=lambda pair: pair.links)))
 
 
-def why_none(report: Report) -> str:
+def explain_missing_pairs(report: Report) -> str:
     """Why a report on a model holds no pairs."""
     reasons = [*report.failures, *(skip.reason for skip in report.skipped if skip.code == "srdf")]
     for finding in report.findings:
@@ -75,7 +77,7 @@ def why_none(report: Report) -> str:
     return reasons[0] if reasons else "the file holds no robot"
 
 
-def unlike_ours(file: Path) -> bool:
+def has_foreign_content(file: Path) -> bool:
     """Whether a file is there that :func:`render` did not make, or to which something was added."""
     try:
         text = read_regular(file).decode("utf-8", "replace")
@@ -85,20 +87,20 @@ def unlike_ours(file: Path) -> bool:
     return bool(text.strip()) and (MARK not in text[:500] or not elements <= {"robot", "disable_collisions"})
 
 
-def render(found: LinkPairs) -> str:
+def render(link_pairs: LinkPairs) -> str:
     """A semantic description that holds the ``disable_collisions`` of a robot and, in comments, what they rest on."""
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f"<!-- {MARK} {__version__}: the pairs of links that MoveIt need not check for collisions.",
         "     Copy the lines into the robot's SRDF, or include this file in its .srdf.xacro. -->",
-        f"<robot name={quoted(found.robot)}>",
-        *_groups(found),
+        f"<robot name={quote_attribute(link_pairs.robot)}>",
+        *_format_pair_groups(link_pairs),
         "</robot>",
     ]
     return "\n".join(lines) + "\n"
 
 
-def _groups(found: LinkPairs) -> Iterator[str]:
+def _format_pair_groups(found: LinkPairs) -> Iterator[str]:
     samples = f"{found.samples:,} sampled configurations"
     never = [pair for pair in found.pairs if pair.reason == "Never"]
     groups = (
@@ -117,12 +119,12 @@ def _groups(found: LinkPairs) -> Iterator[str]:
             f"Always: collide in more than 95 % of {samples}.",
         ),
         (
-            [pair for pair in never if pair.proven],
+            [pair for pair in never if pair.proven_never],
             "Never: proven. Fixed joints hold them apart, or spheres around them, swept over the joints' ranges, do not\n"
             "reach each other.",
         ),
         (
-            [pair for pair in never if not pair.proven],
+            [pair for pair in never if not pair.proven_never],
             f"Never: not seen to collide in {samples}: at 95 % confidence they collide in less than\n"
             f"{100 * _RULE_OF_THREE / found.samples:.2g} % of them all.",
         ),
@@ -132,10 +134,10 @@ def _groups(found: LinkPairs) -> Iterator[str]:
             indented = evidence.replace("\n", "\n         ")
             yield f"    <!-- {indented} -->"
             for pair in pairs:
-                first, second = map(quoted, pair.links)
+                first, second = map(quote_attribute, pair.links)
                 yield f'    <disable_collisions link1={first} link2={second} reason="{pair.reason}"/>'
     checked = [pair for pair in found.pairs if pair.reason is None]
-    unknown = [pair for pair in checked if not pair.seen]
+    unknown = [pair for pair in checked if not pair.seen_colliding]
     yield f"    <!-- Still checked: {len(checked)} of {len(found.pairs)} pairs. -->"
     if unknown:
         yield f"    <!-- {len(unknown)} of these because a collision shape of one of the links could not be read. -->"

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 from urdfcheck.core import Location
 from urdfcheck.model import Model
-from urdfcheck.source.text.values import number
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
 
 Value = tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Outline:
+class ModelOutline:
     """``parts`` maps ``link[wheel_1]/inertial/mass@value`` to its value; extensions are counted in ``extensions``."""
 
     model: str
@@ -29,7 +29,7 @@ class Outline:
     extensions: Mapping[str, int]
 
 
-def outline_of(model: Model) -> Outline:
+def build_outline(model: Model) -> ModelOutline:
     """The outline of a model; ``model`` (its id) is filled in by whoever compares."""
     parts: dict[str, Value] = {}
     extensions: dict[str, int] = {}
@@ -37,19 +37,19 @@ def outline_of(model: Model) -> Outline:
         if element.tag in {"link", "joint"}:
             for inner in element.walk():
                 for name, attribute in inner.attributes.items():
-                    parts[f"{inner.subject}@{name}"] = _canonical(attribute.value)
+                    parts[f"{inner.subject}@{name}"] = _normalize_value(attribute.value)
                 if not inner.attributes:
                     parts[inner.subject] = ()
         else:
             extensions[element.tag] = extensions.get(element.tag, 0) + 1
     package = model.package
-    return Outline(
+    return ModelOutline(
         model="",
         robot=model.name,
         package=None if package is None else package.path.as_posix(),
         path=model.source.name,
         is_xacro=model.source.is_xacro,
-        location=_robot_location(model.robot),
+        location=_locate_robot_name(model.robot),
         links=frozenset(link.name for link in model.links),
         joints=frozenset(joint.name for joint in model.joints),
         parts=parts,
@@ -57,12 +57,12 @@ def outline_of(model: Model) -> Outline:
     )
 
 
-def _robot_location(robot: Element) -> Location:
+def _locate_robot_name(robot: Element) -> Location:
     name = robot.attributes.get("name")
     return robot.location if name is None else name.location
 
 
-def _canonical(value: str) -> Value:
+def _normalize_value(value: str) -> Value:
     """Numbers compare as numbers (``1`` and ``1.0`` are one value), everything else as words."""
     words = value.split()
-    return tuple(word if number(word) is None else repr(number(word)) for word in words)
+    return tuple(word if parse_number(word) is None else repr(parse_number(word)) for word in words)

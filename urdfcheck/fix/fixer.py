@@ -293,9 +293,9 @@ def worse(before: Run, after: Run, fixed: Sequence[Finding]) -> str:
             return f"with it urdfcheck fails: {failure}"
     readable = {model.id for model in after.models if model.status == "checked"}
     unread = {model.id for model in before.models if model.status != "checked"}
-    new = (readable & unread) | (after.ids - before.ids)
+    new = (readable & unread) | (after.unit_ids - before.unit_ids)
     for model in before.models:
-        if model.id in after.ids - readable - unread:
+        if model.id in after.unit_ids - readable - unread:
             return f"with it {model.id} could not be read"
     seen = {(finding.model, code) for finding in before.findings for code in (finding.code, "ALL")}
     seen -= {(skip.model, skip.code) for skip in before.skipped}

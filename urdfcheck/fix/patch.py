@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import NEWLINE, Edit, UrdfcheckError
-from urdfcheck.source.package.finder import display_name
-from urdfcheck.source.reach import home_of, is_below, real_path
+from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.reach import find_project_folder, is_below, resolve_real_path
 from urdfcheck.source.text.xml import SourceFile, XmlError
-from urdfcheck.system.files import overlaid, read_regular
+from urdfcheck.system.files import overlay_files, read_regular
 from urdfcheck.system.process_pool import undisturbed
 
 # What lies beside `share` in a prefix of ROS, an installed workspace or the devel space of catkin.
@@ -39,7 +39,7 @@ class Editable:
         paths = list(paths)
         # Where a link leads may be a stranger's choice: what counts is the repository or package that the link lies in.
         self.given = {os.path.realpath(path) for path in paths if not os.path.islink(path)}
-        self.homes = {os.path.realpath(home_of(path)) for path in paths}
+        self.homes = {os.path.realpath(find_project_folder(path)) for path in paths}
         named = {os.path.realpath(folder) for folder in folders}
         # A folder of packages around the given paths says nothing about them.
         self.foreign = {f for f in named if not any(is_below(place, f) for place in (*self.homes, *self.given))}
@@ -49,7 +49,7 @@ class Editable:
 
         :raises Refused: of any other.
         """
-        real = real_path(path)
+        real = resolve_real_path(path)
         if real is None or not self._is_own(real):
             raise Refused("it lies outside of the given paths and of their repository or package")
         if any((folder / name).exists() for folder in Path(real).parents for name in _INSTALLED):
@@ -73,7 +73,7 @@ class Editable:
     def _is_own(self, real: str) -> bool:
         if any(is_below(real, given) for given in self.given):
             return True
-        home = os.path.realpath(home_of(Path(real)))
+        home = os.path.realpath(find_project_folder(Path(real)))
         return home in self.homes and is_below(real, home) and not any(is_below(real, f) for f in self.foreign)
 
 
@@ -94,7 +94,7 @@ class Text:
         """
         path = editable.ensure(Path(name))
         try:
-            with overlaid(texts):
+            with overlay_files(texts):
                 data = read_regular(Path(path))
                 file = SourceFile.read(Path(path), name)
         except (OSError, XmlError) as error:
@@ -135,7 +135,7 @@ class Text:
 
 def difference(path: str, before: bytes, after: bytes) -> Iterator[str]:
     """The lines of a unified diff of one file."""
-    name = display_name(Path(path))
+    name = format_path(Path(path))
     old, new = (_lines(path, data) for data in (before, after))
     for number, line in enumerate(difflib.unified_diff(old, new, name, name, lineterm="")):
         yield line.removesuffix("\n")
@@ -145,7 +145,7 @@ def difference(path: str, before: bytes, after: bytes) -> Iterator[str]:
 
 def _lines(path: str, data: bytes) -> list[str]:
     """The lines of a file, each with a newline, but the last where the file lacks it."""
-    with overlaid({path: data}):
+    with overlay_files({path: data}):
         text = SourceFile.read(Path(path), path).text
     return re.findall("[^\n]*\n|[^\n]+", NEWLINE.sub("\n", text))
 
@@ -204,4 +204,4 @@ def _told(waiting: Mapping[str, str]) -> str:
 
 
 def _named(paths: Iterable[str]) -> str:
-    return ", ".join(display_name(Path(path)) for path in paths)
+    return ", ".join(format_path(Path(path)) for path in paths)

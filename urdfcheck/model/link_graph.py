@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from urdfcheck.core import Unavailable
+from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 
@@ -19,7 +19,7 @@ _MOST_COMPARED, _LONGEST_COMPARED = 1_000, 200
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Graph:
+class KinematicGraph:
     """``edges`` are the joints between two different links that exist, ``broken`` the others."""
 
     links: tuple[str, ...]
@@ -27,10 +27,10 @@ class Graph:
     broken: tuple[Joint, ...]
 
     @classmethod
-    def of(cls, model: Model) -> Graph:
+    def from_model(cls, model: Model) -> KinematicGraph:
         """:raises Unavailable: when xacro still has to make a part of the links or joints."""
         if any(child.tag.startswith("xacro:") for child in model.robot.children):
-            raise Unavailable("the file holds xacro elements that nothing has expanded (XML009)")
+            raise FactUnavailableError("the file holds xacro elements that nothing has expanded (XML009)")
         links = dict.fromkeys(name for name in model.link_by_name if name)
         edges: list[Joint] = []
         broken: list[Joint] = []
@@ -39,41 +39,41 @@ class Graph:
             (edges if sound else broken).append(joint)
         return cls(tuple(links), tuple(edges), tuple(broken))
 
-    def meant(self, role: str, name: str) -> str | None:
+    def guess_link(self, role: str, name: str) -> str | None:
         """The link that an unknown ``name`` probably means; for a child first among those that are no joint's child."""
         if len(self.links) > _MOST_COMPARED or len(name) > _LONGEST_COMPARED:
             return None
         taken = {joint.child for joint in (*self.edges, *self.broken)}
         free = [link for link in self.links if link not in taken]
-        return (_misspelt(name, free) if role == "child" else None) or _misspelt(name, self.links)
+        return (_find_misspelt(name, free) if role == "child" else None) or _find_misspelt(name, self.links)
 
-    def parents(self) -> Mapping[str, tuple[Joint, ...]]:
+    def map_parent_joints(self) -> Mapping[str, tuple[Joint, ...]]:
         """The joints that have each link as their child."""
         found: dict[str, list[Joint]] = {name: [] for name in self.links}
         for joint in self.edges:
             found[joint.child].append(joint)
         return {name: tuple(joints) for name, joints in found.items()}
 
-    def pieces(self) -> list[list[str]]:
+    def find_components(self) -> list[list[str]]:
         """The connected pieces, each in document order, the largest first (the first of equals)."""
         index = {name: i for i, name in enumerate(self.links)}
         group = list(range(len(self.links)))
 
-        def head(i: int) -> int:
+        def find_representative(i: int) -> int:
             while group[i] != i:
                 group[i] = group[group[i]]
                 i = group[i]
             return i
 
         for joint in self.edges:
-            a, b = head(index[joint.parent]), head(index[joint.child])
+            a, b = find_representative(index[joint.parent]), find_representative(index[joint.child])
             group[max(a, b)] = min(a, b)
         found: dict[int, list[str]] = {}
         for name, i in index.items():
-            found.setdefault(head(i), []).append(name)
+            found.setdefault(find_representative(i), []).append(name)
         return sorted(found.values(), key=len, reverse=True)
 
-    def loops(self) -> list[tuple[Joint, ...]]:
+    def find_loops(self) -> list[tuple[Joint, ...]]:
         """The loops that the joints close, each as its joints in the order parent to child, one per closing joint.
 
         Depth-first search over the joints: an edge back to a link on the current path closes a loop.
@@ -107,25 +107,29 @@ class Graph:
         return found
 
 
-def _misspelt(name: str, known: Iterable[str]) -> str | None:
+def _find_misspelt(name: str, known: Iterable[str]) -> str | None:
     """The known name of which ``name`` may be a misspelling, word by word: left_wheel is none of right_wheel."""
     near = [k for k in known if len(k) <= _LONGEST_COMPARED]
-    alike = [k for k in near if _letters(name) == _letters(k) or _alike(_words(name), _words(k))]
+    alike = [
+        k
+        for k in near
+        if _strip_to_letters(name) == _strip_to_letters(k) or _is_similar(_split_words(name), _split_words(k))
+    ]
     return max(alike, key=lambda k: difflib.SequenceMatcher(None, name, k).ratio(), default=None)
 
 
-def _alike(one: list[str], other: list[str]) -> bool:
+def _is_similar(one: list[str], other: list[str]) -> bool:
     return len(one) == len(other) and all(
         a == b or (a.isalpha() and b.isalpha() and difflib.SequenceMatcher(None, a, b).ratio() >= _ALIKE)
         for a, b in zip(one, other, strict=True)
     )
 
 
-def _letters(name: str) -> str:
+def _strip_to_letters(name: str) -> str:
     return re.sub(r"[\W_]", "", name).lower()
 
 
-def _words(name: str) -> list[str]:
+def _split_words(name: str) -> list[str]:
     """``Left_wheel2_link`` as left, wheel, 2: what a link is called, without the words that many add."""
     words = [w.lower() for w in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+", name)]
     return [w for w in words if w not in {"link", "lnk", "frame"}] or words

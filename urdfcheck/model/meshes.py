@@ -13,14 +13,14 @@ from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Resource
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.system.array_cache import Cache, origin_of, version_of
-from urdfcheck.system.files import MAX_MESH, TooLarge, read_regular
+from urdfcheck.system.files import MAX_MESH, FileTooLargeError, read_regular
 
 if TYPE_CHECKING:
     from urdfcheck.facts.mesh.measure import MeshError, MeshFacts
     from urdfcheck.system.array_cache import Entry
 
 # What the measurements of a mesh depend on beside its content.
-MEASURING = ("urdfcheck.facts.mesh",)
+MEASURING_MODULES = ("urdfcheck.facts.mesh",)
 # The libraries that read what is not read by our own.
 READERS = {"dae": "collada", "ply": "trimesh"}
 
@@ -41,7 +41,7 @@ class MeshUse:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Meshes:
+class ModelMeshes:
     """``uses`` in document order; ``facts``, ``errors`` and ``digests`` of the content by file, empty in the source tier."""
 
     uses: tuple[MeshUse, ...]
@@ -51,25 +51,27 @@ class Meshes:
     by_shape: Mapping[int, MeshUse]
 
     @classmethod
-    def of(cls, links: Sequence[Link], source: Source, cache: Cache, *, read: bool) -> Meshes:
+    def from_links(cls, links: Sequence[Link], source: Source, cache: Cache, *, read: bool) -> ModelMeshes:
         """Resolve the meshes of all links; with ``read``, measure every file that exists, or recall what was measured."""
         uses: list[MeshUse] = []
         for link in links:
             for shape in (*link.visuals, *link.collisions):
-                filename = shape.mesh
+                filename = shape.mesh_filename
                 if filename is not None:
                     uses.append(
-                        MeshUse(link, shape, filename, source.finder.resolve(filename.value, source.path.parent))
+                        MeshUse(
+                            link, shape, filename, source.finder.resolve_resource(filename.value, source.path.parent)
+                        )
                     )
         found = cls(tuple(uses), {}, {}, {}, {id(u.shape): u for u in uses})
-        return found._read(cache) if read and found.by_file() else found
+        return found._read_files(cache) if read and found.group_by_file() else found
 
-    def facts_of(self, shape: Shape) -> MeshFacts | None:
+    def get_facts(self, shape: Shape) -> MeshFacts | None:
         """The facts of a shape's mesh; None when it is no mesh, is missing or could not be read."""
         use = self.by_shape.get(id(shape))
         return None if use is None or use.resource.path is None else self.facts.get(use.resource.path)
 
-    def by_file(self) -> Mapping[Path, tuple[MeshUse, ...]]:
+    def group_by_file(self) -> Mapping[Path, tuple[MeshUse, ...]]:
         """The uses of each file that exists; those for collision first, otherwise in document order."""
         found: dict[Path, list[MeshUse]] = {}
         for use in self.uses:
@@ -77,38 +79,38 @@ class Meshes:
                 found.setdefault(use.resource.path, []).append(use)
         return {path: tuple(sorted(uses, key=lambda u: u.shape.role != "collision")) for path, uses in found.items()}
 
-    def measured(self) -> Iterator[tuple[tuple[MeshUse, ...], MeshFacts]]:
-        """The uses, as in :meth:`by_file`, and the facts of each file that could be read."""
-        for path, uses in self.by_file().items():
+    def list_measured(self) -> Iterator[tuple[tuple[MeshUse, ...], MeshFacts]]:
+        """The uses, as in :meth:`group_by_file`, and the facts of each file that could be read."""
+        for path, uses in self.group_by_file().items():
             facts = self.facts.get(path)
             if facts is not None:
                 yield uses, facts
 
-    def key(self, path: Path) -> str | None:
+    def compute_content_key(self, path: Path) -> str | None:
         """What identifies a file's content and how it is read; None for a file that could not be opened."""
         digest = self.digests.get(path)
-        return None if digest is None else f"{digest}-{_kind(path)}"
+        return None if digest is None else f"{digest}-{_get_file_kind(path)}"
 
-    def _read(self, cache: Cache) -> Meshes:
-        from urdfcheck.facts.mesh.measure import MeshError, known_facts
+    def _read_files(self, cache: Cache) -> ModelMeshes:
+        from urdfcheck.facts.mesh.measure import MeshError, restore_mesh_facts
 
         facts: dict[Path, MeshFacts] = {}
         errors: dict[Path, MeshError] = {}
         digests: dict[Path, str] = {}
         by_content: dict[str, MeshFacts | MeshError] = {}
-        for path in sorted(self.by_file()):
-            kind = _kind(path)
+        for path in sorted(self.group_by_file()):
+            kind = _get_file_kind(path)
             try:
                 digests[path], data = cache.digest(path)
-                key = f"{digests[path]}-{kind}-{_version(kind)}"
+                key = f"{digests[path]}-{kind}-{_compute_reader_version(kind)}"
                 if key not in by_content:
                     parts = cache.entry("meshes", key)
-                    known = known_facts(parts, again=partial(_measure, path, parts))
-                    by_content[key] = known or _measure(path, parts, data)
+                    known = restore_mesh_facts(parts, remeasure=partial(_measure_mesh, path, parts))
+                    by_content[key] = known or _measure_mesh(path, parts, data)
             except MeshError as error:
                 by_content[key] = error
             except (OSError, ImportError, MemoryError) as error:
-                errors[path] = _unread(error)
+                errors[path] = _make_mesh_error(error)
                 continue
             found = by_content[key]
             if isinstance(found, MeshError):
@@ -118,17 +120,17 @@ class Meshes:
         return replace(self, facts=facts, errors=errors, digests=digests)
 
 
-def _measure(path: Path, parts: Entry, data: bytes | None = None) -> MeshFacts:
-    from urdfcheck.facts.mesh.measure import mesh_facts
+def _measure_mesh(path: Path, parts: Entry, data: bytes | None = None) -> MeshFacts:
+    from urdfcheck.facts.mesh.measure import measure_mesh
 
-    return mesh_facts(read_regular(path, MAX_MESH) if data is None else data, _kind(path), parts)
+    return measure_mesh(read_regular(path, MAX_MESH) if data is None else data, _get_file_kind(path), parts)
 
 
-def _unread(error: OSError | ImportError | MemoryError) -> MeshError:
+def _make_mesh_error(error: OSError | ImportError | MemoryError) -> MeshError:
     """Why a file could not even be looked at; nothing that another run must find as well."""
     from urdfcheck.facts.mesh.measure import MeshError
 
-    if isinstance(error, TooLarge):
+    if isinstance(error, FileTooLargeError):
         return MeshError("too-large", error.message.removeprefix("the file "))
     if isinstance(error, OSError):
         return MeshError("unreadable", error.strerror or str(error))
@@ -137,11 +139,11 @@ def _unread(error: OSError | ImportError | MemoryError) -> MeshError:
     return MeshError("too-large", "does not fit into the memory that the check of one model may take")
 
 
-def _version(kind: str) -> str:
+def _compute_reader_version(kind: str) -> str:
     """A digest of what decides about the measurements of a file of this kind beside its content."""
     reader = READERS.get(kind)
-    return version_of(*MEASURING, library=reader and origin_of(reader))
+    return version_of(*MEASURING_MODULES, library=reader and origin_of(reader))
 
 
-def _kind(path: Path) -> str:
+def _get_file_kind(path: Path) -> str:
     return path.suffix.lower().lstrip(".")

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location
-from urdfcheck.source.text.values import LARGEST, attribute_number, attribute_numbers, computable
+from urdfcheck.source.text.values import MAX_MAGNITUDE, is_computable, read_attribute_number, read_attribute_numbers
 from urdfcheck.source.text.xml import Attribute, Element
 
 if TYPE_CHECKING:
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 MOVING_TYPES = frozenset({"revolute", "continuous", "prismatic", "floating", "planar"})
 _ZERO = (0.0, 0.0, 0.0)
-TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-SHAPES = ("mesh", "box", "cylinder", "sphere", "capsule")
+TENSOR_NAMES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+GEOMETRY_TAGS = ("mesh", "box", "cylinder", "sphere", "capsule")
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,26 +32,26 @@ class Pose:
 
     @property
     def xyz(self) -> tuple[float, ...] | None:
-        return _quantities(self.element, "xyz", 3, _ZERO)
+        return _read_numbers(self.element, "xyz", 3, _ZERO)
 
     @property
     def rpy(self) -> tuple[float, ...] | None:
-        return _quantities(self.element, "rpy", 3, _ZERO)
+        return _read_numbers(self.element, "rpy", 3, _ZERO)
 
-    def attribute(self, name: str) -> Attribute | None:
+    def get_attribute(self, name: str) -> Attribute | None:
         return None if self.element is None else self.element.attributes.get(name)
 
     @cached_property
     def matrix(self) -> NDArray[np.float64] | None:
         """4x4, child to parent; None when a number is malformed. ``quat_xyzw`` counts where the rpy is absent."""
-        from urdfcheck.facts.motion.kinematics import quaternion_to_matrix, transform
+        from urdfcheck.facts.motion.kinematics import build_origin_transform, quaternion_to_matrix
 
         xyz, rpy = self.xyz, self.rpy
         if xyz is None or rpy is None:
             return None
-        placed = transform(xyz, rpy)
-        if self.attribute("quat_xyzw") is not None and self.attribute("rpy") is None:
-            quaternion = _quantities(self.element, "quat_xyzw", 4, ())
+        placed = build_origin_transform(xyz, rpy)
+        if self.get_attribute("quat_xyzw") is not None and self.get_attribute("rpy") is None:
+            quaternion = _read_numbers(self.element, "quat_xyzw", 4, ())
             if quaternion is None or not any(quaternion):
                 return None
             placed[:3, :3] = quaternion_to_matrix(quaternion)
@@ -66,26 +66,26 @@ class Inertial:
 
     @cached_property
     def origin(self) -> Pose:
-        return Pose(self.element.child("origin"))
+        return Pose(self.element.find_child("origin"))
 
     @property
     def mass(self) -> float | None:
-        value = attribute_number(self.element.child("mass"), "value")
-        return value if value is not None and computable(value) else None
+        value = read_attribute_number(self.element.find_child("mass"), "value")
+        return value if value is not None and is_computable(value) else None
 
     @property
     def mass_attribute(self) -> Attribute | None:
-        mass = self.element.child("mass")
+        mass = self.element.find_child("mass")
         return None if mass is None else mass.attributes.get("value")
 
     @property
     def tensor_element(self) -> Element | None:
-        return self.element.child("inertia")
+        return self.element.find_child("inertia")
 
     @cached_property
-    def six(self) -> tuple[float, ...] | None:
+    def inertia_components(self) -> tuple[float, ...] | None:
         """ixx ixy ixz iyy iyz izz as typed, None unless all six are numbers."""
-        values = [_quantity(self.tensor_element, name) for name in TENSOR]
+        values = [_read_number(self.tensor_element, name) for name in TENSOR_NAMES]
         return None if any(v is None for v in values) else tuple(v for v in values if v is not None)
 
     @cached_property
@@ -93,9 +93,9 @@ class Inertial:
         """3x3 about the COM in the axes of the inertial frame (before its rpy)."""
         import numpy as np
 
-        if self.six is None:
+        if self.inertia_components is None:
             return None
-        xx, xy, xz, yy, yz, zz = self.six
+        xx, xy, xz, yy, yz, zz = self.inertia_components
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
     @cached_property
@@ -121,37 +121,41 @@ class Shape:
 
     @cached_property
     def origin(self) -> Pose:
-        return Pose(self.element.child("origin"))
+        return Pose(self.element.find_child("origin"))
 
     @cached_property
-    def shape(self) -> Element | None:
+    def geometry_element(self) -> Element | None:
         """The element inside ``<geometry>``."""
-        geometry = self.element.child("geometry")
+        geometry = self.element.find_child("geometry")
         if geometry is None:
             return None
-        return next((c for c in geometry.children if c.tag in SHAPES), None)
+        return next((c for c in geometry.children if c.tag in GEOMETRY_TAGS), None)
 
     @property
     def kind(self) -> str | None:
-        return None if self.shape is None else self.shape.tag
+        return None if self.geometry_element is None else self.geometry_element.tag
 
     @cached_property
     def size(self) -> tuple[float, ...] | None:
         """Metres: box x y z; cylinder, capsule radius length; sphere radius; mesh: its scale. None when malformed."""
-        if self.shape is None:
+        if self.geometry_element is None:
             return None
         if self.kind == "box":
-            return _quantities(self.shape, "size", 3, ()) or None
+            return _read_numbers(self.geometry_element, "size", 3, ()) or None
         if self.kind == "mesh":
-            return _quantities(self.shape, "scale", 3, (1.0, 1.0, 1.0))
+            return _read_numbers(self.geometry_element, "scale", 3, (1.0, 1.0, 1.0))
         names = ("radius",) if self.kind == "sphere" else ("radius", "length")
-        values = [_quantity(self.shape, n) for n in names]
+        values = [_read_number(self.geometry_element, n) for n in names]
         return None if any(v is None for v in values) else tuple(v for v in values if v is not None)
 
     @property
-    def mesh(self) -> Attribute | None:
+    def mesh_filename(self) -> Attribute | None:
         """The ``filename`` of a mesh."""
-        return self.shape.attributes.get("filename") if self.shape is not None and self.kind == "mesh" else None
+        return (
+            self.geometry_element.attributes.get("filename")
+            if self.geometry_element is not None and self.kind == "mesh"
+            else None
+        )
 
     @property
     def location(self) -> Location:
@@ -170,16 +174,16 @@ class Link:
 
     @cached_property
     def inertial(self) -> Inertial | None:
-        found = self.element.child("inertial")
+        found = self.element.find_child("inertial")
         return None if found is None else Inertial(found)
 
     @cached_property
     def visuals(self) -> tuple[Shape, ...]:
-        return tuple(Shape(e, "visual") for e in self.element.all("visual"))
+        return tuple(Shape(e, "visual") for e in self.element.find_children("visual"))
 
     @cached_property
     def collisions(self) -> tuple[Shape, ...]:
-        return tuple(Shape(e, "collision") for e in self.element.all("collision"))
+        return tuple(Shape(e, "collision") for e in self.element.find_children("collision"))
 
     @property
     def location(self) -> Location:
@@ -201,7 +205,7 @@ class Joint:
         return self.element.get("type")
 
     @property
-    def moves(self) -> bool:
+    def is_movable(self) -> bool:
         return self.type in MOVING_TYPES
 
     @property
@@ -211,26 +215,26 @@ class Joint:
 
     @property
     def parent(self) -> str:
-        found = self.element.child("parent")
+        found = self.element.find_child("parent")
         return "" if found is None else found.get("link")
 
     @property
     def child(self) -> str:
-        found = self.element.child("child")
+        found = self.element.find_child("child")
         return "" if found is None else found.get("link")
 
     @cached_property
     def origin(self) -> Pose:
-        return Pose(self.element.child("origin"))
+        return Pose(self.element.find_child("origin"))
 
     @property
     def axis_element(self) -> Element | None:
-        return self.element.child("axis")
+        return self.element.find_child("axis")
 
     @cached_property
     def axis(self) -> tuple[float, ...] | None:
         """As typed in the joint frame; (1, 0, 0) when absent; None when malformed."""
-        return _quantities(self.axis_element, "xyz", 3, (1.0, 0.0, 0.0))
+        return _read_numbers(self.axis_element, "xyz", 3, (1.0, 0.0, 0.0))
 
     @property
     def axis_location(self) -> Location:
@@ -243,13 +247,13 @@ class Joint:
 
     @property
     def limit(self) -> Element | None:
-        return self.element.child("limit")
+        return self.element.find_child("limit")
 
-    def limit_value(self, name: str) -> float | None:
+    def get_limit_value(self, name: str) -> float | None:
         """``lower``, ``upper`` (default 0), ``effort`` or ``velocity`` of ``<limit>``; None without it or malformed."""
         if self.limit is not None and name not in self.limit.attributes and name in {"lower", "upper"}:
             return 0.0
-        return attribute_number(self.limit, name)
+        return read_attribute_number(self.limit, name)
 
     @property
     def is_driven(self) -> bool:
@@ -258,28 +262,30 @@ class Joint:
 
     @property
     def mimic(self) -> Element | None:
-        return self.element.child("mimic")
+        return self.element.find_child("mimic")
 
     @property
     def location(self) -> Location:
         return self.element.location
 
 
-def _quantities(element: Element | None, name: str, count: int, default: tuple[float, ...]) -> tuple[float, ...] | None:
-    """The numbers of an attribute that is computed with, see `_computable`."""
-    values = attribute_numbers(element, name, count, default)
-    known = [_computable(v) for v in values or ()]
+def _read_numbers(
+    element: Element | None, name: str, count: int, default: tuple[float, ...]
+) -> tuple[float, ...] | None:
+    """The numbers of an attribute that is computed with, see `_filter_computable`."""
+    values = read_attribute_numbers(element, name, count, default)
+    known = [_filter_computable(v) for v in values or ()]
     return None if values is None or None in known else tuple(v for v in known if v is not None)
 
 
-def _quantity(element: Element | None, name: str) -> float | None:
-    """The number of an attribute that is computed with, see `_computable`."""
-    value = attribute_number(element, name)
-    return None if value is None else _computable(value)
+def _read_number(element: Element | None, name: str) -> float | None:
+    """The number of an attribute that is computed with, see `_filter_computable`."""
+    value = read_attribute_number(element, name)
+    return None if value is None else _filter_computable(value)
 
 
-def _computable(value: float) -> float | None:
+def _filter_computable(value: float) -> float | None:
     """None for a number that is too large, 0 for one that is too small to tell from it (residues of an export)."""
-    if computable(value):
+    if is_computable(value):
         return value
-    return None if abs(value) > LARGEST else 0.0
+    return None if abs(value) > MAX_MAGNITUDE else 0.0

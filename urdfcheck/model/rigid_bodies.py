@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
-from urdfcheck.core import Unavailable
+from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.robot import Model
 
@@ -25,78 +25,82 @@ NEGLIGIBLE = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Body:
+class RigidLinkGroup:
     """Links that move as one, ``links[0]`` the nearest to the root. ``moves``: whether it hangs on a joint that does."""
 
     links: tuple[str, ...]
-    moves: bool
+    is_movable: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Whole:
+class MergedBody:
     """The body that fixed joints make of a link and others. ``heaviest``: the heaviest of the others; ``moments``: the
     body's principal moments (kg m²), ascending; ``negligible``: whether the link adds next to nothing to it."""
 
     heaviest: str
     moments: tuple[float, float, float]
-    negligible: bool
+    link_is_negligible: bool
 
-    def possible(self, rel_tol: float) -> bool:
+    def is_physically_valid(self, rel_tol: float) -> bool:
         """Whether the moments are positive and keep the triangle inequality, to within ``rel_tol`` of the largest."""
         first, second, third = self.moments
         return first > rel_tol * third and first + second - third >= -rel_tol * third
 
 
-def bodies(model: Model) -> tuple[Body, ...]:
+def list_rigid_bodies(model: Model) -> tuple[RigidLinkGroup, ...]:
     """The rigid bodies, from the root outwards.
 
     :raises Unavailable: when the tree is broken.
     """
     tree = model.tree
     heads = [name for name in tree.order if name not in tree.parent_joint or tree.parent_joint[name].type != "fixed"]
-    return tuple(Body(tree.body(name), name in tree.parent_joint) for name in heads)
+    return tuple(RigidLinkGroup(tree.list_body_links(name), name in tree.parent_joint) for name in heads)
 
 
-def is_point(inertial: Inertial) -> bool:
+def is_point_mass(inertial: Inertial) -> bool:
     """Whether the inertia tensor is zero for all that its mass can tell; False without mass."""
-    six, mass = inertial.six, inertial.mass
+    six, mass = inertial.inertia_components, inertial.mass
     return six is not None and mass is not None and mass > 0 and max(map(abs, six)) <= mass * POINT_RADIUS**2
 
 
-def body_mass(model: Model, links: Sequence[str]) -> float | None:
+def compute_body_mass(model: Model, links: Sequence[str]) -> float | None:
     """Total mass in kg of these links, those without ``<inertial>`` counting nothing; None when one is malformed.
 
     :raises Unavailable: when the tree is broken.
     """
-    return _once(model, "mass", links, _mass)
+    return _memoize_by_body(model, "mass", links, _sum_masses)
 
 
-def _mass(model: Model, links: Sequence[str]) -> float | None:
+def _sum_masses(model: Model, links: Sequence[str]) -> float | None:
     masses = [model.link_by_name[name].inertial for name in links]
     known = [inertial.mass for inertial in masses if inertial is not None]
     return None if any(m is None for m in known) else sum(m for m in known if m is not None)
 
 
-def body_tensor(model: Model, links: Sequence[str]) -> NDArray[np.float64] | None:
+def compute_body_tensor(model: Model, links: Sequence[str]) -> NDArray[np.float64] | None:
     """Inertia tensor (3, 3) in kg m² of these links together, about their common COM, in root coordinates.
 
     None when an inertial is malformed or the links have no mass together.
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
     """
-    found = body_inertia(model, links)
+    found = compute_body_inertia(model, links)
     return None if found is None else found[2]
 
 
-def body_inertia(model: Model, links: Sequence[str]) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
-    """Mass in kg, COM (3,) in m and inertia tensor as `body_tensor`, in root coordinates; None as there.
+def compute_body_inertia(
+    model: Model, links: Sequence[str]
+) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
+    """Mass in kg, COM (3,) in m and inertia tensor as `compute_body_tensor`, in root coordinates; None as there.
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
     """
-    return _once(model, "inertia", links, _inertia)
+    return _memoize_by_body(model, "inertia", links, _merge_inertias)
 
 
-def _inertia(model: Model, links: Sequence[str]) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
+def _merge_inertias(
+    model: Model, links: Sequence[str]
+) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
     import numpy as np
 
     inertials = [(model.frames[name], i) for name in links if (i := model.link_by_name[name].inertial) is not None]
@@ -118,47 +122,54 @@ def _inertia(model: Model, links: Sequence[str]) -> tuple[float, NDArray[np.floa
     return total, com, summed
 
 
-def whole_of(model: Model, link: Link) -> Whole | None:
+def find_merged_body(model: Model, link: Link) -> MergedBody | None:
     """The body that a link with an inertial is part of; None when nothing else in it has mass, or that is not known."""
     try:
-        names = model.tree.body(link.name)
-        moments, total = _once(model, "moments", names, _moments), body_mass(model, names)
-    except Unavailable:
+        names = model.tree.list_body_links(link.name)
+        moments, total = (
+            _memoize_by_body(model, "moments", names, _compute_body_moments),
+            compute_body_mass(model, names),
+        )
+    except FactUnavailableError:
         return None
-    heaviest = next((name for name in _once(model, "heaviest", names, _heaviest) if name != link.name), "")
-    if moments is None or total is None or not heaviest or not _mass_of(model, heaviest) > 0:
+    heaviest = next(
+        (name for name in _memoize_by_body(model, "heaviest", names, _find_two_heaviest) if name != link.name), ""
+    )
+    if moments is None or total is None or not heaviest or not _get_link_mass(model, heaviest) > 0:
         return None
     assert link.inertial is not None
-    largest = max(map(abs, link.inertial.six or (0.0,)))
-    negligible = _mass_of(model, link.name) <= NEGLIGIBLE * total and largest <= NEGLIGIBLE * moments[0]
-    return Whole(heaviest, moments, negligible)
+    largest = max(map(abs, link.inertial.inertia_components or (0.0,)))
+    negligible = _get_link_mass(model, link.name) <= NEGLIGIBLE * total and largest <= NEGLIGIBLE * moments[0]
+    return MergedBody(heaviest, moments, negligible)
 
 
-def _moments(model: Model, links: Sequence[str]) -> tuple[float, float, float] | None:
-    """The principal moments (kg m²) of these links together, ascending; None as `body_tensor`."""
-    from urdfcheck.facts.inertials.inertia_tensor import principal_moments
+def _compute_body_moments(model: Model, links: Sequence[str]) -> tuple[float, float, float] | None:
+    """The principal moments (kg m²) of these links together, ascending; None as `compute_body_tensor`."""
+    from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 
-    tensor = body_tensor(model, links)
+    tensor = compute_body_tensor(model, links)
     if tensor is None:
         return None
-    first, second, third = principal_moments(tensor)[0].tolist()
+    first, second, third = compute_principal_moments(tensor)[0].tolist()
     return first, second, third
 
 
-def _heaviest(model: Model, links: Sequence[str]) -> list[str]:
+def _find_two_heaviest(model: Model, links: Sequence[str]) -> list[str]:
     """The two of these links that have the most mass."""
     known = [name for name in links if model.link_by_name[name].inertial is not None]
-    return sorted(known, key=lambda name: -_mass_of(model, name))[:2]
+    return sorted(known, key=lambda name: -_get_link_mass(model, name))[:2]
 
 
-def _mass_of(model: Model, link: str) -> float:
+def _get_link_mass(model: Model, link: str) -> float:
     inertial = model.link_by_name[link].inertial
     return 0.0 if inertial is None else inertial.mass or 0.0
 
 
-def _once(model: Model, what: str, links: Sequence[str], compute: Callable[[Model, Sequence[str]], _Fact]) -> _Fact:
+def _memoize_by_body(
+    model: Model, what: str, links: Sequence[str], compute: Callable[[Model, Sequence[str]], _Fact]
+) -> _Fact:
     """What is computed of some links, once where they are a whole body: every link of it asks."""
-    if links is not model.tree.body(links[0]):
+    if links is not model.tree.list_body_links(links[0]):
         return compute(model, links)
     key = (what, links[0])
     if key not in model.computed:

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.core import Location, Span, Unavailable
-from urdfcheck.model.meshes import Meshes
+from urdfcheck.core import FactUnavailableError, Location, Span
+from urdfcheck.model.meshes import ModelMeshes
 from urdfcheck.model.parts import Joint, Link, Shape
 from urdfcheck.model.tree import Tree
 from urdfcheck.source.load import Source
@@ -20,16 +20,16 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from urdfcheck.core.drop_test import Drop
-    from urdfcheck.facts.inertials.diagnosis import Geometry
+    from urdfcheck.core.drop_test import DropTest
+    from urdfcheck.facts.inertials.diagnosis import VisualGeometry
     from urdfcheck.facts.inertials.inertia_tensor import Solid
     from urdfcheck.model.ground.wheels import Wheel
-    from urdfcheck.model.inertials.inertia_diagnosis import Judged
-    from urdfcheck.model.inertials.inertial_hull import Enclosed
-    from urdfcheck.model.likeness.identical_parts import Copy
-    from urdfcheck.model.likeness.mirror_pairs import Pair
-    from urdfcheck.model.motion.collisions import Collisions
-    from urdfcheck.model.motion.pinocchio_model import Dynamics, Verdict
+    from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial
+    from urdfcheck.model.inertials.inertial_hull import EnclosedInertial
+    from urdfcheck.model.likeness.identical_parts import PartCopy
+    from urdfcheck.model.likeness.mirror_pairs import MirrorPair
+    from urdfcheck.model.motion.collisions import SelfCollisions
+    from urdfcheck.model.motion.pinocchio_model import ParserVerdict, PinocchioModel
     from urdfcheck.source.ros.srdf import Srdf
 
 
@@ -45,7 +45,7 @@ class Model:
     cache: Cache = field(default_factory=Cache)
     samples: int = 200
     targets: tuple[str, ...] = ()
-    simulated: bool = False
+    may_simulate: bool = False
 
     @property
     def name(self) -> str:
@@ -61,12 +61,12 @@ class Model:
 
     @cached_property
     def links(self) -> tuple[Link, ...]:
-        return tuple(Link(e) for e in self.robot.all("link"))
+        return tuple(Link(e) for e in self.robot.find_children("link"))
 
     @cached_property
     def joints(self) -> tuple[Joint, ...]:
         """The joints of the kinematic tree (not those named inside transmissions or ros2_control)."""
-        return tuple(Joint(e) for e in self.robot.all("joint"))
+        return tuple(Joint(e) for e in self.robot.find_children("joint"))
 
     @cached_property
     def link_by_name(self) -> Mapping[str, Link]:
@@ -89,16 +89,16 @@ class Model:
 
         :raises Unavailable: when links and joints do not form one tree (the KIN rules say why).
         """
-        if isinstance(self._tree, Unavailable):
+        if isinstance(self._tree, FactUnavailableError):
             raise self._tree.with_traceback(None)
         return self._tree
 
     @cached_property
-    def _tree(self) -> Tree | Unavailable:
+    def _tree(self) -> Tree | FactUnavailableError:
         """That there is none is found once as well: every link asks."""
         try:
             return Tree.build(self.links, self.joints)
-        except Unavailable as reason:
+        except FactUnavailableError as reason:
             return reason
 
     @property
@@ -107,15 +107,15 @@ class Model:
 
         :raises Unavailable: when the tree is broken or an origin is malformed.
         """
-        if isinstance(self._frames, Unavailable):
+        if isinstance(self._frames, FactUnavailableError):
             raise self._frames.with_traceback(None)
         return self._frames
 
     @cached_property
-    def _frames(self) -> Mapping[str, NDArray[np.float64]] | Unavailable:
-        from urdfcheck.facts.motion.kinematics import forward
+    def _frames(self) -> Mapping[str, NDArray[np.float64]] | FactUnavailableError:
+        from urdfcheck.facts.motion.kinematics import compute_forward_kinematics
 
-        if isinstance(self._tree, Unavailable):
+        if isinstance(self._tree, FactUnavailableError):
             return self._tree
 
         order = self.tree.order
@@ -127,10 +127,10 @@ class Model:
             joint = self.tree.parent_joint[name]
             matrix = joint.origin.matrix
             if matrix is None:
-                return Unavailable(f"the origin of joint {joint.name!r} is malformed")
+                return FactUnavailableError(f"the origin of joint {joint.name!r} is malformed")
             parents.append(index[joint.parent])
             placements.append(matrix)
-        world = forward(parents, np.array(placements))
+        world = compute_forward_kinematics(parents, np.array(placements))
         return dict(zip(order, world, strict=True))
 
     @cached_property
@@ -149,74 +149,74 @@ class Model:
         return found
 
     @cached_property
-    def meshes(self) -> Meshes:
+    def meshes(self) -> ModelMeshes:
         """Every mesh that the model draws or collides with, resolved, and read once per content."""
-        return Meshes.of(self.links, self.source, self.cache, read=self.tier != "source")
+        return ModelMeshes.from_links(self.links, self.source, self.cache, read=self.tier != "source")
 
-    def drawn_scale(self, shape: Shape) -> tuple[float, float, float] | None:
+    def compute_drawn_scale(self, shape: Shape) -> tuple[float, float, float] | None:
         """Metres per file unit along the mesh's axes, as RViz and Gazebo draw it: the URDF scale times COLLADA's unit.
 
         None when the shape is no mesh that could be read, or its scale is malformed.
         """
-        facts, scale = self.meshes.facts_of(shape), shape.size
+        facts, scale = self.meshes.get_facts(shape), shape.size
         if facts is None or scale is None or len(scale) != 3:
             return None
         unit = 1.0 if facts.unit is None else facts.unit
         return scale[0] * unit, scale[1] * unit, scale[2] * unit
 
     @cached_property
-    def verdict(self) -> Verdict:
+    def verdict(self) -> ParserVerdict:
         """What the reference parser says about the model.
 
         :raises Unavailable: as :attr:`dynamics`.
         """
-        from urdfcheck.model.motion.pinocchio_model import verdict
+        from urdfcheck.model.motion.pinocchio_model import parser_verdict
 
-        return verdict(self)
+        return parser_verdict(self)
 
     @cached_property
-    def dynamics(self) -> Dynamics:
+    def dynamics(self) -> PinocchioModel:
         """The model in Pinocchio.
 
         :raises Unavailable: when Pinocchio is not installed (Windows) or the model must not be handed to it.
         """
-        from urdfcheck.model.motion.pinocchio_model import build
+        from urdfcheck.model.motion.pinocchio_model import pinocchio_model
 
-        return build(self)
+        return pinocchio_model(self)
 
     @cached_property
-    def collisions(self) -> Collisions:
+    def collisions(self) -> SelfCollisions:
         """Which links collide with each other.
 
         :raises Unavailable: when coal is not installed (Windows), or the tree, an origin or an axis is broken.
         """
-        from urdfcheck.model.motion.collisions import build
+        from urdfcheck.model.motion.collisions import self_collisions
 
-        return build(self)
+        return self_collisions(self)
 
     @property
-    def drop(self) -> Drop:
+    def drop(self) -> DropTest:
         """What comes of the robot when it is set on a plane and let go.
 
-        :raises Unavailable: where no simulator may be started, or as `urdfcheck.model.motion.simulated_drop.dropped`.
+        :raises Unavailable: where no simulator may be started, or as `urdfcheck.model.motion.simulated_drop.run_drop_test`.
         """
-        if not self.simulated:
-            raise Unavailable("needs a simulator: urdfcheck drop")
-        if isinstance(self._drop, Unavailable):
+        if not self.may_simulate:
+            raise FactUnavailableError("needs a simulator: urdfcheck drop")
+        if isinstance(self._drop, FactUnavailableError):
             raise self._drop.with_traceback(None)
         return self._drop
 
     @cached_property
-    def _drop(self) -> Drop | Unavailable:
-        from urdfcheck.model.motion.simulated_drop import dropped
+    def _drop(self) -> DropTest | FactUnavailableError:
+        from urdfcheck.model.motion.simulated_drop import run_drop_test
 
         try:
-            return dropped(self)
-        except Unavailable as reason:
+            return run_drop_test(self)
+        except FactUnavailableError as reason:
             return reason
 
     @cached_property
-    def geometries(self) -> dict[object, Geometry | None]:
+    def geometries(self) -> dict[object, VisualGeometry | None]:
         """What `urdfcheck.model.shapes.visual_solid.geometry` has measured of this model."""
         return {}
 
@@ -226,7 +226,7 @@ class Model:
         return {}
 
     @cached_property
-    def written_alike(self) -> Mapping[Span | None, list[Link]]:
+    def links_by_inertial_span(self) -> Mapping[Span | None, list[Link]]:
         """The links whose inertials are one text, as a macro makes them."""
         found: dict[Span | None, list[Link]] = {}
         for link in self.links:
@@ -240,19 +240,19 @@ class Model:
 
         :raises Unavailable: when the tree is broken.
         """
-        from urdfcheck.model.likeness.sibling_joints import siblings
+        from urdfcheck.model.likeness.sibling_joints import sibling_joints
 
-        return siblings(self)
+        return sibling_joints(self)
 
     @cached_property
-    def copies(self) -> tuple[tuple[Copy, ...], ...]:
+    def copies(self) -> tuple[tuple[PartCopy, ...], ...]:
         """Groups of links that draw one part.
 
         :raises Unavailable: when the tree is broken.
         """
-        from urdfcheck.model.likeness.identical_parts import copies
+        from urdfcheck.model.likeness.identical_parts import part_copies
 
-        return copies(self)
+        return part_copies(self)
 
     @cached_property
     def wheels(self) -> tuple[Wheel, ...]:
@@ -260,77 +260,77 @@ class Model:
 
         :raises Unavailable: when the tree is broken or an origin is malformed.
         """
-        from urdfcheck.model.ground.wheels import rolling
+        from urdfcheck.model.ground.wheels import rolling_wheels
 
-        return rolling(self)
+        return rolling_wheels(self)
 
     @cached_property
-    def pairs(self) -> tuple[Pair, ...]:
+    def pairs(self) -> tuple[MirrorPair, ...]:
         """The left and the right of the robot: links that are each other's mirror image.
 
         :raises Unavailable: when the tree is broken or an origin is malformed.
         """
-        from urdfcheck.model.likeness.mirror_pairs import pairs
+        from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 
-        return pairs(self)
+        return mirror_pairs(self)
 
     @cached_property
-    def diagnoses(self) -> Mapping[str, Judged]:
+    def diagnoses(self) -> Mapping[str, DiagnosedInertial]:
         """What is wrong with the inertial of each link, by name."""
-        from urdfcheck.model.inertials.inertia_diagnosis import diagnoses
+        from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 
-        return diagnoses(self)
+        return inertial_diagnoses(self)
 
     @cached_property
-    def enclosed(self) -> tuple[Enclosed, ...]:
+    def enclosed(self) -> tuple[EnclosedInertial, ...]:
         """The inertials of links that are bodies, each with all that is drawn round it.
 
         :raises Unavailable: when the tree is broken or an origin is malformed.
         """
-        from urdfcheck.model.inertials.inertial_hull import enclosed
+        from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 
-        return tuple(enclosed(self))
+        return tuple(enclosed_inertials(self))
 
     @cached_property
     def srdfs(self) -> tuple[Srdf, ...]:
         """The semantic descriptions (SRDF) in reach that are for a robot of this name."""
-        from urdfcheck.source.ros.srdf import srdfs_of
+        from urdfcheck.source.ros.srdf import load_srdfs
 
-        return srdfs_of(self.source, self.name)
+        return load_srdfs(self.source, self.name)
 
-    def solid(self, link: Link, role: str = "visual") -> Solid | None:
+    def measure_link_solid(self, link: Link, role: str = "visual") -> Solid | None:
         """Volume, COM and second moments of what a link draws (or collides with), in the link frame.
 
         None when it has no such shape, or one whose volume is not known (an unread or open mesh).
         """
-        from urdfcheck.facts.inertials.inertia_tensor import combine
+        from urdfcheck.facts.inertials.inertia_tensor import combine_solids
 
         shapes = link.visuals if role == "visual" else link.collisions
-        solids = [self.shape_solid(shape) for shape in shapes]
+        solids = [self.measure_shape_solid(shape) for shape in shapes]
         known = [s for s in solids if s is not None]
-        return combine(known) if known and len(known) == len(solids) else None
+        return combine_solids(known) if known and len(known) == len(solids) else None
 
-    def shape_solid(self, shape: Shape) -> Solid | None:
-        """Like :meth:`solid` for one shape."""
+    def measure_shape_solid(self, shape: Shape) -> Solid | None:
+        """Like :meth:`measure_link_solid` for one shape."""
         import numpy as np
 
         from urdfcheck.facts.inertials import inertia_tensor as inertia
-        from urdfcheck.facts.mesh.measure import transformed_moments
+        from urdfcheck.facts.mesh.measure import compute_mesh_solid
 
         size, pose = shape.size, shape.origin.matrix
         if size is None or pose is None or any(s == 0 for s in size):
             return None
         if shape.kind == "mesh":
-            facts = self.meshes.facts_of(shape)
+            facts = self.meshes.get_facts(shape)
             if facts is None or not facts.closed or not np.isfinite(facts.com).all():
                 return None
-            return transformed_moments(facts, size, pose[:3, :3], pose[:3, 3])
+            return compute_mesh_solid(facts, size, pose[:3, :3], pose[:3, 3])
         if any(s < 0 for s in size):
             return None
         made = {
-            "box": lambda: inertia.box_solid(size),
-            "cylinder": lambda: inertia.cylinder_solid(*size),
-            "sphere": lambda: inertia.sphere_solid(*size),
-            "capsule": lambda: inertia.capsule_solid(*size),
+            "box": lambda: inertia.make_box_solid(size),
+            "cylinder": lambda: inertia.make_cylinder_solid(*size),
+            "sphere": lambda: inertia.make_sphere_solid(*size),
+            "capsule": lambda: inertia.make_capsule_solid(*size),
         }[shape.kind or ""]()
-        return inertia.placed(made, pose[:3, :3], pose[:3, 3])
+        return inertia.transform_solid(made, pose[:3, :3], pose[:3, 3])

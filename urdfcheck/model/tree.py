@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
 
-from urdfcheck.core import Unavailable
+from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.parts import Joint, Link
 
 # urdfdom and Pinocchio go down a chain of links by calling themselves: on a stack of 8 MiB they come to more than 2,000, and
@@ -30,13 +30,13 @@ class Tree:
         names = [link.name for link in links]
         known = set(names)
         if not names:
-            raise Unavailable("the model has no link (KIN007)")
+            raise FactUnavailableError("the model has no link (KIN007)")
         nameless = next((link for link in links if not link.name), None)
         if nameless is not None:
             code = "NAM001" if "name" in nameless.element.attributes else "XML005"
-            raise Unavailable(f"a link has no name ({code})")
+            raise FactUnavailableError(f"a link has no name ({code})")
         if len(known) != len(names) or len({j.name for j in joints}) != len(joints):
-            raise Unavailable("links or joints share a name (KIN001)")
+            raise FactUnavailableError("links or joints share a name (KIN001)")
         parent_joint: dict[str, Joint] = {}
         children: dict[str, list[Joint]] = {name: [] for name in names}
         for joint in joints:
@@ -44,11 +44,11 @@ class Tree:
             children[joint.parent].append(joint)
         for joint in joints:
             if joint.child in parent_joint:
-                raise Unavailable(_why_two_parents(joint.child, joints, children))
+                raise FactUnavailableError(_explain_two_parents(joint.child, joints, children))
             parent_joint[joint.child] = joint
         roots = [name for name in names if name not in parent_joint]
         if len(roots) != 1:
-            raise Unavailable(
+            raise FactUnavailableError(
                 "the links form a cycle (KIN004)" if not roots else f"the model has {len(roots)} roots (KIN005)"
             )
         order: list[str] = []
@@ -59,12 +59,12 @@ class Tree:
             order.append(name)
             queue.extend((joint.child, level + 1) for joint in children[name])
         if len(order) != len(names):
-            raise Unavailable("some links form a cycle apart from the root (KIN004)")
+            raise FactUnavailableError("some links form a cycle apart from the root (KIN004)")
         if level > MOST_LEVELS:
-            raise TooDeep(level, order[-1])
+            raise TreeTooDeepError(level, order[-1])
         return cls(roots[0], tuple(order), parent_joint, {k: tuple(v) for k, v in children.items()})
 
-    def path(self, link: str) -> tuple[Joint, ...]:
+    def find_path_to(self, link: str) -> tuple[Joint, ...]:
         """The joints from the root to a link."""
         joints: list[Joint] = []
         while link in self.parent_joint:
@@ -72,12 +72,12 @@ class Tree:
             link = joints[-1].parent
         return tuple(reversed(joints))
 
-    def body(self, link: str) -> tuple[str, ...]:
+    def list_body_links(self, link: str) -> tuple[str, ...]:
         """The links that fixed joints make one rigid body with ``link``, the nearest to the root first."""
-        return self._bodies[link]
+        return self._body_links[link]
 
     @cached_property
-    def _bodies(self) -> Mapping[str, tuple[str, ...]]:
+    def _body_links(self) -> Mapping[str, tuple[str, ...]]:
         """The body of each link, one and the same for all links of it."""
         head: dict[str, str] = {}
         members: dict[str, list[str]] = {}
@@ -88,12 +88,12 @@ class Tree:
         wholes = {first: tuple(names) for first, names in members.items()}
         return {name: wholes[first] for name, first in head.items()}
 
-    def moves(self, link: str) -> bool:
+    def is_movable_link(self, link: str) -> bool:
         """Whether the link's body hangs on a joint that moves (the root's body does not)."""
-        return self.body(link)[0] in self.parent_joint
+        return self.list_body_links(link)[0] in self.parent_joint
 
 
-class TooDeep(Unavailable):
+class TreeTooDeepError(FactUnavailableError):
     """``levels`` links hang one below the other, down to ``link``; ``limit`` would be followed."""
 
     def __init__(self, levels: int, link: str) -> None:
@@ -104,14 +104,14 @@ class TooDeep(Unavailable):
 
 def _ensure_links(joint: Joint, known: Set[str]) -> None:
     if not joint.parent or not joint.child:
-        raise Unavailable(f"joint {joint.name!r} names no parent or no child (XML005)")
+        raise FactUnavailableError(f"joint {joint.name!r} names no parent or no child (XML005)")
     if joint.parent not in known or joint.child not in known:
-        raise Unavailable(f"joint {joint.name!r} names a link that does not exist (KIN002)")
+        raise FactUnavailableError(f"joint {joint.name!r} names a link that does not exist (KIN002)")
     if joint.parent == joint.child:
-        raise Unavailable(f"joint {joint.name!r} connects link {joint.child!r} with itself (KIN006)")
+        raise FactUnavailableError(f"joint {joint.name!r} connects link {joint.child!r} with itself (KIN006)")
 
 
-def _why_two_parents(link: str, joints: Sequence[Joint], children: Mapping[str, Sequence[Joint]]) -> str:
+def _explain_two_parents(link: str, joints: Sequence[Joint], children: Mapping[str, Sequence[Joint]]) -> str:
     """A link that has several parents, or one beside the joint that leads back to it."""
     below, queue = {link}, [link]
     while queue:

@@ -10,9 +10,9 @@ if TYPE_CHECKING:
 
 FORMATS = ("text", "json", "html", "sarif", "github", "gitlab", "junit", "rdjson", "markdown")
 # What goes into a file only, because it is no text.
-PICTURE = "png"
+PICTURE_FORMAT = "png"
 # Those that draw something: they need the scenes of a run.
-DRAWN = frozenset({"html", "markdown", PICTURE})
+DRAWING_FORMATS = frozenset({"html", "markdown", PICTURE_FORMAT})
 
 
 def render(run: Run, output_format: str) -> str:
@@ -21,8 +21,8 @@ def render(run: Run, output_format: str) -> str:
     return rendered
 
 
-def picture(run: Run) -> bytes:
-    """The one model of a run as a :data:`PICTURE`.
+def render_picture(run: Run) -> bytes:
+    """The one model of a run as a :data:`PICTURE_FORMAT`.
 
     :raises UrdfcheckError: when there are several models, or none that can be drawn.
     """

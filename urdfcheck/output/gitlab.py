@@ -7,18 +7,18 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Confidence, Finding, Rule, Run, Severity, Verdict
-from urdfcheck.output.shared.inert import for_json, for_markdown
-from urdfcheck.output.shared.wording import details, own_file, worst_first
+from urdfcheck.output.shared.inert import escape_for_json, escape_for_markdown
+from urdfcheck.output.shared.wording import find_finding_file, iter_details, sort_worst_first
 from urdfcheck.policy.consumers import verdict
 
 
 def render(run: Run) -> str:
     """A JSON array, the worst first."""
-    found = [*_failed(run), *_issues(run)]
-    return for_json(json.dumps(found, indent=2, ensure_ascii=False) + "\n")
+    found = [*_iter_failure_issues(run), *_iter_finding_issues(run)]
+    return escape_for_json(json.dumps(found, indent=2, ensure_ascii=False) + "\n")
 
 
-def _failed(run: Run) -> Iterator[dict[str, Any]]:
+def _iter_failure_issues(run: Run) -> Iterator[dict[str, Any]]:
     """What failed in urdfcheck itself belongs to no line: it is shown at the first model, lest the report look clean."""
     path = run.models[0].path if run.models else "."
     for number, failure in enumerate(run.failures, 1):
@@ -33,9 +33,9 @@ def _failed(run: Run) -> Iterator[dict[str, Any]]:
         }
 
 
-def _issues(run: Run) -> Iterator[dict[str, Any]]:
+def _iter_finding_issues(run: Run) -> Iterator[dict[str, Any]]:
     seen: dict[str, int] = {}
-    for finding in worst_first(run.active):
+    for finding in sort_worst_first(run.active_findings):
         first = next(iter(finding.fingerprints), finding.code)
         seen[first] = seen.get(first, 0) + 1
         at = finding.location.span
@@ -44,16 +44,16 @@ def _issues(run: Run) -> Iterator[dict[str, Any]]:
             "type": "issue",
             "check_name": finding.code,
             "description": f"{finding.message} [{finding.name}]",
-            "content": {"body": _content(run, finding)},
+            "content": {"body": _format_issue_body(run, finding)},
             "categories": ["Bug Risk"],
-            "severity": _severity(run, finding),
+            "severity": _classify_severity(run, finding),
             # Of findings with one fingerprint the second has a number, so that none hides another.
             "fingerprint": first if seen[first] == 1 else f"{first}-{seen[first]}",
-            "location": {"path": (own_file(run, finding) or ".") if at is None else at.file, "lines": lines},
+            "location": {"path": (find_finding_file(run, finding) or ".") if at is None else at.file, "lines": lines},
         }
 
 
-def _severity(run: Run, finding: Finding) -> str:
+def _classify_severity(run: Run, finding: Finding) -> str:
     """A blocker where urdfdom or a target has no model at all; a hint weighs less than what is sure."""
     if finding.severity == Severity.ERROR:
         readers = run.targets or ("urdfdom",)
@@ -64,11 +64,13 @@ def _severity(run: Run, finding: Finding) -> str:
     return "info"
 
 
-def _content(run: Run, finding: Finding) -> str:
+def _format_issue_body(run: Run, finding: Finding) -> str:
     """Markdown: what else is known of the finding, and what its rule is about."""
-    told = [f"**{for_markdown(label)}:** {for_markdown(text)}" for label, text in details(run, finding)]
-    return "\n\n".join([*told, *_help(run.rules.get(finding.code))])
+    told = [
+        f"**{escape_for_markdown(label)}:** {escape_for_markdown(text)}" for label, text in iter_details(run, finding)
+    ]
+    return "\n\n".join([*told, *_format_rule_help(run.rules.get(finding.code))])
 
 
-def _help(rule: Rule | None) -> list[str]:
+def _format_rule_help(rule: Rule | None) -> list[str]:
     return [] if rule is None else [f"**{rule.code} {rule.name}:** {rule.summary}"]

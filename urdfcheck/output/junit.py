@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from xml.etree import ElementTree
 
 from urdfcheck.core import Finding, ModelInfo, Run, Severity
-from urdfcheck.output.shared.code_frames import frame
-from urdfcheck.output.shared.diffs import rows
-from urdfcheck.output.shared.inert import for_xml, one_line, visible
-from urdfcheck.output.shared.wording import details, place
+from urdfcheck.output.shared.code_frames import extract_code_frame
+from urdfcheck.output.shared.diffs import iter_diff_lines
+from urdfcheck.output.shared.inert import escape_for_xml, escape_invisible, escape_one_line
+from urdfcheck.output.shared.wording import format_place, iter_details
 
-BESIDE = "launch files and packages"
-STATUS = {
+OTHER_SUITE = "launch files and packages"
+STATUS_TEXTS = {
     "needs-arguments": "not checked: the model cannot be expanded without arguments",
     "failed": "not checked: the model could not be expanded; the findings say why",
 }
@@ -29,12 +29,12 @@ _NO_XML = re.compile("[\ufffe\uffff]")
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class JUnitCase:
     """A test. ``outcome``: passed | failure | error | skipped, with a type, a line and a text."""
 
     name: str
     outcome: str = "passed"
-    kind: str = ""
+    failure_type: str = ""
     message: str = ""
     text: str = ""
 
@@ -43,78 +43,82 @@ def render(run: Run) -> str:
     """An XML document. Only ``time`` differs between equal runs."""
     root = ElementTree.Element("testsuites", name="urdfcheck")
     for info in run.models:
-        _add(root, info.id, _model_cases(run, info), seconds=info.seconds, file=info.path)
-    _add(root, BESIDE, _other_cases(run))
-    _add(root, "urdfcheck", _own_cases(run))
+        _add_suite(root, info.id, _iter_model_cases(run, info), seconds=info.seconds, file=info.path)
+    _add_suite(root, OTHER_SUITE, _iter_other_cases(run))
+    _add_suite(root, "urdfcheck", _iter_urdfcheck_cases(run))
     for name in ("tests", "failures", "errors"):
         root.set(name, str(sum(int(suite.get(name, "0")) for suite in root)))
     root.set("time", f"{run.seconds:.3f}")
     ElementTree.indent(root)
-    return for_xml(f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n')
+    return escape_for_xml(f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n')
 
 
 # -- what is a test ----------------------------------------------------------------------------------------------------
 
 
-def _model_cases(run: Run, info: ModelInfo) -> Iterator[Case]:
+def _iter_model_cases(run: Run, info: ModelInfo) -> Iterator[JUnitCase]:
     found = [finding for finding in run.findings if finding.model == info.id]
-    yield from _found(run, found)
+    yield from _iter_finding_cases(run, found)
     if info.status == "checked":
-        yield from _passed(run, info.id, {finding.code for finding in found}, {"file", "model"})
+        yield from _iter_passed_cases(run, info.id, {finding.code for finding in found}, {"file", "model"})
     else:
-        yield Case("the model is checked", "skipped", info.status, STATUS.get(info.status, info.status))
-    yield from _skipped(run, {info.id})
+        yield JUnitCase("the model is checked", "skipped", info.status, STATUS_TEXTS.get(info.status, info.status))
+    yield from _iter_skipped_cases(run, {info.id})
 
 
-def _other_cases(run: Run) -> Iterator[Case]:
+def _iter_other_cases(run: Run) -> Iterator[JUnitCase]:
     """Of launch files and packages, and of whatever else belongs to no model."""
     models = {info.id for info in run.models}
     found = [finding for finding in run.findings if finding.model not in models]
-    yield from _found(run, found)
-    for name in sorted(run.ids - models):
+    yield from _iter_finding_cases(run, found)
+    for name in sorted(run.unit_ids - models):
         scopes = {"package"} if name.rsplit("/", 1)[-1] == "package.xml" else {"launch"}
-        yield from _passed(run, name, {f.code for f in found if f.model == name}, scopes, of=f" {name}")
-    yield from _skipped(run, {skip.model for skip in run.skipped} - models)
+        yield from _iter_passed_cases(run, name, {f.code for f in found if f.model == name}, scopes, suffix=f" {name}")
+    yield from _iter_skipped_cases(run, {skip.model for skip in run.skipped} - models)
 
 
-def _own_cases(run: Run) -> Iterator[Case]:
+def _iter_urdfcheck_cases(run: Run) -> Iterator[JUnitCase]:
     for number, failure in enumerate(run.failures, 1):
-        yield Case(f"urdfcheck itself ({number})", "error", "urdfcheck", _first_line(failure), failure)
+        yield JUnitCase(f"urdfcheck itself ({number})", "error", "urdfcheck", _get_first_line(failure), failure)
     if not run.units and not run.failures:
-        yield Case("there is something to check", "skipped", "nothing", "no model, launch file or package was found")
+        yield JUnitCase(
+            "there is something to check", "skipped", "nothing", "no model, launch file or package was found"
+        )
 
 
-def _found(run: Run, findings: Iterable[Finding]) -> Iterator[Case]:
+def _iter_finding_cases(run: Run, findings: Iterable[Finding]) -> Iterator[JUnitCase]:
     for finding in findings:
-        text = "\n".join(_told(run, finding))
+        text = "\n".join(_iter_detail_lines(run, finding))
         for subject in finding.subjects or ("",):
             name = f"{finding.code} {finding.name} {subject}".strip()
             if finding.suppressed is not None:
-                yield Case(name, "skipped", "known", f"known, {finding.suppressed}: {_first_line(finding.message)}")
-            elif _fails(run, finding):
-                yield Case(name, "failure", finding.code, _first_line(finding.message), text)
+                yield JUnitCase(
+                    name, "skipped", "known", f"known, {finding.suppressed}: {_get_first_line(finding.message)}"
+                )
+            elif _is_failing(run, finding):
+                yield JUnitCase(name, "failure", finding.code, _get_first_line(finding.message), text)
             else:
-                yield Case(name, text=text)
+                yield JUnitCase(name, text=text)
 
 
-def _passed(run: Run, unit: str, fired: set[str], scopes: set[str], of: str = "") -> Iterator[Case]:
+def _iter_passed_cases(run: Run, unit: str, fired: set[str], scopes: set[str], suffix: str = "") -> Iterator[JUnitCase]:
     """The rules that ran on a unit and found nothing there."""
     skipped = {skip.code for skip in run.skipped if skip.model == unit}
-    ran = set() if "ALL" in skipped else run.judged.get(unit, frozenset()) - skipped - fired
+    ran = set() if "ALL" in skipped else run.complete_rules.get(unit, frozenset()) - skipped - fired
     for code in sorted(ran & run.rules.keys()):
         if scopes & set(run.rules[code].scopes):
-            yield Case(f"{code} {run.rules[code].name}{of}")
+            yield JUnitCase(f"{code} {run.rules[code].name}{suffix}")
 
 
-def _skipped(run: Run, units: set[str]) -> Iterator[Case]:
+def _iter_skipped_cases(run: Run, units: set[str]) -> Iterator[JUnitCase]:
     for skip in run.skipped:
         if skip.model in units:
             rule = run.rules.get(skip.code)
             name = "all rules" if skip.code == "ALL" else skip.code if rule is None else f"{rule.code} {rule.name}"
-            yield Case(name, "skipped", "skipped", skip.reason)
+            yield JUnitCase(name, "skipped", "skipped", skip.reason)
 
 
-def _fails(run: Run, finding: Finding) -> bool:
+def _is_failing(run: Run, finding: Finding) -> bool:
     """Whether it fails the run, as the exit code does."""
     levels = set(run.fail_on.values())
     # What belongs to no unit fails from where all of them do.
@@ -125,59 +129,63 @@ def _fails(run: Run, finding: Finding) -> bool:
 # -- what is said of it ------------------------------------------------------------------------------------------------
 
 
-def _told(run: Run, finding: Finding) -> Iterator[str]:
+def _iter_detail_lines(run: Run, finding: Finding) -> Iterator[str]:
     """The place, the message, the lines of the source, why and what to do."""
     span = finding.location.span
-    where = "" if span is None else f"{place(span)}: "
+    where = "" if span is None else f"{format_place(span)}: "
     yield f"{where}{finding.severity} {finding.code} {finding.name}"
     yield finding.message
     if span is not None:
-        for line in frame(run.sources.get(span.file, ""), span):
+        for line in extract_code_frame(run.sources.get(span.file, ""), span):
             yield f"{'>' if line.marked else ' '} {line.number:>5} | {line.text[:LONGEST_LINE]}"
-        yield from (f"from {place(call)}" for call in reversed(finding.location.via))
-    for label, text in details(run, finding):
+        yield from (f"from {format_place(call)}" for call in reversed(finding.location.via))
+    for label, text in iter_details(run, finding):
         yield f"{label}: {text}"
     if finding.fix is not None:
-        yield from (line[:LONGEST_LINE] for _, line in rows(run.sources, finding.fix.edits))
+        yield from (line[:LONGEST_LINE] for _, line in iter_diff_lines(run.sources, finding.fix.edits))
 
 
-def _first_line(text: str) -> str:
+def _get_first_line(text: str) -> str:
     return text.partition("\n")[0]
 
 
 # -- XML ---------------------------------------------------------------------------------------------------------------
 
 
-def _add(root: ElementTree.Element, name: str, cases: Iterable[Case], *, seconds: float = 0.0, file: str = "") -> None:
+def _add_suite(
+    root: ElementTree.Element, name: str, cases: Iterable[JUnitCase], *, seconds: float = 0.0, file: str = ""
+) -> None:
     """A suite with these cases; none without any."""
     tests = list(cases)
     if not tests:
         return
     outcomes = Counter(case.outcome for case in tests)
-    suite = ElementTree.SubElement(root, "testsuite", name=_attribute(name), tests=str(len(tests)))
+    suite = ElementTree.SubElement(root, "testsuite", name=_escape_attribute(name), tests=str(len(tests)))
     for key, outcome in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
         suite.set(key, str(outcomes[outcome]))
     suite.set("time", f"{seconds:.3f}")
     if file:
-        suite.set("file", _attribute(file))
+        suite.set("file", _escape_attribute(file))
     # Jenkins takes what stands before the last dot for a package, and two tests of one name for one.
-    group = f"urdfcheck.{_attribute(name).replace('.', '_')}"
+    group = f"urdfcheck.{_escape_attribute(name).replace('.', '_')}"
     seen: dict[str, int] = {}
     for case in tests:
         seen[case.name] = seen.get(case.name, 0) + 1
         numbered = case.name if seen[case.name] == 1 else f"{case.name} ({seen[case.name]})"
-        test = ElementTree.SubElement(suite, "testcase", classname=group, name=_attribute(numbered))
+        test = ElementTree.SubElement(suite, "testcase", classname=group, name=_escape_attribute(numbered))
         if case.outcome == "passed":
             if case.text:
-                ElementTree.SubElement(test, "system-out").text = _text(case.text)
+                ElementTree.SubElement(test, "system-out").text = _escape_text(case.text)
             continue
-        said = ElementTree.SubElement(test, case.outcome, type=_attribute(case.kind), message=_attribute(case.message))
-        said.text = _text(case.text) or None
+        said = ElementTree.SubElement(
+            test, case.outcome, type=_escape_attribute(case.failure_type), message=_escape_attribute(case.message)
+        )
+        said.text = _escape_text(case.text) or None
 
 
-def _attribute(text: str) -> str:
-    return _NO_XML.sub("\ufffd", one_line(text))
+def _escape_attribute(text: str) -> str:
+    return _NO_XML.sub("\ufffd", escape_one_line(text))
 
 
-def _text(text: str) -> str:
-    return _NO_XML.sub("\ufffd", visible(text))
+def _escape_text(text: str) -> str:
+    return _NO_XML.sub("\ufffd", escape_invisible(text))

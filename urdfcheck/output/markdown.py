@@ -10,18 +10,36 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
 from urdfcheck.core.scene import Scene
-from urdfcheck.output.mermaid import chart
-from urdfcheck.output.shared.diffs import rows
-from urdfcheck.output.shared.inert import as_code, for_log, for_markdown, one_line, visible
-from urdfcheck.output.shared.wording import NAMES, ORDER, by_effect, looked_at, place, plural, verdict, worst_first
+from urdfcheck.output.mermaid import build_mermaid_chart
+from urdfcheck.output.shared.diffs import iter_diff_lines
+from urdfcheck.output.shared.inert import (
+    escape_for_log,
+    escape_for_markdown,
+    escape_invisible,
+    escape_one_line,
+    format_code_span,
+)
+from urdfcheck.output.shared.wording import (
+    PROGRAM_NAMES,
+    SEVERITY_ORDER,
+    describe_checked_units,
+    format_count,
+    format_place,
+    group_by_effect,
+    sort_worst_first,
+    summarize_verdict,
+)
 
 # At the top of a comment, so that a bot finds its own and writes it anew.
 MARKER = "<!-- urdfcheck report -->"
 # Bytes: GitHub takes comments of 65,536 characters and summaries of 1 MiB from a step.
-COMMENT, SUMMARY = 65_000, 1_000_000
+COMMENT_LIMIT, SUMMARY_LIMIT = 65_000, 1_000_000
 SIGNS = {Severity.ERROR: "❌", Severity.WARNING: "⚠️", Severity.INFO: "ℹ️"}
-VERDICTS = {"error": "❌", "warning": "⚠️", "ok": "✅"}
-HOW = {Applicability.SAFE: "safe to apply as shown", Applicability.UNSAFE: "review it before it is applied"}
+VERDICT_SIGNS = {"error": "❌", "warning": "⚠️", "ok": "✅"}
+APPLICABILITY_TEXTS = {
+    Applicability.SAFE: "safe to apply as shown",
+    Applicability.UNSAFE: "review it before it is applied",
+}
 # A cell of a table: who wants to read on has the other reports.
 LONGEST_TEXT, MOST_EFFECTS, MOST_LINES = 600, 3, 30
 MOST_TREES = 5
@@ -32,60 +50,60 @@ _TICKS = re.compile("`+")
 
 def render(run: Run) -> str:
     """A comment: the verdict, a table of errors and warnings, and folded what is less urgent."""
-    page = _Page(COMMENT, [MARKER])
-    _head(page, run)
-    _findings(page, run)
-    _repairs(page, run)
-    _trees(page, run, folded=True)
-    return page.text()
+    page = _BoundedPage(COMMENT_LIMIT, [MARKER])
+    _add_head(page, run)
+    _add_findings(page, run)
+    _add_repairs(page, run)
+    _add_trees(page, run, folded=True)
+    return page.build_text()
 
 
-def job_summary(run: Run, reports: Sequence[str] = (), room: int = SUMMARY) -> str:
+def render_job_summary(run: Run, reports: Sequence[str] = (), byte_limit: int = SUMMARY_LIMIT) -> str:
     """The summary of a job in at most so many bytes; ``reports``: the files that the run's HTML reports were written to."""
-    page = _Page(min(room, SUMMARY), [])
-    _head(page, run)
+    page = _BoundedPage(min(byte_limit, SUMMARY_LIMIT), [])
+    _add_head(page, run)
     for report in reports:
-        page.add(f"The whole report, with the robot in 3D: {as_code(report)}", "")
-    _findings(page, run)
-    _models(page, run)
-    _trees(page, run, folded=False)
-    _repairs(page, run)
-    _skipped(page, run)
-    return page.text()
+        page.add_lines(f"The whole report, with the robot in 3D: {format_code_span(report)}", "")
+    _add_findings(page, run)
+    _add_models(page, run)
+    _add_trees(page, run, folded=False)
+    _add_repairs(page, run)
+    _add_skipped(page, run)
+    return page.build_text()
 
 
-class _Page:
+class _BoundedPage:
     """Lines of a document that may not be larger than ``room`` bytes; what finds no room is counted, and told at the end."""
 
     def __init__(self, room: int, lines: Iterable[str]) -> None:
         self.lines = list(lines)
-        self.left = room - RESERVE - sum(map(_size, self.lines))
+        self.left = room - RESERVE - sum(map(_measure_size, self.lines))
         self.missing: list[str] = []
 
-    def add(self, *lines: str) -> bool:
+    def add_lines(self, *lines: str) -> bool:
         """Whether these lines, all of them, had room."""
-        lines = tuple(map(for_log, lines))
-        size = sum(map(_size, lines))
+        lines = tuple(map(escape_for_log, lines))
+        size = sum(map(_measure_size, lines))
         if size > self.left:
             return False
         self.left -= size
         self.lines += lines
         return True
 
-    def group(self, what: str, head: Sequence[str], blocks: Sequence[Sequence[str]], foot: Sequence[str]) -> None:
+    def add_group(self, noun: str, head: Sequence[str], blocks: Sequence[Sequence[str]], foot: Sequence[str]) -> None:
         """As many of the blocks as have room, between a head and a foot; ``what``: the word for one of them."""
-        self.left -= sum(map(_size, foot))
+        self.left -= sum(map(_measure_size, foot))
         shown = 0
-        if blocks and self.add(*head):
-            while shown < len(blocks) and self.add(*blocks[shown]):
+        if blocks and self.add_lines(*head):
+            while shown < len(blocks) and self.add_lines(*blocks[shown]):
                 shown += 1
             self.lines += foot
         else:
-            self.left += sum(map(_size, foot))
+            self.left += sum(map(_measure_size, foot))
         if shown < len(blocks):
-            self.missing.append(plural(len(blocks) - shown, what))
+            self.missing.append(format_count(len(blocks) - shown, noun))
 
-    def text(self) -> str:
+    def build_text(self) -> str:
         if self.missing:
             told = ", ".join(self.missing)
             self.lines.append(
@@ -94,42 +112,46 @@ class _Page:
         return "\n".join(self.lines).rstrip("\n") + "\n"
 
 
-def _size(line: str) -> int:
+def _measure_size(line: str) -> int:
     return len(line.encode(errors="replace")) + 1
 
 
-def _fold(summary: str) -> tuple[list[str], list[str]]:
+def _make_fold(summary: str) -> tuple[list[str], list[str]]:
     return ["<details>", f"<summary>{summary}</summary>", ""], ["", "</details>", ""]
 
 
-def _head(page: _Page, run: Run) -> None:
-    kind, sentence = verdict(run)
-    page.add(f"### {VERDICTS[kind]} urdfcheck: {sentence}", "")
-    counts = " · ".join(f"{SIGNS[s]} {plural(run.count(s), str(s))}" for s in ORDER)
-    known = sum(run.suppressed.values())
-    page.add(f"{counts} · in {looked_at(run)}{f' · {known} known and not shown' if known else ''}", "")
-    failures = [[f"- urdfcheck failed: {for_markdown(_cut(failure))}"] for failure in run.failures]
-    page.group("failure", [], failures, [""])
+def _add_head(page: _BoundedPage, run: Run) -> None:
+    kind, sentence = summarize_verdict(run)
+    page.add_lines(f"### {VERDICT_SIGNS[kind]} urdfcheck: {sentence}", "")
+    counts = " · ".join(f"{SIGNS[s]} {format_count(run.count_findings(s), str(s))}" for s in SEVERITY_ORDER)
+    known = sum(run.suppressed_counts.values())
+    page.add_lines(
+        f"{counts} · in {describe_checked_units(run)}{f' · {known} known and not shown' if known else ''}", ""
+    )
+    failures = [[f"- urdfcheck failed: {escape_for_markdown(_truncate_text(failure))}"] for failure in run.failures]
+    page.add_group("failure", [], failures, [""])
 
 
-def _findings(page: _Page, run: Run) -> None:
-    found = worst_first(run.active)
+def _add_findings(page: _BoundedPage, run: Run) -> None:
+    found = sort_worst_first(run.active_findings)
     table = ["| | rule | where, what, and → what follows |", "| --- | --- | --- |"]
-    urgent = [[_row(run, finding)] for finding in found if finding.severity > Severity.INFO]
-    page.group("error or warning", table, urgent, [""])
-    notes = [[_row(run, finding)] for finding in found if finding.severity == Severity.INFO]
-    head, foot = _fold(f"{SIGNS[Severity.INFO]} {plural(len(notes), 'info')}: worth knowing")
-    page.group("info", [*head, *table], notes, foot)
+    urgent = [[_format_finding_row(run, finding)] for finding in found if finding.severity > Severity.INFO]
+    page.add_group("error or warning", table, urgent, [""])
+    notes = [[_format_finding_row(run, finding)] for finding in found if finding.severity == Severity.INFO]
+    head, foot = _make_fold(f"{SIGNS[Severity.INFO]} {format_count(len(notes), 'info')}: worth knowing")
+    page.add_group("info", [*head, *table], notes, foot)
 
 
-def _row(run: Run, finding: Finding) -> str:
+def _format_finding_row(run: Run, finding: Finding) -> str:
     at = finding.location.span
-    where = as_code(finding.location.subject if at is None else place(at))
-    given = " ".join(as_code(f"{name}:={value}") for name, value in sorted(run.arguments_of(finding).items()))
-    told = for_markdown(_cut(finding.message))
+    where = format_code_span(finding.location.subject if at is None else format_place(at))
+    given = " ".join(
+        format_code_span(f"{name}:={value}") for name, value in sorted(run.find_variant_arguments(finding).items())
+    )
+    told = escape_for_markdown(_truncate_text(finding.message))
     effects = [
-        f"→ {', '.join(for_markdown(NAMES.get(p, p)) for p in programs)}: {for_markdown(_cut(effect))}"
-        for effect, programs in by_effect(finding.consequences).items()
+        f"→ {', '.join(escape_for_markdown(PROGRAM_NAMES.get(p, p)) for p in programs)}: {escape_for_markdown(_truncate_text(effect))}"
+        for effect, programs in group_by_effect(finding.consequences).items()
     ]
     lines = [f"{where}{f' with {given}' if given else ''}", told, *effects[:MOST_EFFECTS]]
     lines += ["→ …"] if len(effects) > MOST_EFFECTS else []
@@ -137,43 +159,45 @@ def _row(run: Run, finding: Finding) -> str:
     return f"| {severity} | **{finding.code}**<br>{finding.name} | {'<br>'.join(lines)} |"
 
 
-def _repairs(page: _Page, run: Run) -> None:
-    blocks = [_repair(run, finding) for finding in worst_first(run.active)]
+def _add_repairs(page: _BoundedPage, run: Run) -> None:
+    blocks = [_format_repair(run, finding) for finding in sort_worst_first(run.active_findings)]
     found = [block for block in blocks if block]
-    head, foot = _fold(f"🔧 {plural(len(found), 'repair')} to copy, or to apply with <code>urdfcheck --fix</code>")
-    page.group("repair", head, found, foot)
+    head, foot = _make_fold(
+        f"🔧 {format_count(len(found), 'repair')} to copy, or to apply with <code>urdfcheck --fix</code>"
+    )
+    page.add_group("repair", head, found, foot)
 
 
-def _repair(run: Run, finding: Finding) -> list[str]:
+def _format_repair(run: Run, finding: Finding) -> list[str]:
     fix = finding.fix
-    if fix is None or not fix.edits or fix.applicability not in HOW:
+    if fix is None or not fix.edits or fix.applicability not in APPLICABILITY_TEXTS:
         return []
-    lines = [line for _, line in rows(run.sources, fix.edits)]
+    lines = [line for _, line in iter_diff_lines(run.sources, fix.edits)]
     if len(lines) > MOST_LINES:
         lines = [*lines[:MOST_LINES], f"… {len(lines) - MOST_LINES} more lines"]
-    title = f"**{finding.code}** {for_markdown(_cut(fix.title))} ({HOW[fix.applicability]})"
-    return [title, "", *_fenced("diff", [_cut(visible(line)) for line in lines]), ""]
+    title = f"**{finding.code}** {escape_for_markdown(_truncate_text(fix.title))} ({APPLICABILITY_TEXTS[fix.applicability]})"
+    return [title, "", *_wrap_in_fence("diff", [_truncate_text(escape_invisible(line)) for line in lines]), ""]
 
 
-def _fenced(language: str, lines: Sequence[str]) -> list[str]:
+def _wrap_in_fence(language: str, lines: Sequence[str]) -> list[str]:
     """A fence that is longer than what looks like one inside."""
     longest = max((len(ticks) for line in lines for ticks in _TICKS.findall(line)), default=0)
     fence = "`" * max(3, longest + 1)
     return [f"{fence}{language}", *lines, fence]
 
 
-def _models(page: _Page, run: Run) -> None:
+def _add_models(page: _BoundedPage, run: Run) -> None:
     head = [
         "| model | robot | links | joints | mass | errors | warnings | info |",
         "| --- | --- | --: | --: | --: | --: | --: | --: |",
     ]
-    page.group("model", head, [[row] for row in _model_rows(run)], [""])
+    page.add_group("model", head, [[row] for row in _iter_model_rows(run)], [""])
 
 
-def _model_rows(run: Run) -> Iterator[str]:
+def _iter_model_rows(run: Run) -> Iterator[str]:
     for info in run.models:
-        counts = [sum(f.model == info.id and f.severity == s for f in run.active) for s in ORDER]
-        cells = [as_code(info.id), as_code(info.robot) if info.robot else ""]
+        counts = [sum(f.model == info.id and f.severity == s for f in run.active_findings) for s in SEVERITY_ORDER]
+        cells = [format_code_span(info.id), format_code_span(info.robot) if info.robot else ""]
         if info.status == "checked":
             cells += [str(info.links), str(info.joints), "" if info.mass is None else f"{info.mass:.4g} kg"]
         else:
@@ -181,42 +205,43 @@ def _model_rows(run: Run) -> Iterator[str]:
         yield f"| {' | '.join([*cells, *map(str, counts)])} |"
 
 
-def _trees(page: _Page, run: Run, *, folded: bool) -> None:
+def _add_trees(page: _BoundedPage, run: Run, *, folded: bool) -> None:
     scenes = [scene for scene in run.scenes if len(scene.links) > 1]
     for scene in scenes[:MOST_TREES]:
         findings = [finding for finding in run.findings if finding.model == scene.model]
-        head, foot = _fold(f"🌳 the kinematic tree of {_html(scene.model)}")
+        head, foot = _make_fold(f"🌳 the kinematic tree of {_format_html_code(scene.model)}")
         if not folded:
-            head, foot = [f"#### The kinematic tree of {as_code(scene.model)}", ""], [""]
-        if not page.add(*head, *_tree(scene, findings), *foot):
+            head, foot = [f"#### The kinematic tree of {format_code_span(scene.model)}", ""], [""]
+        if not page.add_lines(*head, *_format_tree(scene, findings), *foot):
             page.missing.append("a kinematic tree")
     if len(scenes) > MOST_TREES:
-        page.missing.append(plural(len(scenes) - MOST_TREES, "kinematic tree"))
+        page.missing.append(format_count(len(scenes) - MOST_TREES, "kinematic tree"))
 
 
-def _tree(scene: Scene, findings: Sequence[Finding]) -> list[str]:
-    found = chart(scene, findings)
-    more = f"Drawn are {found.shown} of {found.of} links and frames, those next to the root."
-    return [*_fenced("mermaid", found.text.splitlines()), *(["", more] if found.shown < found.of else [])]
+def _format_tree(scene: Scene, findings: Sequence[Finding]) -> list[str]:
+    found = build_mermaid_chart(scene, findings)
+    more = f"Drawn are {found.shown} of {found.total} links and frames, those next to the root."
+    return [*_wrap_in_fence("mermaid", found.text.splitlines()), *(["", more] if found.shown < found.total else [])]
 
 
-def _skipped(page: _Page, run: Run) -> None:
+def _add_skipped(page: _BoundedPage, run: Run) -> None:
     reasons: dict[str, set[str]] = {}
     for skip in run.skipped:
         reasons.setdefault(skip.reason, set()).add(skip.code)
     blocks = [
-        [f"- {', '.join(sorted(codes))}: {for_markdown(_cut(reason))}"] for reason, codes in sorted(reasons.items())
+        [f"- {', '.join(sorted(codes))}: {escape_for_markdown(_truncate_text(reason))}"]
+        for reason, codes in sorted(reasons.items())
     ]
-    head, foot = _fold("checks that could not run")
-    page.group("reason why a check could not run", head, blocks, foot)
+    head, foot = _make_fold("checks that could not run")
+    page.add_group("reason why a check could not run", head, blocks, foot)
 
 
-def _html(text: str) -> str:
+def _format_html_code(text: str) -> str:
     """A name in the head of a fold, which is HTML and no Markdown."""
     import html
 
-    return f"<code>{html.escape(one_line(text))}</code>"
+    return f"<code>{html.escape(escape_one_line(text))}</code>"
 
 
-def _cut(text: str) -> str:
+def _truncate_text(text: str) -> str:
     return text if len(text) <= LONGEST_TEXT else f"{text[:LONGEST_TEXT]}…"

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.core.scene import Scene
-from urdfcheck.output.shared.anchors import Element, Mark, cards, marks
-from urdfcheck.output.shared.graph import LAUNCH, REPEATED, Edge, Node, forest
-from urdfcheck.output.shared.inert import one_line
+from urdfcheck.output.shared.anchors import ElementKey, SeverityMark, build_finding_cards, compute_severity_marks
+from urdfcheck.output.shared.graph import LAUNCH, REPEATED, TreeEdge, TreeNode, build_forest
+from urdfcheck.output.shared.inert import escape_one_line
 
 # What Mermaid draws unless a site allows it more: characters, and edges.
 MOST_CHARACTERS = 50_000
@@ -28,80 +28,80 @@ _SPELLED = re.compile(r"[^\w ./,()-]", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
-class Chart:
+class MermaidChart:
     """A flowchart, and how many frames of the tree it has; ``of`` counts them all."""
 
     text: str
     shown: int
-    of: int
+    total: int
 
 
-def chart(scene: Scene, findings: Iterable[Finding]) -> Chart:
+def build_mermaid_chart(scene: Scene, findings: Iterable[Finding]) -> MermaidChart:
     """The links and frames of a scene, each in the colour of its worst finding. Of a tree that is too large the frames next to
     the root are drawn."""
-    nodes = forest(scene)
-    worst = marks(cards(findings), scene.frames)
+    nodes = build_forest(scene)
+    worst = compute_severity_marks(build_finding_cards(findings), scene.frames)
     styles = [
         f"  classDef {severity} fill:{fill},stroke:{line},color:#1f2328" for severity, (fill, line) in COLORS.items()
     ]
-    lines = [f"flowchart {_direction(nodes)}", *styles]
+    lines = [f"flowchart {_choose_direction(nodes)}", *styles]
     left = MOST_CHARACTERS - sum(len(line) + 1 for line in lines)
     ids: dict[str, str] = {}
     edges = 0
     for shown, place in enumerate(sorted(range(len(nodes)), key=lambda i: nodes[i].depth)):
-        added = _drawn(nodes, place, ids, worst, edges)
+        added = _draw_node(nodes, place, ids, worst, edges)
         left -= sum(len(line) + 1 for line in added)
         if left < 0 or edges + (nodes[place].edge is not None) > MOST_EDGES:
-            return Chart(_text(lines), shown, len(nodes))
+            return MermaidChart(_join_lines(lines), shown, len(nodes))
         edges += nodes[place].edge is not None
         lines += added
-    return Chart(_text(lines), len(nodes), len(nodes))
+    return MermaidChart(_join_lines(lines), len(nodes), len(nodes))
 
 
-def _text(lines: Sequence[str]) -> str:
+def _join_lines(lines: Sequence[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _direction(nodes: Sequence[Node]) -> str:
+def _choose_direction(nodes: Sequence[TreeNode]) -> str:
     """Downwards where the tree is deeper than it is wide: a page is as long as it must be."""
     leaves = sum(not node.children for node in nodes)
     return "TD" if leaves <= max((node.depth for node in nodes), default=0) + 1 else "LR"
 
 
-def _drawn(
-    nodes: Sequence[Node], place: int, ids: dict[str, str], worst: Mapping[Element, Mark], edges: int
+def _draw_node(
+    nodes: Sequence[TreeNode], index: int, ids: dict[str, str], worst: Mapping[ElementKey, SeverityMark], edges: int
 ) -> list[str]:
     """The lines of a node and of what leads to it. A link that is drawn already gets one more arrow, and no box."""
-    node = nodes[place]
+    node = nodes[index]
     lines = []
     if node.kind != REPEATED or node.name not in ids:
-        ids.setdefault(node.name, f"n{place}")
+        ids.setdefault(node.name, f"n{index}")
         element = node.edge.element if node.kind == LAUNCH and node.edge is not None else ("link", node.name)
         mark = worst.get(element)
         style = "" if mark is None else f":::{mark.severity}"
-        lines.append(f'  {ids[node.name]}["{_sign(mark)}{label(node.name)}"]{style}')
+        lines.append(f'  {ids[node.name]}["{_format_sign(mark)}{format_label(node.name)}"]{style}')
     if node.edge is not None:
         mark = worst.get(node.edge.element)
         arrow = "-->" if node.edge.is_joint else "-.->"
         parent = ids[nodes[node.parent].name]
-        lines.append(f'  {parent} {arrow}|"{_sign(mark)}{_told(node.edge)}"| {ids[node.name]}')
+        lines.append(f'  {parent} {arrow}|"{_format_sign(mark)}{_format_edge_label(node.edge)}"| {ids[node.name]}')
         if mark is not None:
             lines.append(f"  linkStyle {edges} stroke:{COLORS[mark.severity][1]}")
     return lines
 
 
-def _sign(mark: Mark | None) -> str:
+def _format_sign(mark: SeverityMark | None) -> str:
     return "" if mark is None else f"{SIGNS[mark.severity]} "
 
 
-def _told(edge: Edge) -> str:
-    return f"{label(edge.name)} ({label(edge.kind)})" if edge.is_joint else "launch file"
+def _format_edge_label(edge: TreeEdge) -> str:
+    return f"{format_label(edge.name)} ({format_label(edge.kind)})" if edge.is_joint else "launch file"
 
 
-def label(name: str) -> str:
+def format_label(name: str) -> str:
     """A name between quotes; the middle of a long one goes, because robots tell their links apart at both ends."""
     half = LONGEST_NAME // 2
     shown = name if len(name) <= LONGEST_NAME else f"{name[: half - 1]}…{name[-half:]}"
     return _SPELLED.sub(
-        lambda match: match[0] if match[0] > "\x7f" else f"#{ord(match[0])};", one_line(shown) or "(no name)"
+        lambda match: match[0] if match[0] > "\x7f" else f"#{ord(match[0])};", escape_one_line(shown) or "(no name)"
     )

@@ -19,16 +19,16 @@ if TYPE_CHECKING:
 
 # How often each pixel is looked at along a side; how many pixels and rows of the triangles are filled at once, and at all: a
 # large robot has 5 million of them, and 50 million take two seconds.
-_FINER, _AT_ONCE, _MOST = 2, 2_000_000, 50_000_000
+_SUPERSAMPLING, _AT_ONCE, _MOST = 2, 2_000_000, 50_000_000
 # More triangles than any robot has, for a shape may be drawn many times.
 _MOST_TRIANGLES = 1_000_000
 # Nothing is that large, and its square is still a number.
 _LARGEST = 1e60
-_PLAIN = (0.67, 0.71, 0.76)
+_DEFAULT_COLOR = (0.67, 0.71, 0.76)
 # Where the eye and the lamp are from the robot, which looks along x.
 _EYE, _LAMP = (1.0, -0.9, 0.75), (0.35, -0.75, 1.0)
 # How bright a face is that no lamp reaches, and how much darker a line where one link ends before another.
-_SHADE, _LINE = 0.42, 0.45
+_SHADE, _LINE_BRIGHTNESS = 0.42, 0.45
 _CORNERS = 32
 
 
@@ -40,18 +40,18 @@ def render(run: Run) -> bytes:
     paths = dict.fromkeys(info.path for info in run.models)
     if len(paths) > 1:
         raise UrdfcheckError(f"a png shows one model, and there are {len(paths)}: name the file of one")
-    picture = next((made for scene in run.scenes if (made := png(scene))), b"")
+    picture = next((made for scene in run.scenes if (made := render_scene(scene))), b"")
     if not picture:
         raise UrdfcheckError(f"no png: {next(iter(paths), 'nothing')} has no shape that can be drawn")
     return picture
 
 
-def png(scene: Scene, width: int = 1200, height: int = 900) -> bytes:
+def render_scene(scene: Scene, width: int = 1200, height: int = 900) -> bytes:
     """A robot with all joints at zero as ``width`` times ``height`` pixels; empty where nothing of it can be drawn."""
     import numpy as np
 
     found, left = [], _MOST_TRIANGLES
-    for part in _triangles(scene):
+    for part in _iter_triangles(scene):
         found.append(part)
         left -= len(part[0])
         if left < 0:
@@ -62,35 +62,41 @@ def png(scene: Scene, width: int = 1200, height: int = 900) -> bytes:
     sizes = [len(triangles) for triangles, _, _ in found]
     colours = np.repeat([colour for _, colour, _ in found], sizes, axis=0)
     links = np.repeat([link for _, _, link in found], sizes)
-    columns, rows = width * _FINER, height * _FINER
+    columns, rows = width * _SUPERSAMPLING, height * _SUPERSAMPLING
     if not len(corners) or not (np.abs(corners) < _LARGEST).all():
         return b""
-    nearest = _nearest(_seen(corners, columns, rows), columns, rows)
+    nearest = _rasterize_triangles(_project_to_view(corners, columns, rows), columns, rows)
     if nearest is None:
         return b""
     # By the number of the triangle its colour, then the same in a line, and nothing at the end, which is number -1.
-    lit = np.column_stack((_lit(corners, colours) * 255, np.full(len(corners), 255)))
-    table = np.concatenate((lit, lit * (_LINE, _LINE, _LINE, 1), np.zeros((1, 4)))).astype(np.uint8)
+    lit = np.column_stack((_shade_triangles(corners, colours) * 255, np.full(len(corners), 255)))
+    table = np.concatenate(
+        (lit, lit * (_LINE_BRIGHTNESS, _LINE_BRIGHTNESS, _LINE_BRIGHTNESS, 1), np.zeros((1, 4)))
+    ).astype(np.uint8)
     link = np.append(links, -1).astype(np.int32)[nearest]
     ends = np.zeros(link.shape, dtype=bool)  # where a link ends before another one or the ground
     ends[1:] = link[1:] != link[:-1]
     ends[:, 1:] |= link[:, 1:] != link[:, :-1]
     nearest[ends & (nearest >= 0)] += len(corners)
-    return _encoded(_smooth(table[nearest]))
+    return _encode_png(_downsample_pixels(table[nearest]))
 
 
-def _smooth(fine: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def _downsample_pixels(fine: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Each pixel as the mean of those looked at, with as much opacity as there are robot among them."""
     import numpy as np
 
-    total = sum(fine[i::_FINER, k::_FINER].astype(np.uint16) for i in range(_FINER) for k in range(_FINER))
+    total = sum(
+        fine[i::_SUPERSAMPLING, k::_SUPERSAMPLING].astype(np.uint16)
+        for i in range(_SUPERSAMPLING)
+        for k in range(_SUPERSAMPLING)
+    )
     total = np.asarray(total)
     total[..., :3] //= np.maximum(total[..., 3:] // 255, 1)
-    total[..., 3] //= _FINER**2
+    total[..., 3] //= _SUPERSAMPLING**2
     return total.astype(np.uint8)
 
 
-def _triangles(scene: Scene) -> Iterator[tuple[Array, tuple[float, ...], int]]:
+def _iter_triangles(scene: Scene) -> Iterator[tuple[Array, tuple[float, ...], int]]:
     """Corners (n, 3, 3) in the base frame, colour and the number of the link of each shape that is drawn."""
     import numpy as np
 
@@ -104,34 +110,42 @@ def _triangles(scene: Scene) -> Iterator[tuple[Array, tuple[float, ...], int]]:
             if len(shape.pose) != 16 or not shape.size or (shape.role != "visual" and "visual" in roles):
                 continue
             pose = world @ np.array(shape.pose).reshape(4, 4)
-            for corners, colour in _parts(scene, shape):
-                yield corners @ pose[:3, :3].T + pose[:3, 3], (shape.color or colour or _PLAIN)[:3], number
+            for corners, colour in _iter_shape_triangles(scene, shape):
+                yield corners @ pose[:3, :3].T + pose[:3, 3], (shape.color or colour or _DEFAULT_COLOR)[:3], number
 
 
-def _parts(scene: Scene, shape: SceneShape) -> Iterator[tuple[Array, tuple[float, ...] | None]]:
+def _iter_shape_triangles(scene: Scene, shape: SceneShape) -> Iterator[tuple[Array, tuple[float, ...] | None]]:
     import numpy as np
 
-    from urdfcheck.facts.mesh.codec import Packed, unpack
+    from urdfcheck.facts.mesh.codec import PackedMesh, unpack_mesh
 
     if shape.file is not None:
         for part in scene.meshes[shape.file].drawings:
             low, high = np.array(part.low), np.array(part.high)
-            points, faces, _ = unpack(Packed(part.data, part.vertices, part.faces, part.holes, low, high))
+            points, faces, _ = unpack_mesh(PackedMesh(part.data, part.vertices, part.faces, part.holes, low, high))
             yield (points * shape.size)[faces], part.color
     elif shape.kind == "box":
-        yield _turned(4, [(0.0, 0.5), (math.sqrt(0.5), 0.5), (math.sqrt(0.5), -0.5), (0.0, -0.5)]) * shape.size, None
+        yield (
+            _revolve_outline(4, [(0.0, 0.5), (math.sqrt(0.5), 0.5), (math.sqrt(0.5), -0.5), (0.0, -0.5)]) * shape.size,
+            None,
+        )
     elif shape.kind == "cylinder":
         radius, length = shape.size
-        yield _turned(_CORNERS, [(0, length / 2), (radius, length / 2), (radius, -length / 2), (0, -length / 2)]), None
+        yield (
+            _revolve_outline(
+                _CORNERS, [(0, length / 2), (radius, length / 2), (radius, -length / 2), (0, -length / 2)]
+            ),
+            None,
+        )
     elif shape.kind in ("sphere", "capsule"):
         radius, length = shape.size[0], shape.size[1] if shape.kind == "capsule" else 0.0
         turns = [math.pi * k / 16 for k in range(17)]
         lifts = [length / 2 if turn <= math.pi / 2 else -length / 2 for turn in turns]
         outline = [(radius * math.sin(t), radius * math.cos(t) + z) for t, z in zip(turns, lifts, strict=True)]
-        yield _turned(_CORNERS, outline), None
+        yield _revolve_outline(_CORNERS, outline), None
 
 
-def _turned(corners: int, outline: list[tuple[float, float]]) -> Array:
+def _revolve_outline(corners: int, outline: list[tuple[float, float]]) -> Array:
     """The triangles of an outline of (radius, z) turned about z in so many steps."""
     import numpy as np
 
@@ -142,7 +156,7 @@ def _turned(corners: int, outline: list[tuple[float, float]]) -> Array:
     return np.concatenate((np.stack((a, b, c), axis=2), np.stack((b, d, c), axis=2))).reshape(-1, 3, 3)
 
 
-def _seen(corners: Array, columns: int, rows: int) -> Array:
+def _project_to_view(corners: Array, columns: int, rows: int) -> Array:
     """Corners as column, row and depth from the eye, so that the robot fills the picture."""
     import numpy as np
 
@@ -157,7 +171,7 @@ def _seen(corners: Array, columns: int, rows: int) -> Array:
     return moved
 
 
-def _lit(corners: Array, colours: Array) -> Array:
+def _shade_triangles(corners: Array, colours: Array) -> Array:
     """The colour of each triangle under the lamp, lit as if it were turned to the eye: a mesh may be inside out."""
     import numpy as np
 
@@ -169,7 +183,7 @@ def _lit(corners: Array, colours: Array) -> Array:
     return lit
 
 
-def _nearest(seen: Array, columns: int, rows: int) -> NDArray[np.int64] | None:
+def _rasterize_triangles(seen: Array, columns: int, rows: int) -> NDArray[np.int64] | None:
     """The triangle that is nearest to the eye at each pixel (rows, columns), -1 where none is; None where it would take too long.
 
     Each triangle is cut into the rows of pixels that it covers, each row into pixels: where the middle of a pixel lies inside.
@@ -192,11 +206,11 @@ def _nearest(seen: Array, columns: int, rows: int) -> NDArray[np.int64] | None:
     groups = np.searchsorted(covered, np.arange(0, covered[-1] + _AT_ONCE, _AT_ONCE))
     for first, last in zip(groups, [*groups[1:], len(seen)], strict=True):
         number = np.repeat(np.arange(first, last), heights[first:last])
-        row = _counted(heights[first:last]) + top[number]
-        ends = _ends(seen[number], row + 0.5)
+        row = _number_within_groups(heights[first:last]) + top[number]
+        ends = _intersect_scanlines(seen[number], row + 0.5)
         left, right = (np.ceil(e - 0.5).astype(np.int64).clip(0, columns) for e in ends)
         widths = np.maximum(right - left, 0)
-        column = _counted(widths) + np.repeat(left, widths)
+        column = _number_within_groups(widths) + np.repeat(left, widths)
         row, number = np.repeat(row, widths), np.repeat(number, widths)
         depth = (
             a[number, 2]
@@ -209,14 +223,14 @@ def _nearest(seen: Array, columns: int, rows: int) -> NDArray[np.int64] | None:
     return np.where(none, -1, best & 0xFFFFFFFF).reshape(rows, columns)
 
 
-def _counted(counts: NDArray[np.int64]) -> NDArray[np.int64]:
+def _number_within_groups(counts: NDArray[np.int64]) -> NDArray[np.int64]:
     """0, 1, … below each count, one after the other."""
     import numpy as np
 
     return np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
-def _ends(corners: Array, y: Array) -> tuple[Array, Array]:
+def _intersect_scanlines(corners: Array, y: Array) -> tuple[Array, Array]:
     """Where lines at ``y`` enter and leave the triangles."""
     import numpy as np
 
@@ -229,7 +243,7 @@ def _ends(corners: Array, y: Array) -> tuple[Array, Array]:
     return np.where(left > right, 0, left), np.where(left > right, 0, right)
 
 
-def _encoded(pixels: NDArray[np.uint8]) -> bytes:
+def _encode_png(pixels: NDArray[np.uint8]) -> bytes:
     """A PNG (ISO/IEC 15948) of red, green, blue and opacity, each row as the differences to the row above."""
     import numpy as np
 
@@ -237,13 +251,13 @@ def _encoded(pixels: NDArray[np.uint8]) -> bytes:
     lines = np.full((height, 1 + width * 4), 2, dtype=np.uint8)
     lines[:, 1:] = np.diff(pixels.reshape(height, -1), axis=0, prepend=np.zeros((1, width * 4), dtype=np.uint8))
 
-    def chunk(kind: bytes, data: bytes) -> bytes:
+    def make_chunk(kind: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
     head = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
     return (
         b"\x89PNG\r\n\x1a\n"
-        + chunk(b"IHDR", head)
-        + chunk(b"IDAT", zlib.compress(lines.tobytes(), 6))
-        + chunk(b"IEND", b"")
+        + make_chunk(b"IHDR", head)
+        + make_chunk(b"IDAT", zlib.compress(lines.tobytes(), 6))
+        + make_chunk(b"IEND", b"")
     )

@@ -6,47 +6,54 @@ import json
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Run, Severity, Span
-from urdfcheck.output.shared.inert import for_json, for_markdown
-from urdfcheck.output.shared.positions import utf8
-from urdfcheck.output.shared.wording import details, own_file, worst_first
+from urdfcheck.output.shared.inert import escape_for_json, escape_for_markdown
+from urdfcheck.output.shared.positions import to_utf8_region
+from urdfcheck.output.shared.wording import find_finding_file, iter_details, sort_worst_first
 
 
 def render(run: Run) -> str:
     """One JSON object. Messages are inert Markdown, for reviewdog makes comments of them."""
-    found = worst_first(run.active)
+    found = sort_worst_first(run.active_findings)
     worst = Severity.ERROR if run.failures else max((f.severity for f in found), default=None)
     result = {
         "source": {"name": "urdfcheck"},
-        **({} if worst is None else {"severity": _name(worst)}),
-        "diagnostics": [*(_failed(run, failure) for failure in run.failures), *(_diagnostic(run, f) for f in found)],
+        **({} if worst is None else {"severity": _get_severity_name(worst)}),
+        "diagnostics": [
+            *(_build_failure(run, failure) for failure in run.failures),
+            *(_build_diagnostic(run, f) for f in found),
+        ],
     }
-    return for_json(json.dumps(result, indent=2, ensure_ascii=False) + "\n")
+    return escape_for_json(json.dumps(result, indent=2, ensure_ascii=False) + "\n")
 
 
-def _name(severity: Severity) -> str:
+def _get_severity_name(severity: Severity) -> str:
     return severity.name
 
 
-def _failed(run: Run, failure: str) -> dict[str, Any]:
+def _build_failure(run: Run, failure: str) -> dict[str, Any]:
     return {
-        "message": f"urdfcheck failed: {for_markdown(failure)}",
+        "message": f"urdfcheck failed: {escape_for_markdown(failure)}",
         "location": {"path": run.models[0].path if run.models else "."},
         "severity": "ERROR",
     }
 
 
-def _diagnostic(run: Run, finding: Finding) -> dict[str, Any]:
+def _build_diagnostic(run: Run, finding: Finding) -> dict[str, Any]:
     at = finding.location.span
-    lines = [for_markdown(finding.message)]
-    lines += [f"{for_markdown(label)}: {for_markdown(text)}" for label, text in details(run, finding)]
-    related = [
-        {"message": for_markdown(r.subject), "location": _location(run, r.span)} for r in finding.related if r.span
+    lines = [escape_for_markdown(finding.message)]
+    lines += [
+        f"{escape_for_markdown(label)}: {escape_for_markdown(text)}" for label, text in iter_details(run, finding)
     ]
-    suggestions = [] if at is None else _suggestions(run, finding, at)
+    related = [
+        {"message": escape_for_markdown(r.subject), "location": _build_location(run, r.span)}
+        for r in finding.related
+        if r.span
+    ]
+    suggestions = [] if at is None else _build_suggestions(run, finding, at)
     return {
         "message": "\n".join(lines),
-        "location": {"path": own_file(run, finding) or "."} if at is None else _location(run, at),
-        "severity": _name(finding.severity),
+        "location": {"path": find_finding_file(run, finding) or "."} if at is None else _build_location(run, at),
+        "severity": _get_severity_name(finding.severity),
         "source": {"name": "urdfcheck"},
         "code": {"value": finding.code},
         **({"suggestions": suggestions} if suggestions else {}),
@@ -54,27 +61,27 @@ def _diagnostic(run: Run, finding: Finding) -> dict[str, Any]:
     }
 
 
-def _location(run: Run, span: Span) -> dict[str, Any]:
-    return {"path": span.file, "range": _range(run, span)}
+def _build_location(run: Run, span: Span) -> dict[str, Any]:
+    return {"path": span.file, "range": _build_range(run, span)}
 
 
-def _range(run: Run, span: Span) -> dict[str, Any]:
-    at = utf8(span, run.sources)
+def _build_range(run: Run, span: Span) -> dict[str, Any]:
+    at = to_utf8_region(span, run.sources)
     return {
         "start": {"line": at.line, "column": at.column},
         "end": {"line": at.end_line, "column": at.end_column},
     }
 
 
-def _suggestions(run: Run, finding: Finding, at: Span) -> list[dict[str, Any]]:
+def _build_suggestions(run: Run, finding: Finding, at: Span) -> list[dict[str, Any]]:
     """The repair, where it is one edit in the lines of the finding: each suggestion is applied alone, and reviewdog takes only
     those for the lines that it comments on."""
     edits = () if finding.fix is None else finding.fix.edits
-    if len(edits) != 1 or not _same_lines(edits[0], at):
+    if len(edits) != 1 or not _is_on_same_lines(edits[0], at):
         return []
-    return [{"range": _range(run, edits[0].span), "text": edits[0].replacement}]
+    return [{"range": _build_range(run, edits[0].span), "text": edits[0].replacement}]
 
 
-def _same_lines(edit: Edit, at: Span) -> bool:
+def _is_on_same_lines(edit: Edit, at: Span) -> bool:
     span = edit.span
     return (span.file, span.line, span.end_line) == (at.file, at.line, at.end_line)

@@ -17,12 +17,12 @@ from typing import Any
 from urllib.parse import quote
 
 from urdfcheck.core import NEWLINE, Confidence, Finding, Fix, Location, Rule, Run, Severity, Span, Suppression
-from urdfcheck.output.html.appendix import SHOWN
-from urdfcheck.output.html.text import base_name, inline, sections, some
-from urdfcheck.output.json import subject_object
-from urdfcheck.output.shared.inert import for_json, one_line, visible
-from urdfcheck.output.shared.positions import utf16
-from urdfcheck.output.shared.wording import NAMES, by_effect, plural
+from urdfcheck.output.html.appendix import SHOWN_SECTIONS
+from urdfcheck.output.html.text import get_base_name, join_first, render_inline, split_sections
+from urdfcheck.output.json import build_subject_object
+from urdfcheck.output.shared.inert import escape_for_json, escape_invisible, escape_one_line
+from urdfcheck.output.shared.positions import to_utf16_region
+from urdfcheck.output.shared.wording import PROGRAM_NAMES, format_count, group_by_effect
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 BASE = "%SRCROOT%"
@@ -51,21 +51,21 @@ Json = dict[str, Any]
 
 def render(run: Run) -> str:
     """Indented JSON with a line for each result, and a newline at the end; equal runs give equal bytes."""
-    _uri.cache_clear()  # links may have changed since the last run
+    _resolve_uri.cache_clear()  # links may have changed since the last run
     index = {code: number for number, code in enumerate(run.rules)}
-    kept = _most_important(run.findings)
-    results = ",".join(f"\n        {_dumped(_result(run, finding, index))}" for finding in kept)
-    log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [_run(run, len(run.findings) - len(kept), index)]}
+    kept = _select_most_important(run.findings)
+    results = ",".join(f"\n        {_dump_json(_build_result(run, finding, index))}" for finding in kept)
+    log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [_build_run(run, len(run.findings) - len(kept), index)]}
     # To indent thousands of results would take longer than all else.
-    before, after = _dumped(log, indent=2).rsplit("[]", 1)
-    return for_json(f"{before}[{results}]{after}\n")
+    before, after = _dump_json(log, indent=2).rsplit("[]", 1)
+    return escape_for_json(f"{before}[{results}]{after}\n")
 
 
-def _dumped(value: Json, indent: int | None = None) -> str:
+def _dump_json(value: Json, indent: int | None = None) -> str:
     return json.dumps(value, indent=indent, ensure_ascii=False, allow_nan=False)
 
 
-def _run(run: Run, left_out: int, index: Mapping[str, int]) -> Json:
+def _build_run(run: Run, left_out: int, index: Mapping[str, int]) -> Json:
     """The run; its results, which come last, are still to be put in."""
     return {
         "tool": {
@@ -73,24 +73,24 @@ def _run(run: Run, left_out: int, index: Mapping[str, int]) -> Json:
                 "name": "urdfcheck",
                 "version": run.versions["urdfcheck"],
                 "semanticVersion": run.versions["urdfcheck"],
-                "rules": [_descriptor(rule) for rule in run.rules.values()],
+                "rules": [_build_rule_descriptor(rule) for rule in run.rules.values()],
             }
         },
-        "automationDetails": {"id": _category(run)},
+        "automationDetails": {"id": _make_category(run)},
         "columnKind": "utf16CodeUnits",
         "newlineSequences": ["\r\n", "\n", "\r"],
         "originalUriBaseIds": {BASE: {"description": {"text": "The working directory of the run."}}},
         "invocations": [
             {
                 "executionSuccessful": not run.failures and not run.partial,
-                "toolExecutionNotifications": list(_notifications(run, left_out, index)),
+                "toolExecutionNotifications": list(_iter_notifications(run, left_out, index)),
             }
         ],
         "results": [],
     }
 
 
-def _most_important(findings: Sequence[Finding]) -> Sequence[Finding]:
+def _select_most_important(findings: Sequence[Finding]) -> Sequence[Finding]:
     """No more than GitHub takes, in their order: those that somebody knows go first, then the least severe."""
     if len(findings) <= MOST_RESULTS:
         return findings
@@ -98,26 +98,26 @@ def _most_important(findings: Sequence[Finding]) -> Sequence[Finding]:
     return [findings[i] for i in sorted(ranked[:MOST_RESULTS])]
 
 
-def _category(run: Run) -> str:
+def _make_category(run: Run) -> str:
     """What the results of several runs over one commit are told apart by: the robot, where there is one."""
-    robots = {one_line(info.robot) for info in run.models if info.robot}
+    robots = {escape_one_line(info.robot) for info in run.models if info.robot}
     return f"urdfcheck/{robots.pop()}/" if len(robots) == 1 else "urdfcheck/"
 
 
 # -- rules -------------------------------------------------------------------------------------------------------------
 
 
-def _descriptor(rule: Rule) -> Json:
+def _build_rule_descriptor(rule: Rule) -> Json:
     title = rule.name.replace("-", " ").capitalize()
-    texts = sections(rule.page)
-    shown = {name: _FENCE.sub("", texts[name]) for name in SHOWN if texts.get(name, "").strip()}
+    texts = split_sections(rule.page)
+    shown = {name: _FENCE.sub("", texts[name]) for name in SHOWN_SECTIONS if texts.get(name, "").strip()}
     return {
         "id": rule.code,
         "name": rule.name,
         "shortDescription": {"text": title},
-        "fullDescription": {"text": _cut(_plain(rule.summary) or title)},
+        "fullDescription": {"text": _truncate_text(_strip_markdown(rule.summary) or title)},
         "help": {
-            "text": "\n\n".join(f"{name}\n{_plain(text.strip())}" for name, text in shown.items()) or title,
+            "text": "\n\n".join(f"{name}\n{_strip_markdown(text.strip())}" for name, text in shown.items()) or title,
             "markdown": "\n\n".join(f"## {name}\n\n{texts[name].strip()}" for name in shown) or title,
         },
         "defaultConfiguration": {"level": LEVELS[rule.severity]},
@@ -129,36 +129,38 @@ def _descriptor(rule: Rule) -> Json:
     }
 
 
-def _plain(markdown: str) -> str:
+def _strip_markdown(markdown: str) -> str:
     """Markdown without its marks."""
-    return unescape(_TAG.sub("", inline(markdown)))
+    return unescape(_TAG.sub("", render_inline(markdown)))
 
 
-def _cut(text: str) -> str:
+def _truncate_text(text: str) -> str:
     return text if len(text) <= MOST_CHARACTERS else f"{text[: MOST_CHARACTERS - 1]}…"
 
 
 # -- what is told of the run itself ------------------------------------------------------------------------------------
 
 
-def _notifications(run: Run, left_out: int, index: Mapping[str, int]) -> Iterator[Json]:
+def _iter_notifications(run: Run, left_out: int, index: Mapping[str, int]) -> Iterator[Json]:
     for failure in run.failures:
-        yield {"level": "error", "message": _message(failure)}
+        yield {"level": "error", "message": _build_message(failure)}
     if run.partial:
-        yield {"level": "error", "message": _message("The run was interrupted: not everything was checked.")}
+        yield {"level": "error", "message": _build_message("The run was interrupted: not everything was checked.")}
     if left_out:
-        text = f"{plural(left_out, 'finding')} are left out: code scanning takes no more than {MOST_RESULTS:,}."
-        yield {"level": "warning", "message": _message(text)}
+        text = f"{format_count(left_out, 'finding')} are left out: code scanning takes no more than {MOST_RESULTS:,}."
+        yield {"level": "warning", "message": _build_message(text)}
     paths = {info.id: info.path for info in run.models}
     skipped: dict[tuple[str, str], list[str]] = {}
     for skip in run.skipped:
         skipped.setdefault((skip.code, skip.reason), []).append(paths.get(skip.model, skip.model))
     for (code, reason), files in skipped.items():
         what = "Nothing was checked" if code == "ALL" else f"{code} was not checked"
-        told: Json = {"level": "note", "message": _message(f"{what}: {reason}")}
+        told: Json = {"level": "note", "message": _build_message(f"{what}: {reason}")}
         if code in index:
             told["associatedRule"] = {"id": code, "index": index[code]}
-        if places := [{"physicalLocation": {"artifactLocation": _artifact(f)}} for f in dict.fromkeys(files) if f]:
+        if places := [
+            {"physicalLocation": {"artifactLocation": _build_artifact_location(f)}} for f in dict.fromkeys(files) if f
+        ]:
             told["locations"] = places[:MOST_LOCATIONS]
         yield told
 
@@ -166,23 +168,25 @@ def _notifications(run: Run, left_out: int, index: Mapping[str, int]) -> Iterato
 # -- results -----------------------------------------------------------------------------------------------------------
 
 
-def _result(run: Run, finding: Finding, index: Mapping[str, int]) -> Json:
-    related = _related(finding)
+def _build_result(run: Run, finding: Finding, index: Mapping[str, int]) -> Json:
+    related = _list_related_places(finding)
     result: Json = {
         "ruleId": finding.code,
         "kind": "fail",
         "level": LEVELS[finding.severity],
-        "message": {"text": _told(run, finding, related)},
+        "message": {"text": _format_message_text(run, finding, related)},
         "locations": [
             {
-                "physicalLocation": _place(run, _own_place(run, finding)),
-                "logicalLocations": [_logical(s) for s in list(dict.fromkeys(finding.subjects))[:MOST_LOCATIONS]],
+                "physicalLocation": _build_physical_location(run, _locate_finding(run, finding)),
+                "logicalLocations": [
+                    _build_logical_location(s) for s in list(dict.fromkeys(finding.subjects))[:MOST_LOCATIONS]
+                ],
             }
         ],
         "partialFingerprints": {"urdfcheck/v1": finding.fingerprints[0]},
         "rank": RANKS[finding.confidence],
-        "suppressions": [] if finding.suppressed is None else [_suppression(finding.suppressed)],
-        "properties": _properties(run, finding),
+        "suppressions": [] if finding.suppressed is None else [_build_suppression(finding.suppressed)],
+        "properties": _build_properties(run, finding),
     }
     if finding.code in index:
         result["ruleIndex"] = index[finding.code]
@@ -191,97 +195,103 @@ def _result(run: Run, finding: Finding, index: Mapping[str, int]) -> Json:
         result["baselineState"] = "unchanged" if is_known else "new"
     if related:
         result["relatedLocations"] = [
-            {"id": number, "physicalLocation": _place(run, span), "message": _message(subject)}
+            {"id": number, "physicalLocation": _build_physical_location(run, span), "message": _build_message(subject)}
             for number, (subject, span) in enumerate(related, 1)
         ]
     if finding.location.via and finding.location.span is not None:
-        result["codeFlows"] = [{"threadFlows": [{"locations": list(_flow(run, finding.location))}]}]
+        result["codeFlows"] = [{"threadFlows": [{"locations": list(_iter_flow_locations(run, finding.location))}]}]
     if finding.fix is not None and finding.fix.edits:
-        result["fixes"] = [_fix(run, finding.fix)]
+        result["fixes"] = [_build_fix(run, finding.fix)]
     return result
 
 
-def _told(run: Run, finding: Finding, related: Sequence[tuple[str, Span]]) -> str:
+def _format_message_text(run: Run, finding: Finding, related: Sequence[tuple[str, Span]]) -> str:
     """The message and, a paragraph each, what else a reader needs who sees nothing but the message."""
     paragraphs = [finding.message]
-    if given := run.arguments_of(finding):
+    if given := run.find_variant_arguments(finding):
         paragraphs.append("With " + " ".join(f"{name}:={value}" for name, value in sorted(given.items())))
-    if finding.why is not None:
-        paragraphs.append(f"Why: {finding.why}")
-    for effect, programs in by_effect(finding.consequences).items():
-        paragraphs.append(f"{', '.join(NAMES.get(p, p) for p in programs)}: {effect}")
+    if finding.cause_text is not None:
+        paragraphs.append(f"Why: {finding.cause_text}")
+    for effect, programs in group_by_effect(finding.consequences).items():
+        paragraphs.append(f"{', '.join(PROGRAM_NAMES.get(p, p) for p in programs)}: {effect}")
     if finding.fix is not None:
         paragraphs.append(f"Fix: {finding.fix.title}")
     if len(finding.subjects) > 1:
-        paragraphs.append(f"For {some(list(finding.subjects), MOST_NAMED)}")
-    told = [_text(_sentence(paragraph)) for paragraph in paragraphs]
+        paragraphs.append(f"For {join_first(list(finding.subjects), MOST_NAMED)}")
+    told = [_escape_message_text(_end_sentence(paragraph)) for paragraph in paragraphs]
     links: dict[str, int] = {}
     for number, (_, span) in enumerate(related, 1):
-        links.setdefault(_label(span), number)
+        links.setdefault(_format_link_label(span), number)
     if links:
-        told.append(f"See {some([f'[{label}]({number})' for label, number in links.items()], MOST_LINKED)}.")
+        told.append(f"See {join_first([f'[{label}]({number})' for label, number in links.items()], MOST_LINKED)}.")
     return "\n".join(told)
 
 
-def _sentence(text: str) -> str:
+def _end_sentence(text: str) -> str:
     text = text.rstrip()
     return text if text.endswith((".", "!", "?", "…")) else f"{text}."
 
 
-def _message(text: str) -> Json:
-    return {"text": _text(text)}
+def _build_message(text: str) -> Json:
+    return {"text": _escape_message_text(text)}
 
 
-def _text(text: str) -> str:
+def _escape_message_text(text: str) -> str:
     """Text that holds neither a placeholder nor a link of SARIF, and nothing that acts where it is shown.
 
     The standard wants every brace doubled, and its readers show them doubled: only what would be a placeholder is. Backquotes
     make GitHub put backslashes before the underscores between them."""
-    plain = _CODE.sub(r'"\1"', visible(text))
+    plain = _CODE.sub(r'"\1"', escape_invisible(text))
     return _PLACEHOLDER.sub(r"{\g<0>}", plain).replace("](", "] (")
 
 
-def _label(span: Span) -> str:
+def _format_link_label(span: Span) -> str:
     """The text of a link."""
-    return re.sub(r"([\\\[\]])", r"\\\1", _text(f"{one_line(base_name(span.file))}:{span.line}"))
+    return re.sub(
+        r"([\\\[\]])", r"\\\1", _escape_message_text(f"{escape_one_line(get_base_name(span.file))}:{span.line}")
+    )
 
 
-def _related(finding: Finding) -> list[tuple[str, Span]]:
+def _list_related_places(finding: Finding) -> list[tuple[str, Span]]:
     """The further places that are known, as many as there may be beside the first."""
     return [(place.subject, place.span) for place in finding.related if place.span is not None][: MOST_LOCATIONS - 1]
 
 
-def _logical(subject: str) -> Json:
-    named = subject_object(subject)
+def _build_logical_location(subject: str) -> Json:
+    named = build_subject_object(subject)
     found = {"kind": named["kind"], "name": named["name"], "fullyQualifiedName": named["path"]}
-    return {key: one_line(value) for key, value in found.items() if value}
+    return {key: escape_one_line(value) for key, value in found.items() if value}
 
 
-def _flow(run: Run, location: Location) -> Iterator[Json]:
+def _iter_flow_locations(run: Run, location: Location) -> Iterator[Json]:
     """The calls and includes that brought the text there, and the text itself."""
     assert location.span is not None
-    calls = [(span, _called(run, span)) for span in location.via[-(MOST_LOCATIONS - 1) :]]
+    calls = [(span, _describe_call(run, span)) for span in location.via[-(MOST_LOCATIONS - 1) :]]
     for level, (span, text) in enumerate([*calls, (location.span, location.subject)]):
         yield {
-            "location": {"physicalLocation": _place(run, span), "message": _message(text)},
+            "location": {"physicalLocation": _build_physical_location(run, span), "message": _build_message(text)},
             "nestingLevel": level,
         }
 
 
-def _called(run: Run, span: Span) -> str:
+def _describe_call(run: Run, span: Span) -> str:
     tag = _CALL.match(run.sources.get(span.file, ""), span.start)
     return "A call or an include" if tag is None else f"<{tag[1]}>"
 
 
-def _suppression(known: Suppression) -> Json:
-    kind = "inSource" if known.kind == "source" else "external"
-    return {"kind": kind, "status": "accepted", "justification": visible(known.reason) or known.kind}
+def _build_suppression(suppression: Suppression) -> Json:
+    kind = "inSource" if suppression.kind == "source" else "external"
+    return {
+        "kind": kind,
+        "status": "accepted",
+        "justification": escape_invisible(suppression.reason) or suppression.kind,
+    }
 
 
-def _properties(run: Run, finding: Finding) -> Json:
+def _build_properties(run: Run, finding: Finding) -> Json:
     found: Json = {"confidence": str(finding.confidence), "messageId": finding.message_id}
     if finding.model:
-        found["model"] = one_line(finding.model)
+        found["model"] = escape_one_line(finding.model)
     if finding.cause is not None:
         found["cause"] = finding.cause.id
     if finding.fix is not None:
@@ -291,10 +301,10 @@ def _properties(run: Run, finding: Finding) -> Json:
     return found
 
 
-def _fix(run: Run, fix: Fix) -> Json:
+def _build_fix(run: Run, fix: Fix) -> Json:
     changes: dict[str, list[Json]] = {}
     for edit in sorted(fix.edits, key=lambda edit: (edit.span.start, edit.span.end)):
-        replacement: Json = {"deletedRegion": _region(run, edit.span)}
+        replacement: Json = {"deletedRegion": _build_region(run, edit.span)}
         if edit.replacement:
             # Line breaks as the file has them.
             newline = NEWLINE.search(run.sources.get(edit.span.file, ""))
@@ -302,9 +312,10 @@ def _fix(run: Run, fix: Fix) -> Json:
             replacement["insertedContent"] = {"text": text}
         changes.setdefault(edit.span.file, []).append(replacement)
     return {
-        "description": _message(_sentence(fix.title)),
+        "description": _build_message(_end_sentence(fix.title)),
         "artifactChanges": [
-            {"artifactLocation": _artifact(file), "replacements": found} for file, found in sorted(changes.items())
+            {"artifactLocation": _build_artifact_location(file), "replacements": found}
+            for file, found in sorted(changes.items())
         ],
     }
 
@@ -312,7 +323,7 @@ def _fix(run: Run, fix: Fix) -> Json:
 # -- places ------------------------------------------------------------------------------------------------------------
 
 
-def _own_place(run: Run, finding: Finding) -> Span:
+def _locate_finding(run: Run, finding: Finding) -> Span:
     """Where a finding is; of one about a model as a whole the start of its file, of one about none that of the first."""
     if finding.location.span is not None:
         return finding.location.span
@@ -321,12 +332,12 @@ def _own_place(run: Run, finding: Finding) -> Span:
     return Span(file, 1, 1, 1, 1, 0, 0)
 
 
-def _place(run: Run, span: Span) -> Json:
-    return {"artifactLocation": _artifact(span.file), "region": _region(run, span)}
+def _build_physical_location(run: Run, span: Span) -> Json:
+    return {"artifactLocation": _build_artifact_location(span.file), "region": _build_region(run, span)}
 
 
-def _region(run: Run, span: Span) -> Json:
-    region = utf16(span, run.sources)
+def _build_region(run: Run, span: Span) -> Json:
+    region = to_utf16_region(span, run.sources)
     return {
         "startLine": region.line,
         "startColumn": region.column,
@@ -335,13 +346,13 @@ def _region(run: Run, span: Span) -> Json:
     }
 
 
-def _artifact(file: str) -> Json:
-    uri = _uri(file, os.getcwd())
+def _build_artifact_location(file: str) -> Json:
+    uri = _resolve_uri(file, os.getcwd())
     return {"uri": uri} if uri.startswith("file:") else {"uri": uri, "uriBaseId": BASE}
 
 
 @lru_cache(maxsize=4096)
-def _uri(file: str, folder: str) -> str:
+def _resolve_uri(file: str, folder: str) -> str:
     """The file that a name leads to, seen from the working directory: GitHub does not show what lies behind a symbolic link."""
     real = os.path.realpath(file)
     try:

@@ -10,28 +10,35 @@ from typing import TYPE_CHECKING, cast
 from rich.text import Text
 
 from urdfcheck.core import Applicability, Finding, Fix, ModelInfo, Run, Severity, Span
-from urdfcheck.output.shared.code_frames import frame
-from urdfcheck.output.shared.drops import lines as drop_lines
-from urdfcheck.output.shared.inert import command, one_line, visible
-from urdfcheck.output.shared.summary import counted, table
-from urdfcheck.output.shared.wording import GLYPHS, NAMES, ORDER, by_effect, looked_at, plural
+from urdfcheck.output.shared.code_frames import extract_code_frame
+from urdfcheck.output.shared.drops import iter_drop_test_lines as drop_lines
+from urdfcheck.output.shared.inert import escape_invisible, escape_one_line, find_ci_command
+from urdfcheck.output.shared.summary import count_by_rule, format_table
+from urdfcheck.output.shared.wording import (
+    GLYPHS,
+    PROGRAM_NAMES,
+    SEVERITY_ORDER,
+    describe_checked_units,
+    format_count,
+    group_by_effect,
+)
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "bold yellow", Severity.INFO: "bold cyan"}
 # The options that apply a fix.
-HOW = {Applicability.SAFE: "--fix", Applicability.UNSAFE: "--fix --unsafe-fixes"}
+FIX_OPTIONS = {Applicability.SAFE: "--fix", Applicability.UNSAFE: "--fix --unsafe-fixes"}
 WIDTH = 100
-NOTHING = Text()
+EMPTY_TEXT = Text()
 MAX_RELATED = 4
 # From here on the errors and warnings are listed once more at the end.
-FEW = 8
+RECAP_THRESHOLD = 8
 # So many lines of its message an info has in brief.
 BRIEF_LINES = 2
 
 
-class Detail(Enum):
+class DetailLevel(Enum):
     """How much is told of infos that fail nothing: all; where, what and no more; nothing, and nothing that is no finding."""
 
     FULL = "full"
@@ -40,38 +47,38 @@ class Detail(Enum):
 
 
 def render(
-    run: Run, *, width: int = WIDTH, color: bool = False, detail: Detail = Detail.FULL, fail_on: str = "error"
+    run: Run, *, width: int = WIDTH, color: bool = False, detail: DetailLevel = DetailLevel.FULL, fail_on: str = "error"
 ) -> str:
     """The report as text of this width in columns, with ANSI colours if wanted. ``fail_on``: from which severity on a finding
     fails the run, where its model does not say otherwise; what fails is told in full whatever the ``detail``."""
-    return _printed(_report(run, width, detail, fail_on), color)
+    return _join_page(_iter_report(run, width, detail, fail_on), color)
 
 
-def statistics(run: Run, *, width: int = WIDTH, color: bool = False) -> str:
+def render_statistics(run: Run, *, width: int = WIDTH, color: bool = False) -> str:
     """A table of the rules that fired, by severity: the worst and then the most common first; and a report's closing lines."""
-    return _printed(_statistics(run, width), color)
+    return _join_page(_iter_statistics(run, width), color)
 
 
-def _printed(lines: Iterable[Text], color: bool) -> str:
-    page = Text("\n").join(map(_inert, lines))
-    text = _colored(page) if color else page.plain
+def _join_page(lines: Iterable[Text], color: bool) -> str:
+    page = Text("\n").join(map(_escape_line, lines))
+    text = _render_ansi(page) if color else page.plain
     # Lines are wrapped behind blanks; a CI log and a diff are better without.
     return "".join(f"{line.rstrip()}\n" for line in text.split("\n"))
 
 
-def _inert(line: Text) -> Text:
+def _escape_line(line: Text) -> Text:
     """A finished line that is one line and no command of a CI system; what it says was spelled out before it was measured."""
-    plain = one_line(line.plain)
+    plain = escape_one_line(line.plain)
     if plain != line.plain:  # somebody forgot to spell it: its colours are the least of it
         line = Text(plain)
-    at = command(line.plain)
+    at = find_ci_command(line.plain)
     while at is not None:
         line = Text.assemble(line[:at], f"\\x{ord(line.plain[at]):02x}", line[at + 1 :])
-        at = command(line.plain, at)
+        at = find_ci_command(line.plain, at)
     return line
 
 
-def _colored(page: Text) -> str:
+def _render_ansi(page: Text) -> str:
     """The text with its styles as ANSI codes."""
     from rich.console import Console
     from rich.segment import Segments
@@ -82,50 +89,52 @@ def _colored(page: Text) -> str:
     return printed.get()
 
 
-def _report(run: Run, width: int, detail: Detail, fail_on: str) -> Iterator[Text]:
+def _iter_report(run: Run, width: int, detail: DetailLevel, fail_on: str) -> Iterator[Text]:
     infos = {info.id: info for info in run.models}
-    full = [f for f in run.active if detail is Detail.FULL or _matters(run, f, fail_on)]
+    full = [f for f in run.active_findings if detail is DetailLevel.FULL or _needs_full_detail(run, f, fail_on)]
     chosen = {id(f) for f in full}
-    brief = [] if detail is Detail.QUIET else [f for f in run.active if id(f) not in chosen]
+    brief = [] if detail is DetailLevel.QUIET else [f for f in run.active_findings if id(f) not in chosen]
     for drop in run.drops:
-        yield _rule(_heading(infos.get(drop.model), drop.model, width), width)
-        yield from (piece for line in drop_lines(drop) for piece in _wrapped(line, width, Text("  ")))
+        yield _format_separator(_format_model_heading(infos.get(drop.model), drop.model, width), width)
+        yield from (piece for line in drop_lines(drop) for piece in _wrap_text(line, width, Text("  ")))
     # What matters stands first for each model, in the order of the run.
-    shown = (f for f in run.active if id(f) in chosen or detail is not Detail.QUIET)
+    shown = (f for f in run.active_findings if id(f) in chosen or detail is not DetailLevel.QUIET)
     for model, group in groupby(shown, key=lambda f: f.model):
-        yield _rule(_heading(infos.get(model), model, width), width)
+        yield _format_separator(_format_model_heading(infos.get(model), model, width), width)
         rest = []
         for finding in group:
             if id(finding) in chosen:
-                yield from _finding(run, finding, width)
+                yield from _iter_finding(run, finding, width)
             else:
                 rest.append(finding)
-        yield from _briefly(rest, width)
-    if detail is not Detail.QUIET:
-        yield from _skipped(run, width)
-        yield from _recap(run, width)
-    yield from _failures(run, width)
-    if detail is not Detail.QUIET and (closing := "; ".join(filter(None, (_fixable(run), _hidden(brief))))):
-        yield from _wrapped(Text(closing, "dim"), width)
-    yield from _wrapped(_summary(run), width)
+        yield from _iter_brief_findings(rest, width)
+    if detail is not DetailLevel.QUIET:
+        yield from _iter_skipped(run, width)
+        yield from _iter_recap(run, width)
+    yield from _iter_failures(run, width)
+    if detail is not DetailLevel.QUIET and (
+        closing := "; ".join(filter(None, (_describe_fixable(run), _describe_hidden(brief))))
+    ):
+        yield from _wrap_text(Text(closing, "dim"), width)
+    yield from _wrap_text(_format_summary(run), width)
 
 
-def _matters(run: Run, finding: Finding, fail_on: str) -> bool:
+def _needs_full_detail(run: Run, finding: Finding, fail_on: str) -> bool:
     return finding.severity > Severity.INFO or run.fail_on.get(finding.model, fail_on) == str(Severity.INFO)
 
 
-def _failures(run: Run, width: int) -> Iterator[Text]:
+def _iter_failures(run: Run, width: int) -> Iterator[Text]:
     for failure in run.failures:
-        yield from _wrapped(Text.assemble(("urdfcheck failed: ", "bold red"), visible(failure)), width)
+        yield from _wrap_text(Text.assemble(("urdfcheck failed: ", "bold red"), escape_invisible(failure)), width)
 
 
-def _statistics(run: Run, width: int) -> Iterator[Text]:
-    counts = counted(run.active)
+def _iter_statistics(run: Run, width: int) -> Iterator[Text]:
+    counts = count_by_rule(run.active_findings)
     rows = [
         (c.code, c.name, str(c.severity), f"{c.findings:,}", f"{len(c.models):,}", f"{c.fixable:,}") for c in counts
     ]
     if rows:
-        head, *lines = table(("rule", "", "severity", "findings", "models", "fixable"), rows)
+        head, *lines = format_table(("rule", "", "severity", "findings", "models", "fixable"), rows)
         yield Text(head, "dim")
         for line, count in zip(lines, counts, strict=True):
             text = Text(line)
@@ -133,13 +142,13 @@ def _statistics(run: Run, width: int) -> Iterator[Text]:
             text.stylize(STYLES[count.severity], start, start + len(str(count.severity)))
             yield text
         yield Text()
-    yield from _failures(run, width)
-    if fixable := _fixable(run):
-        yield from _wrapped(Text(fixable, "dim"), width)
-    yield from _wrapped(_summary(run), width)
+    yield from _iter_failures(run, width)
+    if fixable := _describe_fixable(run):
+        yield from _wrap_text(Text(fixable, "dim"), width)
+    yield from _wrap_text(_format_summary(run), width)
 
 
-def _wrapped(text: Text, width: int, lead: Text = NOTHING) -> Iterator[Text]:
+def _wrap_text(text: Text, width: int, lead: Text = EMPTY_TEXT) -> Iterator[Text]:
     """The text in lines of this width; the first begins with ``lead``, the others with as many blanks."""
     # The console is only asked when text is justified on both sides, and to load one takes longer than most reports.
     for line in text.wrap(cast("Console", None), max(width - len(lead), 1)):
@@ -147,13 +156,13 @@ def _wrapped(text: Text, width: int, lead: Text = NOTHING) -> Iterator[Text]:
         lead = Text(" " * len(lead))
 
 
-def _labelled(label: str, text: str | Text, width: int) -> Iterator[Text]:
+def _wrap_labelled(label: str, text: str | Text, width: int) -> Iterator[Text]:
     """``label: text`` with the text's further lines below its first."""
     shown = Text(text) if isinstance(text, str) else text
-    return _wrapped(shown, width, Text.assemble("  ", (label.ljust(6), "dim")))
+    return _wrap_text(shown, width, Text.assemble("  ", (label.ljust(6), "dim")))
 
 
-def _rule(title: Text, width: int) -> Text:
+def _format_separator(title: Text, width: int) -> Text:
     """A line across the page that begins with this title."""
     title.plain = title.plain.replace("\n", " ")
     title.expand_tabs(8)
@@ -161,12 +170,16 @@ def _rule(title: Text, width: int) -> Text:
     return Text.assemble(title, " ", ("─" * (width - title.cell_len - 1), "dim"))
 
 
-def _heading(info: ModelInfo | None, model: str, width: int) -> Text:
+def _format_model_heading(info: ModelInfo | None, model: str, width: int) -> Text:
     """The model, and of what is known of it as much as the line has room for."""
-    title = Text(one_line(model) or "this run", style="bold")
+    title = Text(escape_one_line(model) or "this run", style="bold")
     facts: list[str] = []
     if info is not None and info.status == "checked":
-        facts = [f"robot {one_line(info.robot)}", plural(info.links, "link"), plural(info.joints, "joint")]
+        facts = [
+            f"robot {escape_one_line(info.robot)}",
+            format_count(info.links, "link"),
+            format_count(info.joints, "joint"),
+        ]
         if info.mass is not None:
             facts.append(f"{info.mass:.4g} kg")
     elif info is not None:
@@ -181,23 +194,23 @@ def _heading(info: ModelInfo | None, model: str, width: int) -> Text:
     return title
 
 
-def _head(finding: Finding, width: int) -> Iterator[Text]:
+def _iter_finding_head(finding: Finding, width: int) -> Iterator[Text]:
     """Where it is, and what it is called, for the eye to find."""
     span = finding.location.span
-    place = Text("" if span is None else f"{one_line(span.file)}:{span.line}:{span.col} ", style="bold")
-    head = _title(finding)
+    place = Text("" if span is None else f"{escape_one_line(span.file)}:{span.line}:{span.col} ", style="bold")
+    head = _format_finding_title(finding)
     if place.cell_len + head.cell_len > width:  # a long path keeps its line, so that a click on it still works
         yield place
         place = Text("  ")
     yield place + head
 
 
-def _briefly(findings: Sequence[Finding], width: int) -> Iterator[Text]:
+def _iter_brief_findings(findings: Sequence[Finding], width: int) -> Iterator[Text]:
     """Where each is and what, with no more than a few lines of its message."""
     for finding in findings:
-        for line in _head(finding, width):
+        for line in _iter_finding_head(finding, width):
             yield Text(line.plain, "cyan")
-        lines = list(_wrapped(Text(visible(finding.message)), width, Text("  ")))
+        lines = list(_wrap_text(Text(escape_invisible(finding.message)), width, Text("  ")))
         if len(lines) > BRIEF_LINES:
             lines = lines[:BRIEF_LINES]
             lines[-1].truncate(width - 2)
@@ -208,54 +221,56 @@ def _briefly(findings: Sequence[Finding], width: int) -> Iterator[Text]:
         yield Text()
 
 
-def _finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
-    yield from _head(finding, width)
+def _iter_finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
+    yield from _iter_finding_head(finding, width)
     span = finding.location.span
-    yield from _wrapped(Text(visible(finding.message)), width, Text("  "))
-    if given := run.arguments_of(finding):
-        shown_with = " ".join(f"{one_line(name)}:={one_line(value)}" for name, value in sorted(given.items()))
-        yield from _labelled("with", shown_with, width)
+    yield from _wrap_text(Text(escape_invisible(finding.message)), width, Text("  "))
+    if given := run.find_variant_arguments(finding):
+        shown_with = " ".join(
+            f"{escape_one_line(name)}:={escape_one_line(value)}" for name, value in sorted(given.items())
+        )
+        yield from _wrap_labelled("with", shown_with, width)
     if len(finding.subjects) > 1:
-        yield from _labelled("for", ", ".join(one_line(s) for s in finding.subjects), width)
+        yield from _wrap_labelled("for", ", ".join(escape_one_line(s) for s in finding.subjects), width)
     if span is not None:
-        yield from _frame(run, span, STYLES[finding.severity], width)
+        yield from _iter_code_frame(run, span, STYLES[finding.severity], width)
     for call in reversed(finding.location.via):
-        called = f"{one_line(call.file)}:{call.line}:{call.col}  {_first_line(run, call)}"
-        yield from _labelled("from", called, width)
+        called = f"{escape_one_line(call.file)}:{call.line}:{call.col}  {_get_first_line(run, call)}"
+        yield from _wrap_labelled("from", called, width)
     shown = [r for r in finding.related if r.span is not None]
     for related in shown[:MAX_RELATED]:
         assert related.span is not None
-        seen = f"{one_line(related.span.file)}:{related.span.line}  {one_line(related.subject)}"
-        yield from _labelled("see", seen, width)
+        seen = f"{escape_one_line(related.span.file)}:{related.span.line}  {escape_one_line(related.subject)}"
+        yield from _wrap_labelled("see", seen, width)
     if len(shown) > MAX_RELATED:
-        yield from _labelled("see", _more(len(shown) - MAX_RELATED, "place"), width)
-    if finding.why is not None:
-        yield from _labelled("why", visible(finding.why), width)
-    for effect, programs in by_effect(finding.consequences).items():
-        named = ", ".join(NAMES.get(program, program) for program in programs)
-        yield from _labelled("then", f"{named}: {visible(effect)}", width)
+        yield from _wrap_labelled("see", _format_remainder(len(shown) - MAX_RELATED, "place"), width)
+    if finding.cause_text is not None:
+        yield from _wrap_labelled("why", escape_invisible(finding.cause_text), width)
+    for effect, programs in group_by_effect(finding.consequences).items():
+        named = ", ".join(PROGRAM_NAMES.get(program, program) for program in programs)
+        yield from _wrap_labelled("then", f"{named}: {escape_invisible(effect)}", width)
     if finding.fix is not None:
-        yield from _repair(finding, finding.fix, width)
+        yield from _iter_fix_lines(finding, finding.fix, width)
     yield Text()
 
 
-def _frame(run: Run, span: Span, style: str, width: int) -> Iterator[Text]:
-    lines = frame(run.sources.get(span.file, ""), span)
+def _iter_code_frame(run: Run, span: Span, style: str, width: int) -> Iterator[Text]:
+    lines = extract_code_frame(run.sources.get(span.file, ""), span)
     if not lines:
         return
     digits = len(str(lines[-1].number))
     room = max(width - digits - 5, 20)
     for line in lines:
-        text = visible(line.text.replace("\t", " "))
-        start, end = (len(visible(line.text[:k].replace("\t", " "))) for k in line.marked or (0, 0))
-        shown, cut = _window(text, start, end, room)
+        text = escape_invisible(line.text.replace("\t", " "))
+        start, end = (len(escape_invisible(line.text[:k].replace("\t", " "))) for k in line.marked or (0, 0))
+        shown, cut = _crop_to_window(text, start, end, room)
         yield Text.assemble((f"  {line.number:>{digits}} │ ", "dim"), shown)
         if line.marked is not None:
             marks = " " * (start - cut) + "^" * max(min(end - cut, room) - (start - cut), 1)
             yield Text.assemble((f"  {' ' * digits} │ ", "dim"), (marks, style))
 
 
-def _window(text: str, start: int, end: int, room: int) -> tuple[str, int]:
+def _crop_to_window(text: str, start: int, end: int, room: int) -> tuple[str, int]:
     """A line cut to ``room`` columns around its marked part, and how many columns were cut from its left."""
     cut = 0 if end <= room - 1 else max(0, min(start - room // 3, len(text) - room))
     shown = text[cut : cut + room]
@@ -266,31 +281,33 @@ def _window(text: str, start: int, end: int, room: int) -> tuple[str, int]:
     return shown, cut
 
 
-def _repair(finding: Finding, fix: Fix, width: int) -> Iterator[Text]:
-    how = HOW.get(fix.applicability) if fix.edits and finding.suppressed is None else None
-    yield from _labelled("fix", Text.assemble(visible(fix.title), (f" [{how}]" if how else "", "dim")), width)
+def _iter_fix_lines(finding: Finding, fix: Fix, width: int) -> Iterator[Text]:
+    how = FIX_OPTIONS.get(fix.applicability) if fix.edits and finding.suppressed is None else None
+    yield from _wrap_labelled(
+        "fix", Text.assemble(escape_invisible(fix.title), (f" [{how}]" if how else "", "dim")), width
+    )
     here = None if finding.location.span is None else finding.location.span.file
     for edit in fix.edits[:MAX_RELATED]:
-        place = "" if edit.span.file == here else f"{one_line(edit.span.file)}:"
+        place = "" if edit.span.file == here else f"{escape_one_line(edit.span.file)}:"
         for sign, typed, style in (("-", edit.expected, "red"), ("+", edit.replacement, "green")):
             for line in typed.strip("\r\n").splitlines():
-                shown = visible(" ".join(line.split()) if sign == "-" else line)
+                shown = escape_invisible(" ".join(line.split()) if sign == "-" else line)
                 text = Text.assemble((f"{place}{edit.span.line} {sign} ", "dim"), (shown, style))
-                yield from _labelled("", text, width)
+                yield from _wrap_labelled("", text, width)
     if len(fix.edits) > MAX_RELATED:
-        yield from _labelled("", Text(_more(len(fix.edits) - MAX_RELATED, "edit"), "dim"), width)
+        yield from _wrap_labelled("", Text(_format_remainder(len(fix.edits) - MAX_RELATED, "edit"), "dim"), width)
 
 
-def _more(count: int, what: str) -> str:
-    return f"… and {count} more {what}{'' if count == 1 else 's'}"
+def _format_remainder(count: int, noun: str) -> str:
+    return f"… and {count} more {noun}{'' if count == 1 else 's'}"
 
 
-def _first_line(run: Run, span: Span) -> str:
-    lines = frame(run.sources.get(span.file, ""), span, context=0)
-    return visible(lines[0].text.strip()) if lines else ""
+def _get_first_line(run: Run, span: Span) -> str:
+    lines = extract_code_frame(run.sources.get(span.file, ""), span, context=0)
+    return escape_invisible(lines[0].text.strip()) if lines else ""
 
 
-def _skipped(run: Run, width: int) -> Iterator[Text]:
+def _iter_skipped(run: Run, width: int) -> Iterator[Text]:
     """By reason; with the models that it holds for, where it does not hold for all."""
     reasons: dict[str, tuple[set[str], set[str]]] = {}
     for skip in run.skipped:
@@ -298,80 +315,82 @@ def _skipped(run: Run, width: int) -> Iterator[Text]:
         codes.add(skip.code)
         models.add(skip.model)
     for reason, (codes, models) in sorted(reasons.items()):
-        where = "" if "" in models or len(models) >= len(run.models) else f" ({_some(sorted(models), 3)})"
-        yield from _wrapped(Text(f"skipped {_some(sorted(codes))}: {visible(reason + where)}", "dim"), width)
+        where = "" if "" in models or len(models) >= len(run.models) else f" ({_join_first(sorted(models), 3)})"
+        yield from _wrap_text(
+            Text(f"skipped {_join_first(sorted(codes))}: {escape_invisible(reason + where)}", "dim"), width
+        )
 
 
-def _some(words: Sequence[str], most: int = 8) -> str:
+def _join_first(words: Sequence[str], most: int = 8) -> str:
     return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")
 
 
-def _title(finding: Finding) -> Text:
+def _format_finding_title(finding: Finding) -> Text:
     head = Text(f"{GLYPHS[finding.severity]} {finding.severity} ", STYLES[finding.severity])
     head.append(f"{finding.code} {finding.name}", "bold")
     return head
 
 
-def _recap(run: Run, width: int) -> Iterator[Text]:
+def _iter_recap(run: Run, width: int) -> Iterator[Text]:
     """After a long report: its errors and warnings once more, a line each, where the reader's eye is."""
-    serious = [f for f in run.active if f.severity > Severity.INFO]
-    if not serious or len(run.active) <= FEW:
+    serious = [f for f in run.active_findings if f.severity > Severity.INFO]
+    if not serious or len(run.active_findings) <= RECAP_THRESHOLD:
         return
-    yield _rule(Text("errors and warnings"), width)
+    yield _format_separator(Text("errors and warnings"), width)
     for finding in sorted(serious, key=lambda f: -f.severity):
         span = finding.location.span
-        place = "" if span is None else f" {one_line(span.file)}:{span.line}:{span.col}"
-        yield Text.assemble(_title(finding), (place, "dim"))
+        place = "" if span is None else f" {escape_one_line(span.file)}:{span.line}:{span.col}"
+        yield Text.assemble(_format_finding_title(finding), (place, "dim"))
     yield Text()
 
 
-def _summary(run: Run) -> Text:
+def _format_summary(run: Run) -> Text:
     if not run.units and not run.failures:
         return Text("nothing to check: no model, launch file or package was found there", "bold")
-    if not run.active and not run.failures and all(info.status != "failed" for info in run.models):
-        where = f"in {looked_at(run)}{_states(run.models)}"
+    if not run.active_findings and not run.failures and all(info.status != "failed" for info in run.models):
+        where = f"in {describe_checked_units(run)}{_describe_statuses(run.models)}"
         if not set(run.rules) - {"URC900"}:  # that one tells of crashes, whatever is selected
             return Text(f"nothing was looked for {where}: no rule is selected (urdfcheck config says by what)", "bold")
         text = Text(f"✔ no findings {where}", "bold green")
-        return text.append(_known(run), "dim")
-    counts = [(s, run.count(s)) for s in ORDER]
+        return text.append(_describe_suppressed(run), "dim")
+    counts = [(s, run.count_findings(s)) for s in SEVERITY_ORDER]
     text = Text()
     for severity, count in counts:
-        text.append(f"{GLYPHS[severity]} {plural(count, str(severity))}", STYLES[severity] if count else "dim")
+        text.append(f"{GLYPHS[severity]} {format_count(count, str(severity))}", STYLES[severity] if count else "dim")
         text.append("  ")
-    states = _states(run.models)
+    states = _describe_statuses(run.models)
     took = f", {run.seconds:.1f} s" if run.seconds else ""  # a reproducible report tells no time
-    text.append(f"in {looked_at(run)}{states}{took}{_known(run)}", "dim")
+    text.append(f"in {describe_checked_units(run)}{states}{took}{_describe_suppressed(run)}", "dim")
     return text
 
 
-def _fixable(run: Run) -> str:
+def _describe_fixable(run: Run) -> str:
     """How many findings can be repaired by which option; empty where none can."""
-    fixes = [f.fix for f in run.active if f.fix is not None and f.fix.edits]
-    kinds = [fix.applicability for fix in fixes if fix.applicability in HOW]
+    fixes = [f.fix for f in run.active_findings if f.fix is not None and f.fix.edits]
+    kinds = [fix.applicability for fix in fixes if fix.applicability in FIX_OPTIONS]
     safe, unsafe = kinds.count(Applicability.SAFE), kinds.count(Applicability.UNSAFE)
     if safe and unsafe:
         return f"{safe} fixable with --fix, {unsafe} more with --unsafe-fixes"
-    return f"{safe or unsafe} fixable with {HOW[kinds[0]]}" if kinds else ""
+    return f"{safe or unsafe} fixable with {FIX_OPTIONS[kinds[0]]}" if kinds else ""
 
 
-def _hidden(brief: Sequence[Finding]) -> str:
+def _describe_hidden(brief: Sequence[Finding]) -> str:
     """How to see the rest of what is told in brief."""
-    return f"{plural(len(brief), 'info')} in brief, in full with --verbose" if brief else ""
+    return f"{format_count(len(brief), 'info')} in brief, in full with --verbose" if brief else ""
 
 
-def _known(run: Run) -> str:
+def _describe_suppressed(run: Run) -> str:
     """How many findings are not shown, and why."""
     where = {
         "source": "suppressed in the source",
         "configuration": "by the configuration",
         "baseline": "in the baseline",
     }
-    counted = [f"{count} {where[kind]}" for kind, count in run.suppressed.items() if count]
+    counted = [f"{count} {where[kind]}" for kind, count in run.suppressed_counts.items() if count]
     return f"; not shown: {', '.join(counted)}" if counted else ""
 
 
-def _states(models: Iterable[ModelInfo]) -> str:
+def _describe_statuses(models: Iterable[ModelInfo]) -> str:
     others = [m.status for m in models if m.status != "checked"]
     counted = [f"{others.count(s)} {s}" for s in sorted(set(others))]
     return f" ({', '.join(counted)})" if counted else ""

@@ -192,13 +192,14 @@ class _Checker:
         if line := self.process.stdout.readline():
             answer: dict[str, Any] = json.loads(line)
             return answer
-        from urdfcheck.output.shared.inert import for_log
+        from urdfcheck.output.shared.inert import escape_for_log
 
         self.process.wait()
         self.complaints.seek(0)
         said = self.complaints.read().decode("utf-8", "replace").strip()
         return {
-            "error": for_log(said.rpartition("\n")[2]) or f"its process ended (exit code {self.process.returncode})"
+            "error": escape_for_log(said.rpartition("\n")[2])
+            or f"its process ended (exit code {self.process.returncode})"
         }
 
     def end(self) -> None:

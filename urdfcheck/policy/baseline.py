@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any
 
 from urdfcheck import rules as catalogue
-from urdfcheck.core import Finding, Location, ModelInfo, Skip, Span, UrdfcheckError
-from urdfcheck.source.package.finder import display_name
-from urdfcheck.source.reach import is_below, real_path
+from urdfcheck.core import Finding, Location, ModelInfo, SkippedCheck, Span, UrdfcheckError
+from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.reach import is_below, resolve_real_path
 from urdfcheck.system.files import read_regular
 
 # What it is called beside the configuration when nobody says otherwise.
@@ -58,7 +58,7 @@ def read(path: Path, root: Path) -> Baseline:
 
     :raises UrdfcheckError: when it cannot be read or is none.
     """
-    name = display_name(path)
+    name = format_path(path)
     try:
         text = read_regular(path, MAX_TEXT).decode("utf-8")
         found = json.loads(text)
@@ -127,7 +127,7 @@ class Seen:
     findings: Sequence[Finding]
     models: Sequence[ModelInfo]
     judged: Mapping[str, Collection[str]]
-    skipped: Sequence[Skip]
+    skipped: Sequence[SkippedCheck]
     tier: str = "full"
 
     def of(self, names: Mapping[str, str]) -> Seen:
@@ -172,18 +172,18 @@ def stale(baseline: Baseline, seen: Seen) -> dict[str, Counter[Key]]:
 
 def _is_gone(root: Path, name: str) -> bool:
     """Whether a file of the folder is not there. What lies outside is not looked for: the baseline may be a stranger's."""
-    real = real_path(root / name)
+    real = resolve_real_path(root / name)
     return real is not None and is_below(real, os.path.realpath(root)) and not os.path.lexists(real)
 
 
 def complaints(baseline: Baseline, gone: Mapping[str, Mapping[Key, int]]) -> Iterator[Finding]:
     """A finding of URC904 for each model with stale entries, at the first of them."""
-    rule = catalogue.rules()["URC904"]
+    rule = catalogue.load_rules()["URC904"]
     spans = _spans(baseline)
     for model, entries in gone.items():
         first, *others = sorted(entries)
         more = f" and {len(others)} more" if others else ""
-        span = spans.get((model, first), Span(display_name(baseline.path), 1, 1, 1, 1, 0, 0))
+        span = spans.get((model, first), Span(format_path(baseline.path), 1, 1, 1, 1, 0, 0))
         found = rule.finding(
             "stale",
             at=Location(f"baseline[{model}]", span),
@@ -198,7 +198,7 @@ def complaints(baseline: Baseline, gone: Mapping[str, Mapping[Key, int]]) -> Ite
 
 def _spans(baseline: Baseline) -> dict[tuple[str, Key], Span]:
     """Where the entries stand that are written as `render` writes them, a line for each."""
-    name, model, offset = display_name(baseline.path), "", 0
+    name, model, offset = format_path(baseline.path), "", 0
     found: dict[tuple[str, Key], Span] = {}
     for number, line in enumerate(baseline.text.split("\n"), 1):
         text = line.strip().rstrip(",")

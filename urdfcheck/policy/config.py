@@ -16,10 +16,10 @@ from urdfcheck import rules as catalogue
 from urdfcheck.core import Severity, UrdfcheckError
 from urdfcheck.policy.baseline import DEFAULT
 from urdfcheck.policy.suppression import Entry
-from urdfcheck.source.package.finder import display_name
-from urdfcheck.source.reach import OUT_OF_REACH, Reach
-from urdfcheck.source.text.globs import means, names_below
-from urdfcheck.source.text.toml import Key, places
+from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.reach import OUT_OF_REACH, FileReach
+from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
+from urdfcheck.source.text.toml import Key, locate_keys
 from urdfcheck.system.files import read_regular
 
 # The largest pyproject.toml of well-known projects has 60 kB; tomli takes a second for each megabyte.
@@ -82,17 +82,17 @@ class Config:
 
     def excludes(self, path: Path) -> bool:
         """Whether a file that is found in a folder is to be passed over."""
-        return bool(self.exclude) and means(self.exclude, names_below(path, self.root))
+        return bool(self.exclude) and match_any_pattern(self.exclude, split_relative_path(path, self.root))
 
     def sections_of(self, path: Path) -> tuple[Section, ...]:
         """The table, and the sections that mean a file."""
-        names = names_below(path, self.root)
-        return tuple(s for i, s in enumerate(self.sections) if not i or means(s.match, names))
+        names = split_relative_path(path, self.root)
+        return tuple(s for i, s in enumerate(self.sections) if not i or match_any_pattern(s.match, names))
 
     def known_of(self, path: Path) -> tuple[Entry, ...]:
         """What is known of a file."""
-        names = names_below(path, self.root)
-        return tuple(entry for pattern, entry in self.suppress if not pattern or means([pattern], names))
+        names = split_relative_path(path, self.root)
+        return tuple(entry for pattern, entry in self.suppress if not pattern or match_any_pattern([pattern], names))
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +165,7 @@ class Configurations:
 
 def held(config: Config, sections: Sequence[Section], known: tuple[Entry, ...], given: Given) -> Holds:
     """The sections one after the other, each over those before it, and the command line over all of them."""
-    codes = frozenset(catalogue.rules()) if given.select is None else given.select
+    codes = frozenset(catalogue.load_rules()) if given.select is None else given.select
     severities: dict[str, str] = {}
     options: dict[str, dict[str, Any]] = {}
     targets: tuple[str, ...] = ()
@@ -232,19 +232,19 @@ def typed(config: Config) -> tuple[Mapping[str, Any], Mapping[Key, str]]:
     table, own = _parsed(config.file, text), () if config.file.name == OWN else ("tool", "urdfcheck")
     for key in own:
         table = table[key]
-    name = display_name(config.file)
-    found = places(text)
+    name = format_path(config.file)
+    found = locate_keys(text)
     return table, {key[len(own) :]: f"{name}:{line}" for key, line in found.items() if key[: len(own)] == own}
 
 
 def _text(path: Path) -> str:
     """The text of a configuration, which may be a stranger's: of bounded size, and where its name says."""
     try:
-        if not Reach.around([path], []).allows(path):
-            raise UrdfcheckError(f"{display_name(path)}: {OUT_OF_REACH}")
+        if not FileReach.from_paths([path], []).can_open(path):
+            raise UrdfcheckError(f"{format_path(path)}: {OUT_OF_REACH}")
         return read_regular(path, MAX_TEXT).decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise UrdfcheckError(f"{display_name(path)}: {error}") from None
+        raise UrdfcheckError(f"{format_path(path)}: {error}") from None
 
 
 def _parsed(path: Path, text: str) -> dict[str, Any]:
@@ -253,7 +253,7 @@ def _parsed(path: Path, text: str) -> dict[str, Any]:
         return table
     # A number of more digits than Python reads is a ValueError of its own.
     except (ValueError, RecursionError) as error:
-        raise UrdfcheckError(f"{display_name(path)}: {error}") from None
+        raise UrdfcheckError(f"{format_path(path)}: {error}") from None
 
 
 _KEYS = (
@@ -275,7 +275,7 @@ def _read(path: Path, text: str, table: Any, key: Key) -> Config:
     for number, folder in enumerate(package_path):
         reader.folder(("package-path", number), "package-path", folder)
     baseline = reader.text("baseline")
-    if baseline is not None and not Reach.around([path], []).allows(root / baseline):
+    if baseline is not None and not FileReach.from_paths([path], []).can_open(root / baseline):
         raise reader.wrong("baseline", "a file of the repository (name it on the command line)")
     return Config(
         root,
@@ -318,7 +318,7 @@ def _models(reader: _Reader) -> tuple[NamedModel, ...]:
     for entry in reader.tables("models", _MODEL_KEYS):
         typed, name = entry.needed("path"), entry.text("name")
         path = entry.path.parent / typed
-        if not Reach.around([entry.path], []).allows(path):
+        if not FileReach.from_paths([entry.path], []).can_open(path):
             raise entry.wrong("path", "a file of the repository")
         if not path.is_file():
             raise entry.wrong("path", f"a file that exists; {typed} is none{_near_file(path, typed)}")
@@ -373,12 +373,12 @@ class _Reader:
     def at(self, key: Key) -> str:
         """Where a key of this table stands, or what is nearest around it."""
         try:
-            found = places(self.typed)
+            found = locate_keys(self.typed)
         except RecursionError:
             found = {}
         whole = (*self.key, *key)
         line = next((found[whole[:n]] for n in range(len(whole), 0, -1) if whole[:n] in found), 1)
-        return f"{display_name(self.path)}:{line}"
+        return f"{format_path(self.path)}:{line}"
 
     def error(self, key: Key, message: str) -> UrdfcheckError:
         return UrdfcheckError(f"{self.at(key)}: {message}")
@@ -461,8 +461,8 @@ class _Reader:
         return found
 
     def folder(self, place: Key, key: str, folder: str) -> None:
-        around = Reach.around([self.path], [])
-        if not around.allows(self.path.parent / folder):  # the file may be a stranger's like all beside it
+        around = FileReach.from_paths([self.path], [])
+        if not around.can_open(self.path.parent / folder):  # the file may be a stranger's like all beside it
             raise self.error(
                 place, f"{key} must be folders of the repository; {folder} is none (name it on the command line)"
             )
@@ -471,7 +471,7 @@ class _Reader:
 
     def meant(self, key: Key, word: str) -> set[str]:
         try:
-            return catalogue.select([word])
+            return catalogue.select_rules([word])
         except UrdfcheckError as error:
             raise self.error(key, str(error)) from None
 
@@ -515,7 +515,7 @@ class _Reader:
     def option(self, key: Key, codes: Iterable[str], given: Any) -> dict[str, Any]:
         """The value for each of the rules that have such an option."""
         word, name = str(key[-2]), str(key[-1])
-        rules = [catalogue.rules()[code] for code in sorted(codes)]
+        rules = [catalogue.load_rules()[code] for code in sorted(codes)]
         found: dict[str, Any] = {}
         for rule in rules:
             option = rule.options.get(name)

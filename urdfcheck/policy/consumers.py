@@ -54,9 +54,9 @@ def verdict(consequences: Mapping[str, str], consumer: str) -> Verdict:
     """What one program does with one defect."""
     sentence = consequences.get(consumer)
     if sentence is None and consumer in THROUGH_URDFDOM:
-        through = Verdict.of(consequences.get("urdfdom", ""))
+        through = Verdict.from_sentence(consequences.get("urdfdom", ""))
         return through if through >= Verdict.DROPS else Verdict.LOADS
-    return Verdict.of(sentence or "")
+    return Verdict.from_sentence(sentence or "")
 
 
 def weighed(finding: Finding, rule: Rule, targets: Sequence[str], severities: Mapping[str, str]) -> Finding:

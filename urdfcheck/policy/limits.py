@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class ResourceLimits:
     """``seconds`` of the clock for one model, launch file or package; ``memory`` in MiB for the process that checks it.
 
     The defaults are generous: of 110 robots none took 4 seconds or 220 MiB, without a cache.

@@ -17,7 +17,7 @@ from typing import Any
 
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Applicability, Edit, Finding, Location, Span, Suppression, UrdfcheckError
-from urdfcheck.source.text.suppression_comments import Ignore
+from urdfcheck.source.text.suppression_comments import IgnoreComment
 
 # What the baseline knows of one model: how often a code, subject and message id.
 Known = Mapping[tuple[str, str, str], int]
@@ -31,7 +31,7 @@ class Judged:
     nothing; ``used``: it covered a finding; ``unknown``: why it cannot be said that it is needless, empty where it can;
     ``line``: the edit that takes it out."""
 
-    comment: Ignore
+    comment: IgnoreComment
     codes: frozenset[str]
     wrong: str
     used: bool
@@ -62,7 +62,7 @@ def meaning(words: tuple[str, ...]) -> tuple[frozenset[str], str]:
     codes: set[str] = set()
     for word in words:
         try:
-            meant = catalogue.select([word])
+            meant = catalogue.select_rules([word])
         except UrdfcheckError as error:
             return frozenset(codes), str(error)
         if all(code.startswith(OWN) for code in meant):
@@ -72,7 +72,7 @@ def meaning(words: tuple[str, ...]) -> tuple[frozenset[str], str]:
 
 
 def suppressed(
-    findings: Sequence[Finding], comments: Iterable[Ignore], entries: Sequence[Entry], known: Known
+    findings: Sequence[Finding], comments: Iterable[IgnoreComment], entries: Sequence[Entry], known: Known
 ) -> tuple[list[Finding], set[Span]]:
     """The findings, those that are known marked with the reason, and the comments that were needed for it.
 
@@ -109,17 +109,17 @@ class _Covering:
     """Comments with a reason by the text that they cover. Such pieces of text, elements or lines, lie beside or in each other: of
     those that hold a place each is found from the one in it, however many comments a file has."""
 
-    def __init__(self, comments: Iterable[Ignore]) -> None:
+    def __init__(self, comments: Iterable[IgnoreComment]) -> None:
         # By file and piece: the comments on it, by the codes that they mean.
-        self.on: dict[str, dict[tuple[int, int], dict[frozenset[str], list[Ignore]]]] = {}
+        self.on: dict[str, dict[tuple[int, int], dict[frozenset[str], list[IgnoreComment]]]] = {}
         for c in comments:
             if c.reason and c.start < c.end:
                 on = self.on.setdefault(c.span.file, {}).setdefault((c.start, -c.end), {})
-                on.setdefault(meaning(c.words)[0], []).append(c)
+                on.setdefault(meaning(c.selectors)[0], []).append(c)
         self.pieces = {file: sorted(on) for file, on in self.on.items()}  # the outer one first
         self.around = {file: list(_around(pieces)) for file, pieces in self.pieces.items()}
 
-    def needed(self, code: str, place: Span) -> Iterator[Ignore]:
+    def needed(self, code: str, place: Span) -> Iterator[IgnoreComment]:
         """The comments that cover findings of this code at this place, the nearest first, each once or more often."""
         pieces = self.pieces.get(place.file, [])
         index = bisect_right(pieces, (place.start, 1)) - 1
@@ -159,11 +159,11 @@ def _take(left: Counter[tuple[str, str, str]], finding: Finding) -> bool:
 
 
 def judged(
-    comment: Ignore, text: str, used: bool, ran: Collection[str], skipped: Collection[str], doubt: str
+    comment: IgnoreComment, text: str, used: bool, ran: Collection[str], skipped: Collection[str], doubt: str
 ) -> Judged:
     """What is known of a comment after the check of a unit: ``ran`` are the codes that were looked for, ``skipped`` those of
     them that could not be, ``doubt`` why the file may need the comment although this unit does not."""
-    codes, wrong = meaning(comment.words)
+    codes, wrong = meaning(comment.selectors)
     missing = sorted(codes - set(ran))
     blind = sorted(codes if "ALL" in skipped else codes & set(skipped))
     unknown = doubt
@@ -194,10 +194,10 @@ def needless(comments: Iterable[tuple[str, Judged]]) -> Iterator[Finding]:
         by_place.setdefault(judgement.comment.span, []).append((unit, judgement))
     for span, seen in by_place.items():
         model, first = seen[0]
-        comment, at = first.comment, Location(f"comment[{', '.join(first.comment.words)}]", span)
-        rules, named = catalogue.rules(), ", ".join(comment.words)
+        comment, at = first.comment, Location(f"comment[{', '.join(first.comment.selectors)}]", span)
+        rules, named = catalogue.load_rules(), ", ".join(comment.selectors)
         data: dict[str, Any] = {}
-        if not comment.words:
+        if not comment.selectors:
             message = "malformed"
         elif first.wrong:
             message, data = "unknown", {"complaint": first.wrong}

@@ -17,28 +17,38 @@ from pathlib import Path
 from typing import Any
 
 from urdfcheck import rules as catalogue
-from urdfcheck.core import Applicability, Finding, Location, ModelInfo, Rule, Severity, Skip, Span, Unavailable
-from urdfcheck.core.drop_test import Drop
-from urdfcheck.core.errors import TimeUp
+from urdfcheck.core import (
+    Applicability,
+    FactUnavailableError,
+    Finding,
+    Location,
+    ModelInfo,
+    Rule,
+    Severity,
+    SkippedCheck,
+    Span,
+)
+from urdfcheck.core.drop_test import DropTest
+from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.core.scene import Scene
-from urdfcheck.export.link_pairs import LinkPairs, pairs_of
-from urdfcheck.export.outline import Outline, outline_of
+from urdfcheck.export.link_pairs import LinkPairs, compute_link_pairs
+from urdfcheck.export.outline import ModelOutline, build_outline
 from urdfcheck.model import Model
 from urdfcheck.policy.consumers import weighed
 from urdfcheck.policy.fix_safety import within
-from urdfcheck.policy.limits import Limits
+from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.suppression import Entry, Judged, Known, judged, suppressed
 from urdfcheck.run.findings_cache import Recall, applies
 from urdfcheck.source.launch.launch_file import Launch, load_launch
-from urdfcheck.source.load import Source, load
+from urdfcheck.source.load import Source, load_source
 from urdfcheck.source.package.finder import PackageFinder, load_package
-from urdfcheck.source.reach import Reach
-from urdfcheck.source.resources import not_installed
+from urdfcheck.source.reach import FileReach
+from urdfcheck.source.resources import find_uninstalled_files
 from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.text.suppression_comments import Ignore, ignores
+from urdfcheck.source.text.suppression_comments import IgnoreComment, find_ignore_comments
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.array_cache import Cache
-from urdfcheck.system.files import Stamp, overlaid, read_regular, recorded
+from urdfcheck.system.files import Stamp, overlay_files, read_regular, record_reads
 
 # Of one rule in one model. The noisiest of 110 robots has 14.
 MOST_FINDINGS = 1_000
@@ -54,7 +64,7 @@ _TIER_OF_NEED = {
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """What one worker audits. ``kind``: model | launch | package. ``id`` names it in the report; ``xacro``: see :func:`load`;
+    """What one worker audits. ``kind``: model | launch | package. ``id`` names it in the report; ``xacro``: see :func:`load_source`;
     ``known``: what its baseline knows of it, ``home``: the file and folder of this baseline where it is not the run's, ``entry``:
     what it is called there; ``own``: the settings that hold for it instead of those of the run, by name;
     ``fail_on``: from which severity on its findings count for the exit code, None where the run decides;
@@ -83,7 +93,7 @@ class Settings:
     that are kept, None to keep nothing; ``samples``: in how many configurations motion is looked at. ``reach``: the folders
     below which files may be opened, None for all; ``around``: those that a worker process must see at all; ``environment``:
     the variables that a xacro may read beside those of ROS. ``suppress``: what the configuration says to be known;
-    ``comments``: whether comments in the source may say so. ``texts``: see :func:`urdfcheck.system.files.overlaid`."""
+    ``comments``: whether comments in the source may say so. ``texts``: see :func:`urdfcheck.system.files.overlay_files`."""
 
     codes: frozenset[str]
     tier: str = "full"
@@ -100,7 +110,7 @@ class Settings:
     reach: tuple[str, ...] | None = None
     around: tuple[str, ...] = ()
     environment: tuple[str, ...] = ()
-    limits: Limits = field(default_factory=Limits)
+    limits: ResourceLimits = field(default_factory=ResourceLimits)
     suppress: tuple[Entry, ...] = ()
     comments: bool = True
     texts: Mapping[str, bytes] = field(default_factory=dict)
@@ -113,12 +123,12 @@ class Report:
     suppress findings, or would; ``files``: what a model is made of, as findings call them."""
 
     findings: tuple[Finding, ...] = ()
-    skipped: tuple[Skip, ...] = ()
+    skipped: tuple[SkippedCheck, ...] = ()
     info: ModelInfo | None = None
     scene: Scene | None = None
     pairs: LinkPairs | None = None
-    drop: Drop | None = None
-    outline: Outline | None = None
+    drop: DropTest | None = None
+    outline: ModelOutline | None = None
     sources: Mapping[str, str] = field(default_factory=dict)
     failures: tuple[str, ...] = ()
     reads: Mapping[str, Stamp] = field(default_factory=dict)
@@ -132,7 +142,7 @@ def audit(unit: Unit, settings: Settings) -> Report:
 
     began = time.perf_counter()
     run = _Audit(unit, replace(settings, **unit.own))
-    with recorded() as reads, overlaid(settings.texts), np.errstate(all="ignore"):  # such numbers are findings
+    with record_reads() as reads, overlay_files(settings.texts), np.errstate(all="ignore"):  # such numbers are findings
         try:
             if unit.kind == "package":
                 run.package()
@@ -140,18 +150,18 @@ def audit(unit: Unit, settings: Settings) -> Report:
                 run.launches(None)
             else:
                 run.model()
-        except TimeUp:
+        except ModelTimeout:
             run.stop("time")
         except MemoryError:
             run.stop("memory")
     return replace(run.report(time.perf_counter() - began), reads=reads)
 
 
-def stopped(unit: Unit, limits: Limits, message: str, problem: Problem | None = None) -> Finding:
+def stopped(unit: Unit, limits: ResourceLimits, message: str, problem: Problem | None = None) -> Finding:
     """That the check of a unit was stopped (``message``: time | memory | killed), or its expansion at a problem."""
     at = Location("robot", Span(_display(unit.path), 1, 1, 1, 1, 0, 0)) if problem is None else problem.location
     related, reason = ((), "") if problem is None else (problem.related, problem.message)
-    rule = catalogue.rules()["URC906"]
+    rule = catalogue.load_rules()["URC906"]
     finding = rule.finding(message, at=at, related=related, seconds=limits.seconds, memory=limits.memory, reason=reason)
     return replace(finding, model=unit.id)
 
@@ -163,24 +173,24 @@ class _Audit:
         self.unit = unit
         self.settings = settings
         self.findings: list[Finding] = []
-        self.skipped: list[Skip] = []
+        self.skipped: list[SkippedCheck] = []
         self.failures: list[str] = []
         self.texts: dict[str, str] = {}
         self.info: ModelInfo | None = None
         self.scene: Scene | None = None
         self.pairs: LinkPairs | None = None
-        self.drop: Drop | None = None
-        self.outline: Outline | None = None
+        self.drop: DropTest | None = None
+        self.outline: ModelOutline | None = None
         self.recall: Recall | None = None
         self.source: Source | None = None
-        self.rules = {c: r for c, r in catalogue.rules().items() if c in settings.codes and catalogue.has_check(r)}
+        self.rules = {c: r for c, r in catalogue.load_rules().items() if c in settings.codes and catalogue.has_check(r)}
 
     def finder(self, start: Path) -> PackageFinder:
         return PackageFinder(
             start.absolute(),
             {name: Path(folder) for name, folder in self.settings.packages.items()},
             [Path(p) for p in self.settings.package_paths],
-            reach=None if self.settings.reach is None else Reach(self.settings.reach),
+            reach=None if self.settings.reach is None else FileReach(self.settings.reach),
         )
 
     # -- kinds of units ----------------------------------------------------------------------------------------
@@ -188,7 +198,7 @@ class _Audit:
     def model(self) -> None:
         path = Path(self.unit.path)
         unit = self.unit
-        source = load(
+        source = load_source(
             path,
             unit.arguments,
             self.finder(path),
@@ -198,7 +208,7 @@ class _Audit:
         )
         self.source = source
         self.texts.update({name: file.text for name, file in source.files.items()})
-        for problem in source.problems_of("time-limit", "memory-limit"):
+        for problem in source.find_problems("time-limit", "memory-limit"):
             message = f"expansion-{problem.kind.partition('-')[0]}"
             self.findings.append(stopped(unit, self.settings.limits, message, problem))
         self.run("file", source)
@@ -207,7 +217,13 @@ class _Audit:
             folder = None if self.settings.cache is None else Path(self.settings.cache)
             tier, targets, samples = self.settings.tier, self.settings.targets, self.settings.samples
             model = Model(
-                source, source.root, tier, Cache(folder), samples=samples, targets=targets, simulated=self.settings.drop
+                source,
+                source.root,
+                tier,
+                Cache(folder),
+                samples=samples,
+                targets=targets,
+                may_simulate=self.settings.drop,
             )
             if folder is not None and tier != TIERS[0]:
                 self.recall = Recall(model)
@@ -215,25 +231,27 @@ class _Audit:
             self.skip_meshes(source)
             if self.recall is not None:
                 self.recall.keep()
-            self.outline = outline_of(model)
+            self.outline = build_outline(model)
         else:
             # Everything else is about a robot that could not be had: the findings so far say why.
             self.skip_scope("model", "the model could not be expanded")
         self.launches(model)
         self.info = _info(self.unit, source, model)
         if self.settings.scene and model is not None:
-            from urdfcheck.export.scene_builder import scene_of
+            from urdfcheck.export.scene_builder import build_scene
 
-            self.scene = self.guard("scene", lambda: scene_of(model, self.unit.id, self.loaded_launches, self.findings))
+            self.scene = self.guard(
+                "scene", lambda: build_scene(model, self.unit.id, self.loaded_launches, self.findings)
+            )
         if self.settings.pairs and model is not None:
-            self.pairs = self.guard("srdf", lambda: pairs_of(model))
+            self.pairs = self.guard("srdf", lambda: compute_link_pairs(model))
         if self.settings.drop and model is not None:
             self.drop = self.guard("drop", lambda: self.dropped(model))
 
-    def dropped(self, model: Model) -> Drop | None:
+    def dropped(self, model: Model) -> DropTest | None:
         try:
             return replace(model.drop, model=self.unit.id)
-        except Unavailable:  # DYN005 tells why
+        except FactUnavailableError:  # DYN005 tells why
             return None
 
     def launches(self, model: Model | None) -> None:
@@ -253,7 +271,7 @@ class _Audit:
             return
         if package.file is not None:
             self.texts[package.file.name] = package.file.text
-        self.run("package", replace(package, finder=self.finder(folder), whole=self.unit.explicit))
+        self.run("package", replace(package, finder=self.finder(folder), is_fully_checked=self.unit.explicit))
 
     # -- running checks ----------------------------------------------------------------------------------------
 
@@ -271,7 +289,7 @@ class _Audit:
 
     def collect(self, rule: Rule, subject: Any, options: Mapping[str, Any]) -> None:
         def find() -> Iterable[Finding]:
-            return catalogue.check_of(rule)(subject, rule, **options)
+            return catalogue.load_check(rule)(subject, rule, **options)
 
         recall = self.recall if applies(rule) else None
         for finding in find() if recall is None else recall.findings(rule, options, find):
@@ -282,7 +300,7 @@ class _Audit:
         """Run a check; a fact that cannot be had is a skip, any other exception is our own failure."""
         try:
             return work()
-        except Unavailable as reason:
+        except FactUnavailableError as reason:
             self.skip(what, str(reason))
         except MemoryError:
             raise  # the model is too large, and no check at fault
@@ -290,7 +308,7 @@ class _Audit:
             where = traceback.extract_tb(error.__traceback__)[-1]
             text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
             self.failures.append(f"{what} crashed on {self.unit.id}: {text}")
-            crash = catalogue.rules()["URC900"]
+            crash = catalogue.load_rules()["URC900"]
             start = Location("robot", Span(_display(self.unit.path), 1, 1, 1, 1, 0, 0))
             self.findings.append(
                 replace(crash.finding("crashed", at=start, check=what, error=text), model=self.unit.id)
@@ -306,12 +324,12 @@ class _Audit:
             self.info = ModelInfo(path, "", arguments, 0, 0, None, "failed", self.unit.id)
 
     def skip(self, code: str, reason: str) -> None:
-        self.skipped.append(Skip(code, self.unit.id, reason))
+        self.skipped.append(SkippedCheck(code, self.unit.id, reason))
 
     def skip_meshes(self, source: Source) -> None:
         """Meshes of a package that is declared and only not installed here are nothing to complain of, and nothing is known
         of them."""
-        for package, files in not_installed(source).items():
+        for package, files in find_uninstalled_files(source).items():
             number = "a mesh" if len(files) == 1 else f"{len(files)} meshes"
             for rule in self.rules.values():
                 if "mesh" in rule.needs and not _missing_tier(rule, self.settings.tier):
@@ -326,7 +344,7 @@ class _Audit:
 
     def read_text(self, path: Path) -> str | None:
         """The text of a file that a finding points into and that was not kept; None where it cannot or must not be read."""
-        if not self.finder(Path(self.unit.path)).allows(path):
+        if not self.finder(Path(self.unit.path)).can_open(path):
             return None
         try:
             return read_regular(path).decode("utf-8", "replace")
@@ -374,7 +392,9 @@ class _Audit:
 
     def suppressed(self) -> tuple[list[Finding], tuple[Judged, ...]]:
         """The findings, those marked that somebody knows, and what is known of the comments that say so."""
-        comments = [c for name, text in self.texts.items() for c in ignores(SourceFile(Path(name), name, text))]
+        comments = [
+            c for name, text in self.texts.items() for c in find_ignore_comments(SourceFile(Path(name), name, text))
+        ]
         heeded = comments if self.settings.comments else []
         found, used = suppressed(self.findings, heeded, self.settings.suppress, self.unit.known)
         skipped = {skip.code for skip in self.skipped}
@@ -384,14 +404,14 @@ class _Audit:
         ]
         return found, tuple(judgements)
 
-    def doubt(self, comment: Ignore) -> str:
+    def doubt(self, comment: IgnoreComment) -> str:
         """Why a comment that this unit does not need may be needed all the same; empty where there is no reason to think so."""
         source = self.source
         if source is None or comment.span.file not in source.files:
             return ""
         if self.unit.explicit and comment.span.file != source.name:
             return "other models may use the file"
-        if not source.is_xacro or any(word.upper().startswith("XAC") for word in comment.words):
+        if not source.is_xacro or any(word.upper().startswith("XAC") for word in comment.selectors):
             return ""
         places = self.reached.get(comment.span.file, [])
         first = bisect_left(places, comment.start)
@@ -504,7 +524,7 @@ def _missing_tier(rule: Rule, tier: str) -> str | None:
 
 def _info(unit: Unit, source: Source, model: Model | None) -> ModelInfo:
     if model is None:
-        waiting = bool(source.problems_of("argument-missing"))
+        waiting = bool(source.find_problems("argument-missing"))
         status = "needs-arguments" if waiting else "failed"
         return ModelInfo(_display(unit.path), "", dict(unit.arguments), 0, 0, None, status, unit.id)
     masses = [link.inertial.mass for link in model.links if link.inertial is not None]
@@ -522,6 +542,6 @@ def _info(unit: Unit, source: Source, model: Model | None) -> ModelInfo:
 
 
 def _display(path: str) -> str:
-    from urdfcheck.source.package.finder import display_name
+    from urdfcheck.source.package.finder import format_path
 
-    return display_name(Path(path))
+    return format_path(Path(path))

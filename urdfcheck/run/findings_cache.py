@@ -12,7 +12,7 @@ from typing import Any
 
 from urdfcheck.core import Applicability, Cause, Confidence, Edit, Finding, Fix, Location, Rule, Severity, Span
 from urdfcheck.model import Model
-from urdfcheck.rules import pages_folder
+from urdfcheck.rules import find_pages_folder
 from urdfcheck.system.array_cache import origin_of
 
 # What the findings are computed with, beside urdfcheck itself.
@@ -78,19 +78,19 @@ def _parts(model: Model) -> Iterator[str]:
             yield element.text
             for attribute in element.attributes.values():
                 yield f"{attribute.name} {attribute.value}"
-                yield from (repr(definition.location) for definition in attribute.related())
+                yield from (repr(definition.location) for definition in attribute.collect_definitions())
     for use in model.meshes.uses:
         path = use.resource.path
         yield f"{use.filename.value} {path} {use.resource.exists}"
         if path is not None:
-            yield str(model.meshes.key(path))
+            yield str(model.meshes.compute_content_key(path))
             yield str(model.meshes.errors.get(path))
 
 
 @cache
 def _version() -> str:
     """What changes whenever urdfcheck or a library does: sizes and times of its files."""
-    files = sorted((*_HERE.rglob("*.py"), *pages_folder().glob("*.md")))
+    files = sorted((*_HERE.rglob("*.py"), *find_pages_folder().glob("*.md")))
     stamps = [f"{path} {status.st_size} {status.st_mtime_ns}" for path in files for status in (path.stat(),)]
     return "\n".join((*stamps, *(str(origin_of(library)) for library in _LIBRARIES)))
 

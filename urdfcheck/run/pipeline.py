@@ -19,14 +19,14 @@ from typing import TYPE_CHECKING, Any
 
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Run, UrdfcheckError
-from urdfcheck.core.errors import TimeUp
-from urdfcheck.policy.limits import Limits
+from urdfcheck.core.errors import ModelTimeout
+from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.run.variants import smaller, words
-from urdfcheck.source.discover import Plan, plan
-from urdfcheck.source.package.finder import PackageFinder, display_name
-from urdfcheck.source.reach import Reach
+from urdfcheck.source.discover import Plan, discover_targets
+from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.reach import FileReach
 from urdfcheck.system import libraries, sandbox
-from urdfcheck.system.files import overlaid
+from urdfcheck.system.files import overlay_files
 from urdfcheck.system.process_pool import Died, Overdue, Worker, in_workers
 
 if TYPE_CHECKING:
@@ -50,9 +50,9 @@ class Request:
     ``allowed``: folders below which files may be opened beside those that the paths and packages are in; ``environment``: the
     variables that a xacro may read beside those of ROS.
     ``baseline``, ``suppress``: what is known; ``comments``: whether comments in the source may say so as well. ``texts``: see
-    :func:`urdfcheck.system.files.overlaid`. ``configured`` finds the configuration for each file, which decides about the rules and
+    :func:`urdfcheck.system.files.overlay_files`. ``configured`` finds the configuration for each file, which decides about the rules and
     where packages are; ``packages`` and ``package_paths`` are then the command line's. Without it what stands here holds for all.
-    ``all_arguments``: see :func:`urdfcheck.source.discover.plan`."""
+    ``all_arguments``: see :func:`urdfcheck.source.discover.discover_targets`."""
 
     paths: tuple[Path, ...]
     root: Path
@@ -72,7 +72,7 @@ class Request:
     drop: bool = False
     allowed: tuple[Path, ...] = ()
     environment: tuple[str, ...] = ()
-    limits: Limits = field(default_factory=Limits)
+    limits: ResourceLimits = field(default_factory=ResourceLimits)
     baseline: Baseline | None = None
     suppress: tuple[Entry, ...] = ()
     comments: bool = True
@@ -81,9 +81,9 @@ class Request:
     all_arguments: bool = False
 
     @property
-    def reach(self) -> Reach:
+    def reach(self) -> FileReach:
         """What may be opened."""
-        return Reach.around(self.paths, (*self.packages.values(), *self.package_paths, *self.allowed))
+        return FileReach.from_paths(self.paths, (*self.packages.values(), *self.package_paths, *self.allowed))
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,8 +191,8 @@ def planned(request: Request, *, here: bool = False) -> tuple[Plan, list[Unit]]:
     packages = (request.packages, request.package_paths)
     asked = (request.paths, request.arguments, *packages, request.reach, configured, request.all_arguments)
     if here:
-        with overlaid(request.texts):
-            found = plan(*asked)
+        with overlay_files(request.texts):
+            found = discover_targets(*asked)
     else:
         seconds = request.limits.seconds
         longest = max(PLANNING * seconds, LEAST_PLANNING) if seconds else None
@@ -209,14 +209,14 @@ def planned(request: Request, *, here: bool = False) -> tuple[Plan, list[Unit]]:
 def _plan(memory: int, texts: Mapping[str, bytes], *words: Any) -> Plan | MemoryError:
     sandbox.bound_memory(memory)
     try:
-        with overlaid(texts):
-            return plan(*words)
+        with overlay_files(texts):
+            return discover_targets(*words)
     except MemoryError as error:
         return error.with_traceback(None)
 
 
 @contextlib.contextmanager
-def auditing(request: Request, units: Sequence[Unit], reach: Reach) -> Iterator[Settings]:
+def auditing(request: Request, units: Sequence[Unit], reach: FileReach) -> Iterator[Settings]:
     """What holds for the audit of these units, as long as the context lasts. ``reach``: what may be opened."""
     from urdfcheck.run.audit import Settings
 
@@ -244,15 +244,17 @@ def auditing(request: Request, units: Sequence[Unit], reach: Reach) -> Iterator[
         )
 
 
-def _around(request: Request, reach: Reach, units: Sequence[Unit]) -> tuple[str, ...]:
+def _around(request: Request, reach: FileReach, units: Sequence[Unit]) -> tuple[str, ...]:
     """The folders that a worker must see: those in reach, those in which packages are looked for, and the rules."""
-    folders = dict.fromkeys((*reach.roots, str(catalogue.pages_folder())))
+    folders = dict.fromkeys((*reach.roots, str(catalogue.find_pages_folder())))
     # A launch file may name a model anywhere: what is out of reach makes nothing around it visible.
     files = (Path(path) for u in units if u.kind != "package" for path in (u.path, *u.launches))
-    inside = [path.absolute().parent for path in dict.fromkeys(files) if reach.allows(path)]
+    inside = [path.absolute().parent for path in dict.fromkeys(files) if reach.can_open(path)]
     for start in dict.fromkeys((*inside, *(Path(u.path).absolute() for u in units if u.kind == "package"))):
         if not any(os.path.realpath(start).startswith(root + os.sep) for root in folders):
-            folders.update(dict.fromkeys(os.path.realpath(level) for level in PackageFinder(start).levels()[-1:]))
+            folders.update(
+                dict.fromkeys(os.path.realpath(level) for level in PackageFinder(start).list_parent_folders()[-1:])
+            )
     for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
         folders.update(dict.fromkeys(filter(None, os.environ.get(variable, "").split(os.pathsep))))
     return tuple(folders)
@@ -300,7 +302,7 @@ def _units(found: Plan, request: Request) -> list[Unit]:
     from urdfcheck.run.audit import Unit
 
     def root(path: Path) -> Path:
-        config = found.configured.get(str(path))
+        config = found.configs.get(str(path))
         return request.root if config is None else config.root
 
     units = [
@@ -318,14 +320,14 @@ def _units(found: Plan, request: Request) -> list[Unit]:
     ]
     units += [Unit("launch", str(p), model_id(p, {}, root(p))) for p in found.launches]
     units += [
-        Unit("package", str(p), model_id(p / "package.xml", {}, root(p)), explicit=p in found.whole)
+        Unit("package", str(p), model_id(p / "package.xml", {}, root(p)), explicit=p in found.whole_packages)
         for p in found.packages
     ]
     baseline = _baselines(request)
     number = Counter(unit.id for unit in units)
     configured = []
     for unit in units:
-        config = found.configured.get(unit.path)
+        config = found.configs.get(unit.path)
         name = unit.id
         if number[name] > 1 and config is not None and config.root != request.root:
             # Two folders with a configuration each call a model the same.
@@ -450,12 +452,12 @@ def _audit(unit: Unit, settings: Settings) -> Report:
     """What a worker process does with a unit."""
     from urdfcheck.run.audit import Report, audit, stopped
 
-    libraries.prefer_own()
+    libraries.prefer_own_folders()
     sandbox.confine(settings.around, [settings.cache] if settings.cache else [], settings.limits.memory)
     try:
         with sandbox.deadline(settings.limits.seconds):
             return audit(unit, settings)
-    except TimeUp:  # for the second time: while the first was being handled
+    except ModelTimeout:  # for the second time: while the first was being handled
         return Report(info=_dead(unit), findings=(stopped(unit, settings.limits, "time"),))
     except Exception as error:  # ours, not the model's: reading and checking turn what is wrong there into findings
         text = f"the audit of {unit.id} crashed: {type(error).__name__}: {error}"
@@ -467,4 +469,4 @@ def _dead(unit: Unit) -> Any:
 
     if unit.kind != "model":
         return None
-    return ModelInfo(display_name(Path(unit.path)), "", dict(unit.arguments), 0, 0, None, "failed", unit.id)
+    return ModelInfo(format_path(Path(unit.path)), "", dict(unit.arguments), 0, 0, None, "failed", unit.id)

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 
 from urdfcheck import __version__
 from urdfcheck import rules as catalogue
-from urdfcheck.core import Finding, Location, Run, Skip, Span
+from urdfcheck.core import Finding, Location, Run, SkippedCheck, Span
 from urdfcheck.policy import baseline
 from urdfcheck.policy.consumers import weighed
 from urdfcheck.policy.fix_safety import between
 from urdfcheck.policy.suppression import needless, suppressed
 from urdfcheck.run.audit import clipped, merge, order
 from urdfcheck.run.variants import together
-from urdfcheck.source.package.finder import display_name
+from urdfcheck.source.package.finder import format_path
 from urdfcheck.system import libraries
 from urdfcheck.system.files import read_regular
 
@@ -34,8 +34,8 @@ DISTRIBUTIONS = ("xacro", "numpy", "pin", "coal", "trimesh")
 
 def assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]], seconds: float) -> Run:
     """The outcome of a run. ``kept``: the units that were checked, and their reports."""
-    skipped: list[Skip] = [s for _, r in kept for s in r.skipped]
-    skipped += [Skip("ALL", path, reason) for path, reason in found.unused]
+    skipped: list[SkippedCheck] = [s for _, r in kept for s in r.skipped]
+    skipped += [SkippedCheck("ALL", path, reason) for path, reason in found.unused]
     failures = [f"{path}: {reason}" for path, reason in found.missing]
     failures += [f for _, r in kept for f in r.failures]
     across, crashes = _of_the_run(request, kept)
@@ -47,7 +47,7 @@ def assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]],
     sources: dict[str, str] = {}
     for _, report in kept:
         sources.update(report.sources)
-    for text in found.wrong:
+    for text in found.config_errors:
         own.append(misconfigured(text))
         sources.setdefault(*_configuration(text))
     judged = _judged(request, [unit for unit, _ in kept])
@@ -58,14 +58,14 @@ def assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]],
     baselines: dict[str, str] = {}
     for known, names in _baselines(request, homes):
         own += _outdated(known, seen, names)
-        baselines[display_name(known.path)] = known.text
+        baselines[format_path(known.path)] = known.text
     sources.update(baselines)
     findings += _held(request, kept, own)
     users: dict[str, set[str]] = {}
     for unit, report in kept:
         for name in report.files:
             users.setdefault(name, set()).add(unit.id)
-    rules = catalogue.rules()
+    rules = catalogue.load_rules()
     selected = request.codes.union({"URC900"}, *(u.own.get("codes", ()) for u, _ in kept))
     return Run(
         models=models,
@@ -79,9 +79,9 @@ def assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]],
         seconds=seconds,
         failures=(*failures, *crashes),
         units=len(kept),
-        ids=frozenset(unit.id for unit, _ in kept),
-        judged=judged,
-        homes=homes,
+        unit_ids=frozenset(unit.id for unit, _ in kept),
+        complete_rules=judged,
+        baseline_unit_names=homes,
         tier=request.tier,
         targets=request.targets,
         fail_on={u.id: u.fail_on for u, _ in kept if u.fail_on is not None},
@@ -113,12 +113,12 @@ def _of_the_run(request: Request, kept: Sequence[tuple[Unit, Report]]) -> tuple[
     codes = request.codes.union(*(u.own.get("codes", ()) for u, _ in kept))
     findings: list[Finding] = []
     crashes: list[str] = []
-    for rule in catalogue.rules().values():
+    for rule in catalogue.load_rules().values():
         if "run" in rule.scopes and rule.code in codes and catalogue.has_check(rule):
             options = {name: o.default for name, o in rule.options.items()}
             options.update(request.options.get(rule.code, {}))
             try:
-                findings += catalogue.check_of(rule)(outlines, rule, **options)
+                findings += catalogue.load_check(rule)(outlines, rule, **options)
             except Exception as error:
                 crashes.append(f"{rule.code} crashed: {type(error).__name__}: {error}")
     return findings, crashes
@@ -126,7 +126,7 @@ def _of_the_run(request: Request, kept: Sequence[tuple[Unit, Report]]) -> tuple[
 
 def _held(request: Request, kept: Sequence[tuple[Unit, Report]], findings: Iterable[Finding]) -> list[Finding]:
     """The findings that the configuration of their model asks for, as bad as it says; of those of none, that of the run."""
-    rules = catalogue.rules()
+    rules = catalogue.load_rules()
     settings = {unit.id: unit.own for unit, _ in kept}
     held = []
     for finding in findings:
@@ -145,7 +145,9 @@ def _judged(request: Request, units: Sequence[Unit]) -> dict[str, frozenset[str]
     given = [Path(os.path.realpath(path)) for path in request.paths if path.is_dir()]
     missed: set[str] = set()
     if not any(folder == root or folder in root.parents for folder in given):
-        missed |= {c for c, rule in catalogue.rules().items() if {"launch", "package", "run"}.intersection(rule.scopes)}
+        missed |= {
+            c for c, rule in catalogue.load_rules().items() if {"launch", "package", "run"}.intersection(rule.scopes)
+        }
     if request.configured is not None and request.configured.given.target is not None:
         missed.add(
             "MSH011"
@@ -175,7 +177,7 @@ def misconfigured(text: str) -> Finding:
     file, line, reason = re.match(r"(.*?):(?:(\d+):)? (.*)", text, re.DOTALL).groups()  # type: ignore[union-attr]
     number = int(line or 1)
     at = Location("configuration", Span(file, number, 1, number, 1, 0, 0))
-    return catalogue.rules()["URC901"].finding("wrong", at=at, reason=reason)
+    return catalogue.load_rules()["URC901"].finding("wrong", at=at, reason=reason)
 
 
 def _configuration(text: str) -> tuple[str, str]:
@@ -189,10 +191,10 @@ def _configuration(text: str) -> tuple[str, str]:
 
 def foreign_libraries() -> list[Finding]:
     """The findings of URC907: libraries that are not taken from our own environment."""
-    rule = catalogue.rules()["URC907"]
+    rule = catalogue.load_rules()["URC907"]
     return [
         rule.finding("shadowed", at=Location(f"library[{library}]", None), library=library, path=path)
-        for library, path in sorted(libraries.foreign().items())
+        for library, path in sorted(libraries.find_foreign_libraries().items())
     ]
 
 

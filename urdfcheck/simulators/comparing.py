@@ -81,20 +81,20 @@ def _row(name: str, version: str, outcome: Outcome, robot: Robot, findings: Sequ
 
 def _read(unit: Unit, settings: Settings) -> Robot | None:
     """What a worker process does with a unit."""
-    libraries.prefer_own()
+    libraries.prefer_own_folders()
     sandbox.confine(settings.around, (), settings.limits.memory)
     from urdfcheck.model import Model
     from urdfcheck.simulators.reading import robot_of
-    from urdfcheck.source.load import load
+    from urdfcheck.source.load import load_source
     from urdfcheck.source.package.finder import PackageFinder
-    from urdfcheck.source.reach import Reach
+    from urdfcheck.source.reach import FileReach
 
     path = Path(unit.path)
     packages = {name: Path(folder) for name, folder in settings.packages.items()}
-    reach = None if settings.reach is None else Reach(settings.reach)
+    reach = None if settings.reach is None else FileReach(settings.reach)
     finder = PackageFinder(path.absolute(), packages, [Path(p) for p in settings.package_paths], reach=reach)
     with sandbox.deadline(settings.limits.seconds):
-        source = load(
+        source = load_source(
             path,
             unit.arguments,
             finder,

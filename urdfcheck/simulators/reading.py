@@ -10,12 +10,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.core import Unavailable
+from urdfcheck.core import FactUnavailableError
 from urdfcheck.model import Model
 from urdfcheck.model.parts import Joint
 from urdfcheck.simulators.outcome import Motion, Robot, Typed, Vector
 from urdfcheck.source.load import Source
-from urdfcheck.source.text.xml import Element, quoted
+from urdfcheck.source.text.xml import Element, quote_attribute
 from urdfcheck.system.files import read_regular
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def robot_of(source: Source, model: Model | None) -> Robot | None:
     moved = tuple(dict.fromkeys(link.name for link in model.links if link.name in children))
     try:
         order = model.tree.order
-    except Unavailable:
+    except FactUnavailableError:
         return Robot(document, moved=moved)
     moving = [model.tree.parent_joint[name] for name in order[1:]]
     joints = [joint for joint in moving if _is_simple(joint)]
@@ -54,7 +54,7 @@ def robot_of(source: Source, model: Model | None) -> Robot | None:
     robot = Robot(document, None, moved, tuple(j.name for j in joints), samples, start)
     typed = Typed(
         root=model.tree.root,
-        heads={name: model.tree.body(name)[0] for name in order},
+        heads={name: model.tree.list_body_links(name)[0] for name in order},
         joints=tuple(joint.name for joint in moving),
         masses=_masses(model),
         limits={j.name: limits for j in joints if (limits := _limits(j)) is not None},
@@ -70,7 +70,7 @@ def _document(source: Source) -> bytes | None:
         if source.root is None:
             return None
         return "".join(('<?xml version="1.0"?>\n', *_written(source.root))).encode("utf-8", "surrogatepass")
-    if not source.finder.allows(source.path):
+    if not source.finder.can_open(source.path):
         return None
     try:
         return read_regular(source.path)
@@ -79,7 +79,7 @@ def _document(source: Source) -> bytes | None:
 
 
 def _written(element: Element) -> Iterator[str]:
-    attributes = "".join(f" {a.name}={quoted(a.value)}" for a in element.attributes.values())
+    attributes = "".join(f" {a.name}={quote_attribute(a.value)}" for a in element.attributes.values())
     yield f"<{element.tag}{attributes}>{html.escape(element.text, quote=False)}"
     for child in element.children:
         yield from _written(child)
@@ -89,14 +89,19 @@ def _written(element: Element) -> Iterator[str]:
 def _meshes(model: Model) -> Mapping[str, str]:
     """The absolute paths of the meshes that were found, by what was typed for them."""
     finder, base = model.source.finder, model.source.path.parent
-    typed = {s.mesh.value for link in model.links for s in (*link.visuals, *link.collisions) if s.mesh is not None}
-    found = {text: finder.resolve(text, base) for text in sorted(typed)}
+    typed = {
+        s.mesh_filename.value
+        for link in model.links
+        for s in (*link.visuals, *link.collisions)
+        if s.mesh_filename is not None
+    }
+    found = {text: finder.resolve_resource(text, base) for text in sorted(typed)}
     return {text: str(f.path.absolute()) for text, f in found.items() if f.exists and f.path is not None}
 
 
 def _found(literal: bytes, meshes: Mapping[str, str]) -> bytes:
     path = meshes.get(html.unescape(literal[1:-1].decode("utf-8", "replace")))
-    return literal if path is None else quoted(path).encode("utf-8", "surrogateescape")
+    return literal if path is None else quote_attribute(path).encode("utf-8", "surrogateescape")
 
 
 def _is_simple(joint: Joint) -> bool:
@@ -107,7 +112,7 @@ def _is_simple(joint: Joint) -> bool:
 def _masses(model: Model) -> Mapping[str, float | None]:
     found: dict[str, float | None] = {}
     for name in model.tree.order:
-        head, inertial = model.tree.body(name)[0], model.link_by_name[name].inertial
+        head, inertial = model.tree.list_body_links(name)[0], model.link_by_name[name].inertial
         mass, known = (0.0 if inertial is None else inertial.mass), found.get(head, 0.0)
         found[head] = None if mass is None or known is None else known + mass
     return found
@@ -116,7 +121,7 @@ def _masses(model: Model) -> Mapping[str, float | None]:
 def _limits(joint: Joint) -> tuple[float, float] | None:
     if joint.type == "continuous" or joint.limit is None:
         return None
-    lower, upper = joint.limit_value("lower"), joint.limit_value("upper")
+    lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
     return None if lower is None or upper is None else (lower, upper)
 
 

@@ -13,8 +13,8 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from urdfcheck.core.errors import TimeUp
-from urdfcheck.policy.limits import Limits
+from urdfcheck.core.errors import ModelTimeout
+from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.simulators.outcome import Outcome, Robot
 from urdfcheck.system import libraries, sandbox
 from urdfcheck.system.process_pool import Died, Overdue, Worker, in_workers
@@ -45,7 +45,12 @@ def how_to_install(engine: str) -> str:
 
 
 def outcomes(
-    jobs: Sequence[tuple[str, Robot]], around: Sequence[str], limits: Limits, at_once: int = 1, *, apart: bool = True
+    jobs: Sequence[tuple[str, Robot]],
+    around: Sequence[str],
+    limits: ResourceLimits,
+    at_once: int = 1,
+    *,
+    apart: bool = True,
 ) -> Iterator[tuple[int, Outcome]]:
     """Load robots in engines: as they come, the places of the jobs and what became of them. ``around``: the folders that the
     processes may read. Unless ``apart``, one process does one job after the other: they must be for the same engine then."""
@@ -69,7 +74,7 @@ def _settle() -> None:
     """Nothing: a worker that prepares itself does not look through what it was born with after each job."""
 
 
-def _ending(died: Died, limits: Limits) -> str:
+def _ending(died: Died, limits: ResourceLimits) -> str:
     if isinstance(died, Overdue):
         return f"does not end within {limits.seconds:g} s"
     if died.exit_code is not None and died.exit_code < 0:
@@ -78,9 +83,9 @@ def _ending(died: Died, limits: Limits) -> str:
     return "ends its process" if died.exit_code is not None else "sends what is no answer"
 
 
-def _load(engine: str, robot: Robot, own: str, folder: str, around: Sequence[str], limits: Limits) -> Outcome:
+def _load(engine: str, robot: Robot, own: str, folder: str, around: Sequence[str], limits: ResourceLimits) -> Outcome:
     """What the process of an engine does with a robot; files that it needs go to the folder ``own``."""
-    libraries.prefer_own()
+    libraries.prefer_own_folders()
     module = importlib.import_module(f"urdfcheck.simulators.{engine}")
     loaded, refused = None, ""
     faulthandler.disable()  # that an engine crashes is an answer, and no news for the terminal
@@ -94,7 +99,7 @@ def _load(engine: str, robot: Robot, own: str, folder: str, around: Sequence[str
         try:
             with sandbox.deadline(limits.seconds):
                 loaded = module.load(robot, str(path))
-        except TimeUp:
+        except ModelTimeout:
             refused = f"does not end within {limits.seconds:g} s"
         except (
             Exception,

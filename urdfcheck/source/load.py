@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from urdfcheck.core import Location, Span
-from urdfcheck.source.package.finder import Package, PackageFinder, display_name
+from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.reach import OUT_OF_REACH
 from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse, unbound_prefix
+from urdfcheck.source.text.xml import Element, SourceFile, XmlError, find_unbound_prefix, parse_xml
 
 _USES_XACRO = re.compile(r"<xacro:|\$\{|\$\((?:find|arg|eval|env|optenv|dirname)\b")
 
@@ -42,23 +42,23 @@ class Source:
     environment: frozenset[str] = frozenset()
 
     @property
-    def main(self) -> Element | None:
+    def main_tree(self) -> Element | None:
         """The tree of the model's own file as typed, None when it could not be parsed."""
         return self.trees.get(self.name)
 
     @property
     def file_location(self) -> Location:
         """The model's file as a whole: its first character."""
-        root = self.main
+        root = self.main_tree
         span = root.span if root is not None else Span(self.name, 1, 1, 1, 1, 0, 0)
         return Location(root.subject if root is not None else "robot", span)
 
-    def problems_of(self, *kinds: str) -> list[Problem]:
+    def find_problems(self, *kinds: str) -> list[Problem]:
         """The recorded problems of these kinds."""
         return [p for p in self.problems if p.kind in kinds]
 
 
-def load(
+def load_source(
     path: Path,
     arguments: Mapping[str, str],
     finder: PackageFinder,
@@ -72,19 +72,19 @@ def load(
     ``xacro`` says that the file is handed to xacro although its name does not end in ``.xacro``; ``environment`` names the
     variables that it may read beside those of ROS.
     """
-    name = display_name(path)
-    package = finder.package_of(path.absolute())
+    name = format_path(path)
+    package = finder.find_package_of(path.absolute())
     files: dict[str, SourceFile] = {}
     trees: dict[str, Element] = {}
     problems: list[Problem] = []
     root: Element | None = None
     is_xacro = path.suffix == ".xacro"
     try:
-        if not finder.allows(path):
+        if not finder.can_open(path):
             raise OSError(errno.EACCES, OUT_OF_REACH, str(path))
         source = SourceFile.read(path, name)
         files[name] = source
-        root = trees[name] = parse(source)
+        root = trees[name] = parse_xml(source)
     except OSError as error:
         start = Span(name, 1, 1, 1, 1, 0, 0)
         problems.append(Problem("unreadable", error.strerror or str(error), Location("robot", start)))
@@ -97,7 +97,7 @@ def load(
         if source.instruction is not None and not (is_xacro or xacro):
             at = Location(root.subject, source.instruction)
             problems.append(Problem("instruction", "a processing instruction (<?…?>) does not stand first", at))
-        prefixed = unbound_prefix(root)
+        prefixed = find_unbound_prefix(root)
         if prefixed is not None and not is_xacro:
             element, prefix = prefixed
             problems.append(
@@ -105,13 +105,13 @@ def load(
             )
     arguments_read: frozenset[str] = frozenset()
     if root is not None and is_xacro:
-        from urdfcheck.source.xacro.expand import expand
+        from urdfcheck.source.xacro.expand import expand_xacro
 
-        expansion = expand(path, arguments, finder, environment)
+        expansion = expand_xacro(path, arguments, finder, environment)
         root, problems = expansion.root, [*problems, *expansion.problems]
         files.update(expansion.files)
         trees.update(expansion.trees)
-        arguments_read = expansion.arguments
+        arguments_read = expansion.arguments_read
     return Source(
         path,
         name,

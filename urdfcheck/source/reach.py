@@ -15,7 +15,7 @@ OUT_OF_REACH = "it lies outside of the folders that may be read (--allow-read)"
 
 
 @dataclass(frozen=True, slots=True)
-class Reach:
+class FileReach:
     """The folders below which files may be opened, as real paths.
 
     A file counts by where it really is, so that a symbolic link leads nowhere else. What is hidden below a folder
@@ -25,18 +25,18 @@ class Reach:
     roots: tuple[str, ...]
 
     @classmethod
-    def around(cls, paths: Iterable[Path], folders: Iterable[Path]) -> Reach:
+    def from_paths(cls, paths: Iterable[Path], folders: Iterable[Path]) -> FileReach:
         """What the given paths belong to, and these folders as they are."""
-        real = dict.fromkeys(os.path.realpath(f) for f in (*map(home_of, paths), *folders))
+        real = dict.fromkeys(os.path.realpath(f) for f in (*map(find_project_folder, paths), *folders))
         return cls(tuple(real))
 
-    def allows(self, path: Path) -> bool:
+    def can_open(self, path: Path) -> bool:
         """Whether a file, or what a link of this name leads to, may be opened."""
-        real = real_path(path)
+        real = resolve_real_path(path)
         return real is not None and any(is_below(real, root) for root in self.roots)
 
 
-def home_of(path: Path) -> Path:
+def find_project_folder(path: Path) -> Path:
     """The folder that a path given by the user belongs to: the repository around it, or else its package, or else itself
     (of a file its folder, and the one above where that is called ``urdf`` or the like). Of a link that is where it lies, not
     where it leads: the link may be a stranger's."""
@@ -52,7 +52,7 @@ def home_of(path: Path) -> Path:
     return folder.parent if folder.name.lower() in _PARTS else folder
 
 
-def real_path(path: Path) -> str | None:
+def resolve_real_path(path: Path) -> str | None:
     """Where a path really leads; None for one that no file system has (a NUL in it, links in a circle)."""
     try:
         return os.path.realpath(path)

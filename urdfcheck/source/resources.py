@@ -27,21 +27,21 @@ class ResourceUse:
     def location(self) -> Location:
         return self.attribute.location
 
-    def related(self) -> tuple[Definition, ...]:
+    def collect_definitions(self) -> tuple[Definition, ...]:
         """The definitions that the path was computed from."""
-        return self.attribute.related()
+        return self.attribute.collect_definitions()
 
 
 @lru_cache(maxsize=1)
-def resource_uses(source: Source) -> tuple[ResourceUse, ...]:
+def list_resource_uses(source: Source) -> tuple[ResourceUse, ...]:
     """Every mesh and texture of the expanded model in document order; none where it could not be expanded."""
     if source.root is None:
         return ()
-    base, named = source.path.parent, [a for a in _filenames(source.root) if a.value.strip()]
-    return tuple(ResourceUse(a, source.finder.resolve(a.value, base)) for a in named)
+    base, named = source.path.parent, [a for a in _find_filenames(source.root) if a.value.strip()]
+    return tuple(ResourceUse(a, source.finder.resolve_resource(a.value, base)) for a in named)
 
 
-def plain_spelling(text: str) -> str:
+def normalize_spelling(text: str) -> str:
     """A path as it is written where it shall be read everywhere: forward slashes, two of them behind the scheme, no blanks
     around it."""
     plain = text.strip().replace("\\", "/")
@@ -50,21 +50,21 @@ def plain_spelling(text: str) -> str:
 
 def is_misspelt(use: ResourceUse) -> bool:
     """Whether a path leads nowhere and is spelled as some systems alone read it: then the spelling comes first (PKG011)."""
-    return not use.resource.exists and plain_spelling(use.resource.text) != use.resource.text
+    return not use.resource.exists and normalize_spelling(use.resource.text) != use.resource.text
 
 
-def not_installed(source: Source) -> dict[str, set[str]]:
+def find_uninstalled_files(source: Source) -> dict[str, set[str]]:
     """The files that the model names in packages which its own package depends on and which are not installed here."""
     declared = frozenset() if source.package is None else source.package.dependencies
     files: dict[str, set[str]] = {}
-    for use in resource_uses(source):
+    for use in list_resource_uses(source):
         package = use.resource.package
         if package and package in declared and use.resource.path is None:
             files.setdefault(package, set()).add(use.resource.text)
     return files
 
 
-def machine_part(use: ResourceUse, source: Source) -> Attribute | Definition | None:
+def find_machine_path(use: ResourceUse, source: Source) -> Attribute | Definition | None:
     """Where the path of one machine was typed: the attribute, or the property or argument that it comes from.
 
     None for a path that any machine can open, and for one that xacro computes anew on each machine
@@ -72,8 +72,8 @@ def machine_part(use: ResourceUse, source: Source) -> Attribute | Definition | N
     """
     if use.resource.kind not in {"absolute", "home", "file"}:
         return None
-    definitions = use.attribute.related()
-    texts = {d: _text(d, source) for d in definitions}
+    definitions = use.attribute.collect_definitions()
+    texts = {d: _read_definition(d, source) for d in definitions}
     if _COMPUTED.search(use.attribute.typed) or any(_COMPUTED.search(t) for t in texts.values()):
         return None
     if use.attribute.typed.lstrip().startswith("$"):
@@ -81,13 +81,13 @@ def machine_part(use: ResourceUse, source: Source) -> Attribute | Definition | N
     return use.attribute
 
 
-def _text(definition: Definition, source: Source) -> str:
+def _read_definition(definition: Definition, source: Source) -> str:
     span = definition.span
     file = None if span is None else source.files.get(span.file)
     return "" if span is None or file is None else file.text[span.start : span.end]
 
 
-def _filenames(root: Element) -> Iterator[Attribute]:
+def _find_filenames(root: Element) -> Iterator[Attribute]:
     for element in root.walk():
         inside = element.parent.tag if element.parent is not None else ""
         if (element.tag == "mesh" and inside == "geometry") or (element.tag == "texture" and inside == "material"):

@@ -19,7 +19,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.system.files import MAX_MESH, TooLarge, looked_at, read_regular
+from urdfcheck.system.files import MAX_MESH, FileTooLargeError, note_lookup, read_regular
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -61,9 +61,9 @@ class Cache:
         :raises OSError: when it is no regular file, or cannot be read.
         """
         status = path.stat()
-        looked_at(path, status)
+        note_lookup(path, status)
         if status.st_size > limit:
-            raise TooLarge(limit, status.st_size)
+            raise FileTooLargeError(limit, status.st_size)
         stamp = f"{status.st_size} {status.st_mtime_ns} {status.st_ctime_ns} {status.st_ino}"
         place = None if self.folder is None else self.folder / "files" / _hash(os.fsencode(os.path.realpath(path)))
         if place is not None:

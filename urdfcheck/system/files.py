@@ -29,7 +29,7 @@ _overlay: ContextVar[Mapping[str, bytes] | None] = ContextVar("overlay", default
 _FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
 
 
-class TooLarge(OSError):
+class FileTooLargeError(OSError):
     """A file has more bytes than ``limit``; ``found`` is how many, at least, and ``message`` says so."""
 
     def __init__(self, limit: int, found: int) -> None:
@@ -40,7 +40,7 @@ class TooLarge(OSError):
 
 
 @contextmanager
-def recorded() -> Iterator[dict[str, Stamp]]:
+def record_reads() -> Iterator[dict[str, Stamp]]:
     """The files that are read or looked for inside, by absolute path, each as it was the first time."""
     found: dict[str, Stamp] = {}
     token = _record.set(found)
@@ -51,7 +51,7 @@ def recorded() -> Iterator[dict[str, Stamp]]:
 
 
 @contextmanager
-def overlaid(texts: Mapping[str, bytes]) -> Iterator[None]:
+def overlay_files(texts: Mapping[str, bytes]) -> Iterator[None]:
     """Inside, files of these real paths read as if they held these bytes: how a model would look after an edit."""
     token = _overlay.set(texts)
     try:
@@ -60,22 +60,22 @@ def overlaid(texts: Mapping[str, bytes]) -> Iterator[None]:
         _overlay.reset(token)
 
 
-def looked_at(path: Path, status: os.stat_result | None = None) -> None:
+def note_lookup(path: Path, status: os.stat_result | None = None) -> None:
     """Say that what lies at a path (``status``, if that is known) decides about the outcome."""
     record = _record.get()
     if record is not None:
-        record.setdefault(os.path.abspath(path), stamp_of(path) if status is None else _stamp(status))
+        record.setdefault(os.path.abspath(path), read_stamp(path) if status is None else _make_stamp(status))
 
 
-def stamp_of(path: str | Path) -> Stamp:
+def read_stamp(path: str | Path) -> Stamp:
     """What tells whether a file was changed since."""
     try:
-        return _stamp(os.stat(path))
+        return _make_stamp(os.stat(path))
     except (OSError, ValueError):
         return None
 
 
-def _stamp(status: os.stat_result) -> Stamp:
+def _make_stamp(status: os.stat_result) -> Stamp:
     return status.st_size, status.st_mtime_ns
 
 
@@ -85,16 +85,16 @@ def read_regular(path: Path, limit: int = MAX_TEXT) -> bytes:
     :raises TooLarge: when it has more than ``limit`` of them.
     :raises OSError: for anything that is no regular file, and when it cannot be read.
     """
-    with _opened(path) as (file, size):
+    with _open_regular(path) as (file, size):
         if size > limit:
-            raise TooLarge(limit, size)
+            raise FileTooLargeError(limit, size)
         data = file.read(size + 1)
         while len(data) > size and (more := file.read(_PIECE)):
             data += more
             if len(data) > limit:
                 break
     if len(data) > limit:
-        raise TooLarge(limit, len(data))
+        raise FileTooLargeError(limit, len(data))
     return data
 
 
@@ -103,12 +103,12 @@ def read_start(path: Path, count: int) -> bytes:
 
     :raises OSError: for anything that is no regular file, and when it cannot be read.
     """
-    with _opened(path) as (file, _):
+    with _open_regular(path) as (file, _):
         return file.read(count)
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[tuple[BinaryIO, int]]:
+def _open_regular(path: Path) -> Iterator[tuple[BinaryIO, int]]:
     """A regular file, opened, and its size."""
     try:
         _ensure_regular(os.stat(path), path)
@@ -116,12 +116,12 @@ def _opened(path: Path) -> Iterator[tuple[BinaryIO, int]]:
     except ValueError:  # a NUL, or what the file system's encoding lacks
         raise OSError(errno.EINVAL, "Is no name of a file", str(path)) from None
     except OSError:
-        looked_at(path)  # what is missing may come
+        note_lookup(path)  # what is missing may come
         raise
     with os.fdopen(descriptor, "rb") as file:
         status = os.fstat(descriptor)
         _ensure_regular(status, path)
-        looked_at(path, status)
+        note_lookup(path, status)
         overlay = _overlay.get()
         data = overlay.get(os.path.realpath(path)) if overlay else None
         if data is None:

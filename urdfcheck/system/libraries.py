@@ -16,16 +16,16 @@ TRACED = ("xacro", "pinocchio", "coal", "trimesh")
 
 
 @functools.cache
-def own_folders() -> tuple[str, ...]:
+def list_own_folders() -> tuple[str, ...]:
     """The site-packages folders of the Python environment that urdfcheck runs in."""
     paths = sysconfig.get_paths()
     return tuple(dict.fromkeys(os.path.realpath(paths[key]) for key in ("purelib", "platlib")))
 
 
-def prefer_own() -> None:
+def prefer_own_folders() -> None:
     """Move the environment's own folders (and what their .pth files added) in front of PYTHONPATH's, and forget the
     working directory: what lies there is checked and never imported."""
-    own = own_folders()
+    own = list_own_folders()
     # `python -m urdfcheck` puts the working directory first: a rich.py of the checked repository would be imported.
     sys.path[:] = [p for p in sys.path if p not in {"", os.getcwd()}]
     first = [p for p in sys.path if _is_below(p, own)]
@@ -33,9 +33,9 @@ def prefer_own() -> None:
         sys.path[:] = [*first, *(p for p in sys.path if p not in first)]
 
 
-def foreign() -> dict[str, str]:
+def find_foreign_libraries() -> dict[str, str]:
     """The libraries that Python would take from outside of its own environment, with the path of each."""
-    own = own_folders()
+    own = list_own_folders()
     found: dict[str, str] = {}
     for name in TRACED:
         try:

@@ -15,7 +15,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from types import FrameType
 
-from urdfcheck.core.errors import TimeUp
+from urdfcheck.core.errors import ModelTimeout
 
 # Where a Python and the libraries that it loads later lie, beside its own folders.
 _SYSTEM = (
@@ -153,7 +153,7 @@ def _restrict_files(readable: list[str], writable: list[str]) -> bool:
 
 @contextlib.contextmanager
 def deadline(seconds: float) -> Iterator[None]:
-    """Raise `TimeUp` in what runs inside when so much time has passed, and again every few seconds if it goes on.
+    """Raise `ModelTimeout` in what runs inside when so much time has passed, and again every few seconds if it goes on.
 
     A loop in compiled code does not hear of it: whoever started the process kills it then, and the kernel does when that one
     has gone (on Windows, nobody does).
@@ -164,7 +164,7 @@ def deadline(seconds: float) -> Iterator[None]:
     import resource
 
     def ring(_signal: int, _frame: FrameType | None) -> None:
-        raise TimeUp
+        raise ModelTimeout
 
     before = signal.signal(signal.SIGALRM, ring)
     used = resource.getrusage(resource.RUSAGE_SELF)

@@ -61,7 +61,7 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck.system import libraries
 
     request, settings = requested(options)
-    libraries.prefer_own()
+    libraries.prefer_own_folders()
     done = dataset.audit(
         request,
         options.output,
@@ -76,9 +76,9 @@ def main(words: Sequence[str]) -> int:
     if not done.checked and not done.unchanged:
         say("nothing to check: no model, launch file or package was found there")
         return OK if options.allow_empty else NOTHING
-    sys.stdout.write(summary.render(done.summary, catalogue.rules()))
+    sys.stdout.write(summary.render(done.summary, catalogue.load_rules()))
     known = f"{done.unchanged:,} unchanged, " if done.unchanged else ""
     say(f"{known}{done.checked:,} checked; {options.output / dataset.LINES}, {options.output / dataset.INDEX}")
     fail_on = options.fail_on or settings.fail_on
     codes = [code_of(False, worst, level or fail_on) for level, worst in done.worst.items()]
-    return max((code_of(bool(done.summary.failed), None, fail_on), *codes))
+    return max((code_of(bool(done.summary.failure_count), None, fail_on), *codes))

@@ -38,7 +38,7 @@ def main(words: Sequence[str]) -> int:
 
     from urdfcheck.policy import baseline
     from urdfcheck.run.pipeline import run
-    from urdfcheck.source.package.finder import display_name
+    from urdfcheck.source.package.finder import format_path
     from urdfcheck.system import libraries
 
     request, settings = requested(options)
@@ -49,8 +49,8 @@ def main(words: Sequence[str]) -> int:
         request = replace(request, baseline=baseline.read(file, settings.root))
     before = request.baseline
     if before is None and options.action != "write":
-        raise UrdfcheckError(f"{display_name(file)}: there is no baseline; urdfcheck baseline write makes one")
-    libraries.prefer_own()
+        raise UrdfcheckError(f"{format_path(file)}: there is no baseline; urdfcheck baseline write makes one")
+    libraries.prefer_own_folders()
     outcome = run(request, progress=progress())
     if options.action == "check":
         show(outcome, "text", "auto")
@@ -62,8 +62,8 @@ def main(words: Sequence[str]) -> int:
     if not outcome.units:
         say("nothing to check: no model, launch file or package was found there")
         return OK if options.allow_empty else NOTHING
-    seen = baseline.Seen(outcome.findings, outcome.models, outcome.judged, outcome.skipped, outcome.tier)
-    for home, names in sorted(outcome.homes.items(), key=lambda item: item[0] or ("", "")):
+    seen = baseline.Seen(outcome.findings, outcome.models, outcome.complete_rules, outcome.skipped, outcome.tier)
+    for home, names in sorted(outcome.baseline_unit_names.items(), key=lambda item: item[0] or ("", "")):
         own = seen.of(names)
         at, root = (file, settings.root) if home is None else (Path(home[0]), Path(home[1]))
         old = before if home is None else baseline.read(at, root) if at.is_file() else None
@@ -71,13 +71,13 @@ def main(words: Sequence[str]) -> int:
             after = baseline.renewed(old or baseline.Baseline(at, root), own)
             write(baseline.render(after), at)
             known = sum(baseline.counts(finding) for finding in own.findings)
-            say(f"{display_name(at)}: {known:,} {'finding is' if known == 1 else 'findings are'} known from now on")
+            say(f"{format_path(at)}: {known:,} {'finding is' if known == 1 else 'findings are'} known from now on")
         elif old is not None:
             gone = baseline.stale(old, own)
             write(baseline.render(baseline.without(old, gone)), at)
             number = sum(sum(entries.values()) for entries in gone.values())
             done = f"took out {_entries(number, 'stale ')}" if number else "no entry is stale"
-            say(f"{display_name(at)}: {done}, {_entries(old.size - number)} remain{'s' * (old.size - number == 1)}")
+            say(f"{format_path(at)}: {done}, {_entries(old.size - number)} remain{'s' * (old.size - number == 1)}")
     return FAILED if outcome.failures else OK
 
 

@@ -21,7 +21,7 @@ from urdfcheck.output import FORMATS
 if TYPE_CHECKING:
     from urdfcheck.core import Finding, Run
     from urdfcheck.fix.fixer import Fixes
-    from urdfcheck.output.text import Detail
+    from urdfcheck.output.text import DetailLevel
     from urdfcheck.policy.config import Config
     from urdfcheck.run.pipeline import Request
 
@@ -119,8 +119,8 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck.run.pipeline import run
     from urdfcheck.system import libraries
 
-    request, settings = requested(options, scene=bool(formats & output.DRAWN))
-    libraries.prefer_own()
+    request, settings = requested(options, scene=bool(formats & output.DRAWING_FORMATS))
+    libraries.prefer_own_folders()
 
     def meanwhile() -> None:
         for name in formats:
@@ -148,7 +148,7 @@ def main(words: Sequence[str]) -> int:
         from urdfcheck.cli.commands.watch import watch
 
         def ask() -> tuple[Request, Config]:
-            return requested(options, scene=bool(formats & output.DRAWN))
+            return requested(options, scene=bool(formats & output.DRAWING_FORMATS))
 
         return watch((request, settings), ask, report, [file for _, file in outputs], first, meanwhile)
     if options.fix or options.diff:
@@ -169,10 +169,10 @@ def main(words: Sequence[str]) -> int:
     return report(outcome, settings)
 
 
-def _detail(options: argparse.Namespace) -> Detail:
-    from urdfcheck.output.text import Detail
+def _detail(options: argparse.Namespace) -> DetailLevel:
+    from urdfcheck.output.text import DetailLevel
 
-    return Detail.FULL if options.verbose else Detail.QUIET if options.quiet else Detail.BRIEF
+    return DetailLevel.FULL if options.verbose else DetailLevel.QUIET if options.quiet else DetailLevel.BRIEF
 
 
 def _write(fixed: Fixes) -> None:
@@ -201,15 +201,15 @@ def _diff(fixed: Fixes, code: int) -> int:
 
 
 def _tell(done: str, fixed: Fixes) -> None:
-    from urdfcheck.output.shared.inert import one_line
+    from urdfcheck.output.shared.inert import escape_one_line
 
     alike: dict[str, list[Finding]] = {}
     for finding, reason in fixed.refused:
         alike.setdefault(reason, []).append(finding)
     for reason, findings in alike.items():
         span = findings[0].location.span
-        place = "" if span is None else f"{one_line(span.file)}:{span.line}:{span.col} "
+        place = "" if span is None else f"{escape_one_line(span.file)}:{span.line}:{span.col} "
         others = "" if len(findings) == 1 else f" and {len(findings) - 1} more"
-        say(f"not fixed: {place}{findings[0].code}{others}: {one_line(reason)}", sys.stderr)
+        say(f"not fixed: {place}{findings[0].code}{others}: {escape_one_line(reason)}", sys.stderr)
     more = f" ({fixed.more} more with --unsafe-fixes)" if fixed.more else ""
     say(f"{done} {len(fixed.fixed)}{more}", sys.stderr)

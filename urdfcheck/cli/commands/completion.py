@@ -80,15 +80,15 @@ def main(words: Sequence[str]) -> int:
 
 def _commands() -> list[Command]:
     from urdfcheck import rules as catalogue
-    from urdfcheck.output import FORMATS, PICTURE
+    from urdfcheck.output import FORMATS, PICTURE_FORMAT
     from urdfcheck.policy.config import TARGETS
 
-    codes = tuple(catalogue.rules())
+    codes = tuple(catalogue.load_rules())
     values = {
         "CODES": ("ALL", *dict.fromkeys(code[:3] for code in codes), *codes),
-        "CODE": (*codes, *(rule.name for rule in catalogue.rules().values())),
+        "CODE": (*codes, *(rule.name for rule in catalogue.load_rules().values())),
         "NAMES": tuple(TARGETS),
-        "FORMAT=FILE": tuple(f"{name}=" for name in (*FORMATS, PICTURE)),
+        "FORMAT=FILE": tuple(f"{name}=" for name in (*FORMATS, PICTURE_FORMAT)),
     }
     return [_command(name, values) for name in COMMANDS]
 

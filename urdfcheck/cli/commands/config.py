@@ -87,9 +87,9 @@ def main(words: Sequence[str]) -> int:
     there = baseline.is_file() and not options.isolated
     answer = _answer(configured, config, path, baseline if there or options.baseline or config.baseline else None)
     if options.format == "json":
-        from urdfcheck.output.shared.inert import for_json
+        from urdfcheck.output.shared.inert import escape_for_json
 
-        show_document(for_json(json.dumps(asdict(answer), indent=2, ensure_ascii=False) + "\n"))
+        show_document(escape_for_json(json.dumps(asdict(answer), indent=2, ensure_ascii=False) + "\n"))
     else:
         _print(answer)
     return OK
@@ -97,7 +97,7 @@ def main(words: Sequence[str]) -> int:
 
 def _answer(configured: Configurations, config: Config, path: Path, baseline: Path | None) -> Answer:
     from urdfcheck.policy.config import typed
-    from urdfcheck.source.package.finder import display_name
+    from urdfcheck.source.package.finder import format_path
 
     given, holds = configured.given, configured.holds(config, path)
     table, at = typed(config)
@@ -128,11 +128,11 @@ def _answer(configured: Configurations, config: Config, path: Path, baseline: Pa
         one("tier", holds.tier, given.tier is not None),
         one("target", ", ".join(holds.targets), given.target is not None),
         one("exclude", ", ".join(config.exclude)),
-        *(Setting("packages", f"{n} = {display_name(p)}", at["packages", n]) for n, p in config.packages.items()),
-        one("package-path", ", ".join(map(display_name, config.package_path))),
+        *(Setting("packages", f"{n} = {format_path(p)}", at["packages", n]) for n, p in config.packages.items()),
+        one("package-path", ", ".join(map(format_path, config.package_path))),
         Setting("baseline", "", DEFAULT)
         if baseline is None
-        else Setting("baseline", display_name(baseline), COMMAND_LINE if given.baseline is not None else beside),
+        else Setting("baseline", format_path(baseline), COMMAND_LINE if given.baseline is not None else beside),
     ]
     known = [
         Setting(_few(_typed_codes(table, i)), f"{entry.subject}: {entry.reason}", at["suppress", i])
@@ -145,9 +145,9 @@ def _answer(configured: Configurations, config: Config, path: Path, baseline: Pa
         if m.path.resolve() == path.resolve()
     ]
     return Answer(
-        display_name(path),
-        None if config.file is None else display_name(config.file),
-        display_name(config.root),
+        format_path(path),
+        None if config.file is None else format_path(config.file),
+        format_path(config.root),
         tuple(settings),
         tuple(sorted(holds.codes)),
         tuple(_rules(configured, config, path, sections, at)),
@@ -183,14 +183,14 @@ def _rules(
     options: dict[tuple[str, str], str] = {}
     for where, section in sections:
         # The same order as the configuration's: what means fewer rules comes later, and wins.
-        for word in sorted(section.get("severity", {}), key=lambda w: -len(catalogue.select([w]))):
+        for word in sorted(section.get("severity", {}), key=lambda w: -len(catalogue.select_rules([w]))):
             place = (*where, "severity", word)
-            severities.update(dict.fromkeys(catalogue.select([word]), at[place]))
-        for word in sorted(section.get("options", {}), key=lambda w: -len(catalogue.select([w]))):
+            severities.update(dict.fromkeys(catalogue.select_rules([word]), at[place]))
+        for word in sorted(section.get("options", {}), key=lambda w: -len(catalogue.select_rules([w]))):
             for name in section["options"][word]:
                 place = (*where, "options", word, name)
-                options.update(dict.fromkeys(((code, name) for code in catalogue.select([word])), at[place]))
-    for code, rule in catalogue.rules().items():
+                options.update(dict.fromkeys(((code, name) for code in catalogue.select_rules([word])), at[place]))
+    for code, rule in catalogue.load_rules().items():
         if code in holds.codes and holds.severities.get(code, str(rule.severity)) != str(rule.severity):
             value = holds.severities[code]
             yield RuleSetting(code, rule.name, None, value, str(rule.severity), severities[code])
@@ -210,23 +210,25 @@ def _print(answer: Answer) -> None:
     from rich.text import Text
 
     from urdfcheck import rules as catalogue
-    from urdfcheck.output.shared.inert import one_line
+    from urdfcheck.output.shared.inert import escape_one_line
 
     def row(name: str, value: str, source: str) -> Text:
-        line = Text(" " * INDENT).append(one_line(name).ljust(NAMES), "" if value else "dim")
-        line.append(one_line(value) or "none", "" if value else "dim")
+        line = Text(" " * INDENT).append(escape_one_line(name).ljust(NAMES), "" if value else "dim")
+        line.append(escape_one_line(value) or "none", "" if value else "dim")
         line.pad_right(max(PLACES - line.cell_len, 2))
-        return line.append(one_line(source), "dim" if source == DEFAULT else "cyan")
+        return line.append(escape_one_line(source), "dim" if source == DEFAULT else "cyan")
 
     def block(title: str, rows: Sequence[Text]) -> list[Text]:
         return [Text(), Text(f"  {title}", "bold"), *rows] if rows else []
 
-    lines = [Text.assemble((one_line(answer.path), "bold"))]
-    lines.append(Text.assemble("  configured by ", (one_line(answer.file or "no file: the defaults hold"), "cyan")))
-    lines.append(Text.assemble("  models are named from ", (one_line(answer.root), "")))
+    lines = [Text.assemble((escape_one_line(answer.path), "bold"))]
+    lines.append(
+        Text.assemble("  configured by ", (escape_one_line(answer.file or "no file: the defaults hold"), "cyan"))
+    )
+    lines.append(Text.assemble("  models are named from ", (escape_one_line(answer.root), "")))
     lines.append(Text())
     lines += [row(s.name, str(s.value), s.source) for s in answer.settings]
-    lines.append(row("rules", f"{len(answer.selected)} of {len(catalogue.rules())}", ""))
+    lines.append(row("rules", f"{len(answer.selected)} of {len(catalogue.load_rules())}", ""))
     severities = [row(r.code, f"{r.name}: {r.default} → {r.value}", r.source) for r in answer.rules if r.option is None]
     options = [
         row(r.code, f"{r.name}: {r.option} = {r.value}, on the page {r.default}", r.source)

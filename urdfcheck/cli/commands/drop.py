@@ -64,12 +64,12 @@ def main(words: Sequence[str]) -> int:
 
     first = first_worker()
     # What is wrong with the file says why there is no model.
-    wanted = {RULE, *(code for code, rule in catalogue.rules().items() if "file" in rule.scopes)}
+    wanted = {RULE, *(code for code, rule in catalogue.load_rules().items() if "file" in rule.scopes)}
     formats = {options.format, *(name for name, _ in outputs)}
     if "html" not in formats:
         options.select = [",".join(sorted(wanted))]
     request, settings = requested(options, scene="html" in formats)
-    libraries.prefer_own()
+    libraries.prefer_own_folders()
     outcome = run(replace(request, drop=True), first=first, progress=progress())
     if outcome.models and not outcome.drops:
         raise UrdfcheckError(f"{options.paths[0]}: {_why_none(outcome)}")

@@ -46,17 +46,17 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck.simulators.comparing import compare
     from urdfcheck.system import libraries
 
-    libraries.prefer_own()
+    libraries.prefer_own_folders()
     settings = configuration(path, options)
-    request = reading(options, settings, (path,), frozenset(catalogue.rules()))
+    request = reading(options, settings, (path,), frozenset(catalogue.load_rules()))
     done = compare(replace(request, jobs=os.cpu_count() or 1))
     if options.format == "json":
         show_document(json.dumps(_document(done), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     else:
-        from urdfcheck.output.shared.inert import for_log
+        from urdfcheck.output.shared.inert import escape_for_log
 
         for line in _lines(done, _width()):
-            print(for_log(line))
+            print(escape_for_log(line))
     failed = any(_fails(row, settings.target) for row in done.rows)
     return FINDINGS if failed else OK
 

@@ -177,7 +177,7 @@ def _look(folder: Path) -> Run:
     from urdfcheck.run.pipeline import Request, run
     from urdfcheck.system import libraries
 
-    libraries.prefer_own()
+    libraries.prefer_own_folders()
     request = Request(
         (folder,), without_file(folder).root, frozenset({"XAC010"}), tier="source", jobs=os.cpu_count() or 1
     )
@@ -187,16 +187,16 @@ def _look(folder: Path) -> Run:
 def _needing(outcome: Run, folder: Path) -> dict[Path, dict[str, tuple[str, ...]]]:
     """The models that cannot be expanded without arguments, with these and the values of them that their text knows."""
     from urdfcheck.source.package.finder import PackageFinder
-    from urdfcheck.source.reach import Reach
-    from urdfcheck.source.xacro.argument_values import choices
+    from urdfcheck.source.reach import FileReach
+    from urdfcheck.source.xacro.argument_values import find_argument_choices
 
     paths = {info.id: Path(info.path) for info in outcome.models if info.status == "needs-arguments"}
     found: dict[Path, dict[str, tuple[str, ...]]] = {}
     for finding in outcome.findings:
         path = paths.get(finding.model)
         if path is not None:
-            finder = PackageFinder(path.absolute(), reach=Reach.around([folder], []))
-            known = {choice.name: choice.values for choice in choices(path, finder)}
+            finder = PackageFinder(path.absolute(), reach=FileReach.from_paths([folder], []))
+            known = {choice.name: choice.values for choice in find_argument_choices(path, finder)}
             names = [str(name) for name in finding.data["missing"]]
             found.setdefault(path, {}).update({name: known.get(name, ()) for name in names})
     return found
@@ -367,9 +367,9 @@ def _read(path: Path) -> str:
 
 
 def _do(step: Step, root: Path, *, dry: bool) -> None:
-    from urdfcheck.source.package.finder import display_name
+    from urdfcheck.source.package.finder import format_path
 
-    name = display_name(step.path)
+    name = format_path(step.path)
     text = step.text
     real = Path(os.path.realpath(step.path))
     if text is not None and (step.path.is_symlink() or not real.is_relative_to(root)):
@@ -399,7 +399,7 @@ def _tell_found(outcome: Run) -> None:
 
 
 def _tell_next(steps: Sequence[Step], needing: Mapping[Path, object], *, known: bool, dry: bool) -> None:
-    from urdfcheck.source.package.finder import display_name
+    from urdfcheck.source.package.finder import format_path
 
     if dry:
         return
@@ -407,10 +407,10 @@ def _tell_next(steps: Sequence[Step], needing: Mapping[Path, object], *, known: 
     told = []
     if needing and configuration.text is not None:
         told.append(
-            f"give {', '.join(map(display_name, sorted(needing)))} arguments in {display_name(configuration.path)}"
+            f"give {', '.join(map(format_path, sorted(needing)))} arguments in {format_path(configuration.path)}"
         )
     if not known and (job.text is not None or (job.path.is_file() and f"pip install {UNKNOWN}" in _read(job.path))):
-        told.append(f"write in {display_name(job.path)} how urdfcheck is installed ({UNKNOWN}): {_WHAT_TO_INSTALL}")
+        told.append(f"write in {format_path(job.path)} how urdfcheck is installed ({UNKNOWN}): {_WHAT_TO_INSTALL}")
     if hooks.text is not None:
         told.append("pre-commit install           the hook runs at each commit")
     told.append("urdfcheck .                  what is wrong today")

@@ -27,12 +27,12 @@ def append(run: Run, reports: Sequence[str], file: Path) -> None:
 
     :raises UrdfcheckError: when the file cannot be written.
     """
-    from urdfcheck.output.markdown import SUMMARY, job_summary
+    from urdfcheck.output.markdown import SUMMARY_LIMIT, render_job_summary
 
     try:
-        room = SUMMARY - (file.stat().st_size if file.is_file() else 0)
+        room = SUMMARY_LIMIT - (file.stat().st_size if file.is_file() else 0)
         if room >= LEAST:
             with open(file, "a", encoding="utf-8", newline="\n") as out:
-                out.write(job_summary(run, reports, room) + "\n")
+                out.write(render_job_summary(run, reports, room) + "\n")
     except OSError as error:
         raise UrdfcheckError(f"cannot write the summary of the job, {file}: {error.strerror or error}") from None

@@ -23,8 +23,13 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck import rules as catalogue
 
     if options.code is None:
-        for known in catalogue.rules().values():
+        for known in catalogue.load_rules().values():
             say(f"{known.code}  {known.severity!s:7}  {known.confidence!s:9}  {known.name}")
         return OK
-    say("\n\n".join(catalogue.explain(catalogue.rules()[code]) for code in sorted(catalogue.select([options.code]))))
+    say(
+        "\n\n".join(
+            catalogue.explain_rule(catalogue.load_rules()[code])
+            for code in sorted(catalogue.select_rules([options.code]))
+        )
+    )
     return OK

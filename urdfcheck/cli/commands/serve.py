@@ -21,7 +21,7 @@ from urdfcheck.cli.options import requested
 from urdfcheck.cli.preload import prepare
 from urdfcheck.cli.terminal import FAILED, FINDINGS, exit_code
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.output.shared.inert import for_log, one_line
+from urdfcheck.output.shared.inert import escape_for_log, escape_one_line
 
 if TYPE_CHECKING:
     import argparse
@@ -45,7 +45,7 @@ def serve() -> None:
         for answer in _answers(asked):
             print(json.dumps(answer), file=out, flush=True)
     except UrdfcheckError as error:
-        print(json.dumps({"error": for_log(str(error))}), file=out, flush=True)
+        print(json.dumps({"error": escape_for_log(str(error))}), file=out, flush=True)
     except (BrokenPipeError, KeyboardInterrupt):
         sys.exit(FAILED)
 
@@ -76,7 +76,7 @@ def _answers(asked: dict[str, Any]) -> Iterator[dict[str, Any]]:
 def _told(unit: Unit) -> dict[str, Any]:
     """What a test needs to know of a unit: where it is, and what tells it from others of the same file."""
     _, _, arguments = unit.id.partition(f"{os.path.basename(unit.path)} ")
-    return {"kind": unit.kind, "path": unit.path, "launches": unit.launches, "arguments": one_line(arguments)}
+    return {"kind": unit.kind, "path": unit.path, "launches": unit.launches, "arguments": escape_one_line(arguments)}
 
 
 def _options(words: Sequence[str]) -> argparse.Namespace:
@@ -99,15 +99,15 @@ def _fared(
 
     if is_nothing(unit, report, found):
         return {"outcome": "skipped", "text": "it makes neither link nor joint: it is no model"}
-    run = assemble(request, replace(found, unused=(), wrong=()), [(unit, report)], 0.0)
+    run = assemble(request, replace(found, unused=(), config_errors=()), [(unit, report)], 0.0)
     code = exit_code(run, fail_on)
     if code not in {FAILED, FINDINGS} and report.info is not None and report.info.status == "needs-arguments":
         reason = max(report.findings, key=lambda f: f.severity).message if report.findings else "it needs arguments"
         how = '--urdfcheck-args="--arg NAME:=VALUE", or [[models]] in urdfcheck.toml'
-        return {"outcome": "skipped", "text": for_log(f"{one_line(reason)} ({how})")}
-    page = text.render(run, width=asked["width"], color=asked["color"], detail=text.Detail.QUIET, fail_on=fail_on)
+        return {"outcome": "skipped", "text": escape_for_log(f"{escape_one_line(reason)} ({how})")}
+    page = text.render(run, width=asked["width"], color=asked["color"], detail=text.DetailLevel.QUIET, fail_on=fail_on)
     # Its first line is what pytest's summary has room for.
-    worst = sorted((f for f in run.active if f.severity > Severity.INFO), key=lambda f: -f.severity)
+    worst = sorted((f for f in run.active_findings if f.severity > Severity.INFO), key=lambda f: -f.severity)
     more = f" and {len(worst) - 1} more" if len(worst) > 1 else ""
     head = f"{worst[0].code} {worst[0].name}{more}\n" if worst else ""
     return {"outcome": {FAILED: "crashed", FINDINGS: "failed"}.get(code, "passed"), "text": head + page}

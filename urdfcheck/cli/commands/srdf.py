@@ -29,11 +29,11 @@ def parser() -> argparse.ArgumentParser:
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    from urdfcheck.export.link_pairs import SAMPLES, THOROUGH, render, unlike_ours, why_none
+    from urdfcheck.export.link_pairs import SAMPLES, THOROUGH, explain_missing_pairs, has_foreign_content, render
 
     options = parser().parse_args(words)
     path = Path(options.model)
-    if options.output is not None and unlike_ours(options.output):
+    if options.output is not None and has_foreign_content(options.output):
         raise UrdfcheckError(
             f"{options.output} was not written by urdfcheck srdf alone: what else it says would be lost"
         )
@@ -45,8 +45,8 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck.system import libraries
 
     # What is wrong with the file says why there is no model.
-    codes = frozenset(code for code, rule in catalogue.rules().items() if "file" in rule.scopes)
-    libraries.prefer_own()
+    codes = frozenset(code for code, rule in catalogue.load_rules().items() if "file" in rule.scopes)
+    libraries.prefer_own_folders()
     report = run_one(
         replace(
             reading(options, configuration(path, options), (path,), codes),
@@ -55,13 +55,13 @@ def main(words: Sequence[str]) -> int:
         )
     )
     if report.pairs is None:
-        raise UrdfcheckError(f"{path}: {why_none(report)}")
+        raise UrdfcheckError(f"{path}: {explain_missing_pairs(report)}")
     if not report.pairs.pairs:
         say(f"urdfcheck: {path}: no two links have collision geometry that can be read", sys.stderr)
         return NOTHING
-    from urdfcheck.output.shared.inert import for_xml
+    from urdfcheck.output.shared.inert import escape_for_xml
 
-    document = for_xml(render(report.pairs))
+    document = escape_for_xml(render(report.pairs))
     if options.output is not None:
         write(document, options.output)
     else:

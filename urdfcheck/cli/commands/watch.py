@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING
 from urdfcheck.cli.preload import first_worker
 from urdfcheck.cli.terminal import FAILED, erase_progress, progress, say
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.output.shared.inert import one_line
+from urdfcheck.output.shared.inert import escape_one_line
 from urdfcheck.policy.config import OWN, PROJECT
 from urdfcheck.run.pipeline import Audited, Request, audited
 from urdfcheck.source.discover import is_launch
-from urdfcheck.source.package.finder import BUILT, display_name
-from urdfcheck.system.files import Stamp, stamp_of, walk
+from urdfcheck.source.package.finder import BUILD_FOLDERS, format_path
+from urdfcheck.system.files import Stamp, read_stamp, walk
 
 if TYPE_CHECKING:
     from urdfcheck.core import Run
@@ -79,7 +79,7 @@ def watch(
             # Until something changes it has loaded what the next check needs.
             first = first_worker()
             changed = _changed(known, lambda request=request: _listed(request))  # type: ignore[misc]
-            if any(known.get(path) is None or stamp_of(path) is None for path in changed):
+            if any(known.get(path) is None or read_stamp(path) is None for path in changed):
                 last = None  # what is there or not there any more may matter to whoever looked for it
     except KeyboardInterrupt:
         erase_progress()
@@ -95,7 +95,7 @@ def _still_true(last: Audited | None, request: Request) -> Audited | None:
         place: report
         for place, report in last.reports.items()
         if not report.failures
-        and all(now.setdefault(path, stamp_of(path)) == stamp for path, stamp in report.reads.items())
+        and all(now.setdefault(path, read_stamp(path)) == stamp for path, stamp in report.reads.items())
     }
     return replace(last, reports=reports)
 
@@ -104,7 +104,7 @@ def _head(changed: list[str]) -> None:
     """When and why it is checked, on an empty screen."""
     if sys.stdout.isatty():
         sys.stdout.write("\x1b[2J\x1b[H")
-    names = [one_line(display_name(Path(path))) for path in changed[:FEW]]
+    names = [escape_one_line(format_path(Path(path))) for path in changed[:FEW]]
     more = f" and {len(changed) - FEW:,} more" if len(changed) > FEW else ""
     why = f"changed: {', '.join(names)}{more}" if names else "checking"
     say(f"{time.strftime('%H:%M:%S')} {why}")
@@ -133,7 +133,7 @@ def _differing(before: Stamps, after: Stamps) -> list[str]:
 
 
 def _stamps(paths: Iterable[str]) -> dict[str, Stamp]:
-    return {path: stamp_of(path) for path in paths}
+    return {path: read_stamp(path) for path in paths}
 
 
 def _without(stamps: dict[str, Stamp], written: Collection[Path]) -> Stamps:
@@ -153,7 +153,7 @@ def _listed(request: Request) -> Iterator[str]:
         for above in (start, *start.parents):
             yield from (str(above / name) for name in (OWN, PROJECT))
         for folder, below, names in walk(start):
-            below[:] = [n for n in below if not n.startswith(".") and n not in BUILT and n != "node_modules"]
+            below[:] = [n for n in below if not n.startswith(".") and n not in BUILD_FOLDERS and n != "node_modules"]
             yield from (os.path.join(folder, name) for name in names if _matters(Path(name)))
     if request.baseline is not None:
         yield str(request.baseline.path)

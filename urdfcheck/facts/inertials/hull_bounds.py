@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _STEPS = 100
 
 
-def reach(points: ArrayLike) -> float:
+def measure_extent(points: ArrayLike) -> float:
     """The size of ``points`` (K, 3): the diameter of the least sphere about their mean that holds them.
 
     Unlike a box round them it is the same in every frame.
@@ -24,14 +24,14 @@ def reach(points: ArrayLike) -> float:
     return 2.0 * float(np.linalg.norm(corners - corners.mean(axis=0), axis=1).max())
 
 
-def outside(points: ArrayLike, place: ArrayLike, rel_tol: float = 1e-6) -> float:
+def measure_hull_distance(points: ArrayLike, point: ArrayLike, rel_tol: float = 1e-6) -> float:
     """Distance from ``place`` (3,) to the convex hull of ``points`` (K, 3); 0 when it is inside.
 
     Right to ``rel_tol`` of the farthest point's distance. The nearest point of the hull is found as the one of a corner, an
     edge, a triangle or a tetrahedron of its points, which are exchanged until none is nearer (Wolfe, *Finding the nearest point
     in a polytope*, 1976).
     """
-    corners = np.asarray(points, dtype=float) - np.asarray(place, dtype=float)
+    corners = np.asarray(points, dtype=float) - np.asarray(point, dtype=float)
     squares = np.einsum("ij,ij->i", corners, corners)
     tolerance = rel_tol * float(squares.max()) ** 0.5
     chosen = [int(squares.argmin())]
@@ -49,7 +49,7 @@ def outside(points: ArrayLike, place: ArrayLike, rel_tol: float = 1e-6) -> float
         chosen.append(farther)
         weights = np.append(weights, 0.0)
         while True:
-            best = _nearest_weights(corners[chosen])
+            best = _solve_nearest_weights(corners[chosen])
             if (best > 0.0).all():
                 weights = best
                 break
@@ -64,14 +64,16 @@ def outside(points: ArrayLike, place: ArrayLike, rel_tol: float = 1e-6) -> float
     return float(np.linalg.norm(nearest))
 
 
-def _nearest_weights(corners: Array) -> Array:
+def _solve_nearest_weights(corners: Array) -> Array:
     """Weights (n,), summing up to 1, of the point nearest to the origin of the flat through ``corners`` (n, 3)."""
     first = corners[0]
     weights = np.linalg.lstsq((corners[1:] - first).T, -first, rcond=None)[0]
     return np.concatenate(((1.0 - weights.sum(),), weights))
 
 
-def spread_ratios(points: ArrayLike, com: ArrayLike, covariance: ArrayLike, margin: float = 0.0) -> tuple[Array, Array]:
+def compute_spread_ratios(
+    points: ArrayLike, com: ArrayLike, covariance: ArrayLike, margin: float = 0.0
+) -> tuple[Array, Array]:
     """How much farther a mass spreads than it can inside the hull of ``points`` (K, 3), and along which directions.
 
     Ratios (3,) of the variance along each principal axis of ``covariance`` (3, 3), the mean of ``(x - com)(x - com)ᵀ``, to the

@@ -34,10 +34,10 @@ class Solid:
 
 
 @dataclass(frozen=True, slots=True)
-class Validity:
+class InertiaValidity:
     """Whether a body can have an inertia tensor. ``moments``: principal, ascending; NaN unless ``finite``.
 
-    ``excess``: see `triangle_excess`. ``triangle``: whether ``I1 + I2 >= I3``, with a slack of ``rel_tol I3``; true of
+    ``excess``: see `compute_triangle_excess`. ``triangle``: whether ``I1 + I2 >= I3``, with a slack of ``rel_tol I3``; true of
     the zero tensor of a point mass.
     """
 
@@ -45,26 +45,26 @@ class Validity:
     moments: tuple[float, float, float]
     positive_definite: bool
     excess: float
-    triangle: bool
+    triangle_inequality: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Rounding:
+class TensorRounding:
     """What the digits of a typed tensor leave open.
 
-    ``excess``: `triangle_excess` as typed. ``explained``: the typed tensor breaks the triangle inequality, and one that
+    ``excess``: `compute_triangle_excess` as typed. ``explained``: the typed tensor breaks the triangle inequality, and one that
     rounds to the same digits keeps it. ``typed_digits``: significant digits of the largest typed moment; ``digits``:
     how many it needs for rounding not to matter.
     """
 
     excess: float
-    explained: bool
+    explained_by_rounding: bool
     typed_digits: int
     digits: int
 
 
 @dataclass(frozen=True, slots=True)
-class Densities:
+class EquivalentDensities:
     """Densities (kg/m³) of the solid box and the solid cylinder that have a body's mass and principal moments; None
     where no such body exists."""
 
@@ -72,19 +72,19 @@ class Densities:
     cylinder: float | None
 
 
-def tensor(six: Sequence[float]) -> Array:
+def build_inertia_tensor(components: Sequence[float]) -> Array:
     """The (3, 3) tensor of URDF's ``ixx ixy ixz iyy iyz izz``."""
-    ixx, ixy, ixz, iyy, iyz, izz = six
+    ixx, ixy, ixz, iyy, iyz, izz = components
     return np.array(((ixx, ixy, ixz), (ixy, iyy, iyz), (ixz, iyz, izz)), dtype=float)
 
 
-def six_of(inertia: Array) -> list[float]:
-    """URDF's ``ixx ixy ixz iyy iyz izz`` of a (3, 3) tensor: the inverse of `tensor`."""
+def list_inertia_components(inertia: Array) -> list[float]:
+    """URDF's ``ixx ixy ixz iyy iyz izz`` of a (3, 3) tensor: the inverse of `build_inertia_tensor`."""
     six: list[float] = inertia[np.triu_indices(3)].tolist()
     return six
 
 
-def principal_moments(inertia: ArrayLike) -> tuple[Array, Array]:
+def compute_principal_moments(inertia: ArrayLike) -> tuple[Array, Array]:
     """Principal moments (3,) ascending, and principal axes (3, 3) as the columns of a rotation matrix.
 
     :raises ValueError: when the tensor is not finite.
@@ -98,21 +98,21 @@ def principal_moments(inertia: ArrayLike) -> tuple[Array, Array]:
     return moments, axes
 
 
-def principal_frame(inertia: ArrayLike, rel_tol: float = 1e-9) -> tuple[Array, Array]:
-    """Like `principal_moments`, with axes that do not depend on the machine: where moments are equal to within ``rel_tol`` of
+def compute_principal_frame(inertia: ArrayLike, rel_tol: float = 1e-9) -> tuple[Array, Array]:
+    """Like `compute_principal_moments`, with axes that do not depend on the machine: where moments are equal to within ``rel_tol`` of
     the largest, one of their axes is as near as it can be to an axis of the tensor; an axis that is certain points along its
     first component that counts.
 
     :raises ValueError: when the tensor is not finite.
     """
-    moments, axes = principal_moments(inertia)
+    moments, axes = compute_principal_moments(inertia)
     slack = rel_tol * float(np.abs(moments).max())
     low, high = moments[1] - moments[0] > slack, moments[2] - moments[1] > slack
     if not low and not high:
         return moments, np.eye(3)
     # The axis of a moment that no other equals, and the next one round.
     place = 0 if low else 2
-    first, second = _pointed(axes[:, place]), _pointed(axes[:, (place + 1) % 3])
+    first, second = _orient_axis(axes[:, place]), _orient_axis(axes[:, (place + 1) % 3])
     if not (low and high):
         nearest = np.eye(3)[int(np.abs(first.round(6)).argmin())]
         second = nearest - (nearest @ first) * first
@@ -121,36 +121,36 @@ def principal_frame(inertia: ArrayLike, rel_tol: float = 1e-9) -> tuple[Array, A
     return moments, np.roll(found, place, axis=1)
 
 
-def _pointed(axis: Array) -> Array:
+def _orient_axis(axis: Array) -> Array:
     """Along or against ``axis`` (3,), so that its first component that counts is positive."""
     pointed: Array = axis * np.sign(axis[int((np.abs(axis) > 0.1).argmax())])
     return pointed
 
 
-def triangle_excess(inertia: ArrayLike) -> float:
+def compute_triangle_excess(inertia: ArrayLike) -> float:
     """``(I1 + I2 - I3) / I3`` of the ascending principal moments: negative when no body has this tensor.
 
     1 for a sphere, 0 for a flat plate. NaN when the largest moment is not positive.
     """
-    return _excess(principal_moments(inertia)[0])
+    return _compute_excess(compute_principal_moments(inertia)[0])
 
 
-def validity(inertia: ArrayLike, rel_tol: float = 1e-9) -> Validity:
+def check_inertia_validity(inertia: ArrayLike, rel_tol: float = 1e-9) -> InertiaValidity:
     """Whether a tensor is finite, positive definite, and keeps the triangle inequality to within ``rel_tol``."""
     if not np.isfinite(np.asarray(inertia, dtype=float)).all():
-        return Validity(False, (math.nan,) * 3, False, math.nan, False)
-    moments, _ = principal_moments(inertia)
+        return InertiaValidity(False, (math.nan,) * 3, False, math.nan, False)
+    moments, _ = compute_principal_moments(inertia)
     first, second, third = moments.tolist()
-    return Validity(
+    return InertiaValidity(
         finite=True,
         moments=(first, second, third),
         positive_definite=third > 0.0 and first > _EIGEN_ROUNDING * third,
-        excess=_excess(moments),
-        triangle=first + second - third >= -rel_tol * abs(third),
+        excess=_compute_excess(moments),
+        triangle_inequality=first + second - third >= -rel_tol * abs(third),
     )
 
 
-def digits_needed(texts: Sequence[str], rel_tol: float = 1e-9) -> Rounding:
+def measure_tensor_rounding(texts: Sequence[str], rel_tol: float = 1e-9) -> TensorRounding:
     """Whether a violated triangle inequality is only rounding, and with how many digits it would not be.
 
     ``texts``: ``ixx ixy ixz iyy iyz izz`` as typed. Each stands for any number within half a unit of its last place;
@@ -158,31 +158,32 @@ def digits_needed(texts: Sequence[str], rel_tol: float = 1e-9) -> Rounding:
 
     :raises ValueError: when a text is no finite number.
     """
-    values = [_decimal(text) for text in texts]
+    values = [_parse_decimal(text) for text in texts]
     typed = [float(value) for value in values]
-    half = half_units(texts)
-    report = validity(tensor(typed), rel_tol)
+    half = list_half_units(texts)
+    report = check_inertia_validity(build_inertia_tensor(typed), rel_tol)
     largest = max(abs(values[i]) for i in (0, 3, 5))
     # The slack I1 + I2 - I3 changes by at most 1 for each moment and 2 for both places of a product.
     place = math.floor(float(largest.log10()) + math.log10(rel_tol / 4.5)) if largest else 0
-    return Rounding(
+    return TensorRounding(
         excess=report.excess,
-        explained=not report.triangle and _valid_within(np.array(typed), np.array(half), rel_tol),
-        typed_digits=largest.adjusted() - _last_place(largest) + 1 if largest else 0,
+        explained_by_rounding=not report.triangle_inequality
+        and _can_be_valid_within(np.array(typed), np.array(half), rel_tol),
+        typed_digits=largest.adjusted() - _find_last_decimal_place(largest) + 1 if largest else 0,
         digits=min(17, largest.adjusted() - place + 1) if largest else 0,
     )
 
 
-def half_units(texts: Sequence[str]) -> list[float]:
+def list_half_units(texts: Sequence[str]) -> list[float]:
     """Half a unit of the last place of each number as typed: what it may differ by from the one that was rounded; zeros
     are exact.
 
     :raises ValueError: when a text is no finite number.
     """
-    return [float(f"5e{_last_place(v) - 1}") if v else 0.0 for v in map(_decimal, texts)]
+    return [float(f"5e{_find_last_decimal_place(v) - 1}") if v else 0.0 for v in map(_parse_decimal, texts)]
 
 
-def _valid_within(typed: Array, half: Array, rel_tol: float) -> bool:
+def _can_be_valid_within(typed: Array, half: Array, rel_tol: float) -> bool:
     """Whether six numbers within ``half`` of ``typed``, one by one, make a tensor with the triangle inequality.
 
     The inequality is ``tr(I) - 2 uᵀ I u >= 0`` for every direction u, and each of these is linear in the tensor. Linear
@@ -194,7 +195,7 @@ def _valid_within(typed: Array, half: Array, rel_tol: float) -> bool:
     rows: list[Array] = []
     nearby = typed
     while unit > 0.0 and len(rows) < 100:
-        moments, axes = principal_moments(tensor(nearby.tolist()))
+        moments, axes = compute_principal_moments(build_inertia_tensor(nearby.tolist()))
         tolerance = rel_tol * abs(float(moments[2]))
         if moments[0] + moments[1] - moments[2] >= -tolerance:
             return True
@@ -216,39 +217,39 @@ def _valid_within(typed: Array, half: Array, rel_tol: float) -> bool:
     return False
 
 
-def inertia_of(solid: Solid, mass: float) -> Array:
+def compute_solid_inertia(solid: Solid, mass: float) -> Array:
     """Inertia tensor (3, 3) in kg m² about the COM of a uniform solid of this mass (kg), in the solid's axes."""
     result: Array = mass * (np.trace(solid.covariance) * np.eye(3) - solid.covariance)
     return result
 
 
-def covariance_of(inertia: ArrayLike, mass: float) -> Array:
-    """Covariance (3, 3) in m² of a body's mass: the inverse of `inertia_of`."""
+def compute_mass_covariance(inertia: ArrayLike, mass: float) -> Array:
+    """Covariance (3, 3) in m² of a body's mass: the inverse of `compute_solid_inertia`."""
     specific = np.asarray(inertia, dtype=float) / mass
     result: Array = 0.5 * np.trace(specific) * np.eye(3) - specific
     return result
 
 
-def box_solid(size: Sequence[float]) -> Solid:
+def make_box_solid(size: Sequence[float]) -> Solid:
     """A box of edge lengths ``size`` (m) about its centre."""
     edges = np.asarray(size, dtype=float)
     return Solid(float(edges.prod()), np.zeros(3), np.diag(edges**2 / 12.0))
 
 
-def cylinder_solid(radius: float, length: float) -> Solid:
+def make_cylinder_solid(radius: float, length: float) -> Solid:
     """A cylinder along z about its centre (m)."""
     across = radius**2 / 4.0
     return Solid(math.pi * radius**2 * length, np.zeros(3), np.diag((across, across, length**2 / 12.0)))
 
 
-def sphere_solid(radius: float) -> Solid:
+def make_sphere_solid(radius: float) -> Solid:
     """A sphere about its centre (m)."""
     return Solid(4.0 / 3.0 * math.pi * radius**3, np.zeros(3), np.eye(3) * radius**2 / 5.0)
 
 
-def capsule_solid(radius: float, length: float) -> Solid:
+def make_capsule_solid(radius: float, length: float) -> Solid:
     """A capsule along z about its centre (m): a cylinder of this length with a half sphere on either end."""
-    tube, caps = cylinder_solid(radius, length), sphere_solid(radius)
+    tube, caps = make_cylinder_solid(radius, length), make_sphere_solid(radius)
     volume = tube.volume + caps.volume
     across = (tube.volume * tube.covariance[0, 0] + caps.volume * caps.covariance[0, 0]) / volume
     # The half spheres' centroids are 3/8 r outside the tube's ends: shift their own second moment r²/5 by length/2.
@@ -257,14 +258,14 @@ def capsule_solid(radius: float, length: float) -> Solid:
     return Solid(volume, np.zeros(3), np.diag((across, across, along)))
 
 
-def placed(solid: Solid, rotation: ArrayLike, translation: ArrayLike) -> Solid:
+def transform_solid(solid: Solid, rotation: ArrayLike, translation: ArrayLike) -> Solid:
     """The solid in its parent's frame: ``x -> rotation x + translation``."""
     turn = np.asarray(rotation, dtype=float)
     com = turn @ solid.com + np.asarray(translation, dtype=float)
     return Solid(solid.volume, com, turn @ solid.covariance @ turn.T)
 
 
-def combine(solids: Sequence[Solid]) -> Solid:
+def combine_solids(solids: Sequence[Solid]) -> Solid:
     """One solid of several that do not overlap and share one density and frame (parallel-axis theorem).
 
     :raises ValueError: when their volume is not positive.
@@ -278,23 +279,23 @@ def combine(solids: Sequence[Solid]) -> Solid:
     return Solid(volume, com, moment / volume)
 
 
-def equivalent_box(mass: float, inertia: ArrayLike) -> tuple[float, float, float]:
+def fit_equivalent_box(mass: float, inertia: ArrayLike) -> tuple[float, float, float]:
     """Edge lengths (m), descending, of the solid box with this mass and these principal moments, along the principal
     axes in ascending order of moments. An edge is 0 where the triangle inequality leaves none."""
-    moments, _ = principal_moments(inertia)
+    moments, _ = compute_principal_moments(inertia)
     squares = 6.0 * (moments.sum() - 2.0 * moments) / mass
     a, b, c = np.sqrt(np.maximum(squares, 0.0)).tolist()
     return a, b, c
 
 
-def equivalent_cylinder(mass: float, inertia: ArrayLike, rel_tol: float = 0.05) -> tuple[int | None, float, float]:
+def fit_equivalent_cylinder(mass: float, inertia: ArrayLike, rel_tol: float = 0.05) -> tuple[int | None, float, float]:
     """Axis (index of a principal axis, moments ascending), radius and length (m) of the solid cylinder with this mass
     and these principal moments.
 
     ``(None, nan, nan)`` when no two moments agree within ``rel_tol`` or no length fits. The default is the difference
     below which the transverse moments of published wheels lie, with bosses and spokes.
     """
-    moments, _ = principal_moments(inertia)
+    moments, _ = compute_principal_moments(inertia)
     first, second, third = moments.tolist()
     axis, across = (2, (first + second) / 2.0) if second - first <= third - second else (0, (second + third) / 2.0)
     spread = abs(second - first) if axis == 2 else abs(third - second)
@@ -305,26 +306,26 @@ def equivalent_cylinder(mass: float, inertia: ArrayLike, rel_tol: float = 0.05) 
     return axis, math.sqrt(radius_squared), math.sqrt(length_squared)
 
 
-def equivalent_density(mass: float, inertia: ArrayLike) -> Densities:
+def compute_equivalent_density(mass: float, inertia: ArrayLike) -> EquivalentDensities:
     """Densities (kg/m³) of the equivalent solid box and cylinder.
 
     A body's true density is matched closely by the one whose shape it has; a value within 0.3 % of a CAD system's
     default, with no mesh at hand, says that no material was assigned.
     """
-    a, b, c = equivalent_box(mass, inertia)
-    axis, radius, length = equivalent_cylinder(mass, inertia)
-    return Densities(
+    a, b, c = fit_equivalent_box(mass, inertia)
+    axis, radius, length = fit_equivalent_cylinder(mass, inertia)
+    return EquivalentDensities(
         box=mass / (a * b * c) if a * b * c > 0.0 else None,
         cylinder=None if axis is None else mass / (math.pi * radius**2 * length),
     )
 
 
-def _excess(moments: Array) -> float:
+def _compute_excess(moments: Array) -> float:
     first, second, third = moments.tolist()
     return (first + second - third) / third if third > 0.0 else math.nan
 
 
-def _decimal(text: str) -> Decimal:
+def _parse_decimal(text: str) -> Decimal:
     try:
         value = Decimal(text.strip())
     except InvalidOperation:
@@ -334,6 +335,6 @@ def _decimal(text: str) -> Decimal:
     return value if float(value) else Decimal(0)  # what no double tells from zero is zero to every program
 
 
-def _last_place(value: Decimal) -> int:
+def _find_last_decimal_place(value: Decimal) -> int:
     """The power of ten of a finite number's last typed digit."""
     return int(value.as_tuple().exponent)

@@ -34,15 +34,15 @@ LIGHTEST = 15.0
 # kg in one unit that a mass is typed in by mistake.
 MASS_UNITS = {"grams": 1e-3, "milligrams": 1e-6, "pounds": 0.45359237, "tonnes": 1e3}
 # What a part as a whole has, from a housing with air in it to one of lead. With a wider range almost any mass is some unit.
-_PARTS = (600.0, 12000.0)
+_PART_DENSITIES = (600.0, 12000.0)
 
 
-def in_words(density: float) -> str:
+def describe_density(density: float) -> str:
     """A density (kg/m³, positive) with the material that it is, or what it lies between: ``2,700 kg/m³: aluminium``."""
-    return f"{number(density)} kg/m³: {_material(density)}"
+    return f"{format_density(density)} kg/m³: {_name_material(density)}"
 
 
-def number(density: float) -> str:
+def format_density(density: float) -> str:
     """A density as one writes it, to three digits: ``2,700``, ``0.0123``, ``1.00e+09``."""
     rounded = float(f"{density:.3g}")
     if 100.0 <= rounded < 1e6:
@@ -50,15 +50,15 @@ def number(density: float) -> str:
     return f"{rounded:.3g}" if 1e-3 <= rounded < 1e6 else f"{rounded:.2e}"
 
 
-def mass_unit(density: float) -> tuple[str, float] | None:
+def guess_mass_unit(density: float) -> tuple[str, float] | None:
     """The one unit of mass whose reading as kilograms explains an impossible density (kg/m³), and the density that the
     mass then gives; None when no unit does, or several do."""
     readings = [(unit, density * kilograms) for unit, kilograms in MASS_UNITS.items()]
-    plausible = [(unit, reading) for unit, reading in readings if _PARTS[0] <= reading <= _PARTS[1]]
+    plausible = [(unit, reading) for unit, reading in readings if _PART_DENSITIES[0] <= reading <= _PART_DENSITIES[1]]
     return plausible[0] if len(plausible) == 1 else None
 
 
-def _material(density: float) -> str:
+def _name_material(density: float) -> str:
     if density > DENSEST:
         return f"denser than any material (osmium has {DENSEST:,.0f})"
     if density < AIR:

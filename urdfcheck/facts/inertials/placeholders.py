@@ -11,7 +11,7 @@ _ROUND = (1.0, 2.0, 5.0)
 _POINT = 1e-6
 
 
-def placeholder(mass: float, six: Sequence[float]) -> str | None:
+def describe_placeholder(mass: float, six: Sequence[float]) -> str | None:
     """What a tensor ``ixx ixy ixz iyy iyz izz`` (kg m², of a body of ``mass`` in kg) looks like when it was typed and not
     computed; None when it does not.
 
@@ -27,17 +27,17 @@ def placeholder(mass: float, six: Sequence[float]) -> str | None:
         return None
     if ixx == iyy == izz and is_round(ixx):
         return f"{ixx:g} times the identity"
-    if all(_digit(m) == 1.0 for m in moments):
+    if all(_extract_significand(m) == 1.0 for m in moments):
         return f"powers of ten ({ixx:g}, {iyy:g}, {izz:g})"
     return None
 
 
 def is_round(value: float) -> bool:
     """Whether a positive number has 1, 2 or 5 as its only significant digit."""
-    return _digit(value) in _ROUND
+    return _extract_significand(value) in _ROUND
 
 
-def _digit(value: float) -> float:
+def _extract_significand(value: float) -> float:
     """The significant digits of a positive number, as one from 1 to 10; what differs by rounding only is round."""
     digits, _, _ = f"{value:.9e}".partition("e")
     return float(digits)

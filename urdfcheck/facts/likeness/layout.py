@@ -29,7 +29,7 @@ _NEAR = 0.2
 # Five in a row: of four, a raised middle finger is one.
 _ROW = 5
 # More like places are a field of them, which takes long to try (the fifth power of their number) and is no robot's limbs.
-_MOST = 16
+_MAX_POSITIONS = 16
 # Another place that would do, were the layout kept only to within this share of the deviation, leaves two to blame.
 _RIVAL = 0.25
 # Coordinates tell where the layout lies along the axes: two values each at most.
@@ -37,7 +37,7 @@ _STRAIGHT = 6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Misplaced:
+class MisplacedPosition:
     """The one place of a group that breaks the layout of the others.
 
     ``index``: its place in the group. ``expected`` (3,): where the layout puts it (m). ``residual``: how exactly the others
@@ -52,7 +52,7 @@ class Misplaced:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Prediction:
+class _PositionPrediction:
     """Where the image of ``partner`` lies, and by how much the others miss the images of each other (m)."""
 
     partner: int
@@ -60,7 +60,7 @@ class _Prediction:
     residual: float
 
 
-def misplaced(positions: ArrayLike) -> Misplaced | None:
+def find_misplaced_position(positions: ArrayLike) -> MisplacedPosition | None:
     """The one of 4 to 16 places (n, 3), in m, that is a little off a layout that all others keep.
 
     The layout is what mirrors across the plane between two of the others, and the shifts of a row, make of it: no
@@ -69,43 +69,53 @@ def misplaced(positions: ArrayLike) -> Misplaced | None:
     that gives the coordinates fewer values but for their signs. None when there is none, and when it could be several.
     """
     place = np.asarray(positions, dtype=float)
-    if not 4 <= len(place) <= _MOST or not np.isfinite(place).all():
+    if not 4 <= len(place) <= _MAX_POSITIONS or not np.isfinite(place).all():
         return None
     size = float(np.linalg.norm(place[:, None] - place[None], axis=2).max())
-    found = [one for index in range(len(place)) if (one := _moved(index, place, _EXACT * size)) is not None]
+    found = [
+        one
+        for index in range(len(place))
+        if (one := _locate_expected_position(index, place, _EXACT * size)) is not None
+    ]
     if not found:
         return None
-    values = [_values(place, one, _EXACT * size) for one in found]
+    values = [_count_coordinate_values(place, one, _EXACT * size) for one in found]
     best = [one for one, count in zip(found, values, strict=True) if count == min(values)]
     if len(best) > 1 or (len(found) > 1 and min(values) > _STRAIGHT):
         return None
     near = _RIVAL * float(np.linalg.norm(place[best[0].index] - best[0].expected))
     named = {one.index for one in found}
-    rivals = [_moved(index, place, near, slack=2.0) for index in range(len(place)) if index not in named]
-    least = _values(place, best[0], near)
-    return None if any(one is not None and _values(place, one, near) <= least for one in rivals) else best[0]
+    rivals = [
+        _locate_expected_position(index, place, near, slack=2.0) for index in range(len(place)) if index not in named
+    ]
+    least = _count_coordinate_values(place, best[0], near)
+    return (
+        None
+        if any(one is not None and _count_coordinate_values(place, one, near) <= least for one in rivals)
+        else best[0]
+    )
 
 
-def restored(index: int, positions: ArrayLike) -> Misplaced | None:
+def restore_position(index: int, positions: ArrayLike) -> MisplacedPosition | None:
     """Where one of 4 to 16 places (n, 3), in m, belongs if all others are right.
 
     None where it keeps their layout, or they have none.
     """
     place = np.asarray(positions, dtype=float)
-    if not 4 <= len(place) <= _MOST or not np.isfinite(place).all():
+    if not 4 <= len(place) <= _MAX_POSITIONS or not np.isfinite(place).all():
         return None
     size = float(np.linalg.norm(place[:, None] - place[None], axis=2).max())
-    return _moved(index, place, _EXACT * size)
+    return _locate_expected_position(index, place, _EXACT * size)
 
 
-def _values(place: Array, moved: Misplaced, apart: float) -> int:
+def _count_coordinate_values(place: Array, moved: MisplacedPosition, apart: float) -> int:
     """How many absolute values, farther apart than this, the coordinates take with one place restored."""
     whole = place.copy()
     whole[moved.index] = moved.expected
     return sum(1 + int(np.count_nonzero(np.diff(np.sort(np.abs(axis))) > apart)) for axis in whole.T)
 
 
-def _moved(index: int, place: Array, exact: float, slack: float = 1.0) -> Misplaced | None:
+def _locate_expected_position(index: int, place: Array, exact: float, slack: float = 1.0) -> MisplacedPosition | None:
     """Where a place belongs in the layout of the others, if these keep it to within ``exact`` (m). ``slack``: by how much more
     and less than usual it may be off."""
     others = np.delete(place, index, axis=0)
@@ -117,7 +127,9 @@ def _moved(index: int, place: Array, exact: float, slack: float = 1.0) -> Mispla
     row = bool(np.linalg.svd(others - others.mean(axis=0), compute_uv=False)[1] < exact)
     if row and len(place) < _ROW:
         return None
-    predictions = [p for p in _predictions(others, exact, row) if np.linalg.norm(p.place - place[index]) < near]
+    predictions = [
+        p for p in _iter_position_predictions(others, exact, row) if np.linalg.norm(p.place - place[index]) < near
+    ]
     partners = len({p.partner for p in predictions})
     if partners < 2:
         return None
@@ -126,10 +138,12 @@ def _moved(index: int, place: Array, exact: float, slack: float = 1.0) -> Mispla
     off = float(np.linalg.norm(place[index] - expected))
     if residual > exact or off < max(residual / _RIVAL, _LEAST / slack * size):
         return None
-    return Misplaced(index, expected, residual, partners, _layout(np.insert(others, index, expected, axis=0), row))
+    return MisplacedPosition(
+        index, expected, residual, partners, _describe_layout(np.insert(others, index, expected, axis=0), row)
+    )
 
 
-def _predictions(others: Array, exact: float, row: bool) -> Iterator[_Prediction]:
+def _iter_position_predictions(others: Array, exact: float, row: bool) -> Iterator[_PositionPrediction]:
     """Where mirrors, and the shifts of a row, that the others keep among themselves put a place that is missing."""
     for one, other in combinations(range(len(others)), 2):
         across = others[other] - others[one]
@@ -138,7 +152,7 @@ def _predictions(others: Array, exact: float, row: bool) -> Iterator[_Prediction
         missed = np.linalg.norm(images[:, None] - others[None], axis=2).min(axis=1)
         alone = np.flatnonzero(missed > exact)
         if len(alone) == 1:
-            yield _Prediction(int(alone[0]), images[alone[0]], float(np.delete(missed, alone).max()))
+            yield _PositionPrediction(int(alone[0]), images[alone[0]], float(np.delete(missed, alone).max()))
     if row:
         for one, other in combinations(range(len(others)), 2):
             for shift in (others[other] - others[one], others[one] - others[other]):
@@ -146,10 +160,10 @@ def _predictions(others: Array, exact: float, row: bool) -> Iterator[_Prediction
                 missed = np.linalg.norm(images[:, None] - others[None], axis=2).min(axis=1)
                 if np.count_nonzero(missed <= exact) >= 2:
                     worst = float(missed[missed <= exact].max())
-                    yield from (_Prediction(int(k), images[k], worst) for k in np.flatnonzero(missed > exact))
+                    yield from (_PositionPrediction(int(k), images[k], worst) for k in np.flatnonzero(missed > exact))
 
 
-def _layout(place: Array, row: bool) -> str:
+def _describe_layout(place: Array, row: bool) -> str:
     """The restored layout in words."""
     centred = place - place.mean(axis=0)
     reach = np.linalg.norm(centred, axis=1)
@@ -157,14 +171,14 @@ def _layout(place: Array, row: bool) -> str:
     apart = np.sort(np.linalg.norm(place[:, None] - place[None], axis=2), axis=1)[:, 1:]
     ring = bool(np.ptp(reach) < 4 * _EXACT * size)
     if row:
-        return f"a row with {_length(float(apart.min()))} between neighbours"
+        return f"a row with {_format_length(float(apart.min()))} between neighbours"
     if len(place) == 4 and ring:
         sides = apart[0][:2]
-        return f"the corners of a rectangle of {_length(float(sides[1]))} by {_length(float(sides[0]))}"
+        return f"the corners of a rectangle of {_format_length(float(sides[1]))} by {_format_length(float(sides[0]))}"
     if ring and np.ptp(apart[:, 0]) < 4 * _EXACT * size and np.ptp(apart[:, 1]) < 4 * _EXACT * size:
-        return f"a ring of {len(place)} with a radius of {_length(float(reach.mean()))}"
+        return f"a ring of {len(place)} with a radius of {_format_length(float(reach.mean()))}"
     return "places that mirror or repeat each other"
 
 
-def _length(metres: float) -> str:
+def _format_length(metres: float) -> str:
     return f"{metres:.4g} m" if metres >= 1.0 else f"{metres * 1e3:.4g} mm"

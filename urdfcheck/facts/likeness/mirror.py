@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.inertials.inertia_tensor import covariance_of
+from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from urdfcheck.facts.inertials.diagnosis import Declared
+    from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
 
     Array = NDArray[np.float64]
 
@@ -30,15 +30,15 @@ _TYPED, _NOISE = 5e-3, 1e-6
 # Directions in which the reach of two hulls is compared: about 12° apart.
 _DIRECTIONS = 256
 # Pairs of points that a plane carries onto each other, of all pairs, for it to be a mirror plane of them.
-_SHARE = 0.6
+_MIRRORED_SHARE = 0.6
 # Pairs that agree about a plane along the axes do not do so by chance.
-_FEW = 2
+_MIN_PAIRS = 2
 # Pairs whose own direction and midpoint are tried, so that no robot takes long.
-_TRIED = 64
+_MAX_TRIED_PAIRS = 64
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Plane:
+class MirrorPlane:
     """The points x with ``normal · x = offset`` (m); the normal (3,) is a unit vector."""
 
     normal: Array
@@ -50,23 +50,23 @@ class Plane:
         reflection: Array = np.eye(3) - 2.0 * np.outer(self.normal, self.normal)
         return reflection
 
-    def image(self, points: ArrayLike) -> Array:
+    def reflect_points(self, points: ArrayLike) -> Array:
         """The mirror images of points (..., 3)."""
         place = np.asarray(points, dtype=float)
         mirrored: Array = place @ self.linear + 2.0 * self.offset * self.normal
         return mirrored
 
-    def between(self, one: ArrayLike, other: ArrayLike) -> tuple[Array, Array]:
+    def relate_frames(self, one: ArrayLike, other: ArrayLike) -> tuple[Array, Array]:
         """``linear`` (3, 3) and ``shift`` (3,) that take coordinates in frame ``one`` (4, 4) to those that the mirror
         image has in frame ``other`` (4, 4)."""
         first, second = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
         linear = second[:3, :3].T @ self.linear @ first[:3, :3]
-        shift = second[:3, :3].T @ (self.image(first[:3, 3]) - second[:3, 3])
+        shift = second[:3, :3].T @ (self.reflect_points(first[:3, 3]) - second[:3, 3])
         return linear, shift
 
 
 @dataclass(frozen=True, eq=False)
-class Outline:
+class PartOutline:
     """What a part looks like, in its own frame: ``centroid`` (3,) and ``covariance`` (3, 3) of its surface, and ``points``
     (K, 3) that have its convex hull."""
 
@@ -81,14 +81,14 @@ class Outline:
 
     @cached_property
     def reach(self) -> Array:
-        """How far (m) it reaches from the origin of its frame in each direction of `_sphere` (n,): it is compared with many."""
-        farthest: Array = (self.points @ _sphere().T).max(axis=0)
+        """How far (m) it reaches from the origin of its frame in each direction of `_sample_sphere_directions` (n,): it is compared with many."""
+        farthest: Array = (self.points @ _sample_sphere_directions().T).max(axis=0)
         return farthest
 
 
-def plane_of(
+def find_mirror_plane(
     ones: ArrayLike, others: ArrayLike, normals: Sequence[Array], tolerance: float
-) -> tuple[Plane, int] | None:
+) -> tuple[MirrorPlane, int] | None:
     """The plane that mirrors most of the points ``ones`` (n, 3) onto ``others`` (n, 3), and how many.
 
     Its normal is one of ``normals``, in the order of preference, or else the main direction of the differences, or that of one
@@ -103,16 +103,22 @@ def plane_of(
     first, second = first[apart], second[apart]
     differences, middles = second - first, (first + second) / 2.0
     main = np.linalg.svd(differences)[2][0]
-    along = (main, *(differences / np.linalg.norm(differences, axis=1)[:, None])[:_TRIED])
+    along = (main, *(differences / np.linalg.norm(differences, axis=1)[:, None])[:_MAX_TRIED_PAIRS])
     upwards = [direction * np.sign(direction[np.abs(direction).argmax()]) for direction in along]
-    for directions, least in ((normals, _SHARE * len(first)), (normals, _FEW), (upwards, _SHARE * len(first))):
-        best: tuple[Plane, int] | None = None
+    for directions, least in (
+        (normals, _MIRRORED_SHARE * len(first)),
+        (normals, _MIN_PAIRS),
+        (upwards, _MIRRORED_SHARE * len(first)),
+    ):
+        best: tuple[MirrorPlane, int] | None = None
         for normal in directions:
             separated = np.abs(differences @ normal) > tolerance
             heights = (middles @ normal)[separated]
-            for offset in dict.fromkeys((float(np.median(heights)), *heights[:_TRIED])) if len(heights) else ():
-                plane = Plane(normal, float(offset))
-                errors = np.linalg.norm(plane.image(first) - second, axis=1)
+            for offset in (
+                dict.fromkeys((float(np.median(heights)), *heights[:_MAX_TRIED_PAIRS])) if len(heights) else ()
+            ):
+                plane = MirrorPlane(normal, float(offset))
+                errors = np.linalg.norm(plane.reflect_points(first) - second, axis=1)
                 count = int(((errors <= tolerance) & separated).sum())
                 if count >= least and (best is None or count > best[1]):
                     best = plane, count
@@ -121,7 +127,7 @@ def plane_of(
     return None
 
 
-def mismatch(one: Outline, other: Outline, linear: ArrayLike, shift: ArrayLike) -> float:
+def measure_outline_mismatch(one: PartOutline, other: PartOutline, linear: ArrayLike, shift: ArrayLike) -> float:
     """How far ``one`` under ``x -> linear x + shift`` is from ``other``, relative to the size of that.
 
     The greatest of the differences of the centroids, of the hulls' reach in any direction (both over the root mean square
@@ -133,56 +139,60 @@ def mismatch(one: Outline, other: Outline, linear: ArrayLike, shift: ArrayLike) 
         return math.inf
     centroid = float(np.linalg.norm(turn @ one.centroid + move - other.centroid)) / size
     spread = float(np.linalg.norm(turn @ one.covariance @ turn.T - other.covariance)) / (2.0 * size**2)
-    directions = _sphere()
+    directions = _sample_sphere_directions()
     # A point x reaches d·(T x + t) = (Tᵀ d)·x + d·t.
     reach = (one.points @ (directions @ turn).T).max(axis=0) + directions @ move - other.reach
     return max(centroid, spread, float(np.abs(reach).max()) / size)
 
 
 @dataclass(frozen=True, slots=True)
-class Deviation:
+class InertialDeviation:
     """How far one inertial is from another in the same axes. ``mass``: relative; ``place``: distance of the COMs over the radius
     of gyration; ``spread``: the difference of the mass covariances over twice their trace, so that all are shares of a length."""
 
     mass: float
-    place: float
+    com_offset: float
     spread: float
 
     @property
     def worst(self) -> float:
-        return max(self.mass, self.place, self.spread)
+        return max(self.mass, self.com_offset, self.spread)
 
 
-def deviation(found: Declared, expected: Declared) -> Deviation:
+def measure_deviation(actual: DeclaredInertial, expected: DeclaredInertial) -> InertialDeviation:
     """How far ``found`` is from ``expected``; infinite for a point."""
     size = float(np.trace(expected.inertia)) / (2.0 * expected.mass)
     if not size > 0.0:
-        return Deviation(math.inf, math.inf, math.inf)
-    spread = covariance_of(found.inertia, found.mass) - covariance_of(expected.inertia, expected.mass)
-    return Deviation(
-        mass=abs(found.mass - expected.mass) / max(found.mass, expected.mass),
-        place=float(np.linalg.norm(found.com - expected.com)) / math.sqrt(size),
+        return InertialDeviation(math.inf, math.inf, math.inf)
+    spread = compute_mass_covariance(actual.inertia, actual.mass) - compute_mass_covariance(
+        expected.inertia, expected.mass
+    )
+    return InertialDeviation(
+        mass=abs(actual.mass - expected.mass) / max(actual.mass, expected.mass),
+        com_offset=float(np.linalg.norm(actual.com - expected.com)) / math.sqrt(size),
         spread=float(np.linalg.norm(spread)) / (2.0 * size),
     )
 
 
-def principal_deviation(found: Declared, expected: Declared) -> Deviation:
+def measure_principal_deviation(actual: DeclaredInertial, expected: DeclaredInertial) -> InertialDeviation:
     """What holds of two inertials whatever axes they are in: mass and principal covariances. ``place`` is 0."""
     size = float(np.trace(expected.inertia)) / (2.0 * expected.mass)
     if not size > 0.0:
-        return Deviation(math.inf, 0.0, math.inf)
-    variances = [np.linalg.eigvalsh(covariance_of(numbers.inertia, numbers.mass)) for numbers in (found, expected)]
-    mass = abs(found.mass - expected.mass) / max(found.mass, expected.mass)
-    return Deviation(mass, 0.0, float(np.linalg.norm(variances[0] - variances[1])) / (2.0 * size))
+        return InertialDeviation(math.inf, 0.0, math.inf)
+    variances = [
+        np.linalg.eigvalsh(compute_mass_covariance(numbers.inertia, numbers.mass)) for numbers in (actual, expected)
+    ]
+    mass = abs(actual.mass - expected.mass) / max(actual.mass, expected.mass)
+    return InertialDeviation(mass, 0.0, float(np.linalg.norm(variances[0] - variances[1])) / (2.0 * size))
 
 
-def wrong_signs(found: Declared, expected: Declared, rel_tol: float) -> tuple[str, ...]:
+def find_wrong_signs(actual: DeclaredInertial, expected: DeclaredInertial, rel_tol: float) -> tuple[str, ...]:
     """The coordinates of the COM (``x``) and products of inertia (``ixy``) that are right but for their signs, when nothing else
     is wrong; none otherwise. ``rel_tol``: how closely numbers agree, relative to the radius of gyration and the trace. Where one
     of them is wrong, so are smaller ones that are each other's negative to within their digits."""
     size = math.sqrt(float(np.trace(expected.inertia)) / (2.0 * expected.mass))
     unit = np.array([size] * 3 + [expected.mass * size**2] * 6)
-    typed, wanted = (np.concatenate((n.com, n.inertia[np.triu_indices(3)])) / unit for n in (found, expected))
+    typed, wanted = (np.concatenate((n.com, n.inertia[np.triu_indices(3)])) / unit for n in (actual, expected))
     wrong = np.abs(typed - wanted) > rel_tol
     signed = np.abs(typed + wanted) <= rel_tol
     if not (wrong <= signed).all():
@@ -192,7 +202,7 @@ def wrong_signs(found: Declared, expected: Declared, rel_tol: float) -> tuple[st
     return tuple(name for name, is_wrong in zip(NUMBERS, wrong, strict=True) if is_wrong)
 
 
-def mirrored_range(lower: float, upper: float, along: float, *, rotates: bool) -> tuple[float, float]:
+def mirror_range(lower: float, upper: float, along: float, *, rotates: bool) -> tuple[float, float]:
     """The limits of the mirror image of a joint with these. ``along``: the image of its axis times the other axis.
 
     An axis of rotation is a pseudovector: the image of a turn by q about a is one by -q about a's image. A slide's is not.
@@ -202,7 +212,7 @@ def mirrored_range(lower: float, upper: float, along: float, *, rotates: bool) -
 
 
 @cache
-def _sphere() -> Array:
+def _sample_sphere_directions() -> Array:
     """Directions (n, 3) spread evenly over the sphere (the Fibonacci lattice), and the axes."""
     index = np.arange(_DIRECTIONS) + 0.5
     height = 1.0 - 2.0 * index / _DIRECTIONS

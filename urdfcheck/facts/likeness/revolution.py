@@ -22,21 +22,21 @@ _DIRECTIONS = 16
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Round:
+class RoundOutline:
     """Points seen along an axis: ``centre`` (3,) of their outline, at half their width; ``radius`` and ``least``: the farthest
     and the nearest that the outline reaches from there; ``width`` along the axis (all in m)."""
 
     centre: Array
     radius: float
-    least: float
+    inner_radius: float
     width: float
 
-    def is_round(self, part: float = 0.95) -> bool:
+    def is_round(self, min_ratio: float = 0.95) -> bool:
         """Whether the outline reaches equally far in all directions; 0.95 leaves room for a polygon of ten corners."""
-        return self.radius > 0.0 and self.least > part * self.radius
+        return self.radius > 0.0 and self.inner_radius > min_ratio * self.radius
 
 
-def axis_of_revolution(covariance: ArrayLike) -> Array | None:
+def find_revolution_axis(covariance: ArrayLike) -> Array | None:
     """The unit axis (3,) of the body of revolution with this covariance (3, 3) of its surface or its mass.
 
     None when no moment stands out or the other two differ; its sign means nothing.
@@ -52,7 +52,7 @@ def axis_of_revolution(covariance: ArrayLike) -> Array | None:
     return None
 
 
-def outline(points: ArrayLike, axis: ArrayLike, centre: ArrayLike | None = None) -> Round:
+def measure_outline(points: ArrayLike, axis: ArrayLike, centre: ArrayLike | None = None) -> RoundOutline:
     """How round ``points`` (n, 3) are about a unit ``axis`` (3,): through ``centre``, or through the middle of their outline.
 
     The outline is that of their convex hull, from its support in 16 directions.
@@ -62,22 +62,22 @@ def outline(points: ArrayLike, axis: ArrayLike, centre: ArrayLike | None = None)
     first /= np.linalg.norm(first)
     across = np.array((first, np.cross(along, first)))
     flat, depth = corners @ across.T, corners @ along
-    middle = _middle(flat) if centre is None else across @ np.asarray(centre, dtype=float)
-    reach = ((flat - middle) @ _directions().T).max(axis=0)
+    middle = _find_outline_centre(flat) if centre is None else across @ np.asarray(centre, dtype=float)
+    reach = ((flat - middle) @ _sample_circle_directions().T).max(axis=0)
     radius = float(np.linalg.norm(flat - middle, axis=1).max())
     low, high = float(depth.min()), float(depth.max())
-    return Round(middle @ across + (low + high) / 2.0 * along, radius, float(reach.min()), high - low)
+    return RoundOutline(middle @ across + (low + high) / 2.0 * along, radius, float(reach.min()), high - low)
 
 
-def angle_of_lines(one: ArrayLike, other: ArrayLike) -> float:
+def measure_line_angle(one: ArrayLike, other: ArrayLike) -> float:
     """The angle (rad, within [0, π/2]) between two axes (3,), whatever their signs and lengths."""
     a, b = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
     return math.atan2(float(np.linalg.norm(np.cross(a, b))), abs(float(a @ b)))
 
 
-def _middle(flat: Array) -> Array:
+def _find_outline_centre(flat: Array) -> Array:
     """The point (2,) from which opposite supports are equal, as nearly as least squares make them."""
-    directions = _directions()
+    directions = _sample_circle_directions()
     support = (flat @ directions.T).max(axis=0)
     half = _DIRECTIONS // 2
     offsets = (support[:half] - support[half:]) / 2.0
@@ -86,6 +86,6 @@ def _middle(flat: Array) -> Array:
     return middle
 
 
-def _directions() -> Array:
+def _sample_circle_directions() -> Array:
     angles = np.arange(_DIRECTIONS) * math.tau / _DIRECTIONS
     return np.column_stack((np.cos(angles), np.sin(angles)))

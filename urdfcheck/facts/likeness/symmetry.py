@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from urdfcheck.facts.motion.kinematics import log_rotation
+from urdfcheck.facts.motion.kinematics import compute_axis_angle
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -27,23 +27,23 @@ if TYPE_CHECKING:
 
 
 # Frames of a pattern agree with it to what rpy typed with three digits leaves (1.57 is off by 8e-4 rad).
-_SAME = 2e-3
+_FRAME_TOLERANCE = 2e-3
 # Predictions made through different siblings and operations add up their typing errors.
-_AGREE = 1e-2
+_PREDICTION_TOLERANCE = 1e-2
 # Beyond half way to the next axis, another choice of axes explains a joint axis better than a tilt does.
-_CHOICE = math.pi / 4
+_MAX_TILT = math.pi / 4
 # The choices of axes: the signed permutations (48, 3, 3).
-_CHOICES = np.array(
+_AXIS_CHOICES = np.array(
     [np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
 )
 # More like joints are a field of them, which takes long to try (the third power of their number) and is no robot's limbs.
-_MOST = 32
+_MAX_MEMBERS = 32
 # Positions match within 0.2 mm, a careful hand measurement, or half a percent of the pattern's size.
 _PLACE_ABSOLUTE, _PLACE_RELATIVE = 2e-4, 5e-3
 
 
 @dataclass(frozen=True, slots=True)
-class OddOne:
+class OddFrame:
     """The one frame of a group that breaks the orientation pattern of the others.
 
     ``index``: its place in the group. ``kind``: ``zero_offset`` when it is turned about its own joint axis, which
@@ -62,16 +62,16 @@ class OddOne:
     bad_pairs: int
     good_pairs: int
     agreement: float
-    rule: str
+    pattern: str
 
 
 @dataclass(frozen=True, slots=True)
-class Suspects:
+class SuspectFrames:
     """Members of a group that do not fit together, where the frames alone do not prove which one is wrong.
 
     ``members``: the two of a pair whose frames are not related as its positions are, or the one of three that differs from
-    both others. For each: ``angles`` (rad), how far it is turned if the others are right, as in `OddOne`, and
-    ``expected_frames`` (3, 3), where it would be then, in the common frame. ``kind`` as in `OddOne`; ``linear`` (3, 3)
+    both others. For each: ``angles`` (rad), how far it is turned if the others are right, as in `OddFrame`, and
+    ``expected_frames`` (3, 3), where it would be then, in the common frame. ``kind`` as in `OddFrame`; ``linear`` (3, 3)
     and ``rule``: what relates the positions, as a matrix and in words.
     """
 
@@ -80,11 +80,11 @@ class Suspects:
     angles: tuple[float, ...]
     expected_frames: tuple[Array, ...]
     linear: Array
-    rule: str
+    pattern: str
 
 
 @dataclass(frozen=True, slots=True)
-class Signature:
+class LinkSignature:
     """What makes links alike whatever they are called: mass (kg), principal moments of inertia (kg m²) and principal
     second moments of the mesh's surface (m²), both ascending; empty where unknown. Mirrored parts are alike."""
 
@@ -94,7 +94,7 @@ class Signature:
 
 
 @dataclass(frozen=True, slots=True)
-class _Operation:
+class _SymmetryOperation:
     """A symmetry of the positions: a ``linear`` part (3, 3), and the pairs (source, target) it maps on each other."""
 
     name: str
@@ -103,7 +103,7 @@ class _Operation:
 
 
 @dataclass(frozen=True, slots=True)
-class _Relation:
+class _FrameRelation:
     """How an operation turns the frame of ``source`` against that of ``target``; ``good`` when that is the signed
     permutation ``snapped``, one of the 48 by which frames differ that are the same but for the choice of axes."""
 
@@ -118,7 +118,7 @@ class _Relation:
 
 
 @dataclass(frozen=True, slots=True)
-class _Prediction:
+class _FramePrediction:
     """Where the operation ``name`` puts the culprit's frame; ``pure`` when it carries frames onto each other as is."""
 
     name: str
@@ -126,12 +126,12 @@ class _Prediction:
     frame: Array
 
 
-def signature(mass: float, moments: Sequence[float], surface_moments: Sequence[float] = ()) -> Signature:
+def build_link_signature(mass: float, moments: Sequence[float], surface_moments: Sequence[float] = ()) -> LinkSignature:
     """A link's signature; the order of the moments does not matter."""
-    return Signature(mass, tuple(sorted(moments)), tuple(sorted(surface_moments)))
+    return LinkSignature(mass, tuple(sorted(moments)), tuple(sorted(surface_moments)))
 
 
-def group_by_signature(signatures: Sequence[Signature]) -> list[list[int]]:
+def group_by_signature(signatures: Sequence[LinkSignature]) -> list[list[int]]:
     """Indices of like signatures, groups and members in ascending order; every index is in exactly one group.
 
     Alike means masses within 0.5 % and moments within 5 %: three and two digits, without the boundaries that
@@ -139,13 +139,13 @@ def group_by_signature(signatures: Sequence[Signature]) -> list[list[int]]:
     """
     groups: list[list[int]] = []
     for index, one in enumerate(signatures):
-        alike = [group for group in groups if any(_alike(one, signatures[other]) for other in group)]
+        alike = [group for group in groups if any(_has_like_signature(one, signatures[other]) for other in group)]
         groups = [group for group in groups if group not in alike]
         groups.append(sorted([index, *(member for group in alike for member in group)]))
     return sorted(groups)
 
 
-def odd_one_out(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike) -> OddOne | None:
+def find_odd_frame(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike) -> OddFrame | None:
     """The one member of a group of like joints whose frame breaks the pattern of the others.
 
     ``positions`` (n, 3) in metres and ``frames`` (n, 3, 3) rotations, both in one common frame whose axes the
@@ -154,23 +154,26 @@ def odd_one_out(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike) -> Odd
     frames of the others, when fewer than two of them tell where the culprit's frame should be, when several could be to blame.
     """
     place, turn = np.asarray(positions, dtype=float), np.asarray(frames, dtype=float)
-    if not 3 <= len(place) <= _MOST or not (np.isfinite(place).all() and np.isfinite(turn).all()):
+    if not 3 <= len(place) <= _MAX_MEMBERS or not (np.isfinite(place).all() and np.isfinite(turn).all()):
         return None
-    related = [(op, _relations(op, turn)) for op in _operations(place)]
-    found = [_blamed(index, related, turn, np.asarray(axes, dtype=float)[index]) for index in range(len(place))]
+    related = [(op, _relate_all_pairs(op, turn)) for op in _find_operations(place)]
+    found = [_blame_member(index, related, turn, np.asarray(axes, dtype=float)[index]) for index in range(len(place))]
     culprits = [one for one in found if one is not None]
     return culprits[0] if len(culprits) == 1 else None
 
 
-def suspects(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike) -> Suspects | None:
+def find_suspect_frames(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike) -> SuspectFrames | None:
     """The pair of a group, or the one of three, that does not fit where nobody can say for certain which one is wrong.
 
-    Arguments as for `odd_one_out`. None when all fit, and when more than one pair does not.
+    Arguments as for `find_odd_frame`. None when all fit, and when more than one pair does not.
     """
     place, turn, axis = (np.asarray(a, dtype=float) for a in (positions, frames, axes))
-    if not 2 <= len(place) <= _MOST or not (np.isfinite(place).all() and np.isfinite(turn).all()):
+    if not 2 <= len(place) <= _MAX_MEMBERS or not (np.isfinite(place).all() and np.isfinite(turn).all()):
         return None
-    every = [(op, _relations(op, turn)) for op in (_operations(place) if len(place) > 2 else _pair_operations(place))]
+    every = [
+        (op, _relate_all_pairs(op, turn))
+        for op in (_find_operations(place) if len(place) > 2 else _find_pair_operations(place))
+    ]
     # Of more than three, an operation that carries no frame onto another is no symmetry of the group.
     related = [(op, group) for op, group in every if len(place) <= 3 or any(r.good for r in group)]
     good = {r.members for _, group in related for r in group if r.good}
@@ -182,32 +185,32 @@ def suspects(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike) -> Suspec
     whole = [group for _, group in every if len(frozenset().union(*(r.members for r in group))) == len(place) > 3]
     if any(all(not r.good and r.members & found for r in group) for group in whole):
         return None
-    ways = [way for op, group in related if (way := _suspected(sorted(found), op, group, turn, axis)) is not None]
+    ways = [way for op, group in related if (way := _suspect_members(sorted(found), op, group, turn, axis)) is not None]
     # To a microradian: rounding must not decide between operations that say the same.
     return min(ways, key=lambda way: (way.kind == "axis_tilt", round(max(map(abs, way.angles)), 6)), default=None)
 
 
-def is_choice(rotation: Array) -> bool:
+def is_axis_renaming(rotation: Array) -> bool:
     """Whether an orthogonal matrix only renames axes: one of the 48 signed permutations, to what 1.57 leaves of π/2."""
     snapped = np.rint(rotation)
     one_each = bool((np.abs(snapped).sum(axis=0) == 1).all() and (np.abs(snapped).sum(axis=1) == 1).all())
-    return one_each and angle_between(snapped, rotation) < _SAME
+    return one_each and measure_rotation_angle(snapped, rotation) < _FRAME_TOLERANCE
 
 
-def angle_between(one: Array, other: Array) -> float:
+def measure_rotation_angle(one: Array, other: Array) -> float:
     """Angle (rad) of the rotation from one orthogonal matrix to another: ``|A - B| = 2 sqrt(2) sin(angle / 2)``."""
     return 2.0 * math.asin(min(1.0, float(np.linalg.norm(one - other)) / math.sqrt(8.0)))
 
 
-def _alike(one: Signature, other: Signature) -> bool:
+def _has_like_signature(one: LinkSignature, other: LinkSignature) -> bool:
     return (
         math.isclose(one.mass, other.mass, rel_tol=5e-3)
-        and _close(one.moments, other.moments)
-        and _close(one.surface_moments, other.surface_moments)
+        and _has_close_moments(one.moments, other.moments)
+        and _has_close_moments(one.surface_moments, other.surface_moments)
     )
 
 
-def _close(one: Sequence[float], other: Sequence[float]) -> bool:
+def _has_close_moments(one: Sequence[float], other: Sequence[float]) -> bool:
     # A moment far below the largest is rounding: the long moments of a thin rod say nothing about the third.
     floor = 1e-3 * max(map(abs, (*one, *other)), default=0.0)
     return len(one) == len(other) and all(
@@ -215,21 +218,21 @@ def _close(one: Sequence[float], other: Sequence[float]) -> bool:
     )
 
 
-def _operations(place: Array) -> list[_Operation]:
+def _find_operations(place: Array) -> list[_SymmetryOperation]:
     """Mirrors and rotations about the common axes through the centroid, and shifts that occur at least twice."""
     tolerance = max(_PLACE_ABSOLUTE, _PLACE_RELATIVE * float(np.linalg.norm(np.ptp(place, axis=0))))
     centred = place - place.mean(axis=0)
     found = []
-    for name, linear in _point_operations():
+    for name, linear in _list_point_operations():
         distance = np.linalg.norm(centred[None, :, :] - (centred @ linear.T)[:, None, :], axis=2)
         image = distance.argmin(axis=1)
         if distance.min(axis=1).max() <= tolerance and len(set(image.tolist())) == len(place):
             pairs = tuple((i, k) for i, k in enumerate(image.tolist()) if i != k)
-            found.append(_Operation(name, linear, pairs))
-    return found + _shifts(place, tolerance)
+            found.append(_SymmetryOperation(name, linear, pairs))
+    return found + _find_shifts(place, tolerance)
 
 
-def _point_operations() -> list[tuple[str, Array]]:
+def _list_point_operations() -> list[tuple[str, Array]]:
     named = []
     for axis, letter in enumerate("xyz"):
         mirror = np.eye(3)
@@ -247,7 +250,7 @@ def _point_operations() -> list[tuple[str, Array]]:
     return named
 
 
-def _shifts(place: Array, tolerance: float) -> list[_Operation]:
+def _find_shifts(place: Array, tolerance: float) -> list[_SymmetryOperation]:
     pairs = np.array(list(combinations(range(len(place)), 2)))
     shifts = place[pairs[:, 1]] - place[pairs[:, 0]]
     # A shift and its reverse are one operation: the first coordinate that counts is made positive.
@@ -259,71 +262,75 @@ def _shifts(place: Array, tolerance: float) -> list[_Operation]:
         like = np.linalg.norm(shifts - shifts[0], axis=1) <= tolerance
         if like.sum() >= 2 and np.linalg.norm(shifts[0]) > tolerance:
             along = "".join(letter for letter, part in zip("xyz", shifts[0], strict=True) if abs(part) > tolerance)
-            found.append(_Operation(f"translation along {along}", np.eye(3), tuple(map(tuple, pairs[like].tolist()))))
+            found.append(
+                _SymmetryOperation(f"translation along {along}", np.eye(3), tuple(map(tuple, pairs[like].tolist())))
+            )
         pairs, shifts = pairs[~like], shifts[~like]
     return found
 
 
-def _pair_operations(place: Array) -> list[_Operation]:
+def _find_pair_operations(place: Array) -> list[_SymmetryOperation]:
     """What carries one of two places onto the other: mirrors and half turns about the common axes, and the shift."""
     size = float(np.linalg.norm(np.ptp(place, axis=0)))
     apart = np.abs(place[1] - place[0]) > max(_PLACE_ABSOLUTE, _PLACE_RELATIVE * size)
     along = "".join(letter for letter, far in zip("xyz", apart, strict=True) if far)
-    shift = [_Operation(f"translation along {along}", np.eye(3), ((0, 1),))] if along else []
-    return [op for op in _operations(place) if op.pairs] + shift
+    shift = [_SymmetryOperation(f"translation along {along}", np.eye(3), ((0, 1),))] if along else []
+    return [op for op in _find_operations(place) if op.pairs] + shift
 
 
-def _relations(operation: _Operation, turn: Array) -> list[_Relation]:
-    return [_relation(operation, source, target, turn) for source, target in operation.pairs]
+def _relate_all_pairs(operation: _SymmetryOperation, turn: Array) -> list[_FrameRelation]:
+    return [_relate_pair(operation, source, target, turn) for source, target in operation.pairs]
 
 
-def _relation(operation: _Operation, source: int, target: int, turn: Array) -> _Relation:
+def _relate_pair(operation: _SymmetryOperation, source: int, target: int, turn: Array) -> _FrameRelation:
     relative = turn[target].T @ operation.linear @ turn[source]
-    return _Relation(source, target, np.rint(relative), is_choice(relative))
+    return _FrameRelation(source, target, np.rint(relative), is_axis_renaming(relative))
 
 
-def _blamed(
-    index: int, related: Sequence[tuple[_Operation, Sequence[_Relation]]], turn: Array, axis: Array
-) -> OddOne | None:
+def _blame_member(
+    index: int, related: Sequence[tuple[_SymmetryOperation, Sequence[_FrameRelation]]], turn: Array, axis: Array
+) -> OddFrame | None:
     """What is wrong with a member, if nothing else is: without it the others follow a symmetry that all take part in.
 
     An operation under which others do not fit either is no symmetry of the frames, and says nothing about this one.
     """
-    clean = [(op, group) for op, group in related if _fits(r for r in group if index not in r.members)]
+    clean = [(op, group) for op, group in related if _is_followed(r for r in group if index not in r.members)]
     good = {r.members for _, group in clean for r in group if r.good}
     bad = {r.members for _, group in clean for r in group} - good
     fitting = frozenset().union(*good)
     if len(bad) < 2 or index in fitting or len(fitting) < len(turn) - 1:
         return None
-    predictions = [prediction for op, group in clean for prediction in _predictions(index, op, group, turn)]
-    expected, supporting = _majority(predictions)
+    predictions = [prediction for op, group in clean for prediction in _predict_frames(index, op, group, turn)]
+    expected, supporting = _find_majority_frame(predictions)
     agreement = len(supporting) / max(1, len(predictions))
     if agreement <= 0.5:
         return None
-    deviation = _deviation(expected, turn[index], axis)
+    deviation = _classify_deviation(expected, turn[index], axis)
     if deviation is None:
         return None
     kind, angle, about = deviation
-    return OddOne(index, kind, angle, about, expected, len(bad), len(good), agreement, _describe(supporting))
+    return OddFrame(
+        index, kind, angle, about, expected, len(bad), len(good), agreement, _describe_operations(supporting)
+    )
 
 
-def _fits(relations: Iterable[_Relation]) -> bool:
+def _is_followed(relations: Iterable[_FrameRelation]) -> bool:
     verdicts = [r.good for r in relations]
     return bool(verdicts) and all(verdicts)
 
 
-def _suspected(
-    found: Sequence[int], operation: _Operation, group: Sequence[_Relation], turn: Array, axes: Array
-) -> Suspects | None:
+def _suspect_members(
+    found: Sequence[int], operation: _SymmetryOperation, group: Sequence[_FrameRelation], turn: Array, axes: Array
+) -> SuspectFrames | None:
     """How an operation puts the suspects' frames against those of their partners."""
     sides = []
     for index in found:
-        frames = [(False, p.frame) for p in _predictions(index, operation, group, turn)]
+        frames = [(False, p.frame) for p in _predict_frames(index, operation, group, turn)]
         if not frames:
-            frames = [c for r in group if index in r.members for c in _choices(operation, r, index, turn)]
+            frames = [c for r in group if index in r.members for c in _list_axis_choices(operation, r, index, turn)]
         ways = []
         for place, (renamed, frame) in enumerate(frames):
-            deviation = _deviation(frame, turn[index], axes[index])
+            deviation = _classify_deviation(frame, turn[index], axes[index])
             if deviation is not None:
                 kind, angle, _ = deviation
                 ways.append((kind == "axis_tilt", renamed, abs(angle), place, kind, angle))
@@ -334,20 +341,26 @@ def _suspected(
     if len({kind for kind, _, _ in sides}) != 1:
         return None
     kinds, angles, expected = zip(*sides, strict=True)
-    return Suspects(tuple(found), kinds[0], angles, expected, operation.linear, operation.name)
+    return SuspectFrames(tuple(found), kinds[0], angles, expected, operation.linear, operation.name)
 
 
-def _choices(operation: _Operation, relation: _Relation, index: int, turn: Array) -> list[tuple[bool, Array]]:
+def _list_axis_choices(
+    operation: _SymmetryOperation, relation: _FrameRelation, index: int, turn: Array
+) -> list[tuple[bool, Array]]:
     """Where the partner's frame can put that of ``index``, and whether its axes are renamed on the way."""
     linear, partner = operation.linear, relation.source
     if relation.source == index:
         linear, partner = linear.T, relation.target
     carried = linear @ turn[partner]
     handed = float(np.linalg.det(linear))
-    return [(bool(np.count_nonzero(np.diag(c)) < 3), carried @ c) for c in _CHOICES if np.linalg.det(c) * handed > 0.0]
+    return [
+        (bool(np.count_nonzero(np.diag(c)) < 3), carried @ c) for c in _AXIS_CHOICES if np.linalg.det(c) * handed > 0.0
+    ]
 
 
-def _predictions(index: int, operation: _Operation, group: Sequence[_Relation], turn: Array) -> list[_Prediction]:
+def _predict_frames(
+    index: int, operation: _SymmetryOperation, group: Sequence[_FrameRelation], turn: Array
+) -> list[_FramePrediction]:
     """Where the operation puts the frame of ``index``, if its good pairs agree on how it turns frames."""
     agreed = [r.snapped for r in group if r.good and index not in (r.source, r.target)]
     if not agreed or any((other != agreed[0]).any() for other in agreed):
@@ -356,23 +369,23 @@ def _predictions(index: int, operation: _Operation, group: Sequence[_Relation], 
     pure = bool((known == np.eye(3)).all())
     onto = [linear @ turn[r.source] @ known.T for r in group if r.target == index]
     back = [linear.T @ turn[r.target] @ known for r in group if r.source == index]
-    return [_Prediction(operation.name, pure, frame) for frame in (*onto, *back)]
+    return [_FramePrediction(operation.name, pure, frame) for frame in (*onto, *back)]
 
 
-def _majority(predictions: Sequence[_Prediction]) -> tuple[Array, list[_Prediction]]:
+def _find_majority_frame(predictions: Sequence[_FramePrediction]) -> tuple[Array, list[_FramePrediction]]:
     """The frame that most predictions agree on, closest to them all, and those that do."""
-    best: list[_Prediction] = []
+    best: list[_FramePrediction] = []
     frame, least = np.eye(3), math.inf
     for one in predictions:
-        angles = [angle_between(one.frame, other.frame) for other in predictions]
-        agreeing = [other for other, angle in zip(predictions, angles, strict=True) if angle < _AGREE]
-        total = sum(angle for angle in angles if angle < _AGREE)
+        angles = [measure_rotation_angle(one.frame, other.frame) for other in predictions]
+        agreeing = [other for other, angle in zip(predictions, angles, strict=True) if angle < _PREDICTION_TOLERANCE]
+        total = sum(angle for angle in angles if angle < _PREDICTION_TOLERANCE)
         if (len(agreeing), -total) > (len(best), -least):
             best, frame, least = agreeing, one.frame, total
     return frame, best
 
 
-def _deviation(
+def _classify_deviation(
     expected: Array, actual: Array, axis: Array
 ) -> tuple[Literal["zero_offset", "axis_tilt"], float, tuple[float, float, float]] | None:
     length = float(np.linalg.norm(axis))
@@ -381,22 +394,22 @@ def _deviation(
     wanted, found = expected @ axis / length, actual @ axis / length
     cross = np.cross(wanted, found)
     tilt = math.atan2(float(np.linalg.norm(cross)), float(wanted @ found))
-    turn_axis, turn = log_rotation(expected.T @ actual)
-    if turn < _SAME:
+    turn_axis, turn = compute_axis_angle(expected.T @ actual)
+    if turn < _FRAME_TOLERANCE:
         return None
-    if tilt < _SAME:
-        return "zero_offset", math.copysign(turn, float(turn_axis @ axis)), _triple(found)
-    if tilt > _CHOICE:
+    if tilt < _FRAME_TOLERANCE:
+        return "zero_offset", math.copysign(turn, float(turn_axis @ axis)), _to_xyz(found)
+    if tilt > _MAX_TILT:
         return None
-    return "axis_tilt", tilt, _triple(cross / np.linalg.norm(cross))
+    return "axis_tilt", tilt, _to_xyz(cross / np.linalg.norm(cross))
 
 
-def _triple(vector: Array) -> tuple[float, float, float]:
+def _to_xyz(vector: Array) -> tuple[float, float, float]:
     x, y, z = vector.tolist()
     return x, y, z
 
 
-def _describe(supporting: Sequence[_Prediction]) -> str:
+def _describe_operations(supporting: Sequence[_FramePrediction]) -> str:
     """The operations that carry the frames onto each other as they are; else the one that most predictions rest on."""
     pure = list(dict.fromkeys(p.name for p in supporting if p.pure))
     if pure:

@@ -47,28 +47,28 @@ class NearMiss:
     decimals: int
 
 
-def near_miss(text: str) -> NearMiss | None:
+def find_near_miss(text: str) -> NearMiss | None:
     """The constant that the literal ``text`` is a rounded or truncated spelling of; None when there is none.
 
     None for spellings within 1e-9 too: they carry all the digits that matter.
     """
-    typed = _decimal(text)
+    typed = _parse_decimal(text)
     if typed is None or not typed:
         return None
     size = abs(typed)
-    decimals = _decimals(typed)
+    decimals = _count_decimals(typed)
     for name, value, least, sloppy in _CONSTANTS:
         if abs(float(size) - value) <= EXACT or decimals < least:
             continue
-        if _shortened(size, value, decimals) or (sloppy and abs(float(size) - value) < _SLOPPY * value):
+        if _is_shortened(size, value, decimals) or (sloppy and abs(float(size) - value) < _SLOPPY * value):
             sign = "-" if typed < 0 else ""
             exact = math.copysign(value, typed)
             return NearMiss(sign + name, exact, float(typed) - exact, f"${{{sign}{name}}}", decimals)
     return None
 
 
-def constant_of(angle: float) -> str | None:
-    """The constant, without its sign, that ``angle`` (rad) is to within 1e-9; None when it is none that `near_miss` knows."""
+def find_constant(angle: float) -> str | None:
+    """The constant, without its sign, that ``angle`` (rad) is to within 1e-9; None when it is none that `find_near_miss` knows."""
     return next((name for name, value, _, _ in _CONSTANTS if abs(abs(angle) - value) <= EXACT), None)
 
 
@@ -82,7 +82,7 @@ def is_noise_angle(radians: float) -> bool:
     return 0.0 < abs(radians) < EXACT
 
 
-def product_noise(products: Sequence[float], largest_moment: float) -> tuple[bool, ...]:
+def flag_noise_products(products: Sequence[float], largest_moment: float) -> tuple[bool, ...]:
     """Which products of inertia are residue: not zero, and below 1e-9 of the largest principal moment.
 
     Such a product turns the principal axes by less than the relative error of any typed moment.
@@ -90,7 +90,7 @@ def product_noise(products: Sequence[float], largest_moment: float) -> tuple[boo
     return tuple(0.0 < abs(product) < 1e-9 * largest_moment for product in products)
 
 
-def _decimal(text: str) -> Decimal | None:
+def _parse_decimal(text: str) -> Decimal | None:
     try:
         value = Decimal(text.strip())
     except InvalidOperation:
@@ -99,12 +99,12 @@ def _decimal(text: str) -> Decimal | None:
     return value if value.is_finite() and abs(value.adjusted()) < 300 else None
 
 
-def _decimals(value: Decimal) -> int:
+def _count_decimals(value: Decimal) -> int:
     """Decimals of a number, trailing zeros aside, so that ``1.570000`` counts as ``1.57``."""
     return max(0, -int(value.normalize().as_tuple().exponent))
 
 
-def _shortened(size: Decimal, value: float, decimals: int) -> bool:
+def _is_shortened(size: Decimal, value: float, decimals: int) -> bool:
     """Whether ``size`` is ``value`` rounded or truncated to its own number of decimals."""
     unit = Decimal(1).scaleb(-decimals)
     difference = size - Decimal(value)

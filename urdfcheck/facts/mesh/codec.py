@@ -3,7 +3,7 @@
 What comes out is to be deflated: 4 to 6 bytes per triangle are left then, base64 included. All integers are little-endian.
 For each of x, y, z: the differences between consecutive corners, first all low bytes, then all high bytes. For each corner of
 the triangles (of the first one the difference to that of the triangle before, of the others that to the first): the same, with
-two bytes or three (see `wide`). For each edge of a hole: its two ends as six numbers of two bytes. Differences may be negative
+two bytes or three (see `needs_wide_indices`). For each edge of a hole: its two ends as six numbers of two bytes. Differences may be negative
 and are interleaved with the positive ones (0, -1, 1, -2, …).
 """
 
@@ -27,49 +27,49 @@ _NARROW = 1 << 15
 _FINEST, _COARSER = 500.0, 1.25
 
 
-class Packed(NamedTuple):
+class PackedMesh(NamedTuple):
     """``data`` with its counts; ``low`` and ``high`` (3,): the bounds between which the grid lies, in units of the mesh."""
 
     data: bytes
-    vertices: int
-    faces: int
-    holes: int
+    n_vertices: int
+    n_faces: int
+    n_hole_edges: int
     low: Array
     high: Array
 
 
-def wide(vertices: int) -> bool:
+def needs_wide_indices(n_vertices: int) -> bool:
     """Whether indices of so many corners take three bytes."""
-    return vertices > _NARROW
+    return n_vertices > _NARROW
 
 
-def pack(vertices: Array, faces: Indices, edges: Array, most: int) -> Packed:
+def pack_mesh(vertices: Array, faces: Indices, edges: Array, max_faces: int) -> PackedMesh:
     """A mesh of ``vertices`` (V, 3) and ``faces`` (F, 3), with the ends (n, 2, 3) of the edges of its holes.
 
     Corners that no triangle has are left out, those that fall together on the grid merged, triangles without area dropped.
     More triangles than ``most`` are made fewer by merging the corners of one cell into their mean.
     """
     used, number = np.unique(faces, return_inverse=True)
-    vertices, faces = _thinned(vertices[used], number.reshape(faces.shape), most)
+    vertices, faces = _simplify_mesh(vertices[used], number.reshape(faces.shape), max_faces)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    codes, number = np.unique(_interleaved(_gridded(vertices, low, high)), return_inverse=True)
-    faces = _ordered(number.reshape(-1)[faces])
-    points = _separated(codes)
-    planes = [_planes(np.diff(column, prepend=0), 2) for column in points.T]
+    codes, number = np.unique(_encode_morton(_snap_to_grid(vertices, low, high)), return_inverse=True)
+    faces = _sort_faces(number.reshape(-1)[faces])
+    points = _decode_morton(codes)
+    planes = [_encode_byte_planes(np.diff(column, prepend=0), 2) for column in points.T]
     a, b, c = faces.T
-    size = 3 if wide(len(points)) else 2
-    planes += [_planes(column, size) for column in (np.diff(a, prepend=0), b - a, c - a)]
-    ends = _gridded(edges.reshape(-1, 3), low, high).astype("<u2")
-    return Packed(b"".join((*planes, ends.tobytes())), len(points), len(faces), len(edges), low, high)
+    size = 3 if needs_wide_indices(len(points)) else 2
+    planes += [_encode_byte_planes(column, size) for column in (np.diff(a, prepend=0), b - a, c - a)]
+    ends = _snap_to_grid(edges.reshape(-1, 3), low, high).astype("<u2")
+    return PackedMesh(b"".join((*planes, ends.tobytes())), len(points), len(faces), len(edges), low, high)
 
 
-def unpack(packed: Packed) -> tuple[Array, Indices, Array]:
-    """Corners (V, 3), triangles (F, 3) and the ends of the edges of holes (n, 2, 3) of what `pack` made."""
+def unpack_mesh(packed: PackedMesh) -> tuple[Array, Indices, Array]:
+    """Corners (V, 3), triangles (F, 3) and the ends of the edges of holes (n, 2, 3) of what `pack_mesh` made."""
     data = np.frombuffer(packed.data, dtype=np.uint8)
-    size = 3 if wide(packed.vertices) else 2
+    size = 3 if needs_wide_indices(packed.n_vertices) else 2
     columns, at = [], 0
-    for count, width in ((packed.vertices, 2),) * 3 + ((packed.faces, size),) * 3:
-        columns.append(_differences(data[at : at + count * width].reshape(width, count)))
+    for count, width in ((packed.n_vertices, 2),) * 3 + ((packed.n_faces, size),) * 3:
+        columns.append(_decode_byte_planes(data[at : at + count * width].reshape(width, count)))
         at += count * width
     scale = (packed.high - packed.low) / STEPS
     points = packed.low + scale * np.cumsum(columns[:3], axis=1).T
@@ -79,17 +79,17 @@ def unpack(packed: Packed) -> tuple[Array, Indices, Array]:
     return points, faces, packed.low + scale * ends
 
 
-def _gridded(points: Array, low: Array, high: Array) -> Indices:
+def _snap_to_grid(points: Array, low: Array, high: Array) -> Indices:
     extent = high - low
     steps = np.divide(STEPS, extent, out=np.zeros(3), where=extent > 0.0)
     return np.clip(np.rint((points - low) * steps), 0, STEPS).astype(np.int64)
 
 
-def _interleaved(grid: Indices) -> Indices:
+def _encode_morton(grid: Indices) -> Indices:
     """The Morton code of each point (n, 3): points that are near each other are mostly near in its order."""
     code = np.zeros(len(grid), dtype=np.int64)
     for axis, column in enumerate(grid.T):
-        code |= _spread(column) << axis
+        code |= _spread_bits(column) << axis
     return code
 
 
@@ -102,7 +102,7 @@ _MASKS = (
 )
 
 
-def _spread(values: Indices) -> Indices:
+def _spread_bits(values: Indices) -> Indices:
     """Two zeros between each two bits."""
     spread = values.astype(np.uint64)
     for shift, mask in _MASKS:
@@ -110,8 +110,8 @@ def _spread(values: Indices) -> Indices:
     return spread.astype(np.int64)
 
 
-def _separated(codes: Indices) -> Indices:
-    """The points (n, 3) of Morton codes: the inverse of `_interleaved`."""
+def _decode_morton(codes: Indices) -> Indices:
+    """The points (n, 3) of Morton codes: the inverse of `_encode_morton`."""
     points = np.zeros((len(codes), 3), dtype=np.int64)
     for axis in range(3):
         for bit in range(BITS):
@@ -119,7 +119,7 @@ def _separated(codes: Indices) -> Indices:
     return points
 
 
-def _ordered(faces: Indices) -> Indices:
+def _sort_faces(faces: Indices) -> Indices:
     """Without the triangles that repeat a corner; each begins with its lowest corner, and they are in the order of these."""
     a, b, c = faces.T
     faces = faces[(a != b) & (b != c) & (c != a)]
@@ -128,18 +128,18 @@ def _ordered(faces: Indices) -> Indices:
     return turned[np.lexsort(turned.T[::-1])]
 
 
-def _planes(differences: Indices, size: int) -> bytes:
+def _encode_byte_planes(differences: Indices, size: int) -> bytes:
     zigzag = ((differences << 1) ^ (differences >> 63)).astype("<u4")
     planes: bytes = zigzag.view(np.uint8).reshape(-1, 4)[:, :size].T.tobytes()
     return planes
 
 
-def _differences(planes: NDArray[np.uint8]) -> Indices:
+def _decode_byte_planes(planes: NDArray[np.uint8]) -> Indices:
     zigzag = sum(plane.astype(np.int64) << (8 * place) for place, plane in enumerate(planes))
     return np.asarray((zigzag >> 1) ^ -(zigzag & 1), dtype=np.int64)
 
 
-def _thinned(vertices: Array, faces: Indices, most: int) -> tuple[Array, Indices]:
+def _simplify_mesh(vertices: Array, faces: Indices, most: int) -> tuple[Array, Indices]:
     low = vertices.min(axis=0)
     diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     cells = _FINEST
@@ -147,10 +147,10 @@ def _thinned(vertices: Array, faces: Indices, most: int) -> tuple[Array, Indices
     # Without a diagonal all is one point, and nothing of it is left anyhow.
     while len(thin[1]) > most and cells > 1.0 and diagonal > 0.0:
         keys = np.floor((vertices - low) * (cells / diagonal)).astype(np.int64)
-        _, number = np.unique(_interleaved(keys), return_inverse=True)
+        _, number = np.unique(_encode_morton(keys), return_inverse=True)
         number = number.reshape(-1)
         count = np.bincount(number)
         merged = np.column_stack([np.bincount(number, weights=column) / count for column in vertices.T])
-        thin = merged, np.unique(_ordered(number[faces]), axis=0)
+        thin = merged, np.unique(_sort_faces(number[faces]), axis=0)
         cells /= _COARSER
     return thin

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_few
-from urdfcheck.facts.mesh.gltf import parts_of_glb, parts_of_gltf
-from urdfcheck.facts.mesh.number_text import BadToken, Text
+from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
+from urdfcheck.facts.mesh.gltf import read_glb_parts, read_gltf_parts
+from urdfcheck.facts.mesh.number_text import BadTokenError, TokenizedText
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -77,7 +77,7 @@ class RawMesh:
         return len(self.vertices) // 3 if self.faces is None else len(self.faces)
 
 
-def decode(data: bytes, file_type: str) -> RawMesh:
+def decode_mesh(data: bytes, file_type: str) -> RawMesh:
     """The triangles of a mesh file; ``file_type`` is its extension in lower case, without the dot.
 
     :raises MeshError: when the file gives none, or not all that it declares.
@@ -114,18 +114,18 @@ def _refuse_impostors(data: bytes, file_type: str) -> None:
             raise MeshError("malformed", f"is named {file_type} and begins as a {name} file does")
 
 
-def _from_stl(data: bytes) -> RawMesh:
+def _decode_stl(data: bytes) -> RawMesh:
     # The size decides, not the word: CAD systems write binary files whose header begins with "solid".
     declared = int.from_bytes(data[80:84], "little") if len(data) >= _STL_HEADER else 0
     expected = _STL_HEADER + declared * _STL_FACET.itemsize
     solid = data[:512].lstrip()[:5].lower() == b"solid"
     if len(data) >= _STL_HEADER and len(data) == expected:
-        ensure_few(declared)
+        ensure_size_limits(declared)
         corners = np.frombuffer(data, _STL_FACET, count=declared, offset=_STL_HEADER)["corners"]
         return RawMesh("stl-binary", np.ascontiguousarray(corners, dtype=np.float32).reshape(-1, 3), None, solid)
     text = data.rstrip(b"\0")
     if solid and b"\0" not in text:
-        return _from_ascii_stl(text)
+        return _decode_ascii_stl(text)
     if len(data) < _STL_HEADER:
         raise MeshError("truncated", f"is truncated: {len(data)} bytes, and a binary STL's header alone has 84")
     present = (len(data) - _STL_HEADER) // _STL_FACET.itemsize
@@ -142,30 +142,30 @@ def _from_stl(data: bytes) -> RawMesh:
     )
 
 
-def _from_ascii_stl(data: bytes) -> RawMesh:
-    text = Text(_nameless(data))
-    begins, ends = np.flatnonzero(text.spell(b"outer")), np.flatnonzero(text.spell(b"endloop"))
-    corners = np.flatnonzero(text.spell(b"vertex"))
-    facets = int(np.count_nonzero(text.spell(b"facet")))
+def _decode_ascii_stl(data: bytes) -> RawMesh:
+    text = TokenizedText(_strip_solid_names(data))
+    begins, ends = np.flatnonzero(text.match_word(b"outer")), np.flatnonzero(text.match_word(b"endloop"))
+    corners = np.flatnonzero(text.match_word(b"vertex"))
+    facets = int(np.count_nonzero(text.match_word(b"facet")))
     if len(ends) < facets:
         raise MeshError("truncated", f"is truncated: {facets:,} facets begin and {len(ends):,} are complete")
-    # Some writers leave "endsolid" out, of which `_nameless` keeps "end". Nothing else follows the last facet.
-    closing = text.spell(b"end")
-    if facets and not closing[ends[-1] :].any() and not text.spell(b"endfacet")[-1]:
+    # Some writers leave "endsolid" out, of which `_strip_solid_names` keeps "end". Nothing else follows the last facet.
+    closing = text.match_word(b"end")
+    if facets and not closing[ends[-1] :].any() and not text.match_word(b"endfacet")[-1]:
         raise MeshError(
-            "truncated", f"is truncated: it ends with {text.token(len(text) - 1)[:80].decode(errors='replace')!r}"
+            "truncated", f"is truncated: it ends with {text.get_token(len(text) - 1)[:80].decode(errors='replace')!r}"
         )
     if len(begins) != len(ends):
         raise MeshError("malformed", f"has {len(begins):,} times 'outer loop' and {len(ends):,} times 'endloop'")
-    ensure_few(facets)
+    ensure_size_limits(facets)
     counts = np.searchsorted(corners, ends) - np.searchsorted(corners, begins)
     for number in np.flatnonzero(counts != 3)[:1]:
         raise MeshError("malformed", f"has {counts[number]} vertices in facet {number + 1}, where a triangle has 3")
     inside = corners[np.searchsorted(begins, corners) > np.searchsorted(ends, corners)]
-    return RawMesh("stl-ascii", _numbers(text, inside[:, None] + (1, 2, 3), "stl"), None)
+    return RawMesh("stl-ascii", _parse_numbers(text, inside[:, None] + (1, 2, 3), "stl"), None)
 
 
-def _nameless(data: bytes) -> bytes:
+def _strip_solid_names(data: bytes) -> bytes:
     """Without the lines that begin and end a solid: its name may hold any word."""
     word = b"SOLID" if data[:512].lstrip().startswith(b"SOLID") else b"solid"
     parts, at = [], 0
@@ -178,33 +178,33 @@ def _nameless(data: bytes) -> bytes:
     return b"".join((*parts, data[at:]))
 
 
-def _from_obj(data: bytes) -> RawMesh:
+def _decode_obj(data: bytes) -> RawMesh:
     if b"\0" in data:
         raise MeshError("malformed", "holds binary data, and OBJ is text")
     if b"\\" in data:
         data = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").replace(b"\\\r", b" ")
-    text = Text(_COMMENT.sub(b"", data.removeprefix(_BOM)))
-    starts = text.line_starts()
+    text = TokenizedText(_COMMENT.sub(b"", data.removeprefix(_BOM)))
+    starts = text.find_line_starts()
     counts = np.diff(starts, append=len(text)) - 1
-    is_vertex, is_face = (text.spell(word)[starts] for word in (b"v", b"f"))
+    is_vertex, is_face = (text.match_word(word)[starts] for word in (b"v", b"f"))
     for line in np.flatnonzero((is_vertex | is_face) & (counts < 3))[:1]:
-        raise _bad_line(text, starts[line], "obj")
-    vertices = _numbers(text, starts[is_vertex][:, None] + (1, 2, 3), "obj")
-    faces, line = _fans(text, starts[is_face] + 1, counts[is_face], "obj")
+        raise _make_bad_line_error(text, starts[line], "obj")
+    vertices = _parse_numbers(text, starts[is_vertex][:, None] + (1, 2, 3), "obj")
+    faces, line = _triangulate_fans(text, starts[is_face] + 1, counts[is_face], "obj")
     # Negative indices count back from the vertices so far; there is no vertex 0.
     before = np.cumsum(is_vertex)[is_face][line][:, None]
-    return _checked("obj", vertices, np.where(faces > 0, faces - 1, np.where(faces < 0, before + faces, -1)))
+    return _build_checked_mesh("obj", vertices, np.where(faces > 0, faces - 1, np.where(faces < 0, before + faces, -1)))
 
 
-def _from_off(data: bytes) -> RawMesh:
-    text = Text(_COMMENT.sub(b"", data.removeprefix(_BOM)))
-    starts = text.line_starts()
-    header = text.token(0) if len(text) else b""
+def _decode_off(data: bytes) -> RawMesh:
+    text = TokenizedText(_COMMENT.sub(b"", data.removeprefix(_BOM)))
+    starts = text.find_line_starts()
+    header = text.get_token(0) if len(text) else b""
     if not re.fullmatch(rb"(ST)?C?N?OFF", header):
         raise MeshError("malformed", "does not begin as an off file does")
     # The counts stand beside the header word or on a line of their own.
     beside = len(starts) == 1 or starts[1] > 1
-    n_vertices, n_faces = map(int, _indices(text, np.array((0, 1)) + (1 if beside else starts[1]), "off"))
+    n_vertices, n_faces = map(int, _parse_indices(text, np.array((0, 1)) + (1 if beside else starts[1]), "off"))
     body = starts[1:] if beside else starts[2:]
     if len(body) < n_vertices + n_faces:
         raise MeshError(
@@ -213,32 +213,32 @@ def _from_off(data: bytes) -> RawMesh:
             f"{n_vertices + n_faces:,} lines, and has {len(body):,}",
         )
     if len(body) > n_vertices + n_faces:
-        raise _bad_line(text, body[n_vertices + n_faces], "off")
+        raise _make_bad_line_error(text, body[n_vertices + n_faces], "off")
     points, polygons = body[:n_vertices], body[n_vertices : n_vertices + n_faces]
     if len(points) and points[-1] + 3 >= len(text):
-        raise _bad_line(text, points[-1], "off")
-    counts = _indices(text, polygons, "off")
+        raise _make_bad_line_error(text, points[-1], "off")
+    counts = _parse_indices(text, polygons, "off")
     for polygon in np.flatnonzero(counts < 1)[:1]:
-        raise _bad_line(text, polygons[polygon], "off")
-    corners, _ = _fans(text, polygons + 1, counts, "off")
-    return _checked("off", _numbers(text, points[:, None] + (0, 1, 2), "off"), corners)
+        raise _make_bad_line_error(text, polygons[polygon], "off")
+    corners, _ = _triangulate_fans(text, polygons + 1, counts, "off")
+    return _build_checked_mesh("off", _parse_numbers(text, points[:, None] + (0, 1, 2), "off"), corners)
 
 
-def _fans(text: Text, first: Indices, counts: Indices, name: str) -> tuple[Indices, Indices]:
+def _triangulate_fans(text: TokenizedText, first: Indices, counts: Indices, name: str) -> tuple[Indices, Indices]:
     """Polygons as triangles (F, 3) around their first corner, and the polygon (F,) that each is of.
 
     ``first`` and ``counts``: the token of each polygon's first corner and how many it has."""
     triangles, owners = [np.empty((0, 3), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
     # In floats, because what a file claims may be any number.
-    ensure_few(float(np.minimum(np.maximum(counts - 2, 0), len(text)).sum(dtype=np.float64)))
+    ensure_size_limits(float(np.minimum(np.maximum(counts - 2, 0), len(text)).sum(dtype=np.float64)))
     by_count = np.argsort(counts, kind="stable")
     for count, begin, times in zip(*np.unique(counts[by_count], return_index=True, return_counts=True), strict=True):
         if count < 3:
             continue
         polygon = by_count[begin : begin + times]
         if first[polygon[-1]] + count > len(text):
-            raise _bad_line(text, first[polygon[-1]] - 1, name)
-        corners = _indices(text, first[polygon][:, None] + np.arange(count), name)
+            raise _make_bad_line_error(text, first[polygon[-1]] - 1, name)
+        corners = _parse_indices(text, first[polygon][:, None] + np.arange(count), name)
         fan = np.stack((np.zeros(count - 2, dtype=np.int64), np.arange(1, count - 1), np.arange(2, count)), axis=1)
         triangles.append(corners[:, fan].reshape(-1, 3))
         owners.append(np.repeat(polygon, count - 2))
@@ -247,44 +247,44 @@ def _fans(text: Text, first: Indices, counts: Indices, name: str) -> tuple[Indic
     return np.concatenate(triangles)[order], owner[order]
 
 
-def _numbers(text: Text, tokens: Indices, name: str) -> NDArray[np.float64]:
-    with _complaining(text, tokens, name):
-        return text.numbers(tokens)
+def _parse_numbers(text: TokenizedText, tokens: Indices, name: str) -> NDArray[np.float64]:
+    with _locate_bad_tokens(text, tokens, name):
+        return text.parse_numbers(tokens)
 
 
-def _indices(text: Text, tokens: Indices, name: str) -> Indices:
-    with _complaining(text, tokens, name):
-        return text.indices(tokens)
+def _parse_indices(text: TokenizedText, tokens: Indices, name: str) -> Indices:
+    with _locate_bad_tokens(text, tokens, name):
+        return text.parse_indices(tokens)
 
 
 @contextmanager
-def _complaining(text: Text, tokens: Indices, name: str) -> Iterator[None]:
+def _locate_bad_tokens(text: TokenizedText, tokens: Indices, name: str) -> Iterator[None]:
     """Name the line of a token that is no number, or the last one when the text ends too early."""
     if tokens.size and tokens.max() >= len(text):
-        raise _bad_line(text, len(text) - 1, name)
+        raise _make_bad_line_error(text, len(text) - 1, name)
     try:
         yield
-    except BadToken as bad:
-        raise _bad_line(text, bad.index, name) from None
+    except BadTokenError as bad:
+        raise _make_bad_line_error(text, bad.index, name) from None
 
 
-def _bad_line(text: Text, token: int, name: str) -> MeshError:
-    number, line = text.place(token)
+def _make_bad_line_error(text: TokenizedText, token: int, name: str) -> MeshError:
+    number, line = text.locate_token(token)
     return MeshError("malformed", f"cannot be read as {name}: line {number} is {line!r}")
 
 
-def _checked(name: str, vertices: NDArray[np.float64], faces: Indices) -> RawMesh:
-    _refuse_outside(faces, len(vertices))
+def _build_checked_mesh(name: str, vertices: NDArray[np.float64], faces: Indices) -> RawMesh:
+    _refuse_bad_indices(faces, len(vertices))
     return RawMesh(name, vertices, faces)
 
 
-def _refuse_outside(faces: Indices, n_vertices: int) -> None:
+def _refuse_bad_indices(faces: Indices, n_vertices: int) -> None:
     if faces.size and (faces.min() < 0 or faces.max() >= n_vertices):
         outside = ((faces < 0) | (faces >= n_vertices)).any(axis=1)
         raise MeshError("malformed", f"has {int(outside.sum()):,} faces that name a vertex it lacks")
 
 
-def _from_dae(data: bytes) -> RawMesh:
+def _decode_dae(data: bytes) -> RawMesh:
     from collada import Collada
     from collada.common import DaeError
 
@@ -294,7 +294,7 @@ def _from_dae(data: bytes) -> RawMesh:
     if _ENTITY.search(data):
         raise MeshError("entities", "declares XML entities, which no exporter writes and no loader should expand")
     # A broken material or light is no concern here, and other loaders pass over it.
-    with _silent("collada"):
+    with _silence_logger("collada"):
         document = Collada(io.BytesIO(_NAN.sub(b"1e999", data) if b"nan" in data.lower() else data), ignore=[DaeError])
     parts: list[tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]] = []
     colors: list[tuple[int, Color | None]] = []
@@ -306,21 +306,21 @@ def _from_dae(data: bytes) -> RawMesh:
                 if hasattr(triangles, "ntriangles") and triangles.vertex is not None and triangles.ntriangles:
                     faces = np.asarray(triangles.vertex_index, dtype=np.int64).reshape(-1, 3)
                     parts.append((np.asarray(triangles.vertex, dtype=np.float64), faces, geometry.matrix))
-                    colors.append((len(faces), _diffuse(primitive.material)))
+                    colors.append((len(faces), _get_diffuse_color(primitive.material)))
     if not parts and document.scene is None:
         raise MeshError("no-triangles", "has no <scene> that places its geometry")
     if not parts and document.errors:
         raise MeshError("malformed", f"cannot be read as dae: {' '.join(str(document.errors[0]).split())[:200]}")
     declared = document.xmlnode.find("{*}asset/{*}unit")
     text = None if declared is None else declared.get("meter")
-    unit = None if text is None else _length(text)
+    unit = None if text is None else _parse_unit_length(text)
     bad_unit = text if unit is None else None
     known = tuple(colors) if any(color is not None for _, color in colors) else ()
-    joined = _joined("dae", parts)
+    joined = _join_parts("dae", parts)
     return replace(joined, unit=unit, up_axis=document.assetInfo.upaxis, bad_unit=bad_unit, colors=known)
 
 
-def _diffuse(material: Any) -> Color | None:
+def _get_diffuse_color(material: Any) -> Color | None:
     """The diffuse colour of pycollada's material; None without one, and for a texture, which is another file."""
     color = getattr(getattr(material, "effect", None), "diffuse", None)
     if not isinstance(color, tuple) or len(color) < 3 or not all(0.0 <= part <= 1.0 for part in color[:3]):
@@ -350,21 +350,21 @@ def _refuse_bomb(nodes: list[Any]) -> None:
     """Refuse nodes of pycollada that place too much, or geometry that is not all there, before anything is expanded."""
     known: dict[int, NDArray[np.float64]] = {}  # geometries and triangles that a node places
 
-    def placed(node: Any) -> NDArray[np.float64]:
+    def count_placed(node: Any) -> NDArray[np.float64]:
         if id(node) not in known:
             total = np.zeros(2)
             if hasattr(node, "geometry"):
-                total += 1, sum(_triangles(primitive) for primitive in node.geometry.primitives)
+                total += 1, sum(_count_triangles(primitive) for primitive in node.geometry.primitives)
             for child in (node.node,) if hasattr(node, "node") else getattr(node, "children", ()):
-                total += placed(child)
+                total += count_placed(child)
             known[id(node)] = total
         return known[id(node)]
 
-    geometries, triangles = sum((placed(node) for node in nodes), np.zeros(2))
-    ensure_few(float(triangles), float(geometries))
+    geometries, triangles = sum((count_placed(node) for node in nodes), np.zeros(2))
+    ensure_size_limits(float(triangles), float(geometries))
 
 
-def _triangles(primitive: Any) -> int:
+def _count_triangles(primitive: Any) -> int:
     """About how many triangles a primitive has.
 
     :raises MeshError: when it declares more polygons than there are.
@@ -378,7 +378,7 @@ def _triangles(primitive: Any) -> int:
     return len(primitive.index)
 
 
-def _length(text: str) -> float | None:
+def _parse_unit_length(text: str) -> float | None:
     """The number that a text is, if that can be the length of a unit in metres."""
     try:
         value = float(text)
@@ -388,7 +388,7 @@ def _length(text: str) -> float | None:
 
 
 @contextmanager
-def _silent(library: str) -> Iterator[None]:
+def _silence_logger(library: str) -> Iterator[None]:
     """Keep from stderr what a library logs about a stranger's file: tracebacks, among others."""
     logger, handler = logging.getLogger(library), logging.NullHandler()
     before = logger.propagate
@@ -401,15 +401,15 @@ def _silent(library: str) -> Iterator[None]:
         logger.removeHandler(handler)
 
 
-def _from_gltf(data: bytes) -> RawMesh:
-    return _joined("gltf", parts_of_gltf(data))
+def _decode_gltf(data: bytes) -> RawMesh:
+    return _join_parts("gltf", read_gltf_parts(data))
 
 
-def _from_glb(data: bytes) -> RawMesh:
-    return _joined("glb", parts_of_glb(data))
+def _decode_glb(data: bytes) -> RawMesh:
+    return _join_parts("glb", read_glb_parts(data))
 
 
-def _from_ply(data: bytes) -> RawMesh:
+def _decode_ply(data: bytes) -> RawMesh:
     header, end, _ = data[:_PLY_HEADER].partition(b"end_header")
     if not end:
         raise MeshError("malformed", "cannot be read as ply: its header does not end")
@@ -418,14 +418,14 @@ def _from_ply(data: bytes) -> RawMesh:
     if sum(declared.values()) > present:  # each takes a byte at least
         claims = " and ".join(f"{count:,} {name[:20].decode(errors='replace')}" for name, count in declared.items())
         raise MeshError("truncated", f"is truncated: it declares {claims}, and has {present:,} bytes of them")
-    ensure_few(declared.get(b"face", 0))
+    ensure_size_limits(declared.get(b"face", 0))
     import trimesh  # half a second: only where a format needs it
 
-    with _silent("trimesh"):
+    with _silence_logger("trimesh"):
         # Without materials: an image is decoded by another library.
         part = trimesh.load_mesh(io.BytesIO(data), file_type="ply", process=False, skip_materials=True)
     faces = np.asarray(getattr(part, "faces", ()), dtype=np.int64).reshape(-1, 3)
-    mesh = _checked("ply", np.asarray(part.vertices, dtype=np.float64), faces)
+    mesh = _build_checked_mesh("ply", np.asarray(part.vertices, dtype=np.float64), faces)
     # trimesh reads as many lines of an ASCII file as there are.
     if 0 < mesh.n_triangles < declared.get(b"face", 0):
         raise MeshError(
@@ -434,14 +434,14 @@ def _from_ply(data: bytes) -> RawMesh:
     return mesh
 
 
-def _joined(
+def _join_parts(
     name: str,
     parts: list[tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]],
 ) -> RawMesh:
     """One mesh of a scene's parts: placed vertices, faces, and the (4, 4) matrix that placed them."""
     vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
     for points, corners, matrix in parts:
-        _refuse_outside(corners, len(points))
+        _refuse_bad_indices(corners, len(points))
         # A mirroring node turns triangles inside out; their order is reversed to keep the outside outside.
         outward = corners[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0.0 else corners
         vertices.append(points)
@@ -451,11 +451,11 @@ def _joined(
 
 
 _DECODERS: dict[str, Callable[[bytes], RawMesh]] = {
-    "stl": _from_stl,
-    "obj": _from_obj,
-    "dae": _from_dae,
-    "ply": _from_ply,
-    "off": _from_off,
-    "glb": _from_glb,
-    "gltf": _from_gltf,
+    "stl": _decode_stl,
+    "obj": _decode_obj,
+    "dae": _decode_dae,
+    "ply": _decode_ply,
+    "off": _decode_off,
+    "glb": _decode_glb,
+    "gltf": _decode_gltf,
 }

@@ -28,12 +28,12 @@ class MeshError(Exception):
         return MeshError, (self.reason_id, self.message)
 
 
-def ensure_few(triangles: float, placed: float = 0) -> None:
+def ensure_size_limits(triangles: float, placements: float = 0) -> None:
     """Refuse what would take too much memory, before any of it is taken.
 
     :raises MeshError: for more triangles, or geometry placed more often, than is read.
     """
-    if placed > MOST_PLACED:
-        raise MeshError("too-large", f"places its geometry {placed:,.0f} times, more than {MOST_PLACED:,}")
+    if placements > MOST_PLACED:
+        raise MeshError("too-large", f"places its geometry {placements:,.0f} times, more than {MOST_PLACED:,}")
     if triangles > MOST_TRIANGLES:
         raise MeshError("too-large", f"has {triangles:,.0f} triangles, more than {MOST_TRIANGLES:,}")

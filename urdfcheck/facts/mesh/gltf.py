@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdfcheck.facts.mesh.decode_limits import MOST_NESTED, MOST_PLACED, MeshError, ensure_few
+from urdfcheck.facts.mesh.decode_limits import MOST_NESTED, MOST_PLACED, MeshError, ensure_size_limits
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,16 +29,16 @@ _TRIANGLES, _STRIP, _FAN = _DRAWN = (4, 5, 6)
 _GLB_HEADER, _CHUNK_HEADER = 12, 8
 
 
-def parts_of_gltf(data: bytes) -> list[tuple[Array, Indices, Array]]:
+def read_gltf_parts(data: bytes) -> list[tuple[Array, Indices, Array]]:
     """Placed vertices (V, 3), faces (F, 3) and the matrix (4, 4) that placed them, for each primitive of each node.
 
     :raises MeshError: when the geometry is elsewhere, compressed, cut off, or more than is read.
     """
-    return _Scene(json.loads(data), b"").parts()
+    return _GltfDocument(json.loads(data), b"").read_parts()
 
 
-def parts_of_glb(data: bytes) -> list[tuple[Array, Indices, Array]]:
-    """As :func:`parts_of_gltf`, of the binary form."""
+def read_glb_parts(data: bytes) -> list[tuple[Array, Indices, Array]]:
+    """As :func:`read_gltf_parts`, of the binary form."""
     version = int.from_bytes(data[4:8], "little")
     if version != 2:
         raise MeshError("unsupported", f"is glTF {version}, and only glTF 2 is read")
@@ -55,10 +55,10 @@ def parts_of_glb(data: bytes) -> list[tuple[Array, Indices, Array]]:
         at += size
     if b"JSON" not in chunks:
         raise MeshError("malformed", "cannot be read as glb: it has no JSON chunk")
-    return _Scene(json.loads(chunks[b"JSON"]), chunks.get(b"BIN\0", b"")).parts()
+    return _GltfDocument(json.loads(chunks[b"JSON"]), chunks.get(b"BIN\0", b"")).read_parts()
 
 
-class _Scene:
+class _GltfDocument:
     """One document; ``binary`` is the buffer that it holds beside its JSON."""
 
     def __init__(self, document: Json, binary: bytes) -> None:
@@ -66,16 +66,16 @@ class _Scene:
         self.binary = binary
         self.buffers: dict[int, bytes] = {}
 
-    def parts(self) -> list[tuple[Array, Indices, Array]]:
+    def read_parts(self) -> list[tuple[Array, Indices, Array]]:
         self.refuse_unread()
-        placed = list(islice(self.placed(), MOST_PLACED + 1))
+        placed = list(islice(self.iter_placed_meshes(), MOST_PLACED + 1))
         primitives = ((p, matrix) for mesh, matrix in placed for p in self.document["meshes"][mesh]["primitives"])
-        drawn = list(islice((pair for pair in primitives if _mode(pair[0]) in _DRAWN), MOST_PLACED + 1))
-        ensure_few(sum(self.n_triangles(p) for p, _ in drawn), max(len(placed), len(drawn)))
+        drawn = list(islice((pair for pair in primitives if _get_primitive_mode(pair[0]) in _DRAWN), MOST_PLACED + 1))
+        ensure_size_limits(sum(self.count_triangles(p) for p, _ in drawn), max(len(placed), len(drawn)))
         found = []
         for primitive, matrix in drawn:
-            points = self.numbers(primitive["attributes"]["POSITION"], "VEC3")
-            found.append((points @ matrix[:3, :3].T + matrix[:3, 3], self.faces(primitive), matrix))
+            points = self.read_accessor(primitive["attributes"]["POSITION"], "VEC3")
+            found.append((points @ matrix[:3, :3].T + matrix[:3, 3], self.read_faces(primitive), matrix))
         return found
 
     def refuse_unread(self) -> None:
@@ -88,14 +88,14 @@ class _Scene:
             if extension in self.document.get("extensionsRequired", ()):
                 raise MeshError("unsupported", f"is compressed with {name} ({extension}), which is not read")
 
-    def placed(self) -> Iterator[tuple[int, Array]]:
+    def iter_placed_meshes(self) -> Iterator[tuple[int, Array]]:
         """Each mesh of the default scene with its matrix (4, 4), in document order."""
         scenes, nodes = self.document.get("scenes", ()), self.document.get("nodes", ())
         if not scenes:
             raise MeshError("no-triangles", "has no scene that places its geometry")
-        roots = scenes[_index(self.document.get("scene", 0))].get("nodes", ())
+        roots = scenes[_parse_index(self.document.get("scene", 0))].get("nodes", ())
         seen: set[int] = set()
-        stack = [(_index(root), np.eye(4), 1) for root in reversed(roots)]
+        stack = [(_parse_index(root), np.eye(4), 1) for root in reversed(roots)]
         while stack:
             index, around, level = stack.pop()
             if index in seen or level > MOST_NESTED:  # a node has one parent: so no circle, and no bomb
@@ -103,47 +103,47 @@ class _Scene:
                 raise MeshError("malformed", f"cannot be read as glTF: node {index} {why}")
             seen.add(index)
             node = nodes[index]
-            matrix = around @ _transform(node)
+            matrix = around @ _compute_node_matrix(node)
             if "mesh" in node:
-                yield _index(node["mesh"]), matrix
-            stack.extend((_index(child), matrix, level + 1) for child in reversed(node.get("children", ())))
+                yield _parse_index(node["mesh"]), matrix
+            stack.extend((_parse_index(child), matrix, level + 1) for child in reversed(node.get("children", ())))
 
-    def n_triangles(self, primitive: Json) -> int:
+    def count_triangles(self, primitive: Json) -> int:
         """How many it declares, before any is read."""
         accessor = primitive.get("indices", primitive["attributes"]["POSITION"])
-        count = _index(self.document["accessors"][_index(accessor)]["count"])
-        return count // 3 if _mode(primitive) == _TRIANGLES else max(count - 2, 0)
+        count = _parse_index(self.document["accessors"][_parse_index(accessor)]["count"])
+        return count // 3 if _get_primitive_mode(primitive) == _TRIANGLES else max(count - 2, 0)
 
-    def faces(self, primitive: Json) -> Indices:
+    def read_faces(self, primitive: Json) -> Indices:
         position, indices = primitive["attributes"]["POSITION"], primitive.get("indices")
         if indices is None:
-            corners = np.arange(_index(self.document["accessors"][_index(position)]["count"]))
+            corners = np.arange(_parse_index(self.document["accessors"][_parse_index(position)]["count"]))
         else:
-            corners = self.numbers(indices, "SCALAR", whole=True).astype(np.int64).reshape(-1)
-        if _mode(primitive) == _TRIANGLES:
+            corners = self.read_accessor(indices, "SCALAR", whole=True).astype(np.int64).reshape(-1)
+        if _get_primitive_mode(primitive) == _TRIANGLES:
             return corners.reshape(-1, 3)
         first, second, third = corners[:-2], corners[1:-1], corners[2:]
-        if _mode(primitive) == _FAN:
+        if _get_primitive_mode(primitive) == _FAN:
             return np.stack((second, third, np.broadcast_to(corners[0], second.shape)), axis=1)
         odd = np.arange(len(first)) % 2 == 1
         return np.stack((first, np.where(odd, third, second), np.where(odd, second, third)), axis=1)
 
-    def numbers(self, accessor: Any, kind: str, *, whole: bool = False) -> NDArray[Any]:
+    def read_accessor(self, accessor: Any, kind: str, *, whole: bool = False) -> NDArray[Any]:
         """The numbers (count, width) of an accessor: float64, or as stored where they are ``whole``."""
-        entry = self.document["accessors"][_index(accessor)]
+        entry = self.document["accessors"][_parse_index(accessor)]
         if entry["type"] != kind:
             raise MeshError("malformed", f"cannot be read as glTF: an accessor is {entry['type']!r:.40}, not {kind}")
         if "sparse" in entry or "bufferView" not in entry:
             raise MeshError("unsupported", "keeps its geometry in a sparse accessor, which is not read")
-        view = self.document["bufferViews"][_index(entry["bufferView"])]
+        view = self.document["bufferViews"][_parse_index(entry["bufferView"])]
         numbers = np.dtype(_NUMBERS[entry["componentType"]])
         if whole and numbers.kind != "u":
             raise MeshError("malformed", "cannot be read as glTF: its indices are no unsigned numbers")
-        count, width = _index(entry["count"]), 3 if kind == "VEC3" else 1
+        count, width = _parse_index(entry["count"]), 3 if kind == "VEC3" else 1
         row = width * numbers.itemsize
-        stride = _index(view.get("byteStride", row))
-        within, begin = _index(entry.get("byteOffset", 0)), _index(view.get("byteOffset", 0))
-        buffer, length = self.buffer(_index(view["buffer"])), _index(view["byteLength"])
+        stride = _parse_index(view.get("byteStride", row))
+        within, begin = _parse_index(entry.get("byteOffset", 0)), _parse_index(view.get("byteOffset", 0))
+        buffer, length = self.read_buffer(_parse_index(view["buffer"])), _parse_index(view["byteLength"])
         end = within + (count - 1) * stride + row if count else 0
         if stride < row or end > length or begin + length > len(buffer):
             raise MeshError(
@@ -157,7 +157,7 @@ class _Scene:
             values = np.maximum(values / np.iinfo(numbers).max, -1.0)
         return values
 
-    def buffer(self, index: int) -> bytes:
+    def read_buffer(self, index: int) -> bytes:
         if index not in self.buffers:
             entry = self.document["buffers"][index]
             uri = entry.get("uri")
@@ -165,19 +165,19 @@ class _Scene:
         return self.buffers[index]
 
 
-def _mode(primitive: Json) -> Any:
+def _get_primitive_mode(primitive: Json) -> Any:
     """What its corners make; triangles where it does not say."""
     return primitive.get("mode", _TRIANGLES)
 
 
-def _index(value: Any) -> int:
+def _parse_index(value: Any) -> int:
     """A whole number from 0 on; a negative one would count from the end of a list."""
     if not isinstance(value, int) or value < 0:
         raise ValueError(f"{str(value)[:40]!r} is no count and no index")
     return value
 
 
-def _transform(node: Json) -> Array:
+def _compute_node_matrix(node: Json) -> Array:
     """The matrix (4, 4) of a node: its own, stored by columns, or that of its translation, rotation and scale."""
     if "matrix" in node:
         by_columns: Array = np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T

@@ -15,24 +15,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdfcheck.facts.inertials.inertia_tensor import Solid, placed
-from urdfcheck.facts.mesh.decode import RawMesh, decode
+from urdfcheck.facts.inertials.inertia_tensor import Solid, transform_solid
+from urdfcheck.facts.mesh.decode import RawMesh, decode_mesh
 from urdfcheck.facts.mesh.decode_limits import MeshError
-from urdfcheck.facts.mesh.moments import moments
+from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.facts.mesh.topology import (
     Boundary,
     Edges,
     Surface,
-    boundaries_of,
-    bounds_of,
-    component_sizes,
-    meets,
-    near_rim,
-    origins,
-    repeated_faces,
+    classify_edges,
+    compute_bounds,
+    count_component_faces,
+    drop_repeated_faces,
+    find_boundaries,
+    find_face_origins,
+    find_points_near_rim,
+    find_repeated_faces,
     weld_exact,
     weld_near,
-    without_repeated,
 )
 
 if TYPE_CHECKING:
@@ -41,7 +41,16 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Parts = MutableMapping[str, Mapping[str, NDArray[Any]]]
 
-__all__ = ["Boundary", "Hull", "MeshError", "MeshFacts", "hull_of", "known_facts", "mesh_facts", "transformed_moments"]
+__all__ = [
+    "Boundary",
+    "MeshError",
+    "MeshFacts",
+    "MeshHull",
+    "compute_convex_hull",
+    "compute_mesh_solid",
+    "measure_mesh",
+    "restore_mesh_facts",
+]
 
 # Exporters write one corner of several triangles with different float noise. The least of these, as fractions of the
 # diagonal, that leaves the fewest edges open is taken: residue of zero, one float32 rounding, and up to five micrometres on
@@ -53,7 +62,7 @@ _INFINITE = 3.4e38
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Hull:
+class MeshHull:
     """A convex hull: corners ``vertices`` (K, 3), triangles ``faces`` (F, 3) of them that face outwards, ``volume``, ``area``.
 
     Of a flat or straight mesh it is the bounding box, which contains it, with the volume 0."""
@@ -125,7 +134,7 @@ class MeshFacts:
     non_finite_vertices: int
     weld_distance: float
     parts: Parts
-    again: Callable[[], object] | None = None
+    remeasure: Callable[[], object] | None = None
 
     @property
     def inside_out(self) -> bool:
@@ -133,16 +142,16 @@ class MeshFacts:
 
     @cached_property
     def vertices(self) -> Array:
-        return _frozen(self._surface["vertices"].astype(np.float64))
+        return _freeze_array(self._surface["vertices"].astype(np.float64))
 
     @cached_property
     def faces(self) -> NDArray[np.int64]:
-        return _frozen(self._surface["faces"].astype(np.int64))
+        return _freeze_array(self._surface["faces"].astype(np.int64))
 
     @property
     def _surface(self) -> Mapping[str, NDArray[Any]]:
-        if self.parts.get("surface") is None and self.again is not None:
-            self.again()
+        if self.parts.get("surface") is None and self.remeasure is not None:
+            self.remeasure()
         return self.parts["surface"]
 
     @property
@@ -154,102 +163,104 @@ class MeshFacts:
 
     @cached_property
     def boundaries(self) -> tuple[Boundary, ...]:
-        return boundaries_of(self.vertices, self._edges.open) if self.open_edges else ()
+        return find_boundaries(self.vertices, self._edges.open) if self.open_edges else ()
 
     @cached_property
     def open_lines(self) -> Array:
         """Ends (n, 2, 3) of the edges of one face."""
-        return _frozen(self.vertices[self._edges.open])
+        return _freeze_array(self.vertices[self._edges.open])
 
     @cached_property
     def non_manifold_lines(self) -> Array:
         """Ends (n, 2, 3) of the edges of three or more faces."""
-        return _frozen(self.vertices[self._edges.non_manifold])
+        return _freeze_array(self.vertices[self._edges.non_manifold])
 
     @cached_property
     def flipped_lines(self) -> Array:
         """Ends (n, 2, 3) of the edges along which their two faces run the same way."""
-        return _frozen(self.vertices[self._edges.flipped])
+        return _freeze_array(self.vertices[self._edges.flipped])
 
     @cached_property
     def _edges(self) -> Edges:
-        return meets(self.faces, self.n_vertices)
+        return classify_edges(self.faces, self.n_vertices)
 
     @property
     def duplicate_faces(self) -> int:
-        def count() -> Mapping[str, NDArray[Any]]:
-            return {"count": repeated_faces(self.faces).sum()}
+        def count_repeated() -> Mapping[str, NDArray[Any]]:
+            return {"count": find_repeated_faces(self.faces).sum()}
 
-        return self.dropped_duplicates + int(self._part("duplicates", count)["count"])
+        return self.dropped_duplicates + int(self._get_part("duplicates", count_repeated)["count"])
 
     @property
     def components(self) -> NDArray[np.int64]:
         """Number of faces of each piece that hangs together by vertices, largest first."""
-        return self._part("components", lambda: {"sizes": component_sizes(self.faces, self.n_vertices)})["sizes"]
+        return self._get_part("components", lambda: {"sizes": count_component_faces(self.faces, self.n_vertices)})[
+            "sizes"
+        ]
 
     @cached_property
-    def hull(self) -> Hull:
-        def compute() -> Mapping[str, NDArray[Any]]:
-            hull = hull_of(self.vertices)
+    def hull(self) -> MeshHull:
+        def compute_hull() -> Mapping[str, NDArray[Any]]:
+            hull = compute_convex_hull(self.vertices)
             return {"vertices": hull.vertices, "faces": hull.faces, "sizes": np.array((hull.volume, hull.area))}
 
-        part = self._part("hull", compute)
+        part = self._get_part("hull", compute_hull)
         volume, area = map(float, part["sizes"])
-        return Hull(part["vertices"], part["faces"], volume, area)
+        return MeshHull(part["vertices"], part["faces"], volume, area)
 
-    def _part(self, name: str, compute: Callable[[], Mapping[str, NDArray[Any]]]) -> Mapping[str, NDArray[Any]]:
+    def _get_part(self, name: str, compute: Callable[[], Mapping[str, NDArray[Any]]]) -> Mapping[str, NDArray[Any]]:
         if name not in self.parts:
             self.parts[name] = compute()
-        return {key: _frozen(np.asarray(array)) for key, array in self.parts[name].items()}
+        return {key: _freeze_array(np.asarray(array)) for key, array in self.parts[name].items()}
 
 
-def mesh_facts(data: bytes, file_type: str, parts: Parts | None = None) -> MeshFacts:
+def measure_mesh(data: bytes, file_type: str, parts: Parts | None = None) -> MeshFacts:
     """Measure the mesh file ``data``; ``file_type`` is its extension in lower case, without the dot.
 
-    What is found is put into ``parts``, from which `known_facts` gives it back.
+    What is found is put into ``parts``, from which `restore_mesh_facts` gives it back.
 
     :raises MeshError: when it is no complete mesh file, or holds no triangle with finite corners.
-    :raises ImportError, MemoryError: see `urdfcheck.facts.mesh.decode.decode`; nothing is put into ``parts``.
+    :raises ImportError, MemoryError: see `urdfcheck.facts.mesh.decode.decode_mesh`; nothing is put into ``parts``.
     """
     parts = {} if parts is None else parts
     try:
         with np.errstate(all="ignore"):  # numbers without sense are a finding, not a warning on stderr
-            return _measure(decode(data, file_type), parts)
+            return _measure_raw_mesh(decode_mesh(data, file_type), parts)
     except MeshError as error:
-        parts["error"] = {"text": _packed([error.reason_id, error.message])}
+        parts["error"] = {"text": _encode_json([error.reason_id, error.message])}
         raise
 
 
-def known_facts(parts: Parts, again: Callable[[], object] | None = None) -> MeshFacts | None:
-    """The facts that an earlier `mesh_facts` put into ``parts``; None when there are none. ``again`` puts them there once
+def restore_mesh_facts(parts: Parts, remeasure: Callable[[], object] | None = None) -> MeshFacts | None:
+    """The facts that an earlier `measure_mesh` put into ``parts``; None when there are none. ``again`` puts them there once
     more, should some have been lost.
 
     :raises MeshError: the one that it raised.
     """
     if "error" in parts:
-        raise MeshError(*_unpacked(parts["error"]["text"]))
+        raise MeshError(*_decode_json(parts["error"]["text"]))
     if "summary" not in parts:
         return None
-    fields = _unpacked(parts["summary"]["text"])
-    arrays = {name: _frozen(np.array(v)) for name, v in fields.items() if isinstance(v, list)}
-    return MeshFacts(**{**fields, **arrays}, parts=parts, again=again)
+    fields = _decode_json(parts["summary"]["text"])
+    arrays = {name: _freeze_array(np.array(v)) for name, v in fields.items() if isinstance(v, list)}
+    return MeshFacts(**{**fields, **arrays}, parts=parts, remeasure=remeasure)
 
 
-def _measure(raw: RawMesh, parts: Parts) -> MeshFacts:
-    surface, non_finite = _welded(raw)
-    edges = meets(surface.faces, len(surface.vertices))
+def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
+    surface, non_finite = _weld_finite_triangles(raw)
+    edges = classify_edges(surface.faces, len(surface.vertices))
     weld_distance = 0.0
     if not edges.watertight:
-        surface, edges, weld_distance = _mended(surface, edges)
+        surface, edges, weld_distance = _weld_open_edges(surface, edges)
     vertices, faces = surface.vertices, surface.faces
-    integrals = moments(vertices, faces)
+    integrals = compute_mesh_moments(vertices, faces)
     narrow = vertices.astype(np.float32)
     parts["surface"] = {
-        "vertices": _frozen(narrow if np.array_equal(narrow, vertices) else vertices),
-        "faces": _frozen(faces.astype(np.int32)),
+        "vertices": _freeze_array(narrow if np.array_equal(narrow, vertices) else vertices),
+        "faces": _freeze_array(faces.astype(np.int32)),
     }
     if raw.colors and raw.faces is not None:
-        parts["colors"] = _colors(raw, surface)
+        parts["colors"] = _collect_face_colors(raw, surface)
     fields: dict[str, Any] = {
         "format": raw.format,
         "solid_header": raw.solid_header,
@@ -258,7 +269,7 @@ def _measure(raw: RawMesh, parts: Parts) -> MeshFacts:
         "bad_unit": raw.bad_unit,
         "n_triangles": raw.n_triangles,
         "n_vertices": len(vertices),
-        "bounds": bounds_of(vertices),
+        "bounds": compute_bounds(vertices),
         "volume": integrals.volume,
         "com": integrals.com,
         "covariance": integrals.covariance,
@@ -270,16 +281,18 @@ def _measure(raw: RawMesh, parts: Parts) -> MeshFacts:
         "closed": edges.closed,
         "open_edges": len(edges.open),
         "non_manifold_edges": len(edges.non_manifold),
-        "degenerate_faces": surface.collapsed + integrals.flat,
+        "degenerate_faces": surface.collapsed + integrals.flat_faces,
         "dropped_duplicates": surface.repeated,
         "non_finite_vertices": non_finite,
         "weld_distance": weld_distance,
     }
-    parts["summary"] = {"text": _packed({k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in fields.items()})}
-    frozen: dict[str, Any] = {k: _frozen(v) if isinstance(v, np.ndarray) else v for k, v in fields.items()}
+    parts["summary"] = {
+        "text": _encode_json({k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in fields.items()})
+    }
+    frozen: dict[str, Any] = {k: _freeze_array(v) if isinstance(v, np.ndarray) else v for k, v in fields.items()}
     facts = MeshFacts(**frozen, parts=parts)
     # In memory already, and as precise as they were measured.
-    facts.__dict__.update(vertices=_frozen(vertices), faces=_frozen(faces), _edges=edges)
+    facts.__dict__.update(vertices=_freeze_array(vertices), faces=_freeze_array(faces), _edges=edges)
     return facts
 
 
@@ -287,17 +300,20 @@ def _measure(raw: RawMesh, parts: Parts) -> MeshFacts:
 _MOST_COLORS = 100
 
 
-def _colors(raw: RawMesh, surface: Surface) -> dict[str, NDArray[Any]]:
+def _collect_face_colors(raw: RawMesh, surface: Surface) -> dict[str, NDArray[Any]]:
     """See `MeshFacts.colors`."""
     assert raw.faces is not None
     rgba = list(dict.fromkeys(color for _, color in raw.colors if color is not None))[:_MOST_COLORS]
     place = {color: i for i, color in enumerate(rgba)}
     number = np.array([-1 if color is None else place.get(color, -1) for _, color in raw.colors])
     of_face = np.append(np.repeat(number, [count for count, _ in raw.colors]), -1)
-    return {"faces": of_face[origins(raw.vertices, raw.faces, surface)].astype(np.int8), "rgba": np.array(rgba)}
+    return {
+        "faces": of_face[find_face_origins(raw.vertices, raw.faces, surface)].astype(np.int8),
+        "rgba": np.array(rgba),
+    }
 
 
-def _welded(raw: RawMesh) -> tuple[Surface, int]:
+def _weld_finite_triangles(raw: RawMesh) -> tuple[Surface, int]:
     """The surface of the triangles with finite corners, equal corners merged, and how many corners are not finite."""
     finite = np.abs(raw.vertices) < _INFINITE
     if finite.all():
@@ -317,44 +333,47 @@ def _welded(raw: RawMesh) -> tuple[Surface, int]:
     return surface, non_finite
 
 
-def _mended(surface: Surface, edges: Edges) -> tuple[Surface, Edges, float]:
+def _weld_open_edges(surface: Surface, edges: Edges) -> tuple[Surface, Edges, float]:
     """Without repeated faces; and with float noise merged, and by how much, if that leaves fewer edges open."""
-    surface, edges = _single(surface, edges)
+    surface, edges = _deduplicate_faces(surface, edges)
     best = surface, edges, 0.0
-    diagonal = float(np.linalg.norm(np.ptp(bounds_of(surface.vertices), axis=0)))
+    diagonal = float(np.linalg.norm(np.ptp(compute_bounds(surface.vertices), axis=0)))
     if not len(edges.open) or not diagonal > 0.0:
         return best
-    nearby = near_rim(surface, edges.open, _NOISE[-1] * diagonal)
+    nearby = find_points_near_rim(surface, edges.open, _NOISE[-1] * diagonal)
     for distance in (noise * diagonal for noise in _NOISE):
         welded = weld_near(surface, nearby, distance) if len(best[1].open) else None
         if welded is not None and len(welded.faces):
-            welded, met = _single(welded, meets(welded.faces, len(welded.vertices)))
+            welded, met = _deduplicate_faces(welded, classify_edges(welded.faces, len(welded.vertices)))
             closed = len(best[1].open) - len(met.open)
             # What has become a point was no crack: the edges that are gone were longer than that.
-            if closed > 0 and _length(*best[:2]) - _length(welded, met) > 4.0 * distance * closed:
+            if (
+                closed > 0
+                and _measure_open_length(*best[:2]) - _measure_open_length(welded, met) > 4.0 * distance * closed
+            ):
                 best = welded, met, distance
     return best
 
 
-def _length(surface: Surface, edges: Edges) -> float:
+def _measure_open_length(surface: Surface, edges: Edges) -> float:
     """Of all open edges."""
     starts, ends = surface.vertices[edges.open[:, 0]], surface.vertices[edges.open[:, 1]]
     return float(np.linalg.norm(ends - starts, axis=1).sum())
 
 
-def _single(surface: Surface, edges: Edges) -> tuple[Surface, Edges]:
+def _deduplicate_faces(surface: Surface, edges: Edges) -> tuple[Surface, Edges]:
     """Without repeated faces. Bodies that share a face keep both copies, which each needs to be closed; of a sheet with two
     sides one is enough, and it is open."""
     if not len(edges.non_manifold) and not len(edges.flipped):
         return surface, edges  # two faces with the same corners would share all three edges with nothing else
-    single = without_repeated(surface)
+    single = drop_repeated_faces(surface)
     if single is surface:
         return surface, edges
-    met = meets(single.faces, len(single.vertices))
+    met = classify_edges(single.faces, len(single.vertices))
     return (single, met) if not edges.closed or len(met.open) else (surface, edges)
 
 
-def hull_of(points: Array) -> Hull:
+def compute_convex_hull(points: Array) -> MeshHull:
     """The convex hull of ``points`` (n, 3)."""
     from scipy.spatial import ConvexHull, QhullError
 
@@ -364,7 +383,7 @@ def hull_of(points: Array) -> Hull:
         corners = np.array(list(product(*zip(points.min(axis=0), points.max(axis=0), strict=True))))
         quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
         faces = np.array([(a, b, c) for a, b, c, _ in quads] + [(a, c, d) for a, _, c, d in quads])
-        return Hull(corners, faces, 0.0, float(moments(corners, faces).area))
+        return MeshHull(corners, faces, 0.0, float(compute_mesh_moments(corners, faces).area))
     number = np.zeros(len(points), dtype=np.int64)
     number[hull.vertices] = np.arange(len(hull.vertices))
     faces = number[hull.simplices]
@@ -372,10 +391,10 @@ def hull_of(points: Array) -> Hull:
     a, b, c = (vertices[column] for column in faces.T)
     inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0.0
     faces[inward] = faces[inward][:, ::-1]
-    return Hull(vertices, faces, float(hull.volume), float(hull.area))
+    return MeshHull(vertices, faces, float(hull.volume), float(hull.area))
 
 
-def transformed_moments(facts: MeshFacts, scale: Sequence[float], rotation: ArrayLike, translation: ArrayLike) -> Solid:
+def compute_mesh_solid(facts: MeshFacts, scale: Sequence[float], rotation: ArrayLike, translation: ArrayLike) -> Solid:
     """The solid that a URDF ``<mesh scale>`` under an ``<origin>`` fills: ``x -> rotation (scale * x) + translation``.
 
     ``scale`` (3,) in metres per file unit, mirrored where negative; the volume is positive all the same, and for a mesh
@@ -384,18 +403,18 @@ def transformed_moments(facts: MeshFacts, scale: Sequence[float], rotation: Arra
     factors = np.asarray(scale, dtype=float)
     volume = abs(facts.volume * float(factors.prod()))
     local = Solid(volume, factors * facts.com, facts.covariance * np.outer(factors, factors))
-    return placed(local, rotation, translation)
+    return transform_solid(local, rotation, translation)
 
 
-def _packed(value: object) -> NDArray[np.uint8]:
+def _encode_json(value: object) -> NDArray[np.uint8]:
     """Plain values as bytes; floats survive to the last bit."""
     return np.frombuffer(json.dumps(value).encode(), dtype=np.uint8)
 
 
-def _unpacked(packed: NDArray[np.uint8]) -> Any:
+def _decode_json(packed: NDArray[np.uint8]) -> Any:
     return json.loads(packed.tobytes())
 
 
-def _frozen(array: NDArray[Any]) -> NDArray[Any]:
+def _freeze_array(array: NDArray[Any]) -> NDArray[Any]:
     array.setflags(write=False)
     return array

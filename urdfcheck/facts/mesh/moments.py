@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.mesh.topology import bounds_of
+from urdfcheck.facts.mesh.topology import compute_bounds
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,7 +26,7 @@ _FLAT = 1e-14
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moments:
+class MeshMoments:
     """``volume`` (signed), ``com`` (3,), ``covariance`` (3, 3) about the COM, of the solid at uniform density; NaN for the
     latter two without volume. ``area``, ``surface_centroid``, ``surface_covariance``: the same of the shell.
     ``flat``: triangles without area. Units: those of the vertices."""
@@ -37,12 +37,12 @@ class Moments:
     area: float
     surface_centroid: Array
     surface_covariance: Array
-    flat: int
+    flat_faces: int
 
 
-def moments(vertices: Array, faces: Indices) -> Moments:
+def compute_mesh_moments(vertices: Array, faces: Indices) -> MeshMoments:
     """Integrals over the triangles ``faces`` (F, 3), at least one, of ``vertices`` (V, 3)."""
-    low, high = bounds_of(vertices)
+    low, high = compute_bounds(vertices)
     reference, size = (low + high) / 2.0, float((high - low).max())
     # Per column x, y, z: contiguous, and every step below is one pass over numbers in the cache.
     x, y, z = (np.ascontiguousarray(column) for column in (vertices - reference).T)
@@ -82,13 +82,13 @@ def moments(vertices: Array, faces: Indices) -> Moments:
     nothing = np.full(3, np.nan), np.full((3, 3), np.nan)
     com, covariance = nothing
     if abs(volume) > 1e-15 * size**3:
-        com, covariance = _central(sums[0, 1:4] / 24.0 / volume, sums[0, 4:] / 120.0 / volume)
+        com, covariance = _compute_central_moments(sums[0, 1:4] / 24.0 / volume, sums[0, 4:] / 120.0 / volume)
     centroid, shell = np.zeros(3), np.zeros((3, 3))
     if area > 0.0:
-        centroid, shell = _central(sums[1, 1:4] / 6.0 / area, sums[1, 4:] / 24.0 / area)
-    return Moments(float(volume), com + reference, covariance, float(area), centroid + reference, shell, flat)
+        centroid, shell = _compute_central_moments(sums[1, 1:4] / 6.0 / area, sums[1, 4:] / 24.0 / area)
+    return MeshMoments(float(volume), com + reference, covariance, float(area), centroid + reference, shell, flat)
 
 
-def _central(mean: Array, six: Array) -> tuple[Array, Array]:
+def _compute_central_moments(mean: Array, six: Array) -> tuple[Array, Array]:
     xx, xy, xz, yy, yz, zz = six
     return mean, np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))) - np.outer(mean, mean)

@@ -30,7 +30,7 @@ _HIGH_BITS = np.uint64(0x8080808080808080)
 _PAST_NINE = np.uint64(0x7676767676767676)
 
 
-class BadToken(Exception):
+class BadTokenError(Exception):
     """A token that should be a number; its index."""
 
     def __init__(self, index: int) -> None:
@@ -38,7 +38,7 @@ class BadToken(Exception):
         self.index = index
 
 
-class Text:
+class TokenizedText:
     """The bytes of a text file and its tokens: runs of bytes above the blank. ``starts`` and ``ends`` (n,) are positions in
     ``bytes``, which holds the file between blanks."""
 
@@ -54,17 +54,17 @@ class Text:
     def __len__(self) -> int:
         return len(self.starts)
 
-    def line_starts(self) -> Indices:
+    def find_line_starts(self) -> Indices:
         """The index of the first token of each line that has one."""
         newlines = np.flatnonzero((self.bytes == 10) | (self.bytes == 13))
         index = np.concatenate(((0,), np.searchsorted(self.starts, newlines)))
         index = index[np.diff(index, prepend=-1) > 0]
         return index[index < len(self)]
 
-    def token(self, index: int) -> bytes:
+    def get_token(self, index: int) -> bytes:
         return self._data[self.starts[index] : self.ends[index]]
 
-    def spell(self, word: bytes) -> NDArray[np.bool_]:
+    def match_word(self, word: bytes) -> NDArray[np.bool_]:
         """Which tokens are this word of up to eight lower case letters, in whatever case."""
         mask = np.uint64(2 ** (8 * len(word)) - 1)
         wanted = np.uint64(int.from_bytes(word, "little"))
@@ -77,7 +77,7 @@ class Text:
         heads: Words = self._words[self.starts] | np.uint64(0x2020202020202020)
         return heads
 
-    def place(self, index: int) -> tuple[int, str]:
+    def locate_token(self, index: int) -> tuple[int, str]:
         """The number of a token's line, from 1, and the start of its text, for a message."""
         start = int(self.starts[index])
         before = self._data[:start]
@@ -87,7 +87,7 @@ class Text:
         number = before.replace(b"\r\n", b"\n").replace(b"\r", b"\n").count(b"\n") + 1
         return number, line.decode(errors="replace").strip()[:80]
 
-    def numbers(self, tokens: Indices) -> NDArray[np.float64]:
+    def parse_numbers(self, tokens: Indices) -> NDArray[np.float64]:
         """The values of tokens; of the shape of ``tokens``.
 
         :raises BadToken: when one is no number.
@@ -96,22 +96,22 @@ class Text:
         values = np.empty(len(flat))
         with np.errstate(over="ignore"):
             for at in range(0, len(flat), _CHUNK):
-                values[at : at + _CHUNK] = self._numbers(flat[at : at + _CHUNK])
+                values[at : at + _CHUNK] = self._parse_number_chunk(flat[at : at + _CHUNK])
         return values.reshape(tokens.shape)
 
-    def _numbers(self, tokens: Indices) -> NDArray[np.float64]:
+    def _parse_number_chunk(self, tokens: Indices) -> NDArray[np.float64]:
         start, end = np.take(self.starts, tokens), np.take(self.ends, tokens)
         lead = np.take(self.bytes, start)
         begin = start + ((lead == 43) | (lead == 45))
-        power, stop = self._exponent(begin, end)
-        dot = self._find(46, begin, stop)
+        power, stop = self._parse_exponents(begin, end)
+        dot = self._find_byte(46, begin, stop)
         whole, fraction = dot - begin, np.maximum(stop - dot - 1, 0)
-        high, usual = self._digits(dot, np.minimum(whole, 8))
-        digits, good = self._digits(stop, np.minimum(fraction, 8))
+        high, usual = self._parse_digits(dot, np.minimum(whole, 8))
+        digits, good = self._parse_digits(stop, np.minimum(fraction, 8))
         usual &= good & (whole <= 8) & (whole + fraction >= 1)
         if (fraction > 8).any():
-            middle, good = self._digits(stop - 8, np.clip(fraction - 8, 0, 8))
-            upper, fine = self._digits(stop - 16, np.clip(fraction - 16, 0, 8))
+            middle, good = self._parse_digits(stop - 8, np.clip(fraction - 8, 0, 8))
+            upper, fine = self._parse_digits(stop - 16, np.clip(fraction - 16, 0, 8))
             digits += middle * _WHOLE_TENS[8] + upper * _WHOLE_TENS[16]
             # Nineteen digits fit into the word.
             usual &= good & fine & (fraction <= 24) & (upper < 1000) & ((high == 0) | (whole + fraction <= 19))
@@ -128,10 +128,10 @@ class Text:
             try:
                 values[index] = float(self._data[start[index] : end[index]])
             except ValueError:
-                raise BadToken(int(tokens[index])) from None
+                raise BadTokenError(int(tokens[index])) from None
         return values
 
-    def indices(self, tokens: Indices) -> Indices:
+    def parse_indices(self, tokens: Indices) -> Indices:
         """The whole numbers that tokens begin with, up to their first slash; of the shape of ``tokens``.
 
         :raises BadToken: when one begins with none.
@@ -139,21 +139,21 @@ class Text:
         start, end = np.take(self.starts, tokens).ravel(), np.take(self.ends, tokens).ravel()
         lead = np.take(self.bytes, start)
         begin = start + ((lead == 43) | (lead == 45))
-        stop = self._find(47, begin, end)
+        stop = self._find_byte(47, begin, end)
         length = stop - begin
-        values, good = self._digits(stop, np.minimum(length, 8))
+        values, good = self._parse_digits(stop, np.minimum(length, 8))
         good &= (length >= 1) & (length <= 16)
         if (length > 8).any():
-            high, fine = self._digits(stop - 8, np.clip(length - 8, 0, 8))
+            high, fine = self._parse_digits(stop - 8, np.clip(length - 8, 0, 8))
             values += high * _WHOLE_TENS[8]
             good &= fine
         if not good.all():
-            raise BadToken(int(tokens.ravel()[np.argmin(good)]))
+            raise BadTokenError(int(tokens.ravel()[np.argmin(good)]))
         found = values.view(np.int64)
         np.negative(found, out=found, where=lead == 45)
         return found.reshape(tokens.shape)
 
-    def _find(self, byte: int, begin: Indices, end: Indices) -> Indices:
+    def _find_byte(self, byte: int, begin: Indices, end: Indices) -> Indices:
         """The first place of a byte in each span, or its end."""
         if byte not in self._places:
             self._places[byte] = np.flatnonzero(self.bytes == byte)
@@ -163,7 +163,7 @@ class Text:
         found = np.take(places, np.searchsorted(places, begin), mode="clip")
         return np.where((found >= begin) & (found < end), found, end)
 
-    def _exponent(self, begin: Indices, end: Indices) -> tuple[Indices, Indices]:
+    def _parse_exponents(self, begin: Indices, end: Indices) -> tuple[Indices, Indices]:
         """The power of ten that each token ends with, and where the digits before it stop. Of up to three digits: what is
         longer stays, and is no digit."""
         power, stop = np.zeros(len(end), dtype=np.int64), end.copy()
@@ -174,13 +174,13 @@ class Text:
             mark = end[here] - back
             sign = np.take(self.bytes, mark + 1)
             length = back - 1 - ((sign == 43) | (sign == 45))
-            digits, good = self._digits(end[here], length)
+            digits, good = self._parse_digits(end[here], length)
             good &= length > 0
             power[here[good]] = np.where(sign == 45, -1, 1)[good] * digits.view(np.int64)[good]
             stop[here[good]] = mark[good]
         return power, stop
 
-    def _digits(self, end: Indices, count: Indices) -> tuple[Words, NDArray[np.bool_]]:
+    def _parse_digits(self, end: Indices, count: Indices) -> tuple[Words, NDArray[np.bool_]]:
         """The number that the ``count`` (0 to 8) bytes before ``end`` spell, and whether all of them are digits."""
         word = self._words[end - 8]
         word ^= _ZEROS

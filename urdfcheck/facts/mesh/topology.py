@@ -68,7 +68,7 @@ class Edges:
     closed: bool
 
 
-def bounds_of(points: Array) -> Array:
+def compute_bounds(points: Array) -> Array:
     """Lowest and highest coordinates (2, 3). A column at a time: numpy takes twenty times as long for all at once."""
     return np.array([[column.min() for column in points.T], [column.max() for column in points.T]])
 
@@ -79,29 +79,29 @@ def weld_exact(points: NDArray[Any], faces: Indices | None) -> Surface:
     Vertices stay in the order in which they first occur; those that no face uses are left out.
     """
     if faces is not None:
-        points, faces = _used(points, faces)
+        points, faces = _drop_unused_points(points, faces)
     points = points + points.dtype.type(0)  # -0 is 0
     # A corner of a closed mesh is stored about six times, where each triangle stores its own.
-    first = _first_equal_row(points, len(points) // 4 if faces is None else 4 * len(points))
+    first = _find_first_equal_rows(points, len(points) // 4 if faces is None else 4 * len(points))
     is_first = first == np.arange(len(first))
     number = np.cumsum(is_first) - 1
     group = np.take(number, first)
     corners = group.reshape(-1, 3) if faces is None else np.take(group, faces)
-    return without_collapsed(Surface(points[is_first].astype(np.float64), corners))
+    return drop_collapsed_faces(Surface(points[is_first].astype(np.float64), corners))
 
 
-def _first_equal_row(rows: NDArray[Any], slots: int) -> Indices:
+def _find_first_equal_rows(rows: NDArray[Any], slots: int) -> Indices:
     """Index of the first row that equals each row of ``rows`` (n, 3), any numbers of 4 or 8 bytes without -0.
 
     Rows are told apart by a hash; should two share it, they are sorted instead. ``slots``: about how large the table is.
     """
-    keys = _hashes(rows)
+    keys = _hash_rows(rows)
     bits = max(4, slots.bit_length())
-    first = _first_equal(keys, (keys >> np.uint64(64 - bits)).view(np.int64), 1 << bits)
-    return first if np.array_equal(np.take(rows, first, axis=0), rows) else _first_equal_by_sorting(rows)
+    first = _find_first_equal_keys(keys, (keys >> np.uint64(64 - bits)).view(np.int64), 1 << bits)
+    return first if np.array_equal(np.take(rows, first, axis=0), rows) else _find_equal_rows_by_sorting(rows)
 
 
-def _hashes(rows: NDArray[Any]) -> NDArray[np.uint64]:
+def _hash_rows(rows: NDArray[Any]) -> NDArray[np.uint64]:
     words = np.ascontiguousarray(rows).view(np.uint32 if rows.itemsize == 4 else np.uint64)
     keys = np.empty(len(rows), dtype=np.uint64)
     for start in range(0, len(rows), _CHUNK):
@@ -116,17 +116,17 @@ def _hashes(rows: NDArray[Any]) -> NDArray[np.uint64]:
     return keys
 
 
-def _first_equal(keys: NDArray[np.uint64], slot: Indices, size: int) -> Indices:
+def _find_first_equal_keys(keys: NDArray[np.uint64], slot: Indices, size: int) -> Indices:
     """Index of the first of ``keys`` (n,) that equals each one. ``slot`` (n,), below ``size``: where equal keys meet."""
     indices = np.arange(len(keys))
-    first = _first_in_slot(slot, size, indices)
+    first = _find_first_in_slots(slot, size, indices)
     left = np.flatnonzero(np.take(keys, first) != keys)
     for turn in range(_ROUNDS):
         if not len(left):
             return first
         some = np.take(keys, left)
         bits = (4 * len(left)).bit_length()
-        other = _first_in_slot(((some * _MIX[turn % 3]) >> np.uint64(64 - bits)).view(np.int64), 1 << bits, left)
+        other = _find_first_in_slots(((some * _MIX[turn % 3]) >> np.uint64(64 - bits)).view(np.int64), 1 << bits, left)
         first[left] = other
         left = left[np.take(keys, other) != some]
     _, where, group = np.unique(keys[left], return_index=True, return_inverse=True)
@@ -134,14 +134,14 @@ def _first_equal(keys: NDArray[np.uint64], slot: Indices, size: int) -> Indices:
     return first
 
 
-def _first_in_slot(slot: Indices, size: int, indices: Indices) -> Indices:
+def _find_first_in_slots(slot: Indices, size: int, indices: Indices) -> Indices:
     """The lowest of the ``indices``, which rise, that has the same slot as each one."""
     table = np.empty(size, dtype=np.int32 if indices[-1] < 2**31 else np.int64)
     table[slot[::-1]] = indices[::-1]  # the last to write, which is the first in order, stays
     return np.take(table, slot).astype(np.int64)
 
 
-def _first_equal_by_sorting(rows: NDArray[Any]) -> Indices:
+def _find_equal_rows_by_sorting(rows: NDArray[Any]) -> Indices:
     order = np.lexsort(rows.T)
     ranked = rows[order]
     starts = np.flatnonzero(np.concatenate(((True,), (ranked[1:] != ranked[:-1]).any(axis=1))))
@@ -150,7 +150,7 @@ def _first_equal_by_sorting(rows: NDArray[Any]) -> Indices:
     return first
 
 
-def _used(points: NDArray[Any], faces: Indices) -> tuple[NDArray[Any], Indices]:
+def _drop_unused_points(points: NDArray[Any], faces: Indices) -> tuple[NDArray[Any], Indices]:
     """Without the points that no face uses."""
     used = np.zeros(len(points), dtype=bool)
     used[faces] = True
@@ -159,66 +159,66 @@ def _used(points: NDArray[Any], faces: Indices) -> tuple[NDArray[Any], Indices]:
     return points[used], (np.cumsum(used) - 1)[faces]
 
 
-def without_collapsed(surface: Surface) -> Surface:
+def drop_collapsed_faces(surface: Surface) -> Surface:
     """Without the faces that have a repeated corner."""
     a, b, c = surface.faces.T
     collapsed = (a == b) | (b == c) | (c == a)
     count = int(collapsed.sum())
     if not count:
         return surface
-    vertices, faces = _used(surface.vertices, surface.faces[~collapsed])
+    vertices, faces = _drop_unused_points(surface.vertices, surface.faces[~collapsed])
     return Surface(vertices, faces, surface.collapsed + count, surface.repeated)
 
 
-def without_repeated(surface: Surface) -> Surface:
+def drop_repeated_faces(surface: Surface) -> Surface:
     """Without the faces that have the corners of an earlier one, either way round."""
-    again = repeated_faces(surface.faces)
+    again = find_repeated_faces(surface.faces)
     if not again.any():
         return surface
     count = surface.repeated + int(again.sum())
     return Surface(surface.vertices, surface.faces[~again], surface.collapsed, count)
 
 
-def repeated_faces(faces: Indices) -> NDArray[np.bool_]:
+def find_repeated_faces(faces: Indices) -> NDArray[np.bool_]:
     """Which of the faces (F, 3) have the corners of an earlier one, either way round."""
-    again: NDArray[np.bool_] = _first_equal_row(np.sort(faces, axis=1), 4 * len(faces)) != np.arange(len(faces))
+    again: NDArray[np.bool_] = _find_first_equal_rows(np.sort(faces, axis=1), 4 * len(faces)) != np.arange(len(faces))
     return again
 
 
-def origins(points: NDArray[Any], faces: Indices, surface: Surface) -> Indices:
+def find_face_origins(points: NDArray[Any], faces: Indices, surface: Surface) -> Indices:
     """Which of the triangles ``faces`` (F, 3) over ``points`` each face of the surface made of them was; F for a face of which
     a corner was moved."""
     count, total = len(surface.vertices), len(faces)
-    number = _first_equal_row(
+    number = _find_first_equal_rows(
         np.concatenate((surface.vertices, points.astype(np.float64))) + 0.0, 4 * (count + len(points))
     )
     corners = np.concatenate((np.take(number[count:], faces), surface.faces))
-    first = _first_equal_row(np.sort(corners, axis=1), 4 * len(corners))[total:]
+    first = _find_first_equal_rows(np.sort(corners, axis=1), 4 * len(corners))[total:]
     return np.minimum(first, total)
 
 
-def near_rim(surface: Surface, rim: Indices, distance: float) -> Indices:
+def find_points_near_rim(surface: Surface, rim: Indices, distance: float) -> Indices:
     """Indices of all vertices that lie within ``distance`` of one of the open edges ``rim`` (n, 2), and of few others.
 
     Two points within half a cell of each other along every axis share a cell in one of eight grids, each shifted by half a
     cell along some of the axes: no pair is missed because a cell's border runs between its points.
     """
-    points = _in_cells(surface.vertices, distance)
+    points = _scale_to_cells(surface.vertices, distance)
     some, near = np.unique(rim), np.zeros(len(points), dtype=bool)
     for shift in _SHIFTS:
-        near |= _shares_cell(np.floor(points + shift) + 0.0, some)
+        near |= _match_cells(np.floor(points + shift) + 0.0, some)
     return np.flatnonzero(near)
 
 
-def weld_near(surface: Surface, some: Indices, distance: float) -> Surface | None:
+def weld_near(surface: Surface, candidates: Indices, distance: float) -> Surface | None:
     """Merge those of ``some`` vertices that lie within ``distance`` of each other, or in one cell of twice that size (see
-    `near_rim`). None where there is nothing to merge."""
-    points = _in_cells(surface.vertices[some], distance)
+    `find_points_near_rim`). None where there is nothing to merge."""
+    points = _scale_to_cells(surface.vertices[candidates], distance)
     label, changed = np.arange(len(points)), True
     while changed:
         before = label
         for shift in _SHIFTS:
-            cell = _first_equal_row(np.floor(points + shift) + 0.0, 4 * len(points))
+            cell = _find_first_equal_rows(np.floor(points + shift) + 0.0, 4 * len(points))
             lowest = np.full(len(points), len(points))
             np.minimum.at(lowest, cell, label)
             label = lowest[cell]
@@ -226,20 +226,20 @@ def weld_near(surface: Surface, some: Indices, distance: float) -> Surface | Non
     if (label == np.arange(len(points))).all():
         return None
     whole = np.arange(len(surface.vertices))
-    whole[some] = some[label]
-    vertices, faces = _used(surface.vertices, whole[surface.faces])
-    return without_collapsed(Surface(vertices, faces, surface.collapsed, surface.repeated))
+    whole[candidates] = candidates[label]
+    vertices, faces = _drop_unused_points(surface.vertices, whole[surface.faces])
+    return drop_collapsed_faces(Surface(vertices, faces, surface.collapsed, surface.repeated))
 
 
-def _in_cells(points: Array, distance: float) -> Array:
+def _scale_to_cells(points: Array, distance: float) -> Array:
     """Coordinates from the lowest corner on, in cells of twice the distance."""
-    cells: Array = (points - bounds_of(points)[0]) / (2.0 * distance)
+    cells: Array = (points - compute_bounds(points)[0]) / (2.0 * distance)
     return cells
 
 
-def _shares_cell(cells: NDArray[Any], some: Indices) -> NDArray[np.bool_]:
+def _match_cells(cells: NDArray[Any], some: Indices) -> NDArray[np.bool_]:
     """Which rows of ``cells`` (n, 3) may equal one of ``some`` of them: all that do, and few others."""
-    keys = _hashes(cells)
+    keys = _hash_rows(cells)
     bits = max(16, (16 * len(some)).bit_length())
     slot = (keys >> np.uint64(64 - bits)).view(np.int64)
     taken = np.zeros(1 << bits, dtype=bool)
@@ -248,11 +248,11 @@ def _shares_cell(cells: NDArray[Any], some: Indices) -> NDArray[np.bool_]:
     return found
 
 
-def meets(faces: Indices, n_vertices: int) -> Edges:
+def classify_edges(faces: Indices, n_vertices: int) -> Edges:
     """How the faces (F, 3), at least one, meet."""
-    keys, slot, backward = _half_edges(faces, n_vertices)
-    first = _first_equal(keys, slot, n_vertices << 2)
-    if _is_perfect(first, backward):
+    keys, slot, backward = _build_half_edges(faces, n_vertices)
+    first = _find_first_equal_keys(keys, slot, n_vertices << 2)
+    if _is_closed_manifold(first, backward):
         none = np.empty((0, 2), dtype=np.int64)
         return Edges(none, none, none, True, True, True)
     count = np.bincount(first)
@@ -272,7 +272,7 @@ def meets(faces: Indices, n_vertices: int) -> Edges:
     )
 
 
-def _half_edges(faces: Indices, n_vertices: int) -> tuple[NDArray[np.uint64], Indices, NDArray[np.bool_]]:
+def _build_half_edges(faces: Indices, n_vertices: int) -> tuple[NDArray[np.uint64], Indices, NDArray[np.bool_]]:
     """Each face's three edges (all first ones, all second, all third) as ``low * n_vertices + high``; a slot for each that
     lies near those of its neighbours, so that memory is read where it was read before; and whether it runs from high to low."""
     corners = np.ascontiguousarray(faces.T)
@@ -291,7 +291,7 @@ def _half_edges(faces: Indices, n_vertices: int) -> tuple[NDArray[np.uint64], In
     return keys.reshape(-1), slot.reshape(-1), backward.reshape(-1)
 
 
-def _is_perfect(first: Indices, backward: NDArray[np.bool_]) -> bool:
+def _is_closed_manifold(first: Indices, backward: NDArray[np.bool_]) -> bool:
     """Whether every edge belongs to two faces that run along it in opposite directions."""
     second = np.flatnonzero(first != np.arange(len(first)))
     if 2 * len(second) != len(first):
@@ -304,13 +304,13 @@ def _is_perfect(first: Indices, backward: NDArray[np.bool_]) -> bool:
     return bool((np.take(backward, second) != np.take(backward, partner)).all())
 
 
-def component_sizes(faces: Indices, n_vertices: int) -> Indices:
+def count_component_faces(faces: Indices, n_vertices: int) -> Indices:
     """Number of faces of each piece that hangs together by vertices, largest first."""
-    sizes: Indices = np.sort(np.bincount(component_labels(faces, n_vertices)))[::-1]
+    sizes: Indices = np.sort(np.bincount(label_components(faces, n_vertices)))[::-1]
     return sizes
 
 
-def component_labels(faces: Indices, n_vertices: int) -> Indices:
+def label_components(faces: Indices, n_vertices: int) -> Indices:
     """To which piece that hangs together by vertices each face belongs: numbers from 0, one per face."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -325,13 +325,13 @@ def component_labels(faces: Indices, n_vertices: int) -> Indices:
     return labels
 
 
-def boundaries_of(vertices: Array, open_edges: Indices) -> tuple[Boundary, ...]:
+def find_boundaries(vertices: Array, open_edges: Indices) -> tuple[Boundary, ...]:
     """The boundaries (longest first) that the edges (n, 2) of one face form."""
-    found = [_boundary(vertices, path, closed) for path, closed in _paths(open_edges.tolist())]
+    found = [_build_boundary(vertices, path, closed) for path, closed in _iter_boundary_paths(open_edges.tolist())]
     return tuple(sorted(found, key=lambda boundary: (-boundary.length, boundary.centre.tolist())))
 
 
-def _paths(open_edges: list[list[int]]) -> Iterator[tuple[list[int], bool]]:
+def _iter_boundary_paths(open_edges: list[list[int]]) -> Iterator[tuple[list[int], bool]]:
     """Split a graph's edges into simple loops, and paths where odd vertices leave none.
 
     A walk that comes back to a vertex it has passed gives off the loop in between, so that holes which touch in one
@@ -362,7 +362,7 @@ def _paths(open_edges: list[list[int]]) -> Iterator[tuple[list[int], bool]]:
                 yield path, False
 
 
-def _boundary(vertices: Array, path: list[int], closed: bool) -> Boundary:
+def _build_boundary(vertices: Array, path: list[int], closed: bool) -> Boundary:
     points = vertices[path]
     following = np.roll(points, -1, axis=0) if closed else points[1:]
     starts = points if closed else points[:-1]

@@ -30,20 +30,20 @@ _TOLERANCE = 1e-6
 # A convex mesh with more triangles is treated as any other: there the test for convexity costs more than it saves.
 LARGEST_CONVEX = 2000
 # Comparisons of spheres that are made at once, to keep memory flat: 24 bytes each.
-AT_ONCE = 500_000
+BATCH_SIZE = 500_000
 # What coal prepares for a pair of shapes is kept for so many of them.
 _MOST_FUNCTIONS = 20_000
 # Directions in which a way out is looked for, besides the axes, in the frame of either shape. Any direction is within 23° of
 # one of them, which lengthens a way by 9 % at most where faces are flat.
 DIRECTIONS = 40
 # Contacts of triangles among which one is looked for that is no mere touch.
-_WITNESSES = 20
+_PIERCING_CONTACTS = 20
 # Contacts of triangles that are looked at to tell where two meshes meet.
 MOST_CONTACTS = 2000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Geometry:
+class CollisionGeometry:
     """A shape in its own frame. ``kind``: box | cylinder | sphere | capsule | mesh; ``size`` in metres as URDF gives it (box
     x y z; cylinder, capsule radius length; sphere radius; empty for a mesh); ``vertices`` (V, 3) in metres and ``faces``
     (F, 3) of a mesh, which is ``closed`` or not."""
@@ -70,10 +70,10 @@ class Geometry:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Placed:
+class PlacedGeometry:
     """A ``geometry`` at ``pose`` (4, 4) in the frame of body ``owner``."""
 
-    geometry: Geometry
+    geometry: CollisionGeometry
     owner: int
     pose: Array
 
@@ -102,12 +102,12 @@ class Colliders:
     :raises ImportError: when coal is not installed.
     """
 
-    def __init__(self, placed: Sequence[Placed]) -> None:
+    def __init__(self, placed: Sequence[PlacedGeometry]) -> None:
         import coal
 
         self._coal = coal
         self.placed = tuple(placed)
-        boxes = [_box(p.geometry) for p in self.placed]
+        boxes = [_compute_bounding_box(p.geometry) for p in self.placed]
         self._middle = np.array([middle for middle, _, _ in boxes]).reshape(-1, 3)
         self._half = np.array([half for _, half, _ in boxes]).reshape(-1, 3)
         self._radius = np.array([radius for _, _, radius in boxes])
@@ -137,7 +137,7 @@ class Colliders:
             found[owner] = (middle, float(reach.max()))
         return found
 
-    def hits(self, frames: Array, pairs: NDArray[np.int64]) -> Bools:
+    def detect_collisions(self, frames: Array, pairs: NDArray[np.int64]) -> Bools:
         """Whether bodies meet (K, N).
 
         Faces in one plane count as met where neither shape's box lies on one side of it, to within `ROUNDING`.
@@ -146,27 +146,27 @@ class Colliders:
         found = np.zeros((len(pairs), len(frames)), dtype=bool)
         if not len(pairs):
             return found
-        step = max(1, AT_ONCE // len(pairs))
+        step = max(1, BATCH_SIZE // len(pairs))
         for start in range(0, len(frames), step):
             part = slice(start, start + step)
-            near = self.near(frames[part], pairs)
+            near = self.find_candidate_pairs(frames[part], pairs)
             for row, (k, n) in enumerate(zip(near.pair.tolist(), near.pose.tolist(), strict=True)):
-                if not found[k, start + n] and near.meets(row):
+                if not found[k, start + n] and near.has_collision(row):
                     found[k, start + n] = True
         return found
 
-    def hits_each(self, frames: Array, pairs: NDArray[np.int64]) -> Bools:
+    def detect_collisions_per_pair(self, frames: Array, pairs: NDArray[np.int64]) -> Bools:
         """Whether each pair of bodies meets in its own configuration (K,): ``frames`` (K, B, 4, 4), ``pairs`` (K, 2)."""
         own = np.arange(len(pairs))
-        near = self._near_shapes(frames, pairs, own, own)
+        near = self._filter_shape_pairs(frames, pairs, own, own)
         found = np.zeros(len(pairs), dtype=bool)
         for row, k in enumerate(near.pair.tolist()):
             if not found[k]:
-                found[k] = near.meets(row)
+                found[k] = near.has_collision(row)
         return found
 
-    def near(self, frames: Array, pairs: NDArray[np.int64]) -> Near:
-        """What spheres and boxes cannot tell apart, arguments as for `hits`."""
+    def find_candidate_pairs(self, frames: Array, pairs: NDArray[np.int64]) -> CandidatePairs:
+        """What spheres and boxes cannot tell apart, arguments as for `detect_collisions`."""
         bodies, place = np.unique(pairs, return_inverse=True)
         first, second = place.reshape(-1, 2).T
         middles = np.array([self.spheres[b][0] for b in bodies.tolist()]).reshape(-1, 3)
@@ -174,7 +174,7 @@ class Colliders:
         own = frames[:, bodies]
         at = np.einsum("nbij,bj->bni", own[..., :3, :3], middles) + np.swapaxes(own[..., :3, 3], 0, 1)
         near = []
-        step = max(1, AT_ONCE // max(1, len(frames)))
+        step = max(1, BATCH_SIZE // max(1, len(frames)))
         for start in range(0, max(1, len(pairs)), step):
             one, other = first[start : start + step], second[start : start + step]
             apart = at[one] - at[other]
@@ -182,11 +182,11 @@ class Colliders:
             pair, pose = np.nonzero(touch)
             near.append((pair + start, pose))
         pair, pose = (np.concatenate(found) for found in zip(*near, strict=True))
-        return self._near_shapes(frames, pairs, pair, pose)
+        return self._filter_shape_pairs(frames, pairs, pair, pose)
 
-    def _near_shapes(
+    def _filter_shape_pairs(
         self, frames: Array, pairs: NDArray[np.int64], pair: NDArray[np.int64], pose: NDArray[np.int64]
-    ) -> Near:
+    ) -> CandidatePairs:
         """The shapes of some pairs, each in one configuration, that spheres and boxes about them cannot tell apart."""
         shapes = np.flatnonzero(np.isin(self._owner, pairs[pair]))
         column = np.zeros(len(self.placed), dtype=np.int64)
@@ -195,31 +195,33 @@ class Colliders:
         turns, at = placed[..., :3, :3], placed[..., :3, 3]
         centres = np.einsum("nsij,sj->nsi", turns, self._middle[shapes]) + at
         found = []
-        for part in self._parts(pairs[pair]):
-            k, n, one, other = self._shapes(pairs, pair[part], pose[part])
+        for part in self._split_into_batches(pairs[pair]):
+            k, n, one, other = self._expand_shape_pairs(pairs, pair[part], pose[part])
             apart = centres[n, column[other]] - centres[n, column[one]]
             kept = np.einsum("mi,mi->m", apart, apart) <= (self._radius[one] + self._radius[other]) ** 2
             k, n, one, other, apart = k[kept], n[kept], one[kept], other[kept], apart[kept]
-            kept = boxes_overlap(
+            kept = detect_box_overlap(
                 turns[n, column[one]],
                 self._half[one],
                 turns[n, column[other]],
                 self._half[other],
                 apart,
-                self._rounding(one, other),
+                self._compute_rounding(one, other),
             )
             found.append((k[kept], n[kept], one[kept], other[kept]))
         k, n, one, other = (np.concatenate(rows) for rows in zip(*found, strict=True))
-        return Near(self, k, n, one, other, column[one], column[other], turns, at)
+        return CandidatePairs(self, k, n, one, other, column[one], column[other], turns, at)
 
-    def _parts(self, pairs: NDArray[np.int64]) -> list[slice]:
+    def _split_into_batches(self, pairs: NDArray[np.int64]) -> list[slice]:
         """Runs of pairs of bodies whose shapes make few pairs."""
         one, other = self._count[pairs].T
-        part = np.cumsum(one * other) // AT_ONCE
+        part = np.cumsum(one * other) // BATCH_SIZE
         starts = [0, *(np.flatnonzero(np.diff(part)) + 1).tolist()]
         return [slice(start, end) for start, end in zip(starts, [*starts[1:], len(pairs)], strict=True)]
 
-    def _shapes(self, pairs: NDArray[np.int64], pair: NDArray[np.int64], pose: NDArray[np.int64]) -> tuple[Any, ...]:
+    def _expand_shape_pairs(
+        self, pairs: NDArray[np.int64], pair: NDArray[np.int64], pose: NDArray[np.int64]
+    ) -> tuple[Any, ...]:
         """Pairs of bodies as pairs of shapes: the pair's place, the configuration, the two shapes."""
         order = np.argsort(self._owner, kind="stable")
         count = self._count
@@ -231,62 +233,72 @@ class Colliders:
         shape, mate = np.divmod(within, count[other][item])
         return pair[item], pose[item], order[first[one][item] + shape], order[first[other][item] + mate]
 
-    def _meet(self, one: int, at_one: Any, other: int, at_other: Any) -> bool:
+    def _has_collision(self, one: int, at_one: Any, other: int, at_other: Any) -> bool:
         key = (one, other)
         if key not in self._functions:
             if len(self._functions) >= _MOST_FUNCTIONS:
                 self._functions.clear()
-            self._functions[key] = self._coal.ComputeCollision(self._geometry(one), self._geometry(other))
+            self._functions[key] = self._coal.ComputeCollision(
+                self._get_coal_geometry(one), self._get_coal_geometry(other)
+            )
         self._result.clear()
         return bool(self._functions[key](at_one, at_other, self._request, self._result))
 
-    def separation(self, frames: Array, one: int, other: int, *, measured: bool = True) -> Separation | None:
-        """The deepest overlap of the shapes of two bodies, ``frames`` (B, 4, 4) as for `hits`; None where none meet.
+    def find_deepest_overlap(
+        self, frames: Array, one: int, other: int, *, with_depth: bool = True
+    ) -> Separation | None:
+        """The deepest overlap of the shapes of two bodies, ``frames`` (B, 4, 4) as for `detect_collisions`; None where none meet.
 
         Not ``measured``: only whether they overlap is of interest, and in which shapes. A depth that need not be known to
         tell which shapes overlap most is infinite then.
         """
         found: Separation | None = None
         mates = product(np.flatnonzero(self._owner == one).tolist(), np.flatnonzero(self._owner == other).tolist())
-        placed = [(a, self._at(frames, a), b, self._at(frames, b)) for a, b in mates]
+        placed = [(a, self._compute_shape_pose(frames, a), b, self._compute_shape_pose(frames, b)) for a, b in mates]
         meeting = [
             (a, at_a, b, at_b)
             for a, at_a, b, at_b in placed
-            if np.linalg.norm(self._centre(a, at_a) - self._centre(b, at_b)) <= self._radius[a] + self._radius[b]
-            and self._meet(a, self._transform(at_a), b, self._transform(at_b))
+            if np.linalg.norm(self._compute_shape_centre(a, at_a) - self._compute_shape_centre(b, at_b))
+            <= self._radius[a] + self._radius[b]
+            and self._has_collision(a, self._to_coal_transform(at_a), b, self._to_coal_transform(at_b))
         ]
         for a, at_a, b, at_b in meeting:
-            way = self._way_out(a, at_a, b, at_b, measured=measured or len(meeting) > 1)
+            way = self._compute_separation(a, at_a, b, at_b, with_depth=with_depth or len(meeting) > 1)
             if way is not None and (found is None or way.depth > found.depth):
                 found = way
         return found
 
-    def _at(self, frames: Array, shape: int) -> Array:
+    def _compute_shape_pose(self, frames: Array, shape: int) -> Array:
         at: Array = frames[self._owner[shape]] @ self._pose[shape]
         return at
 
-    def _centre(self, shape: int, at: Array) -> Array:
+    def _compute_shape_centre(self, shape: int, at: Array) -> Array:
         centre: Array = at[:3, :3] @ self._middle[shape] + at[:3, 3]
         return centre
 
-    def _way_out(self, one: int, at_one: Array, other: int, at_other: Array, *, measured: bool) -> Separation | None:
+    def _compute_separation(
+        self, one: int, at_one: Array, other: int, at_other: Array, *, with_depth: bool
+    ) -> Separation | None:
         """How to free the second of two shapes; None where they do not meet."""
         coal = self._coal
         request, result = coal.CollisionRequest(), coal.CollisionResult()
         solid = not (self._is_surface(one) or self._is_surface(other))
-        request.num_max_contacts = 1 if solid else MOST_CONTACTS if measured else _WITNESSES
+        request.num_max_contacts = 1 if solid else MOST_CONTACTS if with_depth else _PIERCING_CONTACTS
         coal.collide(
-            self._geometry(one),
-            self._transform(at_one),
-            self._geometry(other),
-            self._transform(at_other),
+            self._get_coal_geometry(one),
+            self._to_coal_transform(at_one),
+            self._get_coal_geometry(other),
+            self._to_coal_transform(at_other),
             request,
             result,
         )
         contacts = [result.getContact(i) for i in range(result.numContacts())]
         if not contacts:
             return None
-        size, rounding = 2 * float(min(self._radius[one], self._radius[other])), float(self._rounding(one, other))
+        size, rounding = (
+            2 * float(min(self._radius[one], self._radius[other])),
+            float(self._compute_rounding(one, other)),
+        )
         point = np.mean([c.pos for c in contacts], axis=0) * self._unit
         if not np.isfinite(point).all():
             point = (at_one[:3, 3] + at_other[:3, 3]) / 2
@@ -295,25 +307,25 @@ class Colliders:
             # Where EPA fails, it says so with a depth of 1e308 along no direction.
             if np.isfinite(normal).all() and depth <= 2 * (self._radius[one] + self._radius[other]):
                 return Separation((one, other), depth if depth > rounding else 0.0, normal, point, size)
-        if not measured and self._pierced(one, at_one, other, at_other, contacts, rounding):
+        if not with_depth and self._has_piercing_triangles(one, at_one, other, at_other, contacts, rounding):
             return Separation((one, other), math.inf, np.zeros(3), point, size)
 
-        def free(shift: Array) -> bool:
+        def is_free(shift: Array) -> bool:
             moved = at_other.copy()
             moved[:3, 3] += shift
-            return not self._meet(one, self._transform(at_one), other, self._transform(moved))
+            return not self._has_collision(one, self._to_coal_transform(at_one), other, self._to_coal_transform(moved))
 
-        depth, normal = way_out(
+        depth, normal = find_separating_translation(
             self.placed[one].geometry.corners @ at_one[:3, :3].T + at_one[:3, 3],
             self.placed[other].geometry.corners @ at_other[:3, :3].T + at_other[:3, 3],
-            np.concatenate([sphere_directions(DIRECTIONS) @ at[:3, :3].T for at in (at_one, at_other)]),
-            free,
+            np.concatenate([sample_sphere_directions(DIRECTIONS) @ at[:3, :3].T for at in (at_one, at_other)]),
+            is_free,
             rounding,
-            measured=measured,
+            with_depth=with_depth,
         )
         return Separation((one, other), depth, normal, point, size)
 
-    def _pierced(
+    def _has_piercing_triangles(
         self, one: int, at_one: Array, other: int, at_other: Array, contacts: Sequence[Any], rounding: float
     ) -> bool:
         """Whether triangles that meet cross each other so far that no shift by ``rounding`` parts them."""
@@ -326,28 +338,28 @@ class Colliders:
             assert geometry.faces is not None
             met.append(geometry.vertices[geometry.faces[faces]] @ at[:3, :3].T + at[:3, 3])
         mine, its = met
-        return bool((pierce(mine, its, rounding) | pierce(its, mine, rounding)).any())
+        return bool((find_piercing_edges(mine, its, rounding) | find_piercing_edges(its, mine, rounding)).any())
 
-    def _rounding(self, one: Any, other: Any) -> Array:
+    def _compute_rounding(self, one: Any, other: Any) -> Array:
         """The overlap (m) that is none, for one or several pairs of shapes."""
         smaller = np.minimum(self._radius[one], self._radius[other])
         least: Array = np.maximum(ROUNDING * 2 * smaller, 2 * _TOLERANCE * self._unit)
         return least
 
-    def _transform(self, matrix: Array) -> Any:
+    def _to_coal_transform(self, matrix: Array) -> Any:
         return self._coal.Transform3s(np.ascontiguousarray(matrix[:3, :3]), matrix[:3, 3] / self._unit)
 
     def _is_surface(self, shape: int) -> bool:
-        return isinstance(self._geometry(shape), self._coal.BVHModelBase)
+        return isinstance(self._get_coal_geometry(shape), self._coal.BVHModelBase)
 
-    def _geometry(self, shape: int) -> Any:
-        """coal's geometry of a shape, one for all that share a `Geometry`."""
+    def _get_coal_geometry(self, shape: int) -> Any:
+        """coal's geometry of a shape, one for all that share a `CollisionGeometry`."""
         geometry = self.placed[shape].geometry
         if id(geometry) not in self._geometries:
-            self._geometries[id(geometry)] = self._built(geometry)
+            self._geometries[id(geometry)] = self._build_coal_geometry(geometry)
         return self._geometries[id(geometry)]
 
-    def _built(self, geometry: Geometry) -> Any:
+    def _build_coal_geometry(self, geometry: CollisionGeometry) -> Any:
         coal, size = self._coal, [s / self._unit for s in geometry.size]
         if geometry.vertices is None or geometry.faces is None:
             made = {"box": coal.Box, "sphere": coal.Sphere, "cylinder": coal.Cylinder, "capsule": coal.Capsule}
@@ -366,7 +378,7 @@ class Colliders:
         return tree
 
 
-class Near:
+class CandidatePairs:
     """Shapes ``one`` (M,) and ``other`` (M,) that may meet, of pair ``pair`` (M,) in configuration ``pose`` (M,)."""
 
     def __init__(
@@ -388,21 +400,24 @@ class Near:
         self._turns, self._at = turns, at / colliders._unit
         self._made: dict[tuple[int, int], Any] = {}
 
-    def meets(self, row: int) -> bool:
+    def has_collision(self, row: int) -> bool:
         """Whether the two do, as coal sees it."""
         n = int(self.pose[row])
-        at_one, at_other = self._transform(n, int(self._first[row])), self._transform(n, int(self._second[row]))
-        return self._colliders._meet(int(self.one[row]), at_one, int(self.other[row]), at_other)
+        at_one, at_other = (
+            self._get_coal_transform(n, int(self._first[row])),
+            self._get_coal_transform(n, int(self._second[row])),
+        )
+        return self._colliders._has_collision(int(self.one[row]), at_one, int(self.other[row]), at_other)
 
-    def _transform(self, configuration: int, column: int) -> Any:
+    def _get_coal_transform(self, configuration: int, column: int) -> Any:
         key = (configuration, column)
         if key not in self._made:
             self._made[key] = self._colliders._coal.Transform3s(self._turns[key], self._at[key])
         return self._made[key]
 
 
-def boxes_overlap(
-    turn_a: Array, half_a: Array, turn_b: Array, half_b: Array, apart: Array, slack: ArrayLike = 0.0
+def detect_box_overlap(
+    turn_a: Array, half_a: Array, turn_b: Array, half_b: Array, centre_offsets: Array, slack: ArrayLike = 0.0
 ) -> Bools:
     """Whether oriented boxes (M of each) overlap by more than ``slack`` (M,), as far as their six face normals tell; ``turn``
     (M, 3, 3) from box to world, ``half`` (M, 3) edges, ``apart`` (M, 3) from the centres of a to those of b.
@@ -412,7 +427,7 @@ def boxes_overlap(
     """
     across = np.einsum("mji,mjk->mik", turn_a, turn_b)
     reach = np.abs(across)
-    between = np.einsum("mji,mj->mi", turn_a, apart)
+    between = np.einsum("mji,mj->mi", turn_a, centre_offsets)
     least = np.asarray(slack)[..., None]
     on_a = np.abs(between) + least <= half_a + np.einsum("mij,mj->mi", reach, half_b)
     on_b = np.abs(np.einsum("mij,mi->mj", across, between)) + least <= half_b + np.einsum("mij,mi->mj", reach, half_a)
@@ -444,7 +459,7 @@ def is_convex(vertices: Array, faces: NDArray[np.int64]) -> bool:
     return len(order) > 0
 
 
-def pierce(edged: Array, pierced: Array, margin: float) -> Bools:
+def find_piercing_edges(edged: Array, pierced: Array, margin: float) -> Bools:
     """For triangles (n, 3, 3) whether an edge of the first passes through the second (n,), and would after any shift by less
     than ``margin``."""
     a, b, c = (pierced[:, i] for i in range(3))
@@ -468,14 +483,14 @@ def pierce(edged: Array, pierced: Array, margin: float) -> Bools:
     return found
 
 
-def way_out(
+def find_separating_translation(
     one: Array,
     other: Array,
     directions: Array,
-    free: Callable[[Array], bool],
+    is_free: Callable[[Array], bool],
     rounding: float,
     *,
-    measured: bool = True,
+    with_depth: bool = True,
 ) -> tuple[float, Array]:
     """How far (m) and where to the second of two shapes that meet must be moved to be free, along one of ``directions`` (D, 3).
 
@@ -487,29 +502,29 @@ def way_out(
     order = np.argsort(clear, kind="stable")
     clear, directions = clear[order], directions[order]
 
-    def leads_out(depth: float, i: int) -> bool:
-        return all(free((depth + part * (clear[i] - depth)) * directions[i]) for part in (0.0, 0.25, 0.5, 0.75))
+    def can_exit(depth: float, i: int) -> bool:
+        return all(is_free((depth + part * (clear[i] - depth)) * directions[i]) for part in (0.0, 0.25, 0.5, 0.75))
 
     best, normal = float(clear[0]), directions[0]
     # Faces in one plane come apart along any way with a share of their normal.
     for i in range(DIRECTIONS):
-        if clear[i] <= rounding or leads_out(rounding, i):
+        if clear[i] <= rounding or can_exit(rounding, i):
             return 0.0, directions[i]
-    if not measured:
+    if not with_depth:
         return math.inf, normal
     for i in range(len(directions)):
         high = min(best * 0.98, float(clear[i]))
-        if not leads_out(high, i):
+        if not can_exit(high, i):
             continue
         low = rounding
         while high - low > max(0.02 * high, rounding):
             middle = (low + high) / 2
-            low, high = (low, middle) if leads_out(middle, i) else (middle, high)
+            low, high = (low, middle) if can_exit(middle, i) else (middle, high)
         best, normal = high, directions[i]
     return best, normal
 
 
-def sphere_directions(count: int) -> Array:
+def sample_sphere_directions(count: int) -> Array:
     """The six directions of the axes and ``count`` more unit vectors (n, 3), spread evenly (a Fibonacci lattice)."""
     place = np.arange(count) + 0.5
     height = 1.0 - 2.0 * place / count
@@ -519,7 +534,7 @@ def sphere_directions(count: int) -> Array:
     return np.concatenate((np.eye(3), -np.eye(3), spread))
 
 
-def swept(
+def compute_swept_spheres(
     centres: Array, radii: Array, axis: Array, lower: float, upper: float, *, rotates: bool
 ) -> tuple[Array, Array]:
     """Spheres that contain spheres (n) in all places to which a joint brings them, its values from ``lower`` to ``upper``.
@@ -538,7 +553,7 @@ def swept(
     return foot + math.cos(half) * turned, radii + distance * math.sin(half)
 
 
-def least_distance(
+def compute_least_distance(
     centres: Array, others: Array, axis: Array, lower: ArrayLike, upper: ArrayLike, *, rotates: bool
 ) -> Array:
     """How near (n,) points that a joint moves come to points that stay, its motion from ``lower`` to ``upper``.
@@ -560,12 +575,12 @@ def least_distance(
     return near
 
 
-def all_pairs(count: int) -> NDArray[np.int64]:
+def list_all_pairs(count: int) -> NDArray[np.int64]:
     """All pairs (K, 2) of ``count`` things, the lower first."""
     return np.column_stack(np.triu_indices(count, 1))
 
 
-def _box(geometry: Geometry) -> tuple[Array, Array, float]:
+def _compute_bounding_box(geometry: CollisionGeometry) -> tuple[Array, Array, float]:
     """A box about a shape in its own frame: centre (3,), half edges (3,); and the shape's radius about the centre."""
     corners = geometry.corners
     low, high = corners.min(axis=0), corners.max(axis=0)

@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 # A tilt that nobody sees, 0.5°: what it brings to the ground touches (a wheel that hangs 2 mm high, 0.25 m from the COM).
 SLACK = math.radians(0.5)
 # How flat a sole is, in parts of the whole body: points of a link that are less above its lowest touch with it.
-_FLAT = 1e-5
+_SOLE_FLATNESS = 1e-5
 # Every turn onto another edge lowers the COM, so that none comes twice; a smooth body of many corners has many edges.
-_TURNS = 500
+_MAX_TURNS = 500
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stand:
+class GroundSupport:
     """A body on a plane.
 
     ``touching`` (n,): places of the points that touch; ``polygon`` (k, 3): corners of the support polygon, in order, counted
@@ -45,15 +45,17 @@ class Stand:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fall:
+class TipOver:
     """A body let go on a plane. ``tilt`` (rad): how far from upright it comes to rest, infinite where it never does;
     ``touched``: the place of the point that touches last, None where it rests as it was put."""
 
     tilt: float
-    touched: int | None
+    last_contact: int | None
 
 
-def stand(points: ArrayLike, parts: ArrayLike, com: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) -> Stand:
+def compute_ground_support(
+    points: ArrayLike, parts: ArrayLike, com: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)
+) -> GroundSupport:
     """How a body of corners ``points`` (n, 3), put down upright, touches a plane across ``up`` (unit vector).
 
     It is made of rigid parts, ``parts`` (n,) the number of each point's, from 0. A part touches with its lowest points when
@@ -61,21 +63,21 @@ def stand(points: ArrayLike, parts: ArrayLike, com: ArrayLike, up: ArrayLike = (
     """
     corners, centre, vertical = (np.asarray(a, dtype=float) for a in (points, com, up))
     owners = np.asarray(parts)
-    across = _across(vertical)
+    across = _build_plane_axes(vertical)
     flat, origin = corners @ across.T, centre @ across.T
     heights = corners @ vertical
     heights = heights - heights.min()
     lowest = np.full(int(owners.max()) + 1, np.inf)
     np.minimum.at(lowest, owners, heights)
     reach = np.linalg.norm(flat - origin, axis=1)
-    flatness = _FLAT * float(np.ptp(corners, axis=0).max())
+    flatness = _SOLE_FLATNESS * float(np.ptp(corners, axis=0).max())
     low = heights <= lowest[owners] + flatness
     touching = np.flatnonzero(low & (heights <= np.maximum(math.tan(SLACK) * reach, flatness)))
-    order = _hull(flat[touching])
+    order = _compute_planar_hull(flat[touching])
     outline = flat[touching][order]
-    margin, nearest, outwards = _margin(outline, origin)
+    margin, nearest, outwards = _compute_support_margin(outline, origin)
     ground = float((corners @ vertical).min())
-    return Stand(
+    return GroundSupport(
         touching=touching,
         polygon=corners[touching][order],
         margin=margin,
@@ -85,8 +87,8 @@ def stand(points: ArrayLike, parts: ArrayLike, com: ArrayLike, up: ArrayLike = (
     )
 
 
-def fall(points: ArrayLike, parts: ArrayLike, com: ArrayLike, limit: float = math.pi / 2) -> Fall:
-    """Where a body as in `stand` comes to rest when it is put down upright (z up) and rolls from edge to edge.
+def simulate_tipping(points: ArrayLike, parts: ArrayLike, com: ArrayLike, limit: float = math.pi / 2) -> TipOver:
+    """Where a body as in `compute_ground_support` comes to rest when it is put down upright (z up) and rolls from edge to edge.
 
     It rests where its tip angle is no more negative than `SLACK`, within what typed numbers leave open, and is given up
     (``tilt`` infinite) beyond ``limit`` (rad).
@@ -94,13 +96,13 @@ def fall(points: ArrayLike, parts: ArrayLike, com: ArrayLike, limit: float = mat
     corners, centre = np.asarray(points, dtype=float), np.asarray(com, dtype=float)
     up = np.array((0.0, 0.0, 1.0))
     touched = None
-    for _ in range(_TURNS):
-        now = stand(corners, parts, centre, up)
+    for _ in range(_MAX_TURNS):
+        now = compute_ground_support(corners, parts, centre, up)
         tilt = math.atan2(float(np.linalg.norm(up[:2])), float(up[2]))
         if tilt > limit:
             break
         if now.tip_angle >= -SLACK:
-            return Fall(tilt, touched)
+            return TipOver(tilt, touched)
         from_edge = corners - now.nearest
         ahead, height = from_edge @ now.outwards, np.maximum(from_edge @ up, 0.0)
         angles = np.where(np.hypot(ahead, height) > 1e-9 * np.abs(from_edge).max(), np.arctan2(height, ahead), math.inf)
@@ -109,10 +111,10 @@ def fall(points: ArrayLike, parts: ArrayLike, com: ArrayLike, limit: float = mat
         if not angle < math.pi:
             break
         up = math.cos(angle) * up - math.sin(angle) * now.outwards
-    return Fall(math.inf, touched)
+    return TipOver(math.inf, touched)
 
 
-def rocking(contacts: ArrayLike) -> Array | None:
+def compute_rocking_gaps(contacts: ArrayLike) -> Array | None:
     """How high (n,) each of some contacts (n, 3) hangs above the plane on which the others stand, z up.
 
     Of the planes that three contacts can stand on, with none below, the one on which the highest hangs least. None when all
@@ -133,14 +135,14 @@ def rocking(contacts: ArrayLike) -> Array | None:
     return best
 
 
-def _across(up: Array) -> Array:
+def _build_plane_axes(up: Array) -> Array:
     """Two unit vectors (2, 3) that make a right-handed frame with ``up``."""
     first = np.cross(up, np.eye(3)[int(np.abs(up).argmin())])
     first /= np.linalg.norm(first)
     return np.array((first, np.cross(up, first)))
 
 
-def _hull(flat: Array) -> list[int]:
+def _compute_planar_hull(flat: Array) -> list[int]:
     """Corners of the convex hull of ``flat`` (n, 2), anticlockwise (Andrew, *Another efficient algorithm for convex hulls in
     two dimensions*, 1979)."""
     # Corners that differ by rounding only are one: the turns between them mean nothing.
@@ -148,23 +150,23 @@ def _hull(flat: Array) -> list[int]:
     _, distinct = np.unique(np.round(flat / grain), axis=0, return_index=True)
     order = [int(i) for i in distinct]
 
-    def half(places: list[int]) -> list[int]:
+    def build_half_hull(places: list[int]) -> list[int]:
         chain: list[int] = []
         for place in places:
-            while len(chain) > 1 and _turn(flat[chain[-2]], flat[chain[-1]], flat[place]) <= 0.0:
+            while len(chain) > 1 and _compute_turn(flat[chain[-2]], flat[chain[-1]], flat[place]) <= 0.0:
                 chain.pop()
             chain.append(place)
         return chain
 
-    lower, upper = half(order), half(order[::-1])
+    lower, upper = build_half_hull(order), build_half_hull(order[::-1])
     return lower[:-1] + upper[:-1] or order[:1]
 
 
-def _turn(a: Array, b: Array, c: Array) -> float:
+def _compute_turn(a: Array, b: Array, c: Array) -> float:
     return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
-def _margin(outline: Array, place: Array) -> tuple[float, Array, Array]:
+def _compute_support_margin(outline: Array, place: Array) -> tuple[float, Array, Array]:
     """Distance from ``place`` (2,) to the nearest edge of a convex polygon, negative outside, the nearest point on it, and the
     unit vector from there away from the polygon."""
     starts, ends = outline, np.roll(outline, -1, axis=0)
@@ -175,7 +177,7 @@ def _margin(outline: Array, place: Array) -> tuple[float, Array, Array]:
     distances = np.linalg.norm(nearest - place, axis=1)
     edge = int(distances.argmin())
     distance, foot = float(distances[edge]), nearest[edge]
-    inside = len(outline) > 2 and all(_turn(a, b, place) >= 0.0 for a, b in zip(starts, ends, strict=True))
+    inside = len(outline) > 2 and all(_compute_turn(a, b, place) >= 0.0 for a, b in zip(starts, ends, strict=True))
     # On the edge itself the way out is across it.
     x, y = along[edge].tolist()
     length = math.hypot(x, y)

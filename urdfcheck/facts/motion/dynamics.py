@@ -19,20 +19,20 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 # What a body adds to the inertia that its joint moves, for the mass matrix to be well conditioned.
-SHARE = 0.01
+ADDED_INERTIA_SHARE = 0.01
 # How often all joints are moved to find where one of them holds most; more changes less than a thousandth.
 _ROUNDS = 4
 _THIRDS = 2.0 * np.pi / 3.0 * np.arange(3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Coordinates:
+class JointCoordinates:
     """``neutral`` (nq,): the neutral configuration. ``position`` (J,): each joint's place in it, ``turns`` (J,): whether it is
     continuous and has two, the cosine and the sine of its angle; ``velocity`` (J,): its place among the velocities."""
 
     neutral: Array
     position: NDArray[np.intp]
-    turns: NDArray[np.bool_]
+    continuous: NDArray[np.bool_]
     velocity: NDArray[np.intp]
 
 
@@ -47,19 +47,19 @@ class Conditioning:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Load:
+class JointLoad:
     """The largest ``torque`` (N·m or N, positive) that a joint was found to hold, at ``values`` (J,) of all joints."""
 
     torque: float
     values: Array
 
 
-def coordinates(model: Any, names: Sequence[str]) -> Coordinates:
+def locate_joint_coordinates(model: Any, names: Sequence[str]) -> JointCoordinates:
     """Where joints with one degree of freedom are among Pinocchio's coordinates and velocities."""
     import pinocchio
 
     joints = [model.joints[model.getJointId(name)] for name in names]
-    return Coordinates(
+    return JointCoordinates(
         np.asarray(pinocchio.neutral(model), dtype=float),
         np.array([joint.idx_q for joint in joints], dtype=np.intp),
         np.array([joint.nq == 2 for joint in joints], dtype=bool),
@@ -67,16 +67,16 @@ def coordinates(model: Any, names: Sequence[str]) -> Coordinates:
     )
 
 
-def configurations(places: Coordinates, values: ArrayLike) -> Array:
+def build_configurations(coordinates: JointCoordinates, values: ArrayLike) -> Array:
     """Pinocchio's coordinates (N, nq) of joint ``values`` (N, J), rad or m; other joints stay neutral."""
     positions = np.asarray(values, dtype=float)
-    q = np.tile(places.neutral, (len(positions), 1))
-    q[:, places.position] = np.where(places.turns, np.cos(positions), positions)
-    q[:, places.position[places.turns] + 1] = np.sin(positions[:, places.turns])
+    q = np.tile(coordinates.neutral, (len(positions), 1))
+    q[:, coordinates.position] = np.where(coordinates.continuous, np.cos(positions), positions)
+    q[:, coordinates.position[coordinates.continuous] + 1] = np.sin(positions[:, coordinates.continuous])
     return q
 
 
-def gravity_torques(model: Any, data: Any, q: Array) -> Array:
+def compute_gravity_torques(model: Any, data: Any, q: Array) -> Array:
     """Generalised forces (N, nv) that hold the tree still against gravity, N·m or N."""
     import pinocchio
 
@@ -86,7 +86,7 @@ def gravity_torques(model: Any, data: Any, q: Array) -> Array:
     return found
 
 
-def mass_matrices(model: Any, data: Any, q: Array) -> Array:
+def compute_mass_matrices(model: Any, data: Any, q: Array) -> Array:
     """Joint-space inertia matrices (N, nv, nv), by the composite-rigid-body algorithm."""
     import pinocchio
 
@@ -96,8 +96,8 @@ def mass_matrices(model: Any, data: Any, q: Array) -> Array:
     return found
 
 
-def inverse_mass_matrices(model: Any, data: Any, q: Array) -> Array:
-    """Inverses (N, nv, nv) of :func:`mass_matrices`, by the articulated-body algorithm: a quarter of the time that
+def compute_inverse_mass_matrices(model: Any, data: Any, q: Array) -> Array:
+    """Inverses (N, nv, nv) of :func:`compute_mass_matrices`, by the articulated-body algorithm: a quarter of the time that
     inverting takes for a humanoid. They mean nothing where the mass matrix is singular."""
     import pinocchio
 
@@ -107,7 +107,7 @@ def inverse_mass_matrices(model: Any, data: Any, q: Array) -> Array:
     return found
 
 
-def scaled(matrices: Array) -> Array:
+def scale_to_unit_diagonal(matrices: Array) -> Array:
     """Symmetric matrices (N, V, V) with positive diagonals, scaled to ones on it: ``D^-½ M D^-½``.
 
     Jacobi's scaling is within a factor V of the best diagonal one (van der Sluis, 1969). It takes away the units of the
@@ -118,12 +118,12 @@ def scaled(matrices: Array) -> Array:
     return shaped
 
 
-def conditioning(matrices: Array) -> Conditioning:
-    """The median condition number of :func:`scaled` ``matrices`` (N, V, V) with positive diagonals.
+def measure_conditioning(matrices: Array) -> Conditioning:
+    """The median condition number of :func:`scale_to_unit_diagonal` ``matrices`` (N, V, V) with positive diagonals.
 
     Not the largest: two axes of a sound wrist or shoulder move the same inertia in the poses in which they meet.
     """
-    shaped = scaled(matrices)
+    shaped = scale_to_unit_diagonal(matrices)
     values = np.linalg.eigvalsh(shaped)
     with np.errstate(divide="ignore"):
         numbers = np.where(values[:, 0] > 0, values[:, -1] / values[:, 0], np.inf)
@@ -131,25 +131,25 @@ def conditioning(matrices: Array) -> Conditioning:
     return Conditioning(float(numbers[at]), at, np.linalg.eigh(shaped[at])[1][:, 0])
 
 
-def relieved(matrices: Array, joints: Sequence[int]) -> float:
-    """The :func:`conditioning` number if each of some joints moved a hundredth more inertia than it does.
+def measure_relieved_conditioning(matrices: Array, joints: Sequence[int]) -> float:
+    """The :func:`measure_conditioning` number if each of some joints moved a hundredth more inertia than it does.
 
     It falls to some 400 where those joints are the cause. In a long chain, where every joint moves nearly
     what its neighbours do, it hardly changes: by a factor of 2.7 at most for 4 to 24 equal links, straight or folded.
     """
     changed = matrices.copy()
     for joint in joints:
-        changed[:, joint, joint] *= 1.0 + SHARE
-    return conditioning(changed).number
+        changed[:, joint, joint] *= 1.0 + ADDED_INERTIA_SHARE
+    return measure_conditioning(changed).number
 
 
-def effective_inertias(inverses: Array) -> Array:
+def compute_effective_inertias(inverses: Array) -> Array:
     """What each joint feels of the tree (N, V) when all other joints move freely, kg m² or kg: ``1 / (M^-1)_ii``."""
     felt: Array = 1.0 / np.einsum("nii->ni", inverses)
     return felt
 
 
-def own_inertia(model: Any, name: str, q: Array) -> float:
+def compute_own_inertia(model: Any, name: str, q: Array) -> float:
     """What of the inertia that a joint moves (kg m² or kg) is that of its own body, at the configuration ``q`` (nq,)."""
     import pinocchio
 
@@ -161,7 +161,7 @@ def own_inertia(model: Any, name: str, q: Array) -> float:
     return float(pinocchio.crba(alone, alone.createData(), q)[index, index])
 
 
-def damping_rate(inverse: ArrayLike, damping: ArrayLike) -> float:
+def compute_damping_rate(inverse: ArrayLike, damping: ArrayLike) -> float:
     """The fastest decay (1/s) of joint velocities under viscous ``damping`` (V,): the largest eigenvalue of ``M^-1 D``.
 
     An integrator that takes damping from the velocity before the step (explicit Euler) is stable below ``2 / rate``.
@@ -171,16 +171,16 @@ def damping_rate(inverse: ArrayLike, damping: ArrayLike) -> float:
     return float(np.linalg.eigvalsh(np.asarray(inverse, dtype=float) * np.outer(root, root))[-1])
 
 
-def largest_load(
-    torque: Callable[[Array], Array], start: Array, ranges: ArrayLike, moved: ArrayLike, joints: Sequence[int]
-) -> Load:
+def find_largest_load(
+    torque: Callable[[Array], Array], start: Array, ranges: ArrayLike, coupling: ArrayLike, joints: Sequence[int]
+) -> JointLoad:
     """Climb from the joint values ``start`` (J,) to where a joint holds most, moving one of the ``joints`` at a time.
 
     ``torque`` maps values (N, J) to the joint's torques (N,); ``ranges`` (J, 2) are the limits; column i of ``moved`` (J, J)
     says how all joints move with joint i. Along a slide the torque is a line, along an angle ``a + b cos q + c sin q``: three
     values tell where its tops are. A joint with followers is looked at in five places besides.
     """
-    bounds, shares = np.asarray(ranges, dtype=float), np.asarray(moved, dtype=float)
+    bounds, shares = np.asarray(ranges, dtype=float), np.asarray(coupling, dtype=float)
     values = np.array(start, dtype=float)
     best = float(np.abs(torque(values[None]))[0])
     for _ in range(_ROUNDS):
@@ -196,4 +196,4 @@ def largest_load(
                 best, values = float(found.max()), rows[int(found.argmax())]
         if best <= before * 1.001:
             break
-    return Load(best, values)
+    return JointLoad(best, values)

@@ -62,7 +62,7 @@ def quaternion_to_matrix(xyzw: Sequence[float]) -> Array:
     )
 
 
-def transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
+def build_origin_transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
     """The (4, 4) homogeneous placement of a URDF ``<origin>`` (m, rad) in its parent's frame."""
     placement = np.eye(4)
     placement[:3, :3] = rpy_to_matrix(rpy)
@@ -70,7 +70,7 @@ def transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
     return placement
 
 
-def log_rotation(rotation: ArrayLike) -> tuple[Array, float]:
+def compute_axis_angle(rotation: ArrayLike) -> tuple[Array, float]:
     """The unit axis (3,) and angle (rad, within [0, π]) of a (3, 3) rotation; axis x where the angle is 0.
 
     Goes through the quaternion's largest component (Shepperd, *Quaternion from rotation matrix*, 1978), which keeps
@@ -97,7 +97,7 @@ def log_rotation(rotation: ArrayLike) -> tuple[Array, float]:
     return vector / length, 2.0 * math.atan2(length, scalar)
 
 
-def forward(parents: Sequence[int], placements: ArrayLike) -> Array:
+def compute_forward_kinematics(parents: Sequence[int], placements: ArrayLike) -> Array:
     """World placements (n, 4, 4) of a tree's frames at the neutral pose.
 
     ``parents[i]`` is the index of frame i's parent, lower than i, or -1 for a root; ``placements`` (n, 4, 4) are
@@ -114,7 +114,7 @@ def forward(parents: Sequence[int], placements: ArrayLike) -> Array:
     return world
 
 
-def motions(axis: ArrayLike, values: ArrayLike, *, rotates: bool) -> Array:
+def compute_joint_motions(axis: ArrayLike, values: ArrayLike, *, rotates: bool) -> Array:
     """Placements (N, 4, 4) that a joint with the unit ``axis`` (3,) adds at each of its ``values`` (N,), rad or m.
 
     Rotations by Rodrigues' formula.

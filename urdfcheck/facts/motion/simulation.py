@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 GRAVITY = 9.81
 # s between two looks at a moving mechanism: a fall of half a millimetre.
-LOOK = 0.01
+SAMPLING_INTERVAL = 0.01
 # s at the end over which speeds and loads are taken.
-WINDOW = 0.25
+AVERAGING_WINDOW = 0.25
 # rad/s: the frequency of a held joint. At a step of 1 ms it takes 31 steps to swing once, far below the 2/step at which an
 # explicit spring becomes unstable, and a leg that carries thirty times its own inertia still stands straight.
 STIFFNESS = 200.0
@@ -33,7 +33,7 @@ STIFFNESS = 200.0
 SOFTNESS, DAMPING_RATIO, IMPEDANCE = 0.02, 1.0, 0.9
 
 
-class Refused(Exception):
+class SimulationRefusedError(Exception):
     """MuJoCo does not take the mechanism; its reason, and the ``element`` that it names (b3: the body in place 3)."""
 
     def __init__(self, reason: str, element: str) -> None:
@@ -54,7 +54,7 @@ class Geom:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Hinge:
+class SimulatedJoint:
     """How a body moves against its parent. ``kind``: hinge | slide | floating | planar; ``axis`` (3,) a unit vector;
     ``range`` (rad or m), None without limits; viscous ``damping`` and Coulomb ``friction`` in N·m(·s/rad) or N(·s/m);
     ``value`` (rad or m): where it is let go; ``effort`` (N·m or N): with which it can be held, infinite without limit, None when
@@ -65,18 +65,18 @@ class Hinge:
     range: tuple[float, float] | None = None
     damping: float = 0.0
     friction: float = 0.0
-    value: float = 0.0
+    start_value: float = 0.0
     effort: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Body:
+class RigidBody:
     """A rigid body that hangs on body ``parent`` (-1: the ground) by ``hinge``, at ``pose`` (4, 4) in the parent's frame where
     the joint is at 0. ``mass`` in kg, ``com`` (3,) in m and ``inertia`` (3, 3) in kg m² about it, in its own frame."""
 
     parent: int
     pose: Array
-    hinge: Hinge
+    joint: SimulatedJoint
     mass: float
     com: Array
     inertia: Array
@@ -96,14 +96,14 @@ class Follower:
 class Mechanism:
     """Bodies, each after its parent; the first one carries the root's frame unless it is the ground itself (``grounded``)."""
 
-    bodies: Sequence[Body]
+    bodies: Sequence[RigidBody]
     geoms: Sequence[Geom]
     followers: Sequence[Follower]
     grounded: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Motion:
+class MotionTrace:
     """What came of two seconds, or of the time until something burst.
 
     ``time`` (s), ``energy`` (J, kinetic and potential), ``speed`` (m/s) (N,): that of the fastest body, the root mean square
@@ -118,18 +118,18 @@ class Motion:
     time: Array
     energy: Array
     speed: Array
-    burst: float | None
-    fastest: int
-    moving: int
-    root: Array
+    burst_time: float | None
+    fastest_body: int
+    last_fastest_body: int
+    root_pose: Array
     tilt: float
-    touching: Sequence[Touch]
+    touching: Sequence[PlaneContact]
     saturated: Sequence[int]
-    off: Array
+    joint_offsets: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Touch:
+class PlaneContact:
     """A geom on the plane. ``points``: of how many contacts; ``place`` (3,): their middle on the geom's surface, in the root's
     frame, and ``lowest`` the least z of them there; ``depth`` (m): the deepest below the plane; ``load`` (N): the normal force
     on all, averaged over the last quarter of a second."""
@@ -142,7 +142,7 @@ class Touch:
     load: float
 
 
-def sinking(gravity: float = GRAVITY) -> float:
+def compute_rest_depth(gravity: float = GRAVITY) -> float:
     """How deep (m) MuJoCo lets a body at rest into the plane, with the default softness.
 
     A constraint's acceleration is ``(1 - d) a0 + d (-b v - k r)`` (MuJoCo's documentation, *Computation*), zero at rest, where
@@ -152,7 +152,7 @@ def sinking(gravity: float = GRAVITY) -> float:
     return (1 - IMPEDANCE) / IMPEDANCE * gravity * (0.95 * SOFTNESS * DAMPING_RATIO) ** 2
 
 
-def lowest(geom: Geom, pose: Array) -> float:
+def compute_lowest_height(geom: Geom, pose: Array) -> float:
     """The least z (m) of a geom whose body is at ``pose`` (4, 4)."""
     placed = pose @ geom.pose
     up, height = placed[2, :3], float(placed[2, 3])
@@ -176,15 +176,15 @@ class Simulation:
 
     def __init__(self, mechanism: Mechanism, ground: float) -> None:
         self.mechanism = mechanism
-        self._mujoco = _mujoco()
+        self._mujoco = _import_mujoco()
         try:
-            self._model = _spec(self._mujoco, mechanism, ground).compile()
+            self._model = _build_spec(self._mujoco, mechanism, ground).compile()
         except (ValueError, RuntimeError, self._mujoco.FatalError) as error:
             reason, _, element = str(error).partition("\n")
-            raise Refused(reason.removeprefix("Error: "), element) from None
+            raise SimulationRefusedError(reason.removeprefix("Error: "), element) from None
         self._data = self._mujoco.MjData(self._model)
-        self._start()
-        self._hold()
+        self._reset_state()
+        self._set_motor_gains()
 
     @cached_property
     def weight(self) -> float:
@@ -197,7 +197,7 @@ class Simulation:
         version: str = self._mujoco.__version__
         return version
 
-    def run(self, seconds: float, step: float, *, held: bool, implicit: bool = True) -> Motion:
+    def run(self, seconds: float, step: float, *, hold_joints: bool, implicit_damping: bool = True) -> MotionTrace:
         """Let go; ``held``: with torques that hold the joints where they are, else with none. ``implicit``: whether damping is
         computed from the velocity after a step (MuJoCo, Drake) or before it (Bullet).
 
@@ -206,38 +206,38 @@ class Simulation:
         mujoco, model, data = self._mujoco, self._model, self._data
         off, kinds = mujoco.mjtDisableBit, mujoco.mjtIntegrator
         model.opt.timestep = step
-        model.opt.integrator = int(kinds.mjINT_IMPLICITFAST if implicit else kinds.mjINT_EULER)
+        model.opt.integrator = int(kinds.mjINT_IMPLICITFAST if implicit_damping else kinds.mjINT_EULER)
         # It would put back to the beginning what bursts.
         model.opt.disableflags = int(off.mjDSBL_AUTORESET | off.mjDSBL_EULERDAMP)
-        if not held:
+        if not hold_joints:
             model.opt.disableflags |= int(off.mjDSBL_ACTUATION)
-        self._start()
-        begin = self._root()
-        chunk = max(1, round(LOOK / step))
+        self._reset_state()
+        begin = self._get_root_pose()
+        chunk = max(1, round(SAMPLING_INTERVAL / step))
         count = max(1, round(seconds / (chunk * step)))
         time, energy, speed = np.zeros(count + 1), np.zeros(count + 1), np.zeros(count + 1)
         energy[0] = data.energy.sum()
         loads = np.zeros(len(self.mechanism.geoms))
-        burst, fastest, moving, window = None, 0, 0, min(count, max(1, round(WINDOW / (chunk * step))))
+        burst, fastest, moving, window = None, 0, 0, min(count, max(1, round(AVERAGING_WINDOW / (chunk * step))))
         for i in range(1, count + 1):
-            self._step(chunk)
+            self._step_model(chunk)
             speeds = np.full(1, np.nan)
             if np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all():
                 mujoco.mj_forward(model, data)
-                speeds = self._speeds()
+                speeds = self._compute_body_speeds()
             time[i], energy[i], speed[i] = data.time, data.energy.sum(), speeds.max()
-            if self._gave_up() or not math.isfinite(energy[i] + speed[i]):
+            if self._has_diverged() or not math.isfinite(energy[i] + speed[i]):
                 burst = float(data.time)
                 time, energy, speed = time[: i + 1], energy[: i + 1], speed[: i + 1]
                 break
             if speed[i] >= speed[:i].max():
                 fastest = int(speeds.argmax())
             if i > count - window:
-                loads += self._loads() / window
+                loads += self._compute_contact_loads() / window
                 if speed[i] >= speed[count - window + 1 : i + 1].max():
                     moving = int(speeds.argmax())
-        root = self._root()
-        return Motion(
+        root = self._get_root_pose()
+        return MotionTrace(
             time,
             energy,
             speed,
@@ -246,30 +246,30 @@ class Simulation:
             moving,
             root,
             math.acos(max(-1.0, min(1.0, float(begin[:3, 2] @ root[:3, 2])))) if burst is None else math.nan,
-            [] if burst is not None else self._touching(loads, root),
-            [] if burst is not None or not held else self._saturated(),
-            self._off(),
+            [] if burst is not None else self._collect_plane_contacts(loads, root),
+            [] if burst is not None or not hold_joints else self._list_saturated_bodies(),
+            self._measure_joint_offsets(),
         )
 
-    def _step(self, count: int) -> None:
+    def _step_model(self, count: int) -> None:
         try:
             self._mujoco.mj_step(self._model, self._data, count)
         except self._mujoco.FatalError as error:
-            raise Refused(str(error).partition("\n")[0], "") from None
+            raise SimulationRefusedError(str(error).partition("\n")[0], "") from None
 
     # -- before -------------------------------------------------------------------------------------------------------
 
-    def _start(self) -> None:
+    def _reset_state(self) -> None:
         mujoco, model, data = self._mujoco, self._model, self._data
         mujoco.mj_resetData(model, data)
         for place, body in enumerate(self.mechanism.bodies):
-            if body.hinge.kind in {"hinge", "slide"}:
-                data.qpos[self._coordinate(place)] = body.hinge.value
+            if body.joint.kind in {"hinge", "slide"}:
+                data.qpos[self._find_joint_address(place)] = body.joint.start_value
         for motor in range(model.nu):
             data.ctrl[motor] = data.qpos[model.jnt_qposadr[model.actuator_trnid[motor, 0]]]
         mujoco.mj_forward(model, data)
 
-    def _hold(self) -> None:
+    def _set_motor_gains(self) -> None:
         """Set the gains of the motors: critically damped springs, and the torque of gravity where they begin."""
         model, data = self._model, self._data
         if not model.nu:
@@ -287,25 +287,25 @@ class Simulation:
 
     # -- after --------------------------------------------------------------------------------------------------------
 
-    def _coordinate(self, place: int) -> int:
+    def _find_joint_address(self, place: int) -> int:
         return int(self._model.joint(f"j{place}").qposadr[0])
 
-    def _root(self) -> Array:
+    def _get_root_pose(self) -> Array:
         frame = np.eye(4)
         if not self.mechanism.grounded:
             root = self._data.body("b0")
             frame[:3, :3], frame[:3, 3] = np.array(root.xmat).reshape(3, 3), root.xpos
         return frame
 
-    def _gave_up(self) -> bool:
+    def _has_diverged(self) -> bool:
         warning = self._mujoco.mjtWarning
         kinds = (warning.mjWARN_BADQPOS, warning.mjWARN_BADQVEL, warning.mjWARN_BADQACC)
         return any(self._data.warning[int(kind)].number for kind in kinds)
 
-    def _speeds(self) -> Array:
+    def _compute_body_speeds(self) -> Array:
         """The root mean square speed (m/s) of the mass of each body."""
         model, data = self._model, self._data
-        own = self._own
+        own = self._body_ids
         turn, move = data.cvel[own, :3], data.cvel[own, 3:]
         lever = data.xipos[own] - data.subtree_com[model.body_rootid[own]]
         move = move + np.cross(turn, lever)
@@ -314,19 +314,19 @@ class Simulation:
         speeds: Array = np.sqrt(square)
         return speeds
 
-    def _loads(self) -> Array:
+    def _compute_contact_loads(self) -> Array:
         """The normal force (N) on each geom."""
         found = np.zeros(len(self.mechanism.geoms))
         force = np.zeros(6)
         for i in range(self._data.ncon):
             self._mujoco.mj_contactForce(self._model, self._data, i, force)
-            found[self._geom_of(i)] += force[0]
+            found[self._find_contact_geom(i)] += force[0]
         return found
 
-    def _touching(self, loads: Array, root: Array) -> list[Touch]:
+    def _collect_plane_contacts(self, loads: Array, root: Array) -> list[PlaneContact]:
         contacts: dict[int, list[int]] = {}
         for i in range(self._data.ncon):
-            contacts.setdefault(self._geom_of(i), []).append(i)
+            contacts.setdefault(self._find_contact_geom(i), []).append(i)
         found = []
         for geom, rows in sorted(contacts.items()):
             places, depths = self._data.contact.pos[rows].copy(), self._data.contact.dist[rows]
@@ -334,11 +334,11 @@ class Simulation:
             local = (places - root[:3, 3]) @ root[:3, :3]
             depth = max(0.0, -float(depths.min()))
             found.append(
-                Touch(geom, len(rows), local.mean(axis=0), float(local[:, 2].min()), depth, float(loads[geom]))
+                PlaneContact(geom, len(rows), local.mean(axis=0), float(local[:, 2].min()), depth, float(loads[geom]))
             )
         return found
 
-    def _geom_of(self, contact: int) -> int:
+    def _find_contact_geom(self, contact: int) -> int:
         return self._geoms[int(self._data.contact.geom[contact].max())]
 
     @cached_property
@@ -346,24 +346,24 @@ class Simulation:
         return {self._model.geom(f"g{i}").id: i for i in range(len(self.mechanism.geoms))}
 
     @cached_property
-    def _own(self) -> NDArray[np.intp]:
+    def _body_ids(self) -> NDArray[np.intp]:
         return np.array([self._model.body(f"b{i}").id for i in range(len(self.mechanism.bodies))], dtype=np.intp)
 
-    def _saturated(self) -> list[int]:
+    def _list_saturated_bodies(self) -> list[int]:
         model, data = self._model, self._data
         limits = model.actuator_forcerange[:, 1]
         full = model.actuator_forcelimited.astype(bool) & (np.abs(data.actuator_force) >= limits * (1 - 1e-9))
         return [int(model.actuator(int(i)).name[1:]) for i in np.flatnonzero(full)]
 
-    def _off(self) -> Array:
+    def _measure_joint_offsets(self) -> Array:
         found = np.zeros(len(self.mechanism.bodies))
         for place, body in enumerate(self.mechanism.bodies):
-            if body.hinge.kind in {"hinge", "slide"}:
-                found[place] = self._data.qpos[self._coordinate(place)] - body.hinge.value
+            if body.joint.kind in {"hinge", "slide"}:
+                found[place] = self._data.qpos[self._find_joint_address(place)] - body.joint.start_value
         return found
 
 
-def _mujoco() -> Any:
+def _import_mujoco() -> Any:
     # It would look for a screen, with a program of its own, to draw on.
     os.environ["MUJOCO_GL"] = "disable"
     import mujoco
@@ -372,7 +372,7 @@ def _mujoco() -> Any:
     return mujoco
 
 
-def _spec(mujoco: Any, mechanism: Mechanism, ground: float) -> Any:
+def _build_spec(mujoco: Any, mechanism: Mechanism, ground: float) -> Any:
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     spec.compiler.usethread = False
@@ -383,16 +383,16 @@ def _spec(mujoco: Any, mechanism: Mechanism, ground: float) -> Any:
     plane.contype, plane.conaffinity = 1, 0
     made = [spec.worldbody]
     for place, body in enumerate(mechanism.bodies):
-        position, quaternion = _place(mujoco, body.pose)
+        position, quaternion = _split_pose(mujoco, body.pose)
         one = made[body.parent + 1].add_body(name=f"b{place}", pos=position, quat=quaternion)
         one.mass, one.ipos, one.explicitinertial = body.mass, body.com, True
         i = body.inertia
         one.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
-        _join(mujoco, one, place, body, {follower.body for follower in mechanism.followers})
+        _add_joints(mujoco, one, place, body, {follower.body for follower in mechanism.followers})
         made.append(one)
-        _motor(mujoco, spec, place, body.hinge)
+        _add_motor(mujoco, spec, place, body.joint)
     for place, geom in enumerate(mechanism.geoms):
-        _shape(mujoco, spec, made[geom.body + 1], place, geom)
+        _add_geom(mujoco, spec, made[geom.body + 1], place, geom)
     for follower in mechanism.followers:
         equal = spec.add_equality(type=mujoco.mjtEq.mjEQ_JOINT, objtype=mujoco.mjtObj.mjOBJ_JOINT)
         equal.name1, equal.name2 = f"j{follower.body}", f"j{follower.leader}"
@@ -400,8 +400,8 @@ def _spec(mujoco: Any, mechanism: Mechanism, ground: float) -> Any:
     return spec
 
 
-def _join(mujoco: Any, body: Any, place: int, own: Body, followers: set[int]) -> None:
-    kinds, hinge = mujoco.mjtJoint, own.hinge
+def _add_joints(mujoco: Any, body: Any, place: int, own: RigidBody, followers: set[int]) -> None:
+    kinds, hinge = mujoco.mjtJoint, own.joint
     if hinge.kind == "floating" and own.parent < 0:
         body.add_freejoint(name=f"j{place}")
     elif hinge.kind == "floating":
@@ -421,7 +421,7 @@ def _join(mujoco: Any, body: Any, place: int, own: Body, followers: set[int]) ->
         joint.range = hinge.range or (0.0, 0.0)
 
 
-def _motor(mujoco: Any, spec: Any, place: int, hinge: Hinge) -> None:
+def _add_motor(mujoco: Any, spec: Any, place: int, hinge: SimulatedJoint) -> None:
     if hinge.effort is None:
         return
     motor = spec.add_actuator(name=f"m{place}", target=f"j{place}", trntype=mujoco.mjtTrn.mjTRN_JOINT)
@@ -431,9 +431,9 @@ def _motor(mujoco: Any, spec: Any, place: int, hinge: Hinge) -> None:
         motor.forcerange = [-hinge.effort, hinge.effort]
 
 
-def _shape(mujoco: Any, spec: Any, body: Any, place: int, geom: Geom) -> None:
+def _add_geom(mujoco: Any, spec: Any, body: Any, place: int, geom: Geom) -> None:
     kinds = mujoco.mjtGeom
-    position, quaternion = _place(mujoco, geom.pose)
+    position, quaternion = _split_pose(mujoco, geom.pose)
     made = body.add_geom(name=f"g{place}", pos=position, quat=quaternion, mass=0.0, contype=0, conaffinity=1)
     if geom.points is not None:
         points, mesh = geom.points, spec.add_mesh(name=f"s{place}", inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX)
@@ -448,7 +448,7 @@ def _shape(mujoco: Any, spec: Any, body: Any, place: int, geom: Geom) -> None:
         made.size = [geom.size[0], geom.size[1] / 2, 0.0]
 
 
-def _place(mujoco: Any, pose: Array) -> tuple[Array, Array]:
+def _split_pose(mujoco: Any, pose: Array) -> tuple[Array, Array]:
     quaternion = np.zeros(4)
     mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(pose[:3, :3]).ravel())
     return pose[:3, 3], quaternion

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.core import Unavailable
-from urdfcheck.facts.motion.contact import Stand
-from urdfcheck.model.ground.wheels import CASTER, Wheel, points_of
+from urdfcheck.core import FactUnavailableError
+from urdfcheck.facts.motion.contact import GroundSupport
+from urdfcheck.model.ground.wheels import CASTER_NAME, Wheel, collect_shape_corners
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_token
+from urdfcheck.model.shapes.bounds import is_dummy_shape
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -29,7 +29,7 @@ _GROUND = frozenset({"world", "map"})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Mass:
+class LinkMass:
     """What a link weighs: ``mass`` in kg and its ``com`` (3,) in root coordinates."""
 
     link: Link
@@ -37,7 +37,7 @@ class Mass:
     com: Array
 
 
-def is_free(model: Model) -> bool:
+def is_free_standing(model: Model) -> bool:
     """Whether the robot has wheels or legs and is not fixed to the ground.
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
@@ -45,7 +45,7 @@ def is_free(model: Model) -> bool:
     return model.tree.root not in _GROUND and bool(model.wheels or any(LEG.search(link.name) for link in model.links))
 
 
-def masses(model: Model) -> tuple[Mass, ...]:
+def list_link_masses(model: Model) -> tuple[LinkMass, ...]:
     """The links that have mass.
 
     :raises Unavailable: when the tree is broken, or a mass or an origin is malformed or negative.
@@ -57,13 +57,13 @@ def masses(model: Model) -> tuple[Mass, ...]:
             continue
         pose = inertial.origin.matrix
         if inertial.mass is None or pose is None or inertial.mass < 0:
-            raise Unavailable(f"the mass or the centre of mass of link {link.name!r} is not known")
+            raise FactUnavailableError(f"the mass or the centre of mass of link {link.name!r} is not known")
         if inertial.mass > 0:
-            found.append(Mass(link, inertial.mass, (model.frames[link.name] @ pose)[:3, 3]))
+            found.append(LinkMass(link, inertial.mass, (model.frames[link.name] @ pose)[:3, 3]))
     return tuple(found)
 
 
-def corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Array, NDArray[np.int64]]:
+def collect_robot_corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Array, NDArray[np.int64]]:
     """Points (n, 3) in root coordinates whose hull is that of the robot, and the place (n,) of each point's link in the tree's
     order.
 
@@ -77,10 +77,10 @@ def corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Array, NDArray[n
     for place, name in enumerate(model.tree.order):
         frame = model.frames[name]
         link = model.link_by_name[name]
-        shapes = [s for s in link.collisions or link.visuals if CASTER.search(name) or not is_token(s)]
-        points = points_of(model, shapes)
+        shapes = [s for s in link.collisions or link.visuals if CASTER_NAME.search(name) or not is_dummy_shape(s)]
+        points = collect_shape_corners(model, shapes)
         if points is None:
-            raise Unavailable(f"a shape of link {name!r} is not known")
+            raise FactUnavailableError(f"a shape of link {name!r} is not known")
         placed = points @ frame[:3, :3].T + frame[:3, 3]
         wheel = wheels.get(name)
         if wheel is not None:
@@ -91,7 +91,9 @@ def corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Array, NDArray[n
     return np.concatenate(parts), np.array(owners, dtype=np.int64)
 
 
-def contacts(model: Model, points: Array, owners: NDArray[np.int64], now: Stand) -> dict[str, Array]:
-    """The middle (3,) of the points with which each link touches the ground, in root coordinates; arrays as of `corners`."""
-    places, links = points[now.touching], owners[now.touching]
+def compute_contact_points(
+    model: Model, points: Array, owners: NDArray[np.int64], stand: GroundSupport
+) -> dict[str, Array]:
+    """The middle (3,) of the points with which each link touches the ground, in root coordinates; arrays as of `collect_robot_corners`."""
+    places, links = points[stand.touching], owners[stand.touching]
     return {model.tree.order[i]: places[links == i].mean(axis=0) for i in sorted(set(links.tolist()))}

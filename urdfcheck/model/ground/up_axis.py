@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.model.motion.collisions import Bench, Collisions
+from urdfcheck.model.motion.collisions import CollisionSetup, SelfCollisions
 from urdfcheck.model.parts import Shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import bounds
+from urdfcheck.model.shapes.bounds import compute_bounding_box
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,55 +27,60 @@ _ALIKE = 0.005
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lying:
+class LyingMeshes:
     """Collision ``shapes`` with meshes that lie on their sides: ``drawn`` of them have a mirror image in the robot as RViz and
     MoveIt draw it, and ``upright`` once all are turned. ``freed``: the pairs of links that meet at the neutral pose and do
     not when they are turned."""
 
     shapes: tuple[Shape, ...]
-    drawn: int
-    upright: int
-    freed: frozenset[tuple[str, str]]
+    mirrored_as_drawn: int
+    mirrored_upright: int
+    freed_pairs: frozenset[tuple[str, str]]
 
 
-def lying(model: Model) -> Lying | None:
+def find_lying_meshes(model: Model) -> LyingMeshes | None:
     """The meshes that lie on their sides; None where turning them does not make the robot more alike on both sides, or frees
     no pair.
 
     :raises Unavailable: when the collisions are not known.
     """
     found = model.collisions
-    shapes = tuple(s for s, up in zip(found.bench.shapes, found.bench.lying, strict=True) if up is not None)
+    shapes = tuple(s for s, up in zip(found.setup.shapes, found.setup.non_z_up, strict=True) if up is not None)
     if not shapes:
         return None
     try:
-        arrays = found.entry["upright"]
+        arrays = found.cache_entry["upright"]
     except KeyError:
-        arrays = found.entry["upright"] = {"mirrored": _mirrored(found.bench), "freed": _freed(found)}
+        arrays = found.cache_entry["upright"] = {
+            "mirrored": _count_mirrored_meshes(found.setup),
+            "freed": _find_freed_pairs(found),
+        }
     drawn, upright = arrays["mirrored"].tolist()
     freed = frozenset(found.pairs[k].links for k in arrays["freed"].tolist())
-    return Lying(shapes, drawn, upright, freed) if upright > drawn and freed else None
+    return LyingMeshes(shapes, drawn, upright, freed) if upright > drawn and freed else None
 
 
-def _freed(found: Collisions) -> NDArray[np.int64]:
+def _find_freed_pairs(found: SelfCollisions) -> NDArray[np.int64]:
     """The places of the pairs that meet at the neutral pose and do not with the meshes upright."""
-    bench, met = found.bench, found.at_rest["met"]
-    still = bench.upright.hits(bench.at_rest[None], bench.pairs[met])[:, 0]
+    bench, met = found.setup, found.rest_results["met"]
+    still = bench.turned_upright.detect_collisions(bench.rest_placements[None], bench.pairs[met])[:, 0]
     freed: NDArray[np.int64] = met[~still]
     return freed
 
 
-def _mirrored(bench: Bench) -> NDArray[np.int64]:
+def _count_mirrored_meshes(bench: CollisionSetup) -> NDArray[np.int64]:
     """How many of the meshes in question have a mirror image in the plane y = 0 of the root link (x ahead, y to the left),
     themselves among them, as drawn and upright."""
     counts = []
     for upright in (False, True):
-        placed = [(shape, bench.at_rest[owner]) for shape, owner in zip(bench.shapes, bench.owners, strict=True)]
-        boxes = np.array([bounds(bench.model, [one], upright=upright) for one in placed])
+        placed = [
+            (shape, bench.rest_placements[owner]) for shape, owner in zip(bench.shapes, bench.owners, strict=True)
+        ]
+        boxes = np.array([compute_bounding_box(bench.model, [one], apply_up_axis=upright) for one in placed])
         flipped = boxes.copy()
         flipped[:, :, 1] = -boxes[:, ::-1, 1]
         size = float(np.linalg.norm(boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)))
-        mine = np.array([up is not None for up in bench.lying])
+        mine = np.array([up is not None for up in bench.non_z_up])
         apart = np.abs(flipped[mine, None] - boxes[None]).max(axis=(2, 3)).min(axis=1)
         counts.append(int((apart <= _ALIKE * size).sum()))
     return np.array(counts)

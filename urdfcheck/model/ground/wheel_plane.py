@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.motion.contact import rocking
+from urdfcheck.facts.motion.contact import compute_rocking_gaps
 from urdfcheck.model.ground.wheels import Wheel, is_suspended
 from urdfcheck.model.robot import Model
 
@@ -24,31 +24,31 @@ _EXPLAINED = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Odd:
+class OddWheel:
     """The one wheel that is off: by its ``rise`` (m) its lowest point is above the others', and its radius by ``smaller`` (m)
     below theirs, 0 where they differ among themselves."""
 
     wheel: Wheel
     rise: float
-    smaller: float
+    radius_deficit: float
 
     @property
-    def by_radius(self) -> bool:
+    def is_caused_by_radius(self) -> bool:
         """Whether its axle is where it should be, and its radius the reason."""
-        return abs(self.smaller - self.rise) < _EXPLAINED * abs(self.rise)
+        return abs(self.radius_deficit - self.rise) < _EXPLAINED * abs(self.rise)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Footing:
+class UnevenWheels:
     """Four and more ``wheels`` that do not touch one plane: whichever three the robot stands on, another hangs ``gap`` (m) in
     the air. ``odd``: the one that is the reason, None when several are off."""
 
     wheels: Sequence[Wheel]
     gap: float
-    odd: Odd | None
+    odd_wheel: OddWheel | None
 
 
-def uneven(model: Model, *, spread: float, least: float) -> Footing | None:
+def find_uneven_wheels(model: Model, *, rel_tol: float, abs_tol: float) -> UnevenWheels | None:
     """The wheels that rock by more than ``spread`` (parts of the least radius) and ``least`` (m); None when they do not, or one
     of them is suspended.
 
@@ -57,17 +57,17 @@ def uneven(model: Model, *, spread: float, least: float) -> Footing | None:
     found = model.wheels
     if len(found) < 4 or any(is_suspended(model, wheel.joint.child) for wheel in found):
         return None
-    found = _on_one_ground(found)
+    found = _select_grounded_wheels(found)
     if len(found) < 4:
         return None
-    gaps = rocking(np.array([wheel.contact for wheel in found]))
-    if gaps is None or gaps.max() <= max(spread * min(wheel.radius for wheel in found), least):
+    gaps = compute_rocking_gaps(np.array([wheel.contact for wheel in found]))
+    if gaps is None or gaps.max() <= max(rel_tol * min(wheel.radius for wheel in found), abs_tol):
         return None
     gap = float(gaps.max())
-    return Footing(found, gap, _odd(found, gap))
+    return UnevenWheels(found, gap, _find_odd_wheel(found, gap))
 
 
-def _on_one_ground(found: Sequence[Wheel]) -> tuple[Wheel, ...]:
+def _select_grounded_wheels(found: Sequence[Wheel]) -> tuple[Wheel, ...]:
     """The wheels without those that stand on nothing: two or more whose lowest points are elsewhere, or one of another size."""
     usual = float(np.median([wheel.radius for wheel in found]))
     ground = float(np.median([wheel.contact[2] for wheel in found]))
@@ -76,7 +76,7 @@ def _on_one_ground(found: Sequence[Wheel]) -> tuple[Wheel, ...]:
     return tuple(wheel for wheel in found if alike or wheel not in away)
 
 
-def _odd(found: Sequence[Wheel], gap: float) -> Odd | None:
+def _find_odd_wheel(found: Sequence[Wheel], gap: float) -> OddWheel | None:
     """The only wheel whose lowest point is at another height than those of all others; None when several are off."""
     heights = np.array([wheel.contact[2] for wheel in found])
     usual = float(np.median(heights))
@@ -86,4 +86,4 @@ def _odd(found: Sequence[Wheel], gap: float) -> Odd | None:
     wheel = found[int(off[0])]
     radii = [other.radius for other in found if other is not wheel]
     smaller = max(radii) - wheel.radius if max(radii) - min(radii) < _EXPLAINED * gap else 0.0
-    return Odd(wheel, float(heights[off[0]]) - usual, smaller)
+    return OddWheel(wheel, float(heights[off[0]]) - usual, smaller)

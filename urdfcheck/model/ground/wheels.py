@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.likeness.revolution import outline
+from urdfcheck.facts.likeness.revolution import measure_outline
 from urdfcheck.model.parts import Joint, Link, Shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.visual_solid import shape_points
+from urdfcheck.model.shapes.visual_solid import compute_shape_corners
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 # A wheel's axis is level to within its camber, and parallel axes are parallel to within its toe: 6°.
 LEVEL = 0.1
-NAMED = re.compile(r"wheel|tyre|tire", re.IGNORECASE)
-CASTER = re.compile(r"cast[eo]r", re.IGNORECASE)
+WHEEL_NAME = re.compile(r"wheel|tyre|tire", re.IGNORECASE)
+CASTER_NAME = re.compile(r"cast[eo]r", re.IGNORECASE)
 # Wheels that turn freely or in another sense, or do not stand on the ground.
-OTHER = re.compile(r"caster|castor|roller|steer|swivel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
-_ALOFT = re.compile(r"roller|steering_?wheel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
+NOT_DRIVEN_NAME = re.compile(r"caster|castor|roller|steer|swivel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
+_NOT_WHEEL_NAME = re.compile(r"roller|steering_?wheel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,14 +50,14 @@ class Wheel:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Driven:
+class DrivenWheel:
     """A wheel of which only the ``joint`` and its unit ``axis`` (3,) in root coordinates matter."""
 
     joint: Joint
     axis: Array
 
 
-def wheels(model: Model) -> tuple[Driven, ...]:
+def find_driven_wheels(model: Model) -> tuple[DrivenWheel, ...]:
     """The wheels on which the robot stands and that no joint steers, when all joints are at zero and z is up.
 
     One whose shapes are not known is taken for a wheel when it is called one.
@@ -65,13 +65,17 @@ def wheels(model: Model) -> tuple[Driven, ...]:
     :raises Unavailable: when the tree is broken or an origin is malformed.
     """
     known = model.wheels
-    driven = [w for w in known if not OTHER.search(_words(w.joint)) and not _is_steered(model, w.joint, w.axis)]
+    driven = [
+        w
+        for w in known
+        if not NOT_DRIVEN_NAME.search(_join_joint_names(w.joint)) and not _is_steered(model, w.joint, w.axis)
+    ]
     ground = min((w.bottom for w in driven), default=0.0)
-    standing = [Driven(w.joint, w.axis) for w in driven if w.bottom - ground < 0.2 * w.radius]
-    return (*standing, *_unseen(model))
+    standing = [DrivenWheel(w.joint, w.axis) for w in driven if w.bottom - ground < 0.2 * w.radius]
+    return (*standing, *_find_unseen_wheels(model))
 
 
-def rolling(model: Model) -> tuple[Wheel, ...]:
+def rolling_wheels(model: Model) -> tuple[Wheel, ...]:
     """All wheels that can stand on the ground, driven, steered or free.
 
     A wheel is the child of a continuous joint with a level axis, drawn round about it; it is called one or a caster, or is as
@@ -79,75 +83,92 @@ def rolling(model: Model) -> tuple[Wheel, ...]:
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
     """
-    found = [wheel for joint in model.joints if (wheel := _wheel(model, joint)) is not None]
-    named = [w for w in found if NAMED.search(_words(w.joint)) or CASTER.search(_words(w.joint))]
+    found = [wheel for joint in model.joints if (wheel := _measure_wheel(model, joint)) is not None]
+    named = [
+        w
+        for w in found
+        if WHEEL_NAME.search(_join_joint_names(w.joint)) or CASTER_NAME.search(_join_joint_names(w.joint))
+    ]
     if len(named) == len(found):
         return tuple(named)
-    ground = min(_lowest(model, link) for link in model.links)
+    ground = min(_find_lowest_z(model, link) for link in model.links)
     return tuple(w for w in found if w in named or w.bottom - ground < 0.1 * w.radius)
 
 
 def is_suspended(model: Model, link: str) -> bool:
     """Whether the link can move up and down against the robot: a joint before its own does anything but steer about z."""
-    before = [joint for joint in model.tree.path(link)[:-1] if joint.moves]
+    before = [joint for joint in model.tree.find_path_to(link)[:-1] if joint.is_movable]
     axes = [model.axes.get(joint.name) if joint.type in {"revolute", "continuous"} else None for joint in before]
     return any(axis is None or abs(float(axis[2])) < 1 - LEVEL for axis in axes)
 
 
-def points_of(model: Model, shapes: Iterable[Shape]) -> Array | None:
+def collect_shape_corners(model: Model, shapes: Iterable[Shape]) -> Array | None:
     """Points (n, 3) on these shapes, in their link's frame, whose hull is theirs; None when one of them is not known."""
-    parts = [shape_points(model, shape, around=False) for shape in shapes]
+    parts = [compute_shape_corners(model, shape, circumscribed=False) for shape in shapes]
     known = [part for part in parts if part is not None]
     if len(known) != len(parts):
         return None
     return np.concatenate(known) if known else np.zeros((0, 3))
 
 
-def _wheel(model: Model, joint: Joint) -> Wheel | None:
+def _measure_wheel(model: Model, joint: Joint) -> Wheel | None:
     axis = model.axes.get(joint.name)
-    if joint.type != "continuous" or axis is None or abs(axis[2]) > LEVEL or _ALOFT.search(_words(joint)):
+    if (
+        joint.type != "continuous"
+        or axis is None
+        or abs(axis[2]) > LEVEL
+        or _NOT_WHEEL_NAME.search(_join_joint_names(joint))
+    ):
         return None
     link = model.link_by_name[joint.child]
     frame = model.frames[link.name]
     # What collides with the ground, where that is round: some collide as boxes.
     for shapes in (link.collisions, link.visuals):
-        points = points_of(model, shapes)
+        points = collect_shape_corners(model, shapes)
         if points is None or not len(points):
             continue
         placed = points @ frame[:3, :3].T + frame[:3, 3]
-        seen = outline(placed, axis, frame[:3, 3])
+        seen = measure_outline(placed, axis, frame[:3, 3])
         if seen.is_round() and seen.width <= 4 * seen.radius:
             return Wheel(joint, seen.centre, axis, seen.radius, seen.width, float(placed[:, 2].min()))
     return None
 
 
-def _unseen(model: Model) -> Iterator[Driven]:
+def _find_unseen_wheels(model: Model) -> Iterator[DrivenWheel]:
     for joint in model.joints:
         axis = model.axes.get(joint.name)
         if joint.type != "continuous" or axis is None or abs(axis[2]) > LEVEL:
             continue
-        if not NAMED.search(_words(joint)) or OTHER.search(_words(joint)) or _is_steered(model, joint, axis):
+        if (
+            not WHEEL_NAME.search(_join_joint_names(joint))
+            or NOT_DRIVEN_NAME.search(_join_joint_names(joint))
+            or _is_steered(model, joint, axis)
+        ):
             continue
         link = model.link_by_name[joint.child]
         shapes = (*link.visuals, *link.collisions)
-        if all(shape_points(model, shape, around=False) is None for shape in shapes):
-            yield Driven(joint, axis)
+        if all(compute_shape_corners(model, shape, circumscribed=False) is None for shape in shapes):
+            yield DrivenWheel(joint, axis)
 
 
 def _is_steered(model: Model, joint: Joint, axis: Array) -> bool:
     """Whether a joint before the wheel turns the wheel's axis."""
-    before = [other for other in model.tree.path(joint.child)[:-1] if other.moves and other.type != "prismatic"]
+    before = [
+        other for other in model.tree.find_path_to(joint.child)[:-1] if other.is_movable and other.type != "prismatic"
+    ]
     axes = [model.axes.get(other.name) for other in before]
     return any(own is None or abs(float(own @ axis)) < 1 - LEVEL for own in axes)
 
 
-def _words(joint: Joint) -> str:
+def _join_joint_names(joint: Joint) -> str:
     return f"{joint.name} {joint.child}"
 
 
-def _lowest(model: Model, link: Link) -> float:
+def _find_lowest_z(model: Model, link: Link) -> float:
     frame = model.frames[link.name]
     parts = [
-        p for shape in (*link.visuals, *link.collisions) if (p := shape_points(model, shape, around=False)) is not None
+        p
+        for shape in (*link.visuals, *link.collisions)
+        if (p := compute_shape_corners(model, shape, circumscribed=False)) is not None
     ]
     return min((float((p @ frame[2, :3]).min() + frame[2, 3]) for p in parts), default=math.inf)

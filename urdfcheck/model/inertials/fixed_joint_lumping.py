@@ -19,7 +19,7 @@ _LUMP = "_fixed_joint_lump__"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Merged:
+class MergedShape:
     """A shape of ``link`` (its owner in the URDF) under the ``name`` that it has in the SDF link ``body``."""
 
     element: Element
@@ -28,7 +28,7 @@ class Merged:
     name: str
     suffix: str
 
-    def gets(self, reference: str) -> bool:
+    def is_reached_by(self, reference: str) -> bool:
         """Whether the surface settings of a block with this reference arrive at the shape."""
         if reference == self.body:
             return _LUMP not in self.name
@@ -36,49 +36,49 @@ class Merged:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reduction:
+class FixedJointReduction:
     """``body`` is the link that each link is a part of in SDF, itself where it stays one. ``collisions`` and ``visuals``:
     every shape under its name in SDF."""
 
-    body: Mapping[str, str]
-    collisions: tuple[Merged, ...]
-    visuals: tuple[Merged, ...]
+    body_by_link: Mapping[str, str]
+    collisions: tuple[MergedShape, ...]
+    visuals: tuple[MergedShape, ...]
 
 
-def reduced(model: Model) -> Reduction:
+def reduce_fixed_joints(model: Model) -> FixedJointReduction:
     """:raises Unavailable: when the links are not one tree."""
-    tree, kept = model.tree, preserved(model)
+    tree, kept = model.tree, find_preserved_names(model)
     body: dict[str, str] = {}
     for name in tree.order:
         joint = tree.parent_joint.get(name)
-        body[name] = body[joint.parent] if joint is not None and is_merged(joint, kept) else name
+        body[name] = body[joint.parent] if joint is not None and is_merged_joint(joint, kept) else name
     members: dict[str, list[Link]] = {}
-    for name in _outwards(model):
+    for name in _list_links_outwards(model):
         members.setdefault(body[name], []).append(model.link_by_name[name])
-    return Reduction(body, _named(members, "collision"), _named(members, "visual"))
+    return FixedJointReduction(body, _name_merged_shapes(members, "collision"), _name_merged_shapes(members, "visual"))
 
 
-def is_merged(joint: Joint, kept: Mapping[str, Element]) -> bool:
+def is_merged_joint(joint: Joint, preserved_names: Mapping[str, Element]) -> bool:
     """Whether sdformat makes its two links one. Below a link called world it does not."""
-    return joint.type == "fixed" and joint.name not in kept and joint.parent != "world"
+    return joint.type == "fixed" and joint.name not in preserved_names and joint.parent != "world"
 
 
-def preserved(model: Model) -> Mapping[str, Element]:
+def find_preserved_names(model: Model) -> Mapping[str, Element]:
     """The names that a `<gazebo>` block asks to keep from being merged, with the element that says so."""
     found: dict[str, Element] = {}
-    for block in model.robot.all("gazebo"):
+    for block in model.robot.find_children("gazebo"):
         for child in block.children:
-            if child.tag in PRESERVE and is_true(child):
+            if child.tag in PRESERVE and is_true_flag(child):
                 found.setdefault(block.get("reference"), child)
     return found
 
 
-def is_true(element: Element) -> bool:
+def is_true_flag(element: Element) -> bool:
     """A flag as sdformat reads it: true, yes or 1, as the text or the attribute ``value``."""
     return (element.get("value") or element.text).strip().lower() in {"true", "yes", "1"}
 
 
-def _outwards(model: Model) -> list[str]:
+def _list_links_outwards(model: Model) -> list[str]:
     """The links in the order in which sdformat collects their shapes: each before what hangs on it, branch by branch.
     urdfdom keeps joints by name, so that is the order of the branches."""
     found: list[str] = []
@@ -91,8 +91,8 @@ def _outwards(model: Model) -> list[str]:
     return found
 
 
-def _named(members: Mapping[str, Sequence[Link]], role: str) -> tuple[Merged, ...]:
-    found: list[Merged] = []
+def _name_merged_shapes(members: Mapping[str, Sequence[Link]], role: str) -> tuple[MergedShape, ...]:
+    found: list[MergedShape] = []
     for body, links in members.items():
         shapes = [
             (link, shape) for link in links for shape in (link.collisions if role == "collision" else link.visuals)
@@ -100,5 +100,5 @@ def _named(members: Mapping[str, Sequence[Link]], role: str) -> tuple[Merged, ..
         for number, (link, shape) in enumerate(shapes):
             name = (shape.element.get("name") or link.name) + f"_{role}" + (f"_{number}" if number else "")
             full = name if name.startswith(body) else f"{body}{_LUMP}{name}"
-            found.append(Merged(shape.element, link.name, body, full, f"_{role}"))
+            found.append(MergedShape(shape.element, link.name, body, full, f"_{role}"))
     return tuple(found)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import Located
-from urdfcheck.facts.inertials.diagnosis import Declared
-from urdfcheck.facts.inertials.inertia_tensor import six_of
-from urdfcheck.facts.likeness.mirror import Deviation, wrong_signs
-from urdfcheck.model.parts import TENSOR, Inertial
+from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.inertia_tensor import list_inertia_components
+from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs
+from urdfcheck.model.parts import TENSOR_NAMES, Inertial
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,34 +19,41 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-def differences(found: Declared, expected: Declared, apart: Deviation, note: float) -> Iterator[str]:
+def describe_differences(
+    actual: DeclaredInertial, expected: DeclaredInertial, deviation: InertialDeviation, threshold: float
+) -> Iterator[str]:
     """What differs by more than the share ``note``: the mass, the COM, the signs of products, or the principal moments."""
-    if apart.mass > note:
-        yield f"mass {found.mass:.4g} kg instead of {expected.mass:.4g} kg (× {found.mass / expected.mass:.4g})"
-    if apart.place > note:
-        distance = float(np.linalg.norm(found.com - expected.com))
-        yield f"centre of mass {_mm(found.com)} instead of {_mm(expected.com)}, {distance * 1e3:.3g} mm away"
-    if apart.spread > note:
-        signs = [name for name in wrong_signs(found, expected, note) if name in TENSOR]
-        for name, one, other in zip(TENSOR, six_of(found.inertia), six_of(expected.inertia), strict=True):
+    if deviation.mass > threshold:
+        yield f"mass {actual.mass:.4g} kg instead of {expected.mass:.4g} kg (× {actual.mass / expected.mass:.4g})"
+    if deviation.com_offset > threshold:
+        distance = float(np.linalg.norm(actual.com - expected.com))
+        yield f"centre of mass {_format_millimetres(actual.com)} instead of {_format_millimetres(expected.com)}, {distance * 1e3:.3g} mm away"
+    if deviation.spread > threshold:
+        signs = [name for name in find_wrong_signs(actual, expected, threshold) if name in TENSOR_NAMES]
+        for name, one, other in zip(
+            TENSOR_NAMES,
+            list_inertia_components(actual.inertia),
+            list_inertia_components(expected.inertia),
+            strict=True,
+        ):
             if name in signs:
                 yield f"{name} {one:.4g} instead of {other:.4g}"
         if not signs:
-            moments = [", ".join(f"{m:.3g}" for m in np.linalg.eigvalsh(n.inertia)) for n in (found, expected)]
+            moments = [", ".join(f"{m:.3g}" for m in np.linalg.eigvalsh(n.inertia)) for n in (actual, expected)]
             equal = moments[0] == moments[1]
             yield "other principal axes" if equal else f"principal moments {moments[0]} instead of {moments[1]} kg·m²"
 
 
-def place_of_difference(inertial: Inertial, apart: Deviation, note: float) -> Located:
+def locate_difference(inertial: Inertial, deviation: InertialDeviation, threshold: float) -> Located:
     """The narrowest text that holds what differs."""
     places: tuple[tuple[Located | None, float], ...] = (
-        (inertial.mass_attribute, apart.mass),
-        (inertial.origin.attribute("xyz"), apart.place),
-        (inertial.tensor_element, apart.spread),
+        (inertial.mass_attribute, deviation.mass),
+        (inertial.origin.get_attribute("xyz"), deviation.com_offset),
+        (inertial.tensor_element, deviation.spread),
     )
-    wrong = [place for place, share in places if share > note]
+    wrong = [place for place, share in places if share > threshold]
     return wrong[0] if len(wrong) == 1 and wrong[0] is not None else inertial.element
 
 
-def _mm(place: Array) -> str:
+def _format_millimetres(place: Array) -> str:
     return "(" + ", ".join(f"{1e3 * v + 0.0:.4g}" for v in place) + ") mm"

@@ -8,11 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.inertials.inertia_tensor import covariance_of
+from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.model.parts import Inertial, Link
-from urdfcheck.model.rigid_bodies import bodies, body_mass, body_tensor
+from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_rigid_bodies
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.visual_solid import body_points, draws, follows_unit, lies
+from urdfcheck.model.shapes.visual_solid import (
+    collect_body_corners,
+    has_drawn_shape,
+    has_unit_ambiguity,
+    has_up_axis_ambiguity,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,11 +27,11 @@ if TYPE_CHECKING:
 # A link lighter than this that draws nothing is a frame: its mass is there for a program that wants one.
 FRAME_MASS = 1e-3
 # Below this part of its body's mass or moments a link decides nothing about how the body moves.
-LITTLE = 0.05
+NEGLIGIBLE_SHARE = 0.05
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Enclosed:
+class EnclosedInertial:
     """An inertial and what is drawn round it. ``com`` (3,) and ``covariance`` (3, 3) in the axes of the root link (m, m²);
     ``readings``: the corners (K, 3) of all that the link and the links fixed to it draw or collide with, likewise: as RViz
     draws it, and without COLLADA's ``<unit>`` and with its ``<up_axis>`` where that makes a difference. ``alone``: no other
@@ -39,57 +44,57 @@ class Enclosed:
     com: Array
     covariance: Array
     readings: tuple[Array, ...]
-    alone: bool
+    is_single_link: bool
     mass_share: float
     moment_share: float
 
     @property
-    def around(self) -> str:
+    def geometry_phrase(self) -> str:
         """Whose geometry it is, for a message about the link."""
-        return "the drawn geometry" if self.alone else "the drawn geometry of it and of the links fixed to it"
+        return "the drawn geometry" if self.is_single_link else "the drawn geometry of it and of the links fixed to it"
 
 
-def enclosed(model: Model) -> Iterator[Enclosed]:
+def enclosed_inertials(model: Model) -> Iterator[EnclosedInertial]:
     """The inertials of links that are bodies and not mere frames, where all that is drawn round them is known.
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
     """
-    for body in bodies(model):
-        readings = tuple(_readings(model, body.links))
+    for body in list_rigid_bodies(model):
+        readings = tuple(_list_corner_readings(model, body.links))
         if not readings:
             continue
-        shares = body_shares(model, body.links)
+        shares = compute_body_shares(model, body.links)
         for name in body.links:
             link, frame = model.link_by_name[name], model.frames[name]
             inertial = link.inertial
             if name not in shares or inertial is None or inertial.mass is None or inertial.tensor_in_link is None:
                 continue
-            if is_frame(link):
+            if is_massless_frame(link):
                 continue
             pose = inertial.origin.matrix
             assert pose is not None
             turn = frame[:3, :3]
             com = turn @ pose[:3, 3] + frame[:3, 3]
-            covariance = turn @ covariance_of(inertial.tensor_in_link, inertial.mass) @ turn.T
+            covariance = turn @ compute_mass_covariance(inertial.tensor_in_link, inertial.mass) @ turn.T
             alone = len(body.links) == 1
-            yield Enclosed(link, inertial, inertial.mass, com, covariance, readings, alone, *shares[name])
+            yield EnclosedInertial(link, inertial, inertial.mass, com, covariance, readings, alone, *shares[name])
 
 
-def _readings(model: Model, links: tuple[str, ...]) -> Iterator[Array]:
-    for unit in (True, False) if follows_unit(model, links) else (True,):
-        for upright in (False, True) if lies(model, links) else (False,):
-            points = body_points(model, links, unit=unit, upright=upright)
+def _list_corner_readings(model: Model, links: tuple[str, ...]) -> Iterator[Array]:
+    for unit in (True, False) if has_unit_ambiguity(model, links) else (True,):
+        for upright in (False, True) if has_up_axis_ambiguity(model, links) else (False,):
+            points = collect_body_corners(model, links, apply_unit=unit, apply_up_axis=upright)
             if points is not None:
                 yield points
 
 
-def is_frame(link: Link) -> bool:
+def is_massless_frame(link: Link) -> bool:
     """Whether a link draws nothing and has next to no mass."""
     mass = None if link.inertial is None else link.inertial.mass
-    return not draws(link) and (mass is None or mass < FRAME_MASS)
+    return not has_drawn_shape(link) and (mass is None or mass < FRAME_MASS)
 
 
-def body_shares(model: Model, links: tuple[str, ...]) -> dict[str, tuple[float, float]]:
+def compute_body_shares(model: Model, links: tuple[str, ...]) -> dict[str, tuple[float, float]]:
     """What each of the ``links`` of a body with a positive mass and a tensor has of the body's mass and of its largest principal
     moment, which may be more than all of it where others are negative; all of it where that of the body is not known.
 
@@ -105,7 +110,7 @@ def body_shares(model: Model, links: tuple[str, ...]) -> dict[str, tuple[float, 
             and inertial.tensor_in_link is not None
         ):
             known[name] = inertial.mass, float(np.abs(np.linalg.eigvalsh(inertial.tensor_in_link)).max())
-    mass, tensor = body_mass(model, links), body_tensor(model, links)
+    mass, tensor = compute_body_mass(model, links), compute_body_tensor(model, links)
     if len(known) == 1 or not mass or tensor is None:
         return dict.fromkeys(known, (1.0, 1.0))
     largest = max(float(np.linalg.eigvalsh(tensor)[-1]), 1e-300)

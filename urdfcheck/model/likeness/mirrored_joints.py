@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.likeness.mirror import mirrored_range
-from urdfcheck.model.likeness.mirror_pairs import Pair
+from urdfcheck.facts.likeness.mirror import mirror_range
+from urdfcheck.model.likeness.mirror_pairs import MirrorPair
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 
@@ -30,34 +30,35 @@ WITNESSES = 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Limited:
+class MismatchedLimit:
     """A joint whose ``<limit>`` is not what that of its ``twin`` says it is: ``wanted`` holds what it should be, by attribute.
 
     ``copied``: it has the twin's range as it stands. ``like``: joints elsewhere that have the twin's limits, when enough do
     and none has this joint's.
     """
 
-    pair: Pair
+    pair: MirrorPair
     joint: Joint
     twin: Joint
-    wanted: Mapping[str, float]
+    expected: Mapping[str, float]
     copied: bool
-    like: tuple[str, ...]
+    agreeing_joints: tuple[str, ...]
 
     @property
-    def share(self) -> float:
+    def max_difference(self) -> float:
         """The greatest difference: of the range over its length, of effort and velocity over the greater one."""
-        found = {name: value for name in self.wanted if (value := self.joint.limit_value(name)) is not None}
-        bounds = [*_bounds(self.joint), *_bounds(self.twin)]
+        found = {name: value for name in self.expected if (value := self.joint.get_limit_value(name)) is not None}
+        bounds = [*_get_bounds(self.joint), *_get_bounds(self.twin)]
         length = max(bounds[1] - bounds[0], bounds[3] - bounds[2])
         return max(
-            abs(value - self.wanted[name]) / (length if name in {"lower", "upper"} else max(value, self.wanted[name]))
+            abs(value - self.expected[name])
+            / (length if name in {"lower", "upper"} else max(value, self.expected[name]))
             for name, value in found.items()
         )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Displaced:
+class MisplacedJoint:
     """A joint that is not where the mirror puts it: ``distance`` (m) away, with the ``places`` (3,) that the first and the second
     joint have in their parents' frames if the other one is right; or, in its place, with an axis off by ``angle`` (rad), because
     its frame is ``turned`` or the axis in it."""
@@ -70,7 +71,7 @@ class Displaced:
     places: tuple[Array, Array]
 
 
-def joints_of(model: Model, pair: Pair) -> tuple[Joint, Joint] | None:
+def find_pair_joints(model: Model, pair: MirrorPair) -> tuple[Joint, Joint] | None:
     """The joints that move the two links, when both are of one type and neither follows another joint."""
     one, other = (model.tree.parent_joint.get(name) for name in (pair.one, pair.other))
     if one is None or other is None or one.type != other.type or not one.has_axis:
@@ -80,27 +81,29 @@ def joints_of(model: Model, pair: Pair) -> tuple[Joint, Joint] | None:
     return one, other
 
 
-def limited(model: Model, pair: Pair, found: Sequence[Pair], note: float) -> Limited | None:
+def find_mismatched_limit(
+    model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair], threshold: float
+) -> MismatchedLimit | None:
     """The joint of a pair whose limits are not those of the other's mirror image; the second where nothing says which."""
-    joints = joints_of(model, pair)
+    joints = find_pair_joints(model, pair)
     if joints is None or joints[0].limit is None or joints[1].limit is None:
         return None
-    if not _wanted(model, pair, found, joints, note):
+    if not _compute_expected_limit(model, pair, known_pairs, joints, threshold):
         return None
-    like = [_like(model, pair, joint, note) for joint in joints]
+    like = [_list_agreeing_joints(model, pair, joint, threshold) for joint in joints]
     first_is_wrong = not like[0] and len(like[1]) >= VOTES
     decided = first_is_wrong or (not like[1] and len(like[0]) >= VOTES)
     twin, joint = joints[::-1] if first_is_wrong else joints
-    wanted = _wanted(model, pair, found, (twin, joint), note)
-    copied = bool({"lower", "upper"} & wanted.keys()) and _bounds(twin) == _bounds(joint)
-    return Limited(pair, joint, twin, wanted, copied, like[first_is_wrong] if decided else ())
+    wanted = _compute_expected_limit(model, pair, known_pairs, (twin, joint), threshold)
+    copied = bool({"lower", "upper"} & wanted.keys()) and _get_bounds(twin) == _get_bounds(joint)
+    return MismatchedLimit(pair, joint, twin, wanted, copied, like[first_is_wrong] if decided else ())
 
 
-def chains(found: Iterable[Limited]) -> list[list[Limited]]:
+def group_by_chain(mismatches: Iterable[MismatchedLimit]) -> list[list[MismatchedLimit]]:
     """Limits that are wrong, those of joints that hang on each other together."""
-    made: list[list[Limited]] = []
-    for one in found:
-        chain = next((c for c in made if one.pair.hangs_on(c[0].pair)), None)
+    made: list[list[MismatchedLimit]] = []
+    for one in mismatches:
+        chain = next((c for c in made if one.pair.is_attached_to(c[0].pair)), None)
         if chain is None:
             made.append([one])
         else:
@@ -108,129 +111,131 @@ def chains(found: Iterable[Limited]) -> list[list[Limited]]:
     return made
 
 
-def is_shifted(model: Model, chain: Sequence[Limited], note: float) -> bool:
+def is_shifted(model: Model, chain: Sequence[MismatchedLimit], threshold: float) -> bool:
     """Whether most joints of one side have the limits of the joint before their twin."""
 
-    def count(ones: Iterable[tuple[Joint, Joint]]) -> int:
-        earlier = [(joint, _before(model, twin)) for joint, twin in ones]
-        return sum(b is not None and _agree(a, b, note) for a, b in earlier)
+    def count_agreeing(ones: Iterable[tuple[Joint, Joint]]) -> int:
+        earlier = [(joint, _find_previous_joint(model, twin)) for joint, twin in ones]
+        return sum(b is not None and _has_same_limits(a, b, threshold) for a, b in earlier)
 
     both = [(one.joint, one.twin) for one in chain]
-    return max(count(both), count((twin, joint) for joint, twin in both)) > len(chain) / 2
+    return max(count_agreeing(both), count_agreeing((twin, joint) for joint, twin in both)) > len(chain) / 2
 
 
-def displaced(model: Model, pair: Pair, found: Sequence[Pair]) -> Displaced | None:
+def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]) -> MisplacedJoint | None:
     """The second joint of a pair where it is out of the place, or the direction, in which the mirror puts it, while all joints
     before it are in theirs."""
-    joints = joints_of(model, pair)
-    if joints is None or pair.agreeing < WITNESSES or not pair.named:
+    joints = find_pair_joints(model, pair)
+    if joints is None or pair.agreeing_pairs < WITNESSES or not pair.is_named:
         return None
-    if pair.drawn == "copied" or (pair.drawn == "neither" and not pair.alike):
+    if pair.drawn_as == "copied" or (pair.drawn_as == "neither" and not pair.is_alike):
         return None
-    if _at_one_place(joints):
+    if _is_at_one_place(joints):
         return None
     one, other = joints
     image, axis = pair.plane.linear @ model.axes[one.name], model.axes[other.name]
     angle = math.atan2(float(np.linalg.norm(np.cross(image, axis))), abs(float(image @ axis)))
     shift = model.frames[pair.other][:3, :3] @ pair.shift
-    if one.type != "prismatic" and (pair.slides or pair.drawn is None):
+    if one.type != "prismatic" and (pair.uses_shift or pair.drawn_as is None):
         shift = shift - axis * float(shift @ axis)  # where on its axis a joint's frame lies is a choice
     distance = float(np.linalg.norm(shift))
     sides = float(np.linalg.norm(model.frames[pair.one][:3, 3] - model.frames[pair.other][:3, 3]))
     displaced_by = distance if PLACE < distance < APART * sides else 0.0
     tilted_by = angle if distance <= PLACE and STRAIGHT < angle < ARRANGED else 0.0
-    above = (p for p in found if p is not pair and pair.hangs_on(p))
-    if not (displaced_by or tilted_by) or not all(_in_pose(p) for p in above):
+    above = (p for p in known_pairs if p is not pair and pair.is_attached_to(p))
+    if not (displaced_by or tilted_by) or not all(_is_mirrored_in_pose(p) for p in above):
         return None
-    places = _image(model, pair, one, pair.other), _image(model, pair, other, pair.one)
-    return Displaced(other, one, displaced_by, tilted_by, not _squared(pair.linear), places)
+    places = _compute_image_place(model, pair, one, pair.other), _compute_image_place(model, pair, other, pair.one)
+    return MisplacedJoint(other, one, displaced_by, tilted_by, not _is_axis_aligned(pair.linear), places)
 
 
-def _wanted(
-    model: Model, pair: Pair, found: Sequence[Pair], joints: tuple[Joint, Joint], note: float
+def _compute_expected_limit(
+    model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair], joints: tuple[Joint, Joint], threshold: float
 ) -> dict[str, float]:
     """The attributes that the second joint's limit should have if the first is right, but has not."""
     one, other = joints
-    wanted = _range(model, pair, found, joints, note)
+    wanted = _compute_expected_range(model, pair, known_pairs, joints, threshold)
     for name in ("effort", "velocity"):
-        a, b = one.limit_value(name), other.limit_value(name)
-        if a is not None and b is not None and min(a, b) > 0 and abs(a - b) > note * max(a, b):
+        a, b = one.get_limit_value(name), other.get_limit_value(name)
+        if a is not None and b is not None and min(a, b) > 0 and abs(a - b) > threshold * max(a, b):
             wanted[name] = a
     return wanted
 
 
-def _range(
-    model: Model, pair: Pair, found: Sequence[Pair], joints: tuple[Joint, Joint], note: float
+def _compute_expected_range(
+    model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair], joints: tuple[Joint, Joint], threshold: float
 ) -> dict[str, float]:
     """The limits that the second joint should have but has not; none where the drawings do not tell that sides and zeros are
     mirrored."""
     one, other = joints
-    (a, b), (c, d) = _bounds(one), _bounds(other)
-    if one.type not in {"revolute", "prismatic"} or pair.drawn in {"neither", "copied"} or not (a < b and c < d):
+    (a, b), (c, d) = _get_bounds(one), _get_bounds(other)
+    if one.type not in {"revolute", "prismatic"} or pair.drawn_as in {"neither", "copied"} or not (a < b and c < d):
         return {}
     along = float((pair.plane.linear @ model.axes[one.name]) @ model.axes[other.name])
-    lower, upper = mirrored_range(a, b, along, rotates=one.type == "revolute")
-    slack = note * max(b - a, d - c)
+    lower, upper = mirror_range(a, b, along, rotates=one.type == "revolute")
+    slack = threshold * max(b - a, d - c)
     if abs(along) < math.cos(ARRANGED) or max(abs(lower - c), abs(upper - d)) <= slack:
         return {}
-    below = [p for p in found if p.hangs_on(pair)]
-    if pair.drawn is None and not all(p.in_place and _squared(p.linear) for p in below):
+    below = [p for p in known_pairs if p.is_attached_to(pair)]
+    if pair.drawn_as is None and not all(p.is_in_place and _is_axis_aligned(p.linear) for p in below):
         return {}  # the zero of one side may be another angle
-    drawn = {p.drawn for p in below}
+    drawn = {p.drawn_as for p in below}
     if max(abs(a - c), abs(b - d)) <= slack and ("mirrored" not in drawn or "copied" in drawn):
         return {}  # one module on either side
     pairs = (("lower", lower, c), ("upper", upper, d))
     return {name: expected for name, expected, value in pairs if abs(expected - value) > slack}
 
 
-def _bounds(joint: Joint) -> tuple[float, float]:
+def _get_bounds(joint: Joint) -> tuple[float, float]:
     """Lower and upper limit, NaN where there is none."""
-    lower, upper = joint.limit_value("lower"), joint.limit_value("upper")
+    lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
     return math.nan if lower is None else lower, math.nan if upper is None else upper
 
 
-def _like(model: Model, pair: Pair, joint: Joint, note: float) -> tuple[str, ...]:
+def _list_agreeing_joints(model: Model, pair: MirrorPair, joint: Joint, threshold: float) -> tuple[str, ...]:
     """Joints outside the pair that carry parts like the pair's and have a joint's limits, mirrored or not."""
-    others = [model.tree.parent_joint[name] for name in pair.like if name in model.tree.parent_joint]
-    return tuple(other.name for other in others if other.type == joint.type and _agree(other, joint, note))
+    others = [model.tree.parent_joint[name] for name in pair.alike_links if name in model.tree.parent_joint]
+    return tuple(
+        other.name for other in others if other.type == joint.type and _has_same_limits(other, joint, threshold)
+    )
 
 
-def _agree(one: Joint, other: Joint, note: float) -> bool:
+def _has_same_limits(one: Joint, other: Joint, threshold: float) -> bool:
     """Whether two joints have the same range, or the negated one, effort and velocity; False where one has none."""
-    (a, b), (c, d) = _bounds(one), _bounds(other)
-    slack = note * max(b - a, d - c)
-    rest = [(one.limit_value(name), other.limit_value(name)) for name in ("effort", "velocity")]
-    same = all(p is not None and q is not None and math.isclose(p, q, rel_tol=note) for p, q in rest)
+    (a, b), (c, d) = _get_bounds(one), _get_bounds(other)
+    slack = threshold * max(b - a, d - c)
+    rest = [(one.get_limit_value(name), other.get_limit_value(name)) for name in ("effort", "velocity")]
+    same = all(p is not None and q is not None and math.isclose(p, q, rel_tol=threshold) for p, q in rest)
     if one.type == "continuous":
         return same
     return same and min(max(abs(a - c), abs(b - d)), max(abs(a + d), abs(b + c))) <= slack
 
 
-def _before(model: Model, joint: Joint) -> Joint | None:
+def _find_previous_joint(model: Model, joint: Joint) -> Joint | None:
     """The moving joint before another."""
-    path = [j for j in model.tree.path(joint.child) if j.moves]
+    path = [j for j in model.tree.find_path_to(joint.child) if j.is_movable]
     return path[-2] if len(path) > 1 else None
 
 
-def _in_pose(pair: Pair) -> bool:
+def _is_mirrored_in_pose(pair: MirrorPair) -> bool:
     """Whether place and frames of two links are mirrored."""
-    turned = pair.drawn not in {"mirrored", "both"} and not _squared(pair.linear)
-    return pair.in_place and not turned
+    turned = pair.drawn_as not in {"mirrored", "both"} and not _is_axis_aligned(pair.linear)
+    return pair.is_in_place and not turned
 
 
-def _squared(linear: Array) -> bool:
+def _is_axis_aligned(linear: Array) -> bool:
     """Whether the frames of both sides differ by quarter turns and mirrors only: a choice of axes."""
     return bool(np.abs(np.rint(linear) - linear).max() < 2e-3)
 
 
-def _image(model: Model, pair: Pair, joint: Joint, source: str) -> Array:
+def _compute_image_place(model: Model, pair: MirrorPair, joint: Joint, source: str) -> Array:
     """Where the mirror image of a link's frame lies in the frame of a joint's parent."""
     parent = model.frames[joint.parent]
-    place: Array = parent[:3, :3].T @ (pair.plane.image(model.frames[source][:3, 3]) - parent[:3, 3])
+    place: Array = parent[:3, :3].T @ (pair.plane.reflect_points(model.frames[source][:3, 3]) - parent[:3, 3])
     return place
 
 
-def _at_one_place(joints: tuple[Joint, Joint]) -> bool:
+def _is_at_one_place(joints: tuple[Joint, Joint]) -> bool:
     """Whether both joints stand at one place in the frames of two parents, as in copies of one part."""
     one, other = (joint.origin.matrix for joint in joints)
     same = one is not None and other is not None and float(np.abs(one - other).max()) < 1e-6

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from urdfcheck.facts.inertials.inertia_tensor import principal_moments
-from urdfcheck.facts.likeness.symmetry import Signature, group_by_signature, signature
+from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
+from urdfcheck.facts.likeness.symmetry import LinkSignature, build_link_signature, group_by_signature
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model
 
 
-def siblings(model: Model) -> list[tuple[Joint, ...]]:
+def sibling_joints(model: Model) -> list[tuple[Joint, ...]]:
     """Groups of moving joints that have the same type, the same number of moving joints before them, and like children.
 
     Children are alike in mass, principal moments and the shape of what they draw, whatever they are called and however
@@ -19,12 +19,12 @@ def siblings(model: Model) -> list[tuple[Joint, ...]]:
     :raises Unavailable: when the tree is broken.
     """
     tree = model.tree
-    kinds: dict[tuple[str, int], list[tuple[Joint, Signature]]] = {}
+    kinds: dict[tuple[str, int], list[tuple[Joint, LinkSignature]]] = {}
     for name in tree.order[1:]:
         joint = tree.parent_joint[name]
-        found = _signature(model, model.link_by_name[name]) if joint.has_axis else None
+        found = _compute_signature(model, model.link_by_name[name]) if joint.has_axis else None
         if found is not None:
-            depth = sum(j.moves for j in tree.path(name))
+            depth = sum(j.is_movable for j in tree.find_path_to(name))
             kinds.setdefault((joint.type, depth), []).append((joint, found))
     groups = []
     for members in kinds.values():
@@ -33,17 +33,17 @@ def siblings(model: Model) -> list[tuple[Joint, ...]]:
     return [group for group in groups if len(group) > 1]
 
 
-def base_of(model: Model, group: Sequence[Joint]) -> str:
+def find_common_base(model: Model, group: Sequence[Joint]) -> str:
     """The last link that all joints of a group hang on: in its axes their places and frames were thought of.
 
     :raises Unavailable: when the tree is broken.
     """
-    paths = [[joint.parent for joint in model.tree.path(one.child)] for one in group]
+    paths = [[joint.parent for joint in model.tree.find_path_to(one.child)] for one in group]
     shared: list[str] = [names[0] for names in zip(*paths, strict=False) if len(set(names)) == 1]
     return shared[-1]
 
 
-def chain_of(model: Model, joint: Joint, base: str) -> tuple[Joint, ...]:
+def trace_fixed_chain(model: Model, joint: Joint, base: str) -> tuple[Joint, ...]:
     """The fixed joints between the link ``base``, or the moving joint before this one, and this one, and this one last.
 
     :raises Unavailable: when the tree is broken.
@@ -56,17 +56,17 @@ def chain_of(model: Model, joint: Joint, base: str) -> tuple[Joint, ...]:
     return tuple(reversed(chain))
 
 
-def _signature(model: Model, link: Link) -> Signature | None:
-    inertial, surface = link.inertial, _surface(model, link)
+def _compute_signature(model: Model, link: Link) -> LinkSignature | None:
+    inertial, surface = link.inertial, _compute_surface_moments(model, link)
     if inertial is None:
-        return signature(0.0, (), surface) if surface else None
+        return build_link_signature(0.0, (), surface) if surface else None
     if inertial.mass is None or inertial.tensor is None:
         return None
-    moments, _ = principal_moments(inertial.tensor)
-    return signature(inertial.mass, moments.tolist(), surface)
+    moments, _ = compute_principal_moments(inertial.tensor)
+    return build_link_signature(inertial.mass, moments.tolist(), surface)
 
 
-def _surface(model: Model, link: Link) -> Sequence[float]:
+def _compute_surface_moments(model: Model, link: Link) -> Sequence[float]:
     """Principal second moments (m²) of the surface of the first mesh that the link draws; empty when there is none.
 
     A surface has them whether or not it is closed.
@@ -74,9 +74,9 @@ def _surface(model: Model, link: Link) -> Sequence[float]:
     import numpy as np
 
     for shape in (*link.visuals, *link.collisions):
-        facts, scale = model.meshes.facts_of(shape), shape.size
+        facts, scale = model.meshes.get_facts(shape), shape.size
         if facts is not None and scale is not None:
             factors = np.array(scale)
-            moments, _ = principal_moments(facts.surface_covariance * np.outer(factors, factors))
+            moments, _ = compute_principal_moments(facts.surface_covariance * np.outer(factors, factors))
             return [float(m) for m in moments]
     return ()

@@ -12,7 +12,7 @@ from functools import cached_property
 from pathlib import Path
 
 from urdfcheck.model.robot import Model
-from urdfcheck.source.package.finder import BUILT, display_name
+from urdfcheck.source.package.finder import BUILD_FOLDERS, format_path
 from urdfcheck.system.files import read_regular, walk
 
 _SUFFIXES = frozenset({".urdf", ".xacro"})
@@ -29,64 +29,72 @@ _LONGEST = 200
 
 
 @dataclass(frozen=True, eq=False)
-class Elsewhere:
+class PackageNames:
     """What the files of a model and of its package call links and joints."""
 
     model: Model
 
-    def may_have(self, kind: str, name: str) -> bool:
+    def can_package_have(self, kind: str, name: str) -> bool:
         """Whether a ``kind`` (link or joint) of this name stands in one of the files, spelled out or with expressions whose
         values are words of the files."""
-        return self._in(kind, name, self._texts)
+        return self._can_files_have(kind, name, self._all_names)
 
-    def variants_may_have(self, kind: str, name: str) -> bool:
+    def can_variants_have(self, kind: str, name: str) -> bool:
         """Whether the files that the model is made of can make the name with any arguments."""
-        files = self._used
+        files = self._model_names
         spelled = name in files.literal[kind] or any(p.fullmatch(name) for p in files.patterns[kind])
         return spelled or bool(files.anything[kind])
 
-    def others_have(self, kind: str, name: str) -> bool:
+    def can_others_have(self, kind: str, name: str) -> bool:
         """The same for the files that the model itself does not use."""
-        return self._in(kind, name, self._others)
+        return self._can_files_have(kind, name, self._other_names)
 
-    def _in(self, kind: str, name: str, files: _Texts) -> bool:
+    def _can_files_have(self, kind: str, name: str, files: _DeclaredNames) -> bool:
         if name in files.literal[kind] or len(name) > _LONGEST:
             return True
         for pattern in files.patterns[kind]:
             match = pattern.fullmatch(name)
-            if match and all(piece in self._pieces for filled in match.groups() for piece in _PIECE.findall(filled)):
+            if match and all(
+                piece in self._quoted_words for filled in match.groups() for piece in _PIECE.findall(filled)
+            ):
                 return True
         return bool(files.anything[kind])
 
     @cached_property
-    def _texts(self) -> _Texts:
-        return _Texts([file.text for file in self.model.source.files.values()] + self._unused)
+    def _all_names(self) -> _DeclaredNames:
+        return _DeclaredNames([file.text for file in self.model.source.files.values()] + self._other_texts)
 
     @cached_property
-    def _used(self) -> _Texts:
-        return _Texts([file.text for file in self.model.source.files.values()])
+    def _model_names(self) -> _DeclaredNames:
+        return _DeclaredNames([file.text for file in self.model.source.files.values()])
 
     @cached_property
-    def _others(self) -> _Texts:
-        return _Texts(self._unused)
+    def _other_names(self) -> _DeclaredNames:
+        return _DeclaredNames(self._other_texts)
 
     @cached_property
-    def _pieces(self) -> frozenset[str]:
+    def _quoted_words(self) -> frozenset[str]:
         """The words of everything that stands in quotes."""
-        texts = [file.text for file in self.model.source.files.values()] + self._unused
+        texts = [file.text for file in self.model.source.files.values()] + self._other_texts
         quoted = (found for text in texts for match in _QUOTED.finditer(text) for found in match.groups("") if found)
         return frozenset(piece for found in quoted for piece in _PIECE.findall(_EXPRESSION.sub(" ", found)))
 
     @cached_property
-    def _unused(self) -> list[str]:
+    def _other_texts(self) -> list[str]:
         """The texts of the package's other robots and macros; without a package, of those beside the model."""
         source = self.model.source
         folder = source.path.absolute().parent if source.package is None else source.package.path
         texts: list[str] = []
         for here, names, files in walk(folder):
-            names[:] = [n for n in names if not n.startswith(".") and n not in BUILT and source.package is not None]
+            names[:] = [
+                n for n in names if not n.startswith(".") and n not in BUILD_FOLDERS and source.package is not None
+            ]
             for path in (Path(here, name) for name in files):
-                if path.suffix not in _SUFFIXES or display_name(path) in source.files or not source.finder.allows(path):
+                if (
+                    path.suffix not in _SUFFIXES
+                    or format_path(path) in source.files
+                    or not source.finder.can_open(path)
+                ):
                     continue
                 if len(texts) == _MOST_FILES:
                     return texts
@@ -97,7 +105,7 @@ class Elsewhere:
         return texts
 
 
-class _Texts:
+class _DeclaredNames:
     """The names in some texts: ``literal`` ones, ``patterns`` of those with expressions, and whether one may be ``anything``."""
 
     def __init__(self, texts: list[str]) -> None:

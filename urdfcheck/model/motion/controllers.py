@@ -12,17 +12,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import Located
-from urdfcheck.facts.likeness.revolution import outline
-from urdfcheck.model.ground.wheels import points_of
+from urdfcheck.facts.likeness.revolution import measure_outline
+from urdfcheck.model.ground.wheels import collect_shape_corners
 from urdfcheck.model.robot import Model
-from urdfcheck.source.discover import FOLDERS
+from urdfcheck.source.discover import CONFIG_FOLDERS
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.ros.controllers import Configuration, Controller, brought_up, read_configuration, yaml_files
-from urdfcheck.source.ros.srdf import is_about, srdf_folders
-from urdfcheck.source.text.tokens import content_of
+from urdfcheck.source.ros.controllers import (
+    Controller,
+    ControllerConfig,
+    find_bringup_configs,
+    list_yaml_files,
+    read_controller_config,
+)
+from urdfcheck.source.ros.srdf import is_about_model, list_srdf_folders
+from urdfcheck.source.text.tokens import find_content_span
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.text.yaml import Value
+from urdfcheck.source.text.yaml import YamlValue
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -34,12 +40,12 @@ _FIND = re.compile(r"\$\((?:find|find-pkg-share)\s+([^\s()]+)\s*\)")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Associated:
+class AssociatedConfiguration:
     """A configuration and what says that it is the model's: ``named`` is where the model (or a launch file that loads the
     model) names it, None where it lies beside the model and most of its joints are the model's."""
 
-    configuration: Configuration
-    named: Located | None
+    configuration: ControllerConfig
+    named_at: Located | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,68 +60,68 @@ class ParameterFile:
     literal: bool = False
 
 
-def configurations(model: Model) -> list[Associated]:
+def find_controller_configs(model: Model) -> list[AssociatedConfiguration]:
     """The controller configurations of a model: those that it names, and of those in its package, in its MoveIt configuration
     and in packages that bring it up the ones that fit it."""
-    finder, found = model.source.finder, dict[str, Associated]()
-    for parameters in parameter_files(model):
+    finder, found = model.source.finder, dict[str, AssociatedConfiguration]()
+    for parameters in list_parameter_files(model):
         if parameters.path is not None:
-            _add(found, parameters.path, finder, parameters.element)
+            _add_configuration(found, parameters.path, finder, parameters.element)
     known = frozenset(model.joint_by_name)
     package = model.package
-    srdfs = [srdf for srdf in model.srdfs if is_about(srdf, model.source)]
-    folders = [] if package is None else [package.path / folder for folder in FOLDERS]
-    for path in (*yaml_files([*folders, *srdf_folders(srdfs)]), *brought_up(model.source)):
+    srdfs = [srdf for srdf in model.srdfs if is_about_model(srdf, model.source)]
+    folders = [] if package is None else [package.path / folder for folder in CONFIG_FOLDERS]
+    for path in (*list_yaml_files([*folders, *list_srdf_folders(srdfs)]), *find_bringup_configs(model.source)):
         if os.path.realpath(path) not in found:
-            _add(found, path, finder, None, known)
+            _add_configuration(found, path, finder, None, known)
     return list(found.values())
 
 
-def launched(launch: Launch, model: Model) -> list[Associated]:
+def find_launched_configs(launch: Launch, model: Model) -> list[AssociatedConfiguration]:
     """The configurations that a launch file loads beside its one robot and that fit it."""
-    found: dict[str, Associated] = {}
+    found: dict[str, AssociatedConfiguration] = {}
     if launch.root is None or len({description.path for description in launch.descriptions}) != 1:
         return []
     for element in launch.root.walk():
         name = {"rosparam": "file", "param": "from"}.get(element.tag, "")
         attribute = element.attributes.get(name)
-        path = None if attribute is None else _launch_path(attribute.value, launch)
+        path = None if attribute is None else _resolve_launch_path(attribute.value, launch)
         if attribute is not None and path is not None:
-            _add(found, path, launch.finder, attribute, frozenset(model.joint_by_name))
+            _add_configuration(found, path, launch.finder, attribute, frozenset(model.joint_by_name))
     return list(found.values())
 
 
-def _add(
-    found: dict[str, Associated],
+def _add_configuration(
+    found: dict[str, AssociatedConfiguration],
     path: Path,
     finder: PackageFinder,
     named: Located | None,
     known: frozenset[str] | None = None,
 ) -> None:
     """Read a configuration; where ``known`` is given, at least half of the joints it names must be among these."""
-    configuration = read_configuration(path, finder)
+    configuration = read_controller_config(path, finder)
     if configuration is None:
         return
-    names = configuration.names
+    names = configuration.joint_names
     if known is None or 2 * len(names & known) >= len(names):
-        found[os.path.realpath(path)] = Associated(configuration, named)
+        found[os.path.realpath(path)] = AssociatedConfiguration(configuration, named)
 
 
-def parameter_files(model: Model) -> Iterator[ParameterFile]:
+def list_parameter_files(model: Model) -> Iterator[ParameterFile]:
     """What the control plugins of the model name as their parameters."""
-    for block in model.robot.all("gazebo"):
-        for plugin in block.all("plugin"):
+    for block in model.robot.find_children("gazebo"):
+        for plugin in block.find_children("plugin"):
             if not _CONTROL_PLUGIN.search(plugin.get("filename")):
                 continue
-            for element in plugin.all("parameters"):
+            for element in plugin.find_children("parameters"):
                 text = element.text.strip()
                 if text:
-                    yield _parameter_file(model, element, text)
+                    yield _resolve_parameter_file(model, element, text)
 
 
-def _parameter_file(model: Model, element: Element, text: str) -> ParameterFile:
+def _resolve_parameter_file(model: Model, element: Element, text: str) -> ParameterFile:
     source = model.source
-    literal = content_of(element, source.files) is not None
+    literal = find_content_span(element, source.files) is not None
     path = Path(text)
     own = source.package
     if not path.is_absolute():
@@ -124,15 +130,15 @@ def _parameter_file(model: Model, element: Element, text: str) -> ParameterFile:
         # A path of the author's machine: of its own package the file is known all the same.
         tail = None if own is None else text.rpartition(f"/{own.name}/")[2]
         inside = None if own is None or tail is None or tail == text else own.path / tail
-        known = inside if inside is not None and source.finder.allows(inside) and os.path.isfile(inside) else None
+        known = inside if inside is not None and source.finder.can_open(inside) and os.path.isfile(inside) else None
         return ParameterFile(element, text, known, literal=True)
-    if not source.finder.allows(path):
+    if not source.finder.can_open(path):
         return ParameterFile(element, text, None)
     exists = os.path.isfile(path)  # of a name too long pathlib raises
     return ParameterFile(element, text, path if exists else None, missing=not exists)
 
 
-def _launch_path(text: str, launch: Launch) -> Path | None:
+def _resolve_launch_path(text: str, launch: Launch) -> Path | None:
     """A path in a launch file, None where its arguments decide."""
     match = _FIND.match(text.strip())
     folder = None if match is None else launch.finder.find(match.group(1))
@@ -140,21 +146,21 @@ def _launch_path(text: str, launch: Launch) -> Path | None:
     if folder is None or "$" in rest or "\0" in rest:
         return None
     path = folder / rest.lstrip("/")
-    return path if launch.finder.allows(path) and os.path.isfile(path) else None
+    return path if launch.finder.can_open(path) and os.path.isfile(path) else None
 
 
 # -- what the description offers ----------------------------------------------------------------------------------------
 
 
-def command_interfaces(model: Model) -> dict[str, set[str]] | None:
+def collect_command_interfaces(model: Model) -> dict[str, set[str]] | None:
     """The command interfaces of each joint in the model's ``<ros2_control>`` blocks; None where it has none of them."""
-    blocks = model.robot.all("ros2_control")
+    blocks = model.robot.find_children("ros2_control")
     if not blocks:
         return None
     offered: dict[str, set[str]] = {}
     for block in blocks:
-        for component in (*block.all("joint"), *block.all("gpio")):
-            names = {element.get("name") for element in component.all("command_interface")}
+        for component in (*block.find_children("joint"), *block.find_children("gpio")):
+            names = {element.get("name") for element in component.find_children("command_interface")}
             offered.setdefault(component.get("name"), set()).update(names)
     return offered
 
@@ -162,7 +168,7 @@ def command_interfaces(model: Model) -> dict[str, set[str]] | None:
 # -- wheels of a differential drive -------------------------------------------------------------------------------------
 
 
-def sides(controller: Controller) -> tuple[list[Value], list[Value]]:
+def list_drive_wheels(controller: Controller) -> tuple[list[YamlValue], list[YamlValue]]:
     """The wheel joints that a differential drive names on its left and on its right."""
     kinds = ("left_wheel", "left_wheel_names"), ("right_wheel", "right_wheel_names")
     left, right = ([j for name in kind if (j := controller.parameters.get(name)) is not None] for kind in kinds)
@@ -171,7 +177,7 @@ def sides(controller: Controller) -> tuple[list[Value], list[Value]]:
     ]
 
 
-def radii(model: Model, joint: str) -> list[float]:
+def measure_wheel_radii(model: Model, joint: str) -> list[float]:
     """The radii (m) about its axis of what the joint's child collides as and draws, where these are round and known.
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
@@ -182,12 +188,12 @@ def radii(model: Model, joint: str) -> list[float]:
     link = model.link_by_name[model.joint_by_name[joint].child]
     return [
         float(seen.radius)
-        for placed in _placed(model, link.name)
-        if (seen := outline(placed, axis, _at(model, joint))).is_round()
+        for placed in _place_link_points(model, link.name)
+        if (seen := measure_outline(placed, axis, _locate_joint(model, joint))).is_round()
     ]
 
 
-def separations(model: Model, left: str, right: str) -> list[float]:
+def measure_wheel_separations(model: Model, left: str, right: str) -> list[float]:
     """The distances (m) along their common axis between two wheels: of the joints, and of the middles of what is known of
     the wheels; none where the axes are not parallel.
 
@@ -197,26 +203,26 @@ def separations(model: Model, left: str, right: str) -> list[float]:
     if left not in axes or right not in axes or abs(float(axes[left] @ axes[right])) < 0.99:
         return []
     axis = axes[left]
-    found = [abs(float((_at(model, left) - _at(model, right)) @ axis))]
-    one, other = _middles(model, left, axis), _middles(model, right, axis)
+    found = [abs(float((_locate_joint(model, left) - _locate_joint(model, right)) @ axis))]
+    one, other = _compute_wheel_middles(model, left, axis), _compute_wheel_middles(model, right, axis)
     return [*found, *(abs(a - b) for a, b in zip(one, other, strict=False))]
 
 
-def _middles(model: Model, joint: str, axis: Array) -> list[float]:
-    placed = _placed(model, model.joint_by_name[joint].child)
+def _compute_wheel_middles(model: Model, joint: str, axis: Array) -> list[float]:
+    placed = _place_link_points(model, model.joint_by_name[joint].child)
     return [float(along.min() + along.max()) / 2 for points in placed for along in (points @ axis,)]
 
 
-def _placed(model: Model, name: str) -> Iterator[Array]:
+def _place_link_points(model: Model, name: str) -> Iterator[Array]:
     """Points in root coordinates on what a link collides as, and on what it draws."""
     link, frame = model.link_by_name[name], model.frames[name]
     for shapes in (link.collisions, link.visuals):
-        points = points_of(model, shapes)
+        points = collect_shape_corners(model, shapes)
         if points is not None and len(points):
             yield points @ frame[:3, :3].T + frame[:3, 3]
 
 
-def _at(model: Model, joint: str) -> Array:
+def _locate_joint(model: Model, joint: str) -> Array:
     """Where a joint is (3,), in root coordinates."""
     at: Array = model.frames[model.joint_by_name[joint].child][:3, 3]
     return at

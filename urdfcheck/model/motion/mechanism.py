@@ -9,15 +9,22 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from urdfcheck.core import Unavailable
-from urdfcheck.facts.motion.simulation import Body, Follower, Geom, Hinge, Mechanism, lowest
+from urdfcheck.core import FactUnavailableError
+from urdfcheck.facts.motion.simulation import (
+    Follower,
+    Geom,
+    Mechanism,
+    RigidBody,
+    SimulatedJoint,
+    compute_lowest_height,
+)
 from urdfcheck.model.motion import poses
-from urdfcheck.model.motion.joint_loads import damping
+from urdfcheck.model.motion.joint_loads import read_damping
 from urdfcheck.model.parts import MOVING_TYPES, Joint, Link, Shape
-from urdfcheck.model.rigid_bodies import bodies, body_inertia, body_mass, is_point
+from urdfcheck.model.rigid_bodies import compute_body_inertia, compute_body_mass, is_point_mass, list_rigid_bodies
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_token
-from urdfcheck.source.text.values import attribute_number
+from urdfcheck.model.shapes.bounds import is_dummy_shape
+from urdfcheck.source.text.values import read_attribute_number
 
 Array = NDArray[np.float64]
 
@@ -30,7 +37,7 @@ GROUND = frozenset({"world", "map"})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Standing:
+class StandingRobot:
     """``mechanism``; ``heads``: the first link of each of its bodies, and the ``joints`` on which they hang (None for a free
     root); ``links`` of its geoms; ``fixed``: why the root cannot move, empty if it can; ``drawn``: whether the geoms are what
     the robot draws, because it collides with nothing; ``ground`` (m): the lowest point in the root's frame; ``size`` (m): the
@@ -40,37 +47,37 @@ class Standing:
     heads: tuple[str, ...]
     joints: tuple[Joint | None, ...]
     links: tuple[str, ...]
-    fixed: str
-    drawn: bool
+    fixed_reason: str
+    uses_visuals: bool
     ground: float
     size: float
 
 
-def standing(model: Model) -> Standing:
+def build_standing_robot(model: Model) -> StandingRobot:
     """The robot at its neutral pose (every joint at zero, or at the limit nearest to it).
 
     :raises Unavailable: when the tree is broken, a body that moves has no mass or no inertia, a shape is not known, or the
         robot is too large.
     """
     tree = model.tree
-    neutral = poses.neutral(model)
-    poses.ensure_few(neutral.joints)
-    placed = {name: frame[0] for name, frame in poses.frames(model, neutral).items()}
-    fixed = _why_fixed(model)
-    wholes = [body for body in bodies(model) if body.moves or not fixed]
-    if not wholes or (fixed and not any(body.moves for body in wholes)):
-        raise Unavailable("nothing of the robot can move")
+    neutral = poses.make_neutral_configuration(model)
+    poses.ensure_few_joints(neutral.joints)
+    placed = {name: frame[0] for name, frame in poses.compute_frames(model, neutral).items()}
+    fixed = _explain_fixed_root(model)
+    wholes = [body for body in list_rigid_bodies(model) if body.is_movable or not fixed]
+    if not wholes or (fixed and not any(body.is_movable for body in wholes)):
+        raise FactUnavailableError("nothing of the robot can move")
     heads = tuple(body.links[0] for body in wholes)
     member = {name: place for place, body in enumerate(wholes) for name in body.links}
     joints = tuple(tree.parent_joint.get(head) for head in heads)
-    shapes, drawn = _shapes(model)
-    geoms = tuple(_geom(model, link, shape, member, heads) for link, shape in shapes)
+    shapes, drawn = _collect_contact_shapes(model)
+    geoms = tuple(_make_geom(model, link, shape, member, heads) for link, shape in shapes)
     where = [placed[heads[geom.body]] if geom.body >= 0 else np.eye(4) for geom in geoms]
-    return Standing(
+    return StandingRobot(
         Mechanism(
-            tuple(_body(model, body.links, member, heads, neutral.named(0)) for body in wholes),
+            tuple(_make_body(model, body.links, member, heads, neutral.to_values_by_name(0)) for body in wholes),
             geoms,
-            tuple(_followers(joints)),
+            tuple(_list_followers(joints)),
             bool(fixed),
         ),
         heads,
@@ -78,133 +85,139 @@ def standing(model: Model) -> Standing:
         tuple(link.name for link, _ in shapes),
         fixed,
         drawn,
-        min(lowest(geom, at) for geom, at in zip(geoms, where, strict=True)),
-        _size(geoms, where),
+        min(compute_lowest_height(geom, at) for geom, at in zip(geoms, where, strict=True)),
+        _compute_diagonal(geoms, where),
     )
 
 
-def _why_fixed(model: Model) -> str:
+def _explain_fixed_root(model: Model) -> str:
     root = model.tree.root
     if root in GROUND:
         return f"its root is {root}"
-    mass = body_mass(model, model.tree.body(root))
+    mass = compute_body_mass(model, model.tree.list_body_links(root))
     if mass is None:
-        raise Unavailable(f"the mass of link {root!r} is not known (XML005, XML007)")
+        raise FactUnavailableError(f"the mass of link {root!r} is not known (XML005, XML007)")
     if mass < 0:
-        raise Unavailable(f"the mass of link {root!r} is negative (INR002)")
+        raise FactUnavailableError(f"the mass of link {root!r} is negative (INR002)")
     return "" if mass > 0 else f"its root {root} has no mass"
 
 
-def _body(
+def _make_body(
     model: Model, links: tuple[str, ...], member: Mapping[str, int], heads: Sequence[str], values: Mapping[str, float]
-) -> Body:
+) -> RigidBody:
     joint = model.tree.parent_joint.get(links[0])
-    whole = body_inertia(model, links)
+    whole = compute_body_inertia(model, links)
     if whole is None or not whole[0] > 0:
-        raise Unavailable(f"link {links[0]!r} moves and has no mass (INR001, INR002)")
+        raise FactUnavailableError(f"link {links[0]!r} moves and has no mass (INR001, INR002)")
     mass, com, tensor = whole
-    if len(links) == 1 and (inertial := model.link_by_name[links[0]].inertial) is not None and is_point(inertial):
-        raise Unavailable(f"link {links[0]!r} moves and has no inertia (INR004)")
+    if len(links) == 1 and (inertial := model.link_by_name[links[0]].inertial) is not None and is_point_mass(inertial):
+        raise FactUnavailableError(f"link {links[0]!r} moves and has no inertia (INR004)")
     frame = model.frames[links[0]]
     turn = frame[:3, :3]
     parent = -1 if joint is None else member.get(joint.parent, -1)
     above = model.frames[heads[parent]] if parent >= 0 else np.eye(4)
-    return Body(
+    return RigidBody(
         parent,
         np.linalg.inv(above) @ frame,
-        _hinge(joint, values),
+        _make_hinge(joint, values),
         mass,
         turn.T @ (com - frame[:3, 3]),
         turn.T @ tensor @ turn,
     )
 
 
-def _geom(model: Model, link: Link, shape: Shape, member: Mapping[str, int], heads: Sequence[str]) -> Geom:
+def _make_geom(model: Model, link: Link, shape: Shape, member: Mapping[str, int], heads: Sequence[str]) -> Geom:
     body, pose = member.get(link.name, -1), shape.origin.matrix
     assert pose is not None
     own = model.frames[heads[body]] if body >= 0 else np.eye(4)
     kind = "hull" if shape.kind == "mesh" else shape.kind or ""
     return Geom(
-        body, kind, shape.size or (), np.linalg.inv(own) @ model.frames[link.name] @ pose, _points(model, shape)
+        body,
+        kind,
+        shape.size or (),
+        np.linalg.inv(own) @ model.frames[link.name] @ pose,
+        _compute_hull_points(model, shape),
     )
 
 
-def _hinge(joint: Joint | None, values: Mapping[str, float]) -> Hinge:
+def _make_hinge(joint: Joint | None, values: Mapping[str, float]) -> SimulatedJoint:
     if joint is None or joint.type == "floating":
-        return Hinge("floating", np.array((0.0, 0.0, 1.0)))
+        return SimulatedJoint("floating", np.array((0.0, 0.0, 1.0)))
     if joint.type not in MOVING_TYPES:
-        raise Unavailable(f"the type of joint {joint.name!r} is not known (KIN009)")
+        raise FactUnavailableError(f"the type of joint {joint.name!r} is not known (KIN009)")
     if joint.axis is None or not any(joint.axis):
-        raise Unavailable(f"the axis of joint {joint.name!r} is zero or malformed (JNT001, XML007)")
+        raise FactUnavailableError(f"the axis of joint {joint.name!r} is zero or malformed (JNT001, XML007)")
     axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
     if joint.type == "planar":
-        return Hinge("planar", axis)
-    return Hinge(
+        return SimulatedJoint("planar", axis)
+    return SimulatedJoint(
         "slide" if joint.type == "prismatic" else "hinge",
         axis,
-        _range(joint),
-        damping(joint),
-        max(attribute_number(joint.element.child("dynamics"), "friction") or 0.0, 0.0),
+        _read_joint_range(joint),
+        read_damping(joint),
+        max(read_attribute_number(joint.element.find_child("dynamics"), "friction") or 0.0, 0.0),
         values[joint.name],
-        _effort(joint),
+        _get_holding_effort(joint),
     )
 
 
-def _range(joint: Joint) -> tuple[float, float] | None:
+def _read_joint_range(joint: Joint) -> tuple[float, float] | None:
     """The limits as typed; None where there are none, or they are no range."""
-    lower, upper = joint.limit_value("lower"), joint.limit_value("upper")
+    lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
     if joint.type == "continuous" or lower is None or upper is None or not lower < upper:
         return None
     return lower, upper
 
 
-def _effort(joint: Joint) -> float | None:
+def _get_holding_effort(joint: Joint) -> float | None:
     """What holds a joint: its effort limit, infinite where that is zero (JNT007), None where it is not driven."""
     if not joint.is_driven:
         return None
-    effort = joint.limit_value("effort")
+    effort = joint.get_limit_value("effort")
     return effort if effort is not None and effort > 0 else np.inf
 
 
-def _followers(joints: Sequence[Joint | None]) -> Iterator[Follower]:
+def _list_followers(joints: Sequence[Joint | None]) -> Iterator[Follower]:
     known = [(i, j) for i, j in enumerate(joints) if j is not None and j.type in poses.ONE_DEGREE_OF_FREEDOM]
     places = {joint.name: place for place, joint in known}
     for place, joint in known:
         leader = None if joint.mimic is None else places.get(joint.mimic.get("joint"))
         if leader is not None and leader != place:
-            multiplier, offset = (attribute_number(joint.mimic, word) for word in ("multiplier", "offset"))
+            multiplier, offset = (read_attribute_number(joint.mimic, word) for word in ("multiplier", "offset"))
             yield Follower(place, leader, 1.0 if multiplier is None else multiplier, offset or 0.0)
 
 
-def _shapes(model: Model) -> tuple[list[tuple[Link, Shape]], bool]:
+def _collect_contact_shapes(model: Model) -> tuple[list[tuple[Link, Shape]], bool]:
     """What touches the plane: all collision shapes, or what is drawn where there are none; and whether it is that."""
     links = [model.link_by_name[name] for name in model.tree.order]
     found = [(link, shape) for link in links for shape in link.collisions]
     drawn = not found
     if drawn:
-        found = [(link, shape) for link in links for shape in link.visuals if not is_token(shape)]
+        found = [(link, shape) for link in links for shape in link.visuals if not is_dummy_shape(shape)]
     if not found:
-        raise Unavailable("the robot has no shape that could touch the ground")
+        raise FactUnavailableError("the robot has no shape that could touch the ground")
     if len(found) > MOST_SHAPES:
-        raise Unavailable(f"{len(found):,} shapes may touch the ground, and {MOST_SHAPES:,} are simulated at most")
+        raise FactUnavailableError(
+            f"{len(found):,} shapes may touch the ground, and {MOST_SHAPES:,} are simulated at most"
+        )
     for link, shape in found:
-        if not _is_known(model, shape):
-            raise Unavailable(
+        if not _is_usable_shape(model, shape):
+            raise FactUnavailableError(
                 f"a {shape.role} shape of link {link.name!r} could not be read, and nothing else would hold it up"
             )
     return found, drawn
 
 
-def _is_known(model: Model, shape: Shape) -> bool:
-    size = model.drawn_scale(shape) if shape.kind == "mesh" else shape.size
+def _is_usable_shape(model: Model, shape: Shape) -> bool:
+    size = model.compute_drawn_scale(shape) if shape.kind == "mesh" else shape.size
     if shape.kind is None or size is None or shape.origin.matrix is None:
         return False
     return all(size) if shape.kind == "mesh" else min(size) > 0
 
 
-def _points(model: Model, shape: Shape) -> Array | None:
+def _compute_hull_points(model: Model, shape: Shape) -> Array | None:
     """The corners (K, 3) of a mesh's convex hull, in m; of a flat one a plate."""
-    facts, scale = model.meshes.facts_of(shape), model.drawn_scale(shape)
+    facts, scale = model.meshes.get_facts(shape), model.compute_drawn_scale(shape)
     if facts is None or scale is None:
         return None
     points: Array = facts.hull.vertices * np.array(scale)
@@ -215,7 +228,7 @@ def _points(model: Model, shape: Shape) -> Array | None:
     return np.array(list(product(*zip(low, high, strict=True))))
 
 
-def _size(geoms: Sequence[Geom], where: Sequence[Array]) -> float:
+def _compute_diagonal(geoms: Sequence[Geom], where: Sequence[Array]) -> float:
     """The diagonal (m) of the box round the geoms."""
     sides = []
     for axis in np.eye(3):
@@ -223,6 +236,6 @@ def _size(geoms: Sequence[Geom], where: Sequence[Array]) -> float:
         for toward in (axis, -axis):
             turned = np.eye(4)
             turned[2, :3] = toward
-            ends.append(min(lowest(geom, turned @ at) for geom, at in zip(geoms, where, strict=True)))
+            ends.append(min(compute_lowest_height(geom, turned @ at) for geom, at in zip(geoms, where, strict=True)))
         sides.append(-sum(ends))
     return float(np.linalg.norm(sides))

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from urdfcheck.model.motion import poses
-from urdfcheck.model.motion.collisions import Pair
-from urdfcheck.model.motion.poses import Poses
+from urdfcheck.model.motion.collisions import CollisionPair
+from urdfcheck.model.motion.poses import JointConfigurations
 from urdfcheck.model.robot import Model
 from urdfcheck.source.ros.srdf import Srdf
 from urdfcheck.source.text.xml import Element
@@ -26,81 +26,86 @@ ALWAYS_SHARE = 0.95
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Judged:
+class SetupAssistantPair:
     """A ``pair`` of links and why Setup Assistant disables it, None where it does not; ``by_default``: whether the two
     meet in MoveIt's default state."""
 
-    pair: Pair
+    pair: CollisionPair
     reason: Reason | None
-    by_default: bool
+    meets_at_default: bool
 
     @property
-    def always(self) -> bool:
+    def is_always_for_moveit(self) -> bool:
         """Whether they collide so often that Setup Assistant says always."""
-        return self.pair.share > ALWAYS_SHARE
+        return self.pair.hit_share > ALWAYS_SHARE
 
 
-def judged(model: Model) -> tuple[Judged, ...]:
+def classify_link_pairs(model: Model) -> tuple[SetupAssistantPair, ...]:
     """Every pair of links with collision geometry, as MoveIt's Setup Assistant would judge it.
 
     :raises Unavailable: when the collisions are not known.
     """
-    adjacent = adjacent_links(model)
-    pairs = zip(model.collisions.pairs, _met_by_default(model).tolist(), strict=True)
-    return tuple(Judged(pair, _reason(pair, frozenset(pair.links) in adjacent, met), met) for pair, met in pairs)
+    adjacent = find_adjacent_links(model)
+    pairs = zip(model.collisions.pairs, _find_default_hits(model).tolist(), strict=True)
+    return tuple(
+        SetupAssistantPair(pair, _choose_reason(pair, frozenset(pair.links) in adjacent, met), met)
+        for pair, met in pairs
+    )
 
 
-def default_state(model: Model) -> Poses:
+def compute_default_state(model: Model) -> JointConfigurations:
     """The one configuration that MoveIt begins with: every joint at zero, or in the middle of a range without zero
     (getVariableDefaultPositions of its joint models); followers where ``<mimic>`` puts them.
 
     :raises Unavailable: when the tree is broken.
     """
-    joints = poses.neutral(model).joints
-    bounds = [poses.limits(joint) for joint in joints]
+    joints = poses.make_neutral_configuration(model).joints
+    bounds = [poses.get_sampling_range(joint) for joint in joints]
     values = [0.0 if lower <= 0.0 <= upper else (lower + upper) / 2 for lower, upper in bounds]
-    return poses.following(Poses(joints, np.array(values).reshape(1, -1)))
+    return poses.apply_mimics(JointConfigurations(joints, np.array(values).reshape(1, -1)))
 
 
-def depth_by_default(model: Model, pair: Pair) -> float:
+def measure_default_depth(model: Model, pair: CollisionPair) -> float:
     """How deep (m) two links that meet in MoveIt's default state overlap there; 0 where they just touch.
 
     :raises Unavailable: when the collisions are not known.
     """
-    bench = model.collisions.bench
+    bench = model.collisions.setup
     place = {link.name: i for i, link in enumerate(bench.links)}
-    found = bench.colliders.separation(bench.placements(default_state(model))[0], *(place[name] for name in pair.links))
+    found = bench.colliders.find_deepest_overlap(
+        bench.compute_placements(compute_default_state(model))[0], *(place[name] for name in pair.links)
+    )
     return 0.0 if found is None else found.depth
 
 
-def _met_by_default(model: Model) -> NDArray[np.bool_]:
+def _find_default_hits(model: Model) -> NDArray[np.bool_]:
     """Whether each pair meets in MoveIt's default state (K,)."""
-    state, collisions = default_state(model), model.collisions
-    if np.array_equal(state.values, poses.neutral(model).values):
-        return np.array([pair.by_default for pair in collisions.pairs], dtype=bool)
-    bench = collisions.bench
+    state, collisions = compute_default_state(model), model.collisions
+    if np.array_equal(state.values, poses.make_neutral_configuration(model).values):
+        return np.array([pair.meets_at_neutral for pair in collisions.pairs], dtype=bool)
+    bench = collisions.setup
     try:
-        known: NDArray[np.bool_] = collisions.entry["default"]["hits"]
+        known: NDArray[np.bool_] = collisions.cache_entry["default"]["hits"]
         return known
     except KeyError:
-        hits = bench.colliders.hits(bench.placements(state), bench.pairs)[:, 0]
-        collisions.entry["default"] = {"hits": hits}
+        hits = bench.colliders.detect_collisions(bench.compute_placements(state), bench.pairs)[:, 0]
+        collisions.cache_entry["default"] = {"hits": hits}
         return hits
 
 
-def _reason(pair: Pair, adjacent: bool, by_default: bool) -> Reason | None:
+def _choose_reason(pair: CollisionPair, adjacent: bool, by_default: bool) -> Reason | None:
     """The first reason that holds, in Setup Assistant's order. Of a pair with a shape that had to be left out nobody can
     say that it never meets."""
     if adjacent:
         return "Adjacent"
     if by_default:
         return "Default"
-    if pair.share > ALWAYS_SHARE:
+    if pair.hit_share > ALWAYS_SHARE:
         return "Always"
-    return "Never" if pair.never_seen and pair.complete else None
+    return "Never" if pair.is_never_in_collision and pair.is_complete else None
 
 
-def adjacent_links(model: Model) -> frozenset[frozenset[str]]:
+def find_adjacent_links(model: Model) -> frozenset[frozenset[str]]:
     """The pairs of links with collision geometry that are connected by a joint of any type, or by joints with only links
     without such geometry in between.
 
@@ -126,33 +131,33 @@ def adjacent_links(model: Model) -> frozenset[frozenset[str]]:
     return frozenset(found.union(*(map(frozenset, combinations(links, 2)) for links in plugged.values())))
 
 
-def moved_links(model: Model, srdf: Srdf) -> frozenset[str]:
+def find_moved_links(model: Model, srdf: Srdf) -> frozenset[str]:
     """The links that a planning group of the semantic description moves: MoveIt checks a group's states only for
     collisions of these with each other and with the rest. All links where the description has no group.
 
     :raises Unavailable: when the tree is broken.
     """
-    groups = srdf.root.all("group")
+    groups = srdf.root.find_children("group")
     if not groups:
         return frozenset(model.link_by_name)
-    joints = {name for group in groups for name in _joints(model, group)}
+    joints = {name for group in groups for name in _collect_group_joints(model, group)}
     moved: set[str] = set()
     for name in model.tree.order:
         joint = model.tree.parent_joint.get(name)
-        if joint is not None and (joint.parent in moved or (joint.moves and joint.name in joints)):
+        if joint is not None and (joint.parent in moved or (joint.is_movable and joint.name in joints)):
             moved.add(name)
     return frozenset(moved)
 
 
-def _joints(model: Model, group: Element) -> set[str]:
+def _collect_group_joints(model: Model, group: Element) -> set[str]:
     """The joints that a group lists, itself or by its links and chains; the groups in it are listed on their own."""
-    named = {e.get("name").strip() for e in group.all("joint")}
+    named = {e.get("name").strip() for e in group.find_children("joint")}
     above = model.tree.parent_joint
-    for link in (e.get("name").strip() for e in group.all("link")):
+    for link in (e.get("name").strip() for e in group.find_children("link")):
         named |= {above[link].name} if link in above else set()
-    for chain in group.all("chain"):
+    for chain in group.find_children("chain"):
         base, tip = chain.get("base_link").strip(), chain.get("tip_link").strip()
         if base in model.link_by_name and tip in model.link_by_name:
             # A chain may lead over a common ancestor: the joints that are on one of the two ways from the root only.
-            named |= {j.name for j in model.tree.path(tip)} ^ {j.name for j in model.tree.path(base)}
+            named |= {j.name for j in model.tree.find_path_to(tip)} ^ {j.name for j in model.tree.find_path_to(base)}
     return named

@@ -18,18 +18,24 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import IO, TYPE_CHECKING, Any
 
-from urdfcheck.core import Unavailable
+from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.parts import Joint
-from urdfcheck.source.text.grammar import JOINT_TYPES, NUMBERS, elements, lacks, version_of_urdf
-from urdfcheck.source.text.values import attribute_number, numbers
-from urdfcheck.source.text.xml import Element, quoted
+from urdfcheck.source.text.grammar import (
+    JOINT_TYPES,
+    NUMERIC_ATTRIBUTES,
+    is_attribute_missing,
+    iter_urdf_elements,
+    parse_urdf_version,
+)
+from urdfcheck.source.text.values import parse_numbers, read_attribute_number
+from urdfcheck.source.text.xml import Element, quote_attribute
 from urdfcheck.system.array_cache import origin_of, version_of
 
 if TYPE_CHECKING:
     from urdfcheck.model.robot import Model
 
 # What urdfdom reads of a model, without visual and collision.
-_KEPT = {
+_KEPT_CHILDREN = {
     "robot": {"link", "joint"},
     "link": {"inertial"},
     "inertial": {"origin", "mass", "inertia"},
@@ -42,7 +48,7 @@ _ANSI = re.compile(r"\x1b\[[0-9;]*m")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Dynamics:
+class PinocchioModel:
     """``model`` is the ``pinocchio.Model``, None when ``refused_by`` urdfdom or by pinocchio, which then had urdfdom's model;
     ``messages`` is what both said."""
 
@@ -52,39 +58,39 @@ class Dynamics:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
-    """What loading said; see `Dynamics`."""
+class ParserVerdict:
+    """What loading said; see `PinocchioModel`."""
 
     refused_by: str | None
     messages: tuple[str, ...]
 
 
-def verdict(model: Model) -> Verdict:
+def parser_verdict(model: Model) -> ParserVerdict:
     """What urdfdom and Pinocchio say about the model; kept, so that a model they have seen does not load them again.
 
-    :raises Unavailable: as :func:`build`.
+    :raises Unavailable: as :func:`pinocchio_model`.
     """
     import numpy as np
 
     place = origin_of("pinocchio")
     if place is None:
-        return _verdict(model.dynamics)
-    _ensure_sound(model)
-    parts = (version_of(__name__, library=place), geometry_free(model.robot))
+        return _make_verdict(model.dynamics)
+    _ensure_loadable(model)
+    parts = (version_of(__name__, library=place), write_without_geometry(model.robot))
     entry = model.cache.entry("verdicts", hashlib.sha256("\0".join(parts).encode()).hexdigest())
     if "verdict" not in entry:
-        found = _verdict(model.dynamics)
+        found = _make_verdict(model.dynamics)
         text = json.dumps([found.refused_by, found.messages])
         entry["verdict"] = {"text": np.frombuffer(text.encode(), dtype=np.uint8)}
     refused_by, messages = json.loads(entry["verdict"]["text"].tobytes())
-    return Verdict(refused_by, tuple(messages))
+    return ParserVerdict(refused_by, tuple(messages))
 
 
-def _verdict(dynamics: Dynamics) -> Verdict:
-    return Verdict(dynamics.refused_by, dynamics.messages)
+def _make_verdict(dynamics: PinocchioModel) -> ParserVerdict:
+    return ParserVerdict(dynamics.refused_by, dynamics.messages)
 
 
-def build(model: Model) -> Dynamics:
+def pinocchio_model(model: Model) -> PinocchioModel:
     """Hand a sound tree to Pinocchio.
 
     :raises Unavailable: when Pinocchio is not installed, or when the tree, an axis or a number would make it compute
@@ -93,86 +99,92 @@ def build(model: Model) -> Dynamics:
     try:
         import pinocchio
     except ImportError:
-        raise Unavailable("Pinocchio is not installed (there are no wheels of pin for this platform)") from None
-    _ensure_sound(model)
+        raise FactUnavailableError(
+            "Pinocchio is not installed (there are no wheels of pin for this platform)"
+        ) from None
+    _ensure_loadable(model)
     built: Any = None
     said, refused_by = "", None
-    with captured_stderr() as read:
+    with capture_stderr() as read:
         try:
-            built = pinocchio.buildModelFromXML(geometry_free(model.robot))
+            built = pinocchio.buildModelFromXML(write_without_geometry(model.robot))
         except (ValueError, RuntimeError) as error:
             said = str(error)
             refused_by = "urdfdom" if _NO_MODEL in said else "pinocchio"
         said += "\n" + read()
-    return Dynamics(built, refused_by, tuple(_lines(said)))
+    return PinocchioModel(built, refused_by, tuple(_clean_messages(said)))
 
 
 @lru_cache(maxsize=1)
-def geometry_free(robot: Element) -> str:
+def write_without_geometry(robot: Element) -> str:
     """The expanded model as URDF text with links, inertials and joints only."""
 
-    def write(element: Element) -> Iterator[str]:
-        attributes = "".join(f" {a.name}={quoted(a.value)}" for a in element.attributes.values() if ":" not in a.name)
-        kept = [c for c in element.children if c.tag in _KEPT.get(element.tag, set())]
+    def write_element(element: Element) -> Iterator[str]:
+        attributes = "".join(
+            f" {a.name}={quote_attribute(a.value)}" for a in element.attributes.values() if ":" not in a.name
+        )
+        kept = [c for c in element.children if c.tag in _KEPT_CHILDREN.get(element.tag, set())]
         if not kept:
             yield f"<{element.tag}{attributes}/>"
             return
         yield f"<{element.tag}{attributes}>"
         for child in kept:
-            yield from write(child)
+            yield from write_element(child)
         yield f"</{element.tag}>"
 
-    return '<?xml version="1.0"?>\n' + "".join(write(robot))
+    return '<?xml version="1.0"?>\n' + "".join(write_element(robot))
 
 
-def _ensure_sound(model: Model) -> None:
+def _ensure_loadable(model: Model) -> None:
     """:raises Unavailable: naming the rule, for every defect that is refused and that a rule of its own reports."""
     if "name" not in model.robot.attributes:
-        raise Unavailable("the robot has no name (XML002)")
+        raise FactUnavailableError("the robot has no name (XML002)")
     _ = model.tree
     inertials = [link.inertial.element for link in model.links if link.inertial is not None]
     for part in (*(joint.element for joint in model.joints), *inertials):
-        for element in elements(part):
+        for element in iter_urdf_elements(part):
             _ensure_numbers(element)
     _ensure_version(model.robot)
     for joint in model.joints:
         if joint.type not in JOINT_TYPES:
-            raise Unavailable(f"joint {joint.name!r} has no type that there is (KIN009)")
+            raise FactUnavailableError(f"joint {joint.name!r} has no type that there is (KIN009)")
         if joint.origin.xyz is None or joint.origin.rpy is None or joint.axis is None:
-            raise Unavailable(f"the origin or the axis of joint {joint.name!r} is out of range (XML007)")
+            raise FactUnavailableError(f"the origin or the axis of joint {joint.name!r} is out of range (XML007)")
         if joint.has_axis and not any(joint.axis):
-            raise Unavailable(f"the axis of joint {joint.name!r} is zero (JNT001)")
+            raise FactUnavailableError(f"the axis of joint {joint.name!r} is zero (JNT001)")
         if joint.has_axis and joint.axis_element is not None and "xyz" not in joint.axis_element.attributes:
-            raise Unavailable(f"the <axis> of joint {joint.name!r} has no xyz, which makes it zero (XML005)")
+            raise FactUnavailableError(f"the <axis> of joint {joint.name!r} has no xyz, which makes it zero (XML005)")
         _ensure_limit(joint)
         _ensure_complete(joint)
     for link in model.links:
-        if link.inertial is not None and (link.inertial.mass is None or link.inertial.six is None):
-            raise Unavailable(f"the inertial of link {link.name!r} is incomplete or out of range (XML005, XML007)")
+        if link.inertial is not None and (link.inertial.mass is None or link.inertial.inertia_components is None):
+            raise FactUnavailableError(
+                f"the inertial of link {link.name!r} is incomplete or out of range (XML005, XML007)"
+            )
 
 
 def _ensure_numbers(element: Element) -> None:
-    for name, count in NUMBERS.get(element.tag, {}).items():
+    for name, count in NUMERIC_ATTRIBUTES.get(element.tag, {}).items():
         attribute = element.attributes.get(name)
         if attribute is None:
             continue
         # urdfdom skips white space before a single number and not after it.
         trailing = count == 1 and attribute.value != attribute.value.rstrip()
-        if trailing or numbers(attribute.value, count) is None:
-            raise Unavailable(f"the number in {element.subject}@{name} is malformed (XML007, XML008)")
+        if trailing or parse_numbers(attribute.value, count) is None:
+            raise FactUnavailableError(f"the number in {element.subject}@{name} is malformed (XML007, XML008)")
 
 
 def _ensure_limit(joint: Joint) -> None:
     limit = joint.limit
     if limit is None and joint.type in {"revolute", "prismatic"}:
-        raise Unavailable(f"joint {joint.name!r} has no <limit> (JNT004)")
+        raise FactUnavailableError(f"joint {joint.name!r} has no <limit> (JNT004)")
     for name in ("effort", "velocity") if limit is not None else ():
-        value = joint.limit_value(name)
+        value = joint.get_limit_value(name)
         if limit is not None and value is None:
-            code = "JNT007" if lacks(limit, name) else "XML004"
-            raise Unavailable(f"the <limit> of joint {joint.name!r} has no {name} ({code})")
+            code = "JNT007" if is_attribute_missing(limit, name) else "XML004"
+            raise FactUnavailableError(f"the <limit> of joint {joint.name!r} has no {name} ({code})")
         if value is not None and value < 0 and joint.is_driven:
-            raise Unavailable(f"the {name} limit of joint {joint.name!r} is negative (JNT007)")
+            raise FactUnavailableError(f"the {name} limit of joint {joint.name!r} is negative (JNT007)")
 
 
 def _ensure_complete(joint: Joint) -> None:
@@ -181,51 +193,51 @@ def _ensure_complete(joint: Joint) -> None:
         ("mimic", {"joint"}, "XML005"),
         ("safety_controller", {"k_velocity"}, "JNT010"),
     ):
-        element = joint.element.child(tag)
+        element = joint.element.find_child(tag)
         if element is not None and not wanted & set(element.attributes):
-            told = code if all(lacks(element, name) for name in wanted) else "XML004"
-            raise Unavailable(f"the <{tag}> of joint {joint.name!r} is incomplete ({told})")
-    if joint.moves and (attribute_number(joint.element.child("dynamics"), "friction") or 0) < 0:
-        raise Unavailable(f"the friction of joint {joint.name!r} is negative (JNT011)")
+            told = code if all(is_attribute_missing(element, name) for name in wanted) else "XML004"
+            raise FactUnavailableError(f"the <{tag}> of joint {joint.name!r} is incomplete ({told})")
+    if joint.is_movable and (read_attribute_number(joint.element.find_child("dynamics"), "friction") or 0) < 0:
+        raise FactUnavailableError(f"the friction of joint {joint.name!r} is negative (JNT011)")
 
 
 def _ensure_version(robot: Element) -> None:
     """:raises Unavailable: when urdfdom reads no such version, or an orientation that is given twice in this one."""
-    version = version_of_urdf(robot)
+    version = parse_urdf_version(robot)
     if version is None:
-        raise Unavailable(f"there is no version {robot.get('version')!r} of URDF (XML010)")
-    for element in elements(robot) if version > (1, 0) else ():
+        raise FactUnavailableError(f"there is no version {robot.get('version')!r} of URDF (XML010)")
+    for element in iter_urdf_elements(robot) if version > (1, 0) else ():
         if element.tag == "origin" and {"rpy", "quat_xyzw"} <= set(element.attributes):
-            raise Unavailable(f"{element.subject} has two orientations (XML010)")
+            raise FactUnavailableError(f"{element.subject} has two orientations (XML010)")
 
 
 @contextmanager
-def captured_stderr() -> Iterator[Any]:
+def capture_stderr() -> Iterator[Any]:
     """What C++ writes to file descriptor 2 meanwhile; the yielded function reads it so far."""
     sys.stderr.flush()
     saved = os.dup(2)
-    with _sink() as sink:
+    with _open_sink() as sink:
         os.dup2(sink.fileno(), 2)
 
-        def read() -> str:
+        def read_captured() -> str:
             sink.seek(0)
             return sink.read().decode("utf-8", "replace")
 
         try:
-            yield read
+            yield read_captured
         finally:
             os.dup2(saved, 2)
             os.close(saved)
 
 
-def _sink() -> IO[bytes]:
+def _open_sink() -> IO[bytes]:
     """An open file: in memory where the platform can, for a confined process may write nowhere else."""
     if sys.platform == "linux":
         return os.fdopen(os.memfd_create("stderr"), "w+b")
     return tempfile.TemporaryFile()
 
 
-def _lines(text: str) -> Iterator[str]:
+def _clean_messages(text: str) -> Iterator[str]:
     """The messages without colours and without the lines that name urdfdom's own source."""
     seen: set[str] = set()
     for raw in text.splitlines():

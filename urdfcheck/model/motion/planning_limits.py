@@ -9,7 +9,7 @@ from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 from urdfcheck.source.ros.joint_limits import JointLimits, read_joint_limits
 from urdfcheck.source.ros.srdf import Srdf, is_configured_for
-from urdfcheck.source.text.values import attribute_number
+from urdfcheck.source.text.values import read_attribute_number
 from urdfcheck.source.text.xml import Element
 
 # The file that Setup Assistant writes beside the semantic description.
@@ -17,7 +17,7 @@ LIMITS_FILE = "joint_limits.yaml"
 
 
 @dataclass(frozen=True, slots=True)
-class Range:
+class PositionRange:
     """Positions (rad or m) that MoveIt plans in; ``source`` says where a bound comes from."""
 
     lower: float
@@ -25,17 +25,17 @@ class Range:
     source: str
 
 
-def own_srdfs(model: Model) -> list[Srdf]:
+def list_own_srdfs(model: Model) -> list[Srdf]:
     """The semantic descriptions of the model's name that cannot be another robot's."""
     return [srdf for srdf in model.srdfs if is_configured_for(srdf, model.source)]
 
 
-def joint_limits(model: Model, srdf: Srdf) -> tuple[JointLimits, ...]:
+def load_joint_limits(model: Model, srdf: Srdf) -> tuple[JointLimits, ...]:
     """The limits beside a semantic description."""
     return read_joint_limits(srdf.path.parent / LIMITS_FILE, model.source.finder)
 
 
-def group_joints(model: Model, srdf: Srdf) -> dict[str, frozenset[str]]:
+def collect_group_joints(model: Model, srdf: Srdf) -> dict[str, frozenset[str]]:
     """The joints of each planning group with those of the groups in it: RobotModel::addJointModelGroup of MoveIt. Of groups
     that contain each other in a circle only some.
 
@@ -47,7 +47,7 @@ def group_joints(model: Model, srdf: Srdf) -> dict[str, frozenset[str]]:
     while stack:
         name = stack[-1]
         group = srdf.groups[name]
-        inner = [e.get("name").strip() for e in group.all("group")]
+        inner = [e.get("name").strip() for e in group.find_children("group")]
         waiting = [other for other in inner if other in srdf.groups and other not in begun]
         if name not in begun and waiting:
             begun.add(name)
@@ -56,39 +56,41 @@ def group_joints(model: Model, srdf: Srdf) -> dict[str, frozenset[str]]:
         begun.add(name)
         stack.pop()
         if name not in found:
-            found[name] = _own_joints(model, srdf, group).union(*(found.get(other, frozenset()) for other in inner))
+            found[name] = _collect_own_joints(model, srdf, group).union(
+                *(found.get(other, frozenset()) for other in inner)
+            )
     return found
 
 
-def _own_joints(model: Model, srdf: Srdf, group: Element) -> frozenset[str]:
+def _collect_own_joints(model: Model, srdf: Srdf, group: Element) -> frozenset[str]:
     """The joints that a group names, above its links and along its chains."""
-    joints = {e.get("name").strip() for e in group.all("joint")}
-    for link in group.all("link"):
-        joints |= _above(model, srdf, link.get("name").strip())
-    for chain in group.all("chain"):
+    joints = {e.get("name").strip() for e in group.find_children("joint")}
+    for link in group.find_children("link"):
+        joints |= _get_joint_above(model, srdf, link.get("name").strip())
+    for chain in group.find_children("chain"):
         ends = [chain.get(end).strip() for end in ("base_link", "tip_link")]
         if all(end in model.link_by_name for end in ends):
-            base, tip = ({joint.name for joint in model.tree.path(end)} for end in ends)
+            base, tip = ({joint.name for joint in model.tree.find_path_to(end)} for end in ends)
             joints |= base ^ tip
     return frozenset(joints)
 
 
-def _above(model: Model, srdf: Srdf, link: str) -> frozenset[str]:
+def _get_joint_above(model: Model, srdf: Srdf, link: str) -> frozenset[str]:
     """The joint that a link hangs on; the virtual ones for the root."""
     joint = model.tree.parent_joint.get(link)
     return srdf.virtual_joints if joint is None else frozenset((joint.name,))
 
 
-def position_range(joint: Joint, limits: Mapping[str, JointLimits]) -> Range | None:
+def compute_position_range(joint: Joint, limits: Mapping[str, JointLimits]) -> PositionRange | None:
     """The range of a joint as MoveIt takes it: its limits, narrowed by its soft limits, replaced by joint_limits.yaml. None
     where it has none, or one that is inverted or malformed."""
     if joint.type not in {"revolute", "prismatic"} or joint.limit is None:
         return None
-    lower, upper, source = joint.limit_value("lower"), joint.limit_value("upper"), "its limit"
-    safety = joint.element.child("safety_controller")
+    lower, upper, source = joint.get_limit_value("lower"), joint.get_limit_value("upper"), "its limit"
+    safety = joint.element.find_child("safety_controller")
     if safety is not None and lower is not None and upper is not None:
         soft = [
-            attribute_number(safety, f"soft_{end}_limit") if f"soft_{end}_limit" in safety.attributes else 0.0
+            read_attribute_number(safety, f"soft_{end}_limit") if f"soft_{end}_limit" in safety.attributes else 0.0
             for end in ("lower", "upper")
         ]
         if soft[0] is None or soft[1] is None:
@@ -97,8 +99,8 @@ def position_range(joint: Joint, limits: Mapping[str, JointLimits]) -> Range | N
             lower, upper, source = max(lower, soft[0]), min(upper, soft[1]), "its soft limit (safety_controller)"
     entry = limits.get(joint.name)
     if entry is not None:
-        own = entry.number("min_position"), entry.number("max_position")
+        own = entry.get_number("min_position"), entry.get_number("max_position")
         if own != (None, None):
             lower, upper = (lower if own[0] is None else own[0]), (upper if own[1] is None else own[1])
             source = f"the limit in {LIMITS_FILE}"
-    return None if lower is None or upper is None or lower >= upper else Range(lower, upper, source)
+    return None if lower is None or upper is None or lower >= upper else PositionRange(lower, upper, source)

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.core import Unavailable
-from urdfcheck.facts.motion.kinematics import motions
+from urdfcheck.core import FactUnavailableError
+from urdfcheck.facts.motion.kinematics import compute_joint_motions
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
-from urdfcheck.source.text.values import attribute_number
+from urdfcheck.source.text.values import read_attribute_number
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,25 +30,25 @@ MOST_MOVING = 250
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Poses:
+class JointConfigurations:
     """``values`` (N, J), rad or m: the position of each of the J ``joints`` in N configurations."""
 
     joints: tuple[Joint, ...]
     values: Array
 
-    def named(self, index: int) -> dict[str, float]:
+    def to_values_by_name(self, index: int) -> dict[str, float]:
         """One configuration, by the joint's name."""
         return {joint.name: float(v) for joint, v in zip(self.joints, self.values[index], strict=True)}
 
 
-def limits(joint: Joint) -> tuple[float, float]:
+def get_sampling_range(joint: Joint) -> tuple[float, float]:
     """The range (rad or m) in which a joint is sampled: its limits, a whole turn where it has none.
 
     A range that is inverted, not a number or unlimited for a slide is empty: ``(0, 0)``, or where its lower limit is.
     """
     if joint.type == "continuous":
         return -TURN, TURN
-    lower, upper = joint.limit_value("lower"), joint.limit_value("upper")
+    lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
     if lower is None or upper is None or not lower <= upper:
         return 0.0, 0.0
     if joint.type == "prismatic":
@@ -58,62 +58,66 @@ def limits(joint: Joint) -> tuple[float, float]:
     return max(lower, -TURN), max(lower, -TURN) + 2 * TURN
 
 
-def neutral(model: Model) -> Poses:
+def make_neutral_configuration(model: Model) -> JointConfigurations:
     """One configuration: every joint at zero, or at the limit nearest to it; followers where ``<mimic>`` puts them.
 
     :raises Unavailable: when the tree is broken.
     """
-    joints = _joints(model)
-    bounds = np.array([limits(joint) for joint in joints]).reshape(-1, 2)
-    return following(Poses(joints, np.clip(np.zeros(len(joints)), bounds[:, 0], bounds[:, 1])[None]))
+    joints = _list_one_dof_joints(model)
+    bounds = np.array([get_sampling_range(joint) for joint in joints]).reshape(-1, 2)
+    return apply_mimics(JointConfigurations(joints, np.clip(np.zeros(len(joints)), bounds[:, 0], bounds[:, 1])[None]))
 
 
-def sampled(model: Model, count: int) -> Poses:
+def sample_configurations(model: Model, count: int) -> JointConfigurations:
     """``count`` configurations, the first of them neutral, the others uniform over the ranges; the same in every run.
 
     :raises Unavailable: when the tree is broken, or more joints move than motion is computed for.
     """
-    first = neutral(model)
-    ensure_few(first.joints)
-    bounds = np.array([limits(joint) for joint in first.joints]).reshape(-1, 2)
+    first = make_neutral_configuration(model)
+    ensure_few_joints(first.joints)
+    bounds = np.array([get_sampling_range(joint) for joint in first.joints]).reshape(-1, 2)
     n_others, n_joints = max(count - 1, 0), len(first.joints)
-    shares = _shares(n_others * n_joints).reshape(n_others, n_joints)
+    shares = _generate_shares(n_others * n_joints).reshape(n_others, n_joints)
     values = bounds[:, 0] + shares * (bounds[:, 1] - bounds[:, 0])
-    return Poses(first.joints, np.concatenate((first.values, following(Poses(first.joints, values)).values)))
+    return JointConfigurations(
+        first.joints, np.concatenate((first.values, apply_mimics(JointConfigurations(first.joints, values)).values))
+    )
 
 
-def ensure_few(joints: Sequence[Joint]) -> None:
+def ensure_few_joints(joints: Sequence[Joint]) -> None:
     """:raises Unavailable: when more joints move than motion is computed for."""
     if len(joints) > MOST_MOVING:
-        raise Unavailable(f"{len(joints):,} joints move, and motion is computed for {MOST_MOVING:,} at most")
+        raise FactUnavailableError(f"{len(joints):,} joints move, and motion is computed for {MOST_MOVING:,} at most")
 
 
-def frames(model: Model, poses: Poses) -> Mapping[str, Array]:
+def compute_frames(model: Model, configurations: JointConfigurations) -> Mapping[str, Array]:
     """Placement (N, 4, 4) of each link's frame in the root link's frame in each configuration.
 
     :raises Unavailable: when the tree is broken, or an origin or an axis is malformed.
     """
-    column = {joint.name: i for i, joint in enumerate(poses.joints)}
-    count = len(poses.values)
+    column = {joint.name: i for i, joint in enumerate(configurations.joints)}
+    count = len(configurations.values)
     found = {model.tree.root: np.broadcast_to(np.eye(4), (count, 4, 4))}
     for name in model.tree.order[1:]:
         joint = model.tree.parent_joint[name]
         placed = joint.origin.matrix
         if placed is None:
-            raise Unavailable(f"the origin of joint {joint.name!r} is malformed")
+            raise FactUnavailableError(f"the origin of joint {joint.name!r} is malformed")
         if joint.name not in column:
             found[name] = found[joint.parent] @ placed
             continue
         axis = np.array(joint.axis if joint.axis is not None else (0.0, 0.0, 0.0))
         norm = float(np.linalg.norm(axis))
         if norm == 0.0:
-            raise Unavailable(f"the axis of joint {joint.name!r} is zero or malformed (JNT001, XML007)")
-        values = poses.values[:, column[joint.name]]
-        found[name] = found[joint.parent] @ (placed @ motions(axis / norm, values, rotates=joint.type != "prismatic"))
+            raise FactUnavailableError(f"the axis of joint {joint.name!r} is zero or malformed (JNT001, XML007)")
+        values = configurations.values[:, column[joint.name]]
+        found[name] = found[joint.parent] @ (
+            placed @ compute_joint_motions(axis / norm, values, rotates=joint.type != "prismatic")
+        )
     return found
 
 
-def _shares(count: int) -> Array:
+def _generate_shares(count: int) -> Array:
     """Numbers in [0, 1), the same for ever: SplitMix64 (Steele, Lea and Flood, 2014) of a counter."""
     state = np.arange(1, count + 1, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15)
     state = (state ^ (state >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
@@ -122,24 +126,24 @@ def _shares(count: int) -> Array:
     return shares
 
 
-def _joints(model: Model) -> tuple[Joint, ...]:
+def _list_one_dof_joints(model: Model) -> tuple[Joint, ...]:
     parents = model.tree.parent_joint
     return tuple(parents[n] for n in model.tree.order[1:] if parents[n].type in ONE_DEGREE_OF_FREEDOM)
 
 
-def following(poses: Poses) -> Poses:
+def apply_mimics(configurations: JointConfigurations) -> JointConfigurations:
     """The configurations with every follower at ``multiplier * leader + offset``; one that follows nothing stays."""
-    column = {joint.name: i for i, joint in enumerate(poses.joints)}
-    values = poses.values.copy()
-    followers = {joint.name: mimic for joint in poses.joints if (mimic := joint.mimic) is not None}
+    column = {joint.name: i for i, joint in enumerate(configurations.joints)}
+    values = configurations.values.copy()
+    followers = {joint.name: mimic for joint in configurations.joints if (mimic := joint.mimic) is not None}
     behind: dict[str, list[str]] = {}
     for name, mimic in followers.items():
         behind.setdefault(mimic.get("joint"), []).append(name)
     done = [name for name in column if name not in followers]
     for leader in done:  # and those that follow a follower; a circle never gets done
         for name in behind.get(leader, ()):
-            multiplier, offset = (attribute_number(followers[name], word) for word in ("multiplier", "offset"))
+            multiplier, offset = (read_attribute_number(followers[name], word) for word in ("multiplier", "offset"))
             factor = 1.0 if multiplier is None else multiplier
             values[:, column[name]] = factor * values[:, column[leader]] + (offset or 0.0)
             done.append(name)
-    return Poses(poses.joints, values)
+    return JointConfigurations(configurations.joints, values)

@@ -7,14 +7,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from urdfcheck.core import Edit
-from urdfcheck.core.text import listed
-from urdfcheck.model.repairs.origin_edits import told
-from urdfcheck.source.text.values import number
+from urdfcheck.core.text import join_names
+from urdfcheck.model.repairs.origin_edits import describe_definitions
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class AttributeChange:
     """An attribute and the text that it gets; ``attribute`` is None where there is none yet."""
 
     attribute: Attribute | None
@@ -26,7 +26,7 @@ class Change:
         return f'{"mass value" if self.name == "mass" else self.name}="{self.text}"'
 
 
-def edits_of(changes: Iterable[Change]) -> list[Edit]:
+def make_attribute_edits(changes: Iterable[AttributeChange]) -> list[Edit]:
     """Edits that make all changes; none at all when one of the attributes is not typed as it stands."""
     edits = []
     for change in changes:
@@ -37,24 +37,24 @@ def edits_of(changes: Iterable[Change]) -> list[Edit]:
     return edits
 
 
-def remedy(changes: Sequence[Change], name: str, twin: str, *, shared: bool) -> str:
+def describe_remedy(changes: Sequence[AttributeChange], name: str, twin: str, *, shared: bool) -> str:
     """What to do for the element ``name`` to get these numbers, as an order.
 
     ``shared``: the same text makes its ``twin``, which has the right numbers, so that no number can be written for one of
     them alone. Where they differ in signs only, a parameter of 1 and -1 does it.
     """
     computed = [(c, c.attribute) for c in changes if c.attribute is not None and not c.attribute.literal]
-    definitions = {d.span: d for _, attribute in computed for d in attribute.related()}
+    definitions = {d.span: d for _, attribute in computed for d in attribute.collect_definitions()}
     numbers = " ".join(map(str, changes))
     if definitions:
-        where = listed(told(list(definitions.values())))
+        where = join_names(describe_definitions(list(definitions.values())))
         if len(computed) > 1 or len(changes) > 1:
             return f"make {name} get {numbers}, computed from {where}"
         change, attribute = computed[0]
         return f"make `{attribute.typed}` give `{change.text}` for {name}: it is computed from {where}"
     if not shared:
         return f"write {numbers} in {name}"
-    reflected = [_reflected(change) for change in changes]
+    reflected = [_reflect_numbers(change) for change in changes]
     if None in reflected:
         return f"give the macro that makes both a parameter for them, so that {name} gets {numbers}"
     written = " ".join(f'{change.name}="{text}"' for change, text in zip(changes, reflected, strict=True))
@@ -64,7 +64,7 @@ def remedy(changes: Sequence[Change], name: str, twin: str, *, shared: bool) -> 
     )
 
 
-def _reflected(change: Change) -> str | None:
+def _reflect_numbers(change: AttributeChange) -> str | None:
     """The typed numbers, times ``reflect`` where the sign changes; None where more than a sign does."""
     typed = [] if change.attribute is None else change.attribute.value.split()
     wanted = change.text.split()
@@ -72,7 +72,7 @@ def _reflected(change: Change) -> str | None:
         return None
     words = []
     for old, new in zip(typed, wanted, strict=True):
-        before, after = number(old), number(new)
+        before, after = parse_number(old), parse_number(new)
         if before is None or after is None or not math.isclose(abs(before), abs(after), rel_tol=1e-6, abs_tol=1e-15):
             return None
         words.append(f"${{reflect*{old}}}" if before * after < 0 else old)

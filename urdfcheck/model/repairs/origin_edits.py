@@ -9,21 +9,21 @@ from urdfcheck.model.parts import Joint
 from urdfcheck.source.text.xml import Definition
 
 
-def place_of(joint: Joint, name: str) -> Location:
+def locate_origin_attribute(joint: Joint, name: str) -> Location:
     """Where the attribute ``xyz`` or ``rpy`` of a joint's origin stands; the origin or the joint where there is none."""
-    attribute = joint.origin.attribute(name)
+    attribute = joint.origin.get_attribute(name)
     if attribute is not None:
         return attribute.location
     return joint.location if joint.origin.element is None else joint.origin.element.location
 
 
-def definitions_of(joint: Joint, name: str) -> tuple[Definition, ...]:
+def list_definitions(joint: Joint, name: str) -> tuple[Definition, ...]:
     """What an attribute of a joint's origin is computed from, nearest first; nothing when it is typed as it stands."""
-    attribute = joint.origin.attribute(name)
-    return () if attribute is None or attribute.literal else attribute.related()
+    attribute = joint.origin.get_attribute(name)
+    return () if attribute is None or attribute.literal else attribute.collect_definitions()
 
 
-def told(definitions: Sequence[Definition]) -> list[str]:
+def describe_definitions(definitions: Sequence[Definition]) -> list[str]:
     """``property wheel_base (line 4 of car.xacro)``, for the end of a sentence."""
     return [
         f"{d.kind} {d.name} (line {d.span.line} of {d.span.file.rpartition('/')[2]})"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.mesh.topology import bounds_of
+from urdfcheck.facts.mesh.topology import compute_bounds
 from urdfcheck.model.parts import Shape
 from urdfcheck.model.robot import Model
 
@@ -20,55 +20,57 @@ if TYPE_CHECKING:
 
 # A primitive that measures at most 5 mm stands for nothing: published models write one where some parser wants a shape
 # (boxes of 1 mm in PR2 and the Shadow hand, of 5 mm in RotorS).
-TOKEN = 0.005
+MAX_DUMMY_SIZE = 0.005
 # What is left of a quarter turn's zeros, and less than anybody measures.
 _STRAIGHT = 1e-9
 # COLLADA's frames turned to z up, which some programs do and others do not.
-UPRIGHT = {
+Z_UP_ROTATIONS = {
     "Y_UP": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]),
     "X_UP": np.array([[0, -1.0, 0], [0, 0, -1], [1, 0, 0]]),
 }
 
 
-def is_token(shape: Shape) -> bool:
+def is_dummy_shape(shape: Shape) -> bool:
     """Whether a shape is a primitive too small to be meant as a part."""
     size = shape.size
-    return shape.kind != "mesh" and size is not None and max(map(abs, size)) <= TOKEN
+    return shape.kind != "mesh" and size is not None and max(map(abs, size)) <= MAX_DUMMY_SIZE
 
 
-def bounds(
-    model: Model, shapes: Iterable[tuple[Shape, Array]], *, unit: bool = True, upright: bool = False
+def compute_bounding_box(
+    model: Model, shapes: Iterable[tuple[Shape, Array]], *, apply_unit: bool = True, apply_up_axis: bool = False
 ) -> Array | None:
     """The least and the greatest corner (2, 3), in m, of the box round some shapes, each under the 4x4 placement of its
     link; ``unit`` and ``upright``: whether COLLADA's ``<unit>`` and ``<up_axis>`` are followed.
 
     None when there is no shape, or when one is malformed or its mesh could not be read.
     """
-    boxes = [_bounds(model, shape, frame, unit, upright) for shape, frame in shapes]
+    boxes = [_compute_shape_box(model, shape, frame, apply_unit, apply_up_axis) for shape, frame in shapes]
     known = [box for box in boxes if box is not None]
     if not known or len(known) != len(boxes):
         return None
     return np.array((np.min([low for low, _ in known], axis=0), np.max([high for _, high in known], axis=0)))
 
 
-def _bounds(model: Model, shape: Shape, frame: Array, unit: bool, upright: bool) -> tuple[Array, Array] | None:
+def _compute_shape_box(
+    model: Model, shape: Shape, frame: Array, apply_unit: bool, apply_up_axis: bool
+) -> tuple[Array, Array] | None:
     pose, size = shape.origin.matrix, shape.size
     if pose is None or size is None or shape.kind is None:
         return None
     placed = frame @ pose
     turn, place = placed[:3, :3], placed[:3, 3]
     if shape.kind == "mesh":
-        facts = model.meshes.facts_of(shape)
-        scale = model.drawn_scale(shape) if unit else size
+        facts = model.meshes.get_facts(shape)
+        scale = model.compute_drawn_scale(shape) if apply_unit else size
         if facts is None or scale is None:
             return None
-        turned = UPRIGHT.get(facts.up_axis or "", np.eye(3)) if upright else np.eye(3)
-        return _box_of(facts, turn @ np.diag(scale) @ turned, place)
-    reach = _reach(shape.kind, np.abs(size), turn)
+        turned = Z_UP_ROTATIONS.get(facts.up_axis or "", np.eye(3)) if apply_up_axis else np.eye(3)
+        return _compute_mesh_box(facts, turn @ np.diag(scale) @ turned, place)
+    reach = _compute_half_extents(shape.kind, np.abs(size), turn)
     return place - reach, place + reach
 
 
-def _box_of(facts: MeshFacts, linear: Array, place: Array) -> tuple[Array, Array]:
+def _compute_mesh_box(facts: MeshFacts, linear: Array, place: Array) -> tuple[Array, Array]:
     sizes = np.abs(linear)
     if (
         np.count_nonzero(sizes > _STRAIGHT * sizes.max(), axis=1) <= 1
@@ -76,11 +78,11 @@ def _box_of(facts: MeshFacts, linear: Array, place: Array) -> tuple[Array, Array
         low, high = facts.bounds
         middle, half = linear @ (low + high) / 2 + place, sizes @ (high - low) / 2
         return middle - half, middle + half
-    low, high = bounds_of(facts.vertices @ linear.T)
+    low, high = compute_bounds(facts.vertices @ linear.T)
     return low + place, high + place
 
 
-def _reach(kind: str, size: Array, turn: Array) -> Array:
+def _compute_half_extents(kind: str, size: Array, turn: Array) -> Array:
     """Half of what a primitive measures along the axes of the frame that it is turned in."""
     if kind == "box":
         corner: Array = np.abs(turn) @ size / 2

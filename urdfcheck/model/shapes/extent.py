@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from urdfcheck.core import Unavailable
+from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-def lowest_point(model: Model, frame: str) -> tuple[float, str] | None:
+def find_lowest_point(model: Model, frame: str) -> tuple[float, str] | None:
     """The lowest z (m) in the axes of link ``frame``, all joints at zero, and the link that reaches it.
 
     Collision shapes count where a link has them, what it draws otherwise. None when the place of a shape is not known:
@@ -24,7 +24,7 @@ def lowest_point(model: Model, frame: str) -> tuple[float, str] | None:
 
     try:
         frames = model.frames
-    except Unavailable:
+    except FactUnavailableError:
         return None
     if frame not in frames:
         return None
@@ -32,14 +32,14 @@ def lowest_point(model: Model, frame: str) -> tuple[float, str] | None:
     found: list[tuple[float, str]] = []
     for link in model.links:
         for shape in link.collisions or link.visuals:
-            bottom = _bottom(model, shape, to_frame @ frames[link.name])
+            bottom = _compute_shape_bottom(model, shape, to_frame @ frames[link.name])
             if bottom is None:
                 return None
             found.append((bottom, link.name))
     return min(found, default=None)
 
 
-def size_of(model: Model, link: Link) -> tuple[float, float, float] | None:
+def measure_link_size(model: Model, link: Link) -> tuple[float, float, float] | None:
     """What a link draws measures along its own x, y and z (m); None when it draws nothing or a shape is not known."""
     import numpy as np
 
@@ -47,8 +47,8 @@ def size_of(model: Model, link: Link) -> tuple[float, float, float] | None:
     for axis in np.eye(3):
         toward = np.eye(4)
         toward[2, :3] = axis
-        low = [_bottom(model, shape, toward) for shape in link.visuals]
-        high = [_bottom(model, shape, toward * [[1], [1], [-1], [1]]) for shape in link.visuals]
+        low = [_compute_shape_bottom(model, shape, toward) for shape in link.visuals]
+        high = [_compute_shape_bottom(model, shape, toward * [[1], [1], [-1], [1]]) for shape in link.visuals]
         known = [(a, b) for a, b in zip(low, high, strict=True) if a is not None and b is not None]
         if not known or len(known) != len(low):
             return None
@@ -56,7 +56,7 @@ def size_of(model: Model, link: Link) -> tuple[float, float, float] | None:
     return sizes[0], sizes[1], sizes[2]
 
 
-def _bottom(model: Model, shape: Shape, link_pose: NDArray[np.float64]) -> float | None:
+def _compute_shape_bottom(model: Model, shape: Shape, link_pose: NDArray[np.float64]) -> float | None:
     import numpy as np
 
     pose, size = shape.origin.matrix, shape.size
@@ -65,7 +65,7 @@ def _bottom(model: Model, shape: Shape, link_pose: NDArray[np.float64]) -> float
     placed = link_pose @ pose
     up, height = placed[2, :3], float(placed[2, 3])
     if shape.kind == "mesh":
-        facts = model.meshes.facts_of(shape)
+        facts = model.meshes.get_facts(shape)
         if facts is None or facts.unit not in {None, 1.0}:
             return None
         return height + float((facts.vertices * np.array(size) @ up).min())

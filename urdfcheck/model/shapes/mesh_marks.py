@@ -13,21 +13,21 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 # Points, lines or triangles of one mesh: more are not told apart on a screen, and a finding stays below 50 kB.
-MOST = 256
+MAX_DRAWN = 256
 DIGITS = 6
 
 
-def drawable(model: Model, use: MeshUse, places: NDArray[np.float64], most: int = MOST) -> list[Any]:
+def sample_for_drawing(model: Model, use: MeshUse, places: NDArray[np.float64], most: int = MAX_DRAWN) -> list[Any]:
     """At most ``most`` of ``places`` in file units, evenly picked, as nested lists in metres as RViz draws the mesh.
 
     ``places`` are points (n, 3), lines (n, 2, 3) or triangles (n, 3, 3).
     """
-    scale = np.array(model.drawn_scale(use.shape) or (1.0, 1.0, 1.0))
+    scale = np.array(model.compute_drawn_scale(use.shape) or (1.0, 1.0, 1.0))
     picked = places[:: max(1, -(-len(places) // most))] * scale
-    rounded: list[Any] = np.reshape([rounded_off(v) for v in picked.ravel()], picked.shape).tolist()
+    rounded: list[Any] = np.reshape([round_significant(v) for v in picked.ravel()], picked.shape).tolist()
     return rounded
 
 
-def rounded_off(value: float, digits: int = DIGITS) -> float:
+def round_significant(value: float, digits: int = DIGITS) -> float:
     """To so many significant digits, and without the sign of a zero."""
     return float(f"{value:.{digits}g}") + 0.0

@@ -9,14 +9,14 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from urdfcheck.facts.inertials.diagnosis import Geometry
-from urdfcheck.facts.inertials.inertia_tensor import Solid, box_solid, combine, placed
-from urdfcheck.facts.mesh.measure import MeshFacts, transformed_moments
-from urdfcheck.facts.mesh.moments import moments
-from urdfcheck.facts.mesh.topology import component_labels
+from urdfcheck.facts.inertials.diagnosis import VisualGeometry
+from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids, make_box_solid, transform_solid
+from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid
+from urdfcheck.facts.mesh.moments import compute_mesh_moments
+from urdfcheck.facts.mesh.topology import label_components
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import UPRIGHT, bounds, is_token
+from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS, compute_bounding_box, is_dummy_shape
 
 Array = NDArray[np.float64]
 
@@ -27,49 +27,51 @@ _NEARER = 0.5
 _MOST_PIECES = 40
 
 
-def geometry(model: Model, link: Link, *, unit: bool = True, upright: bool = False) -> Geometry | None:
+def measure_link_geometry(
+    model: Model, link: Link, *, apply_unit: bool = True, apply_up_axis: bool = False
+) -> VisualGeometry | None:
     """What the link itself draws, in its frame, as RViz draws it: the visual shapes, or the collision shapes where only
     these are closed or there are no visual ones. None when there is nothing, or a shape is not known.
 
     ``unit`` and ``upright``: whether COLLADA's ``<unit>`` and ``<up_axis>`` are followed; RViz follows the unit alone.
     """
-    known, key = model.geometries, (id(link.element), unit, upright)
+    known, key = model.geometries, (id(link.element), apply_unit, apply_up_axis)
     if key not in known:
-        known[key] = _chosen(model, link, unit, upright)
+        known[key] = _choose_geometry(model, link, apply_unit, apply_up_axis)
     return known[key]
 
 
-def _chosen(model: Model, link: Link, unit: bool, upright: bool) -> Geometry | None:
-    drawn = _geometry(model, link.visuals, unit, upright)
+def _choose_geometry(model: Model, link: Link, apply_unit: bool, apply_up_axis: bool) -> VisualGeometry | None:
+    drawn = _measure_shapes(model, link.visuals, apply_unit, apply_up_axis)
     if drawn is not None and drawn.closed:
         return drawn
-    colliding = _geometry(model, link.collisions, unit, upright)
+    colliding = _measure_shapes(model, link.collisions, apply_unit, apply_up_axis)
     return colliding if drawn is None or (colliding is not None and colliding.closed) else drawn
 
 
-def pieces(model: Model, link: Link) -> tuple[Solid, ...]:
+def split_visual_bodies(model: Model, link: Link) -> tuple[Solid, ...]:
     """The separate bodies that the closed visual meshes of a link consist of, in its frame: what a CAD assembly was made of.
 
     Nothing where a mesh is open or one of its bodies is, or where there are more of them than anybody would add up.
     """
     found: list[Solid] = []
     for shape in link.visuals:
-        facts, scale, pose = model.meshes.facts_of(shape), _scale(model, shape, True), shape.origin.matrix
+        facts, scale, pose = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, True), shape.origin.matrix
         if facts is None or scale is None or pose is None or not facts.closed or len(facts.components) > _MOST_PIECES:
             return ()
         if len(link.visuals) == 1 and len(facts.components) < 2:
             return ()
-        labels = component_labels(facts.faces, len(facts.vertices))
+        labels = label_components(facts.faces, len(facts.vertices))
         for label in range(int(labels.max()) + 1):
-            part = moments(facts.vertices, facts.faces[labels == label])
+            part = compute_mesh_moments(facts.vertices, facts.faces[labels == label])
             if not np.isfinite(part.com).all():
                 return ()
-            solid = _scaled(part.volume, part.com, part.covariance, scale)
-            found.append(placed(solid, pose[:3, :3], pose[:3, 3]))
+            solid = _scale_solid(part.volume, part.com, part.covariance, scale)
+            found.append(transform_solid(solid, pose[:3, :3], pose[:3, 3]))
     return tuple(found)
 
 
-def merged_geometry(model: Model, link: Link, others: Iterable[Link]) -> Geometry | None:
+def merge_geometry(model: Model, link: Link, others: Iterable[Link]) -> VisualGeometry | None:
     """What a link draws together with links that are fixed to it, in its frame. None when a shape is not known.
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
@@ -77,27 +79,27 @@ def merged_geometry(model: Model, link: Link, others: Iterable[Link]) -> Geometr
     to_link = np.linalg.inv(model.frames[link.name])
     found = []
     for one in (link, *others):
-        drawn = geometry(model, one)
+        drawn = measure_link_geometry(model, one)
         if drawn is None:
             return None
-        found.append(_moved(drawn, to_link @ model.frames[one.name]))
+        found.append(_transform_geometry(drawn, to_link @ model.frames[one.name]))
     points = np.concatenate([drawn.points for drawn in found])
     closed = all(drawn.closed for drawn in found)
-    return Geometry(combine([drawn.solid for drawn in found]), closed, points)
+    return VisualGeometry(combine_solids([drawn.solid for drawn in found]), closed, points)
 
 
-def _moved(drawn: Geometry, placement: Array) -> Geometry:
+def _transform_geometry(drawn: VisualGeometry, placement: Array) -> VisualGeometry:
     turn, place = placement[:3, :3], placement[:3, 3]
-    return Geometry(placed(drawn.solid, turn, place), drawn.closed, drawn.points @ turn.T + place)
+    return VisualGeometry(transform_solid(drawn.solid, turn, place), drawn.closed, drawn.points @ turn.T + place)
 
 
-def rigid_points(model: Model, link: Link, *, unit: bool = True) -> Array | None:
+def collect_rigid_corners(model: Model, link: Link, *, apply_unit: bool = True) -> Array | None:
     """Corners (K, 3), in the link's frame, whose convex hull holds all that the link and the links fixed to it draw or
-    collide with. None when there is nothing, or a shape is not known. ``unit`` as for `geometry`.
+    collide with. None when there is nothing, or a shape is not known. ``unit`` as for `measure_link_geometry`.
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
     """
-    points = body_points(model, model.tree.body(link.name), unit=unit)
+    points = collect_body_corners(model, model.tree.list_body_links(link.name), apply_unit=apply_unit)
     if points is None:
         return None
     to_link = np.linalg.inv(model.frames[link.name])
@@ -105,44 +107,46 @@ def rigid_points(model: Model, link: Link, *, unit: bool = True) -> Array | None
     return in_link
 
 
-def body_points(model: Model, links: Iterable[str], *, unit: bool = True, upright: bool = False) -> Array | None:
-    """Like `rigid_points`, in the root link's frame, of the links of one body."""
+def collect_body_corners(
+    model: Model, links: Iterable[str], *, apply_unit: bool = True, apply_up_axis: bool = False
+) -> Array | None:
+    """Like `collect_rigid_corners`, in the root link's frame, of the links of one body."""
     parts = []
     for name in links:
         link, frame = model.link_by_name[name], model.frames[name]
         for shape in (*link.visuals, *link.collisions):
-            if is_token(shape):
+            if is_dummy_shape(shape):
                 continue
-            points = shape_points(model, shape, unit=unit, upright=upright)
+            points = compute_shape_corners(model, shape, apply_unit=apply_unit, apply_up_axis=apply_up_axis)
             if points is None:
                 return None
             parts.append(points @ frame[:3, :3].T + frame[:3, 3])
     return np.concatenate(parts) if parts else None
 
 
-def draws(link: Link) -> bool:
+def has_drawn_shape(link: Link) -> bool:
     """Whether a link has a shape that is meant as a part."""
-    return any(not is_token(shape) for shape in (*link.visuals, *link.collisions))
+    return any(not is_dummy_shape(shape) for shape in (*link.visuals, *link.collisions))
 
 
-def follows_unit(model: Model, links: Iterable[str]) -> bool:
+def has_unit_ambiguity(model: Model, links: Iterable[str]) -> bool:
     """Whether what these links draw has another size in programs that pass over COLLADA's ``<unit>`` (MSH008)."""
     shapes = (s for name in links for link in (model.link_by_name[name],) for s in (*link.visuals, *link.collisions))
-    return any((facts := model.meshes.facts_of(s)) is not None and facts.unit not in {None, 1.0} for s in shapes)
+    return any((facts := model.meshes.get_facts(s)) is not None and facts.unit not in {None, 1.0} for s in shapes)
 
 
-def lies(model: Model, links: Iterable[str]) -> bool:
+def has_up_axis_ambiguity(model: Model, links: Iterable[str]) -> bool:
     """Whether what these links draw may be meant to stand otherwise than RViz draws it, which passes over COLLADA's
     ``<up_axis>`` as not all programs do. Another shape that a link has beside such a mesh can settle it."""
-    return any(_lies(model, model.link_by_name[name]) for name in links)
+    return any(_is_up_axis_ambiguous(model, model.link_by_name[name]) for name in links)
 
 
-def _lies(model: Model, link: Link) -> bool:
-    shapes = [s for s in (*link.visuals, *link.collisions) if not is_token(s)]
-    lying = [s for s in shapes if (facts := model.meshes.facts_of(s)) is not None and facts.up_axis in UPRIGHT]
-    others = [box for s in shapes if s not in lying and (box := _box(model, s, False)) is not None]
+def _is_up_axis_ambiguous(model: Model, link: Link) -> bool:
+    shapes = [s for s in (*link.visuals, *link.collisions) if not is_dummy_shape(s)]
+    lying = [s for s in shapes if (facts := model.meshes.get_facts(s)) is not None and facts.up_axis in Z_UP_ROTATIONS]
+    others = [box for s in shapes if s not in lying and (box := _measure_shape_box(model, s, False)) is not None]
     for shape in lying:
-        drawn, stood = _box(model, shape, False), _box(model, shape, True)
+        drawn, stood = _measure_shape_box(model, shape, False), _measure_shape_box(model, shape, True)
         if drawn is None or stood is None:
             return True
         if not any(np.abs(box - drawn).max() < _NEARER * np.abs(box - stood).max() for box in others):
@@ -150,29 +154,29 @@ def _lies(model: Model, link: Link) -> bool:
     return False
 
 
-def _box(model: Model, shape: Shape, upright: bool) -> Array | None:
-    return bounds(model, ((shape, np.eye(4)),), upright=upright)
+def _measure_shape_box(model: Model, shape: Shape, apply_up_axis: bool) -> Array | None:
+    return compute_bounding_box(model, ((shape, np.eye(4)),), apply_up_axis=apply_up_axis)
 
 
-def shape_volume(model: Model, shape: Shape) -> float | None:
+def measure_shape_volume(model: Model, shape: Shape) -> float | None:
     """What a shape fills (m³), or its convex hull where it is not closed; None when that is not known."""
-    facts, scale = model.meshes.facts_of(shape), _scale(model, shape, True)
+    facts, scale = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, True)
     if facts is None or scale is None:
-        solid = model.shape_solid(shape)
+        solid = model.measure_shape_solid(shape)
         return None if solid is None else solid.volume
     return abs(float(scale.prod()) * (facts.volume if facts.closed else facts.hull.volume))
 
 
-def volume_of(model: Model, links: Iterable[Link]) -> float | None:
+def measure_links_volume(model: Model, links: Iterable[Link]) -> float | None:
     """What some links draw in all, in m³; collision shapes count where a link has no visual ones. None where it is not known."""
-    shapes = [s for link in links for s in (link.visuals or link.collisions) if not is_token(s)]
-    volumes = [shape_volume(model, shape) for shape in shapes]
+    shapes = [s for link in links for s in (link.visuals or link.collisions) if not is_dummy_shape(s)]
+    volumes = [measure_shape_volume(model, shape) for shape in shapes]
     known = [v for v in volumes if v is not None]
     return sum(known) if known and len(known) == len(volumes) else None
 
 
-def shape_points(
-    model: Model, shape: Shape, *, unit: bool = True, upright: bool = False, around: bool = True
+def compute_shape_corners(
+    model: Model, shape: Shape, *, apply_unit: bool = True, apply_up_axis: bool = False, circumscribed: bool = True
 ) -> Array | None:
     """Corners (K, 3), in the link's frame, whose convex hull is that of a shape, or holds a round one closely; without
     ``around`` the corners of a round one lie on it. None when the shape is not known."""
@@ -180,19 +184,19 @@ def shape_points(
     if size is None or pose is None or shape.kind is None:
         return None
     if shape.kind == "mesh":
-        facts, scale = model.meshes.facts_of(shape), _scale(model, shape, unit)
+        facts, scale = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, apply_unit)
         if facts is None or scale is None:
             return None
-        local = facts.hull.vertices @ _stood(facts, upright).T * scale
+        local = facts.hull.vertices @ _get_up_axis_rotation(facts, apply_up_axis).T * scale
     elif min(size) <= 0:
         return None
     elif shape.kind == "box":
         local = _CUBE * size
     elif shape.kind == "sphere":
-        local = _sphere(around) * size[0]
+        local = _make_sphere(circumscribed) * size[0]
     else:
         radius, length = size
-        end = (_sphere(around) if shape.kind == "capsule" else _circle(around)) * radius
+        end = (_make_sphere(circumscribed) if shape.kind == "capsule" else _make_circle(circumscribed)) * radius
         half = np.array((0, 0, length / 2))
         local = np.concatenate((end - half, end + half))
     points: Array = local @ pose[:3, :3].T + pose[:3, 3]
@@ -200,18 +204,18 @@ def shape_points(
 
 
 @cache
-def _circle(around: bool) -> Array:
+def _make_circle(circumscribed: bool) -> Array:
     """The unit circle about z: the corners of a polygon in it, or of one round it, which need not be as fine."""
-    corners = 32 if around else 64
+    corners = 32 if circumscribed else 64
     angles = np.arange(corners) * 2 * np.pi / corners
-    radius = 1 / np.cos(np.pi / corners) if around else 1.0
+    radius = 1 / np.cos(np.pi / corners) if circumscribed else 1.0
     return np.column_stack((np.cos(angles), np.sin(angles), np.zeros(corners))) * radius
 
 
 @cache
-def _sphere(around: bool) -> Array:
+def _make_sphere(circumscribed: bool) -> Array:
     """The unit sphere: its parallels, poles and equator among them."""
-    circle = _circle(around)
+    circle = _make_circle(circumscribed)
     radius = float(np.linalg.norm(circle[0]))
     parallels = np.linspace(-np.pi / 2, np.pi / 2, len(circle) // 2 + 1)
     # Polygons round it both ways, along the parallels and along the meridians.
@@ -219,67 +223,75 @@ def _sphere(around: bool) -> Array:
 
 
 @np.errstate(all="ignore")  # numbers of no robot are for other rules
-def _geometry(model: Model, shapes: tuple[Shape, ...], unit: bool, upright: bool) -> Geometry | None:
-    parts = [_part(model, shape, unit, upright) for shape in tuple(s for s in shapes if not is_token(s)) or shapes]
+def _measure_shapes(
+    model: Model, shapes: tuple[Shape, ...], apply_unit: bool, apply_up_axis: bool
+) -> VisualGeometry | None:
+    parts = [
+        _measure_shape(model, shape, apply_unit, apply_up_axis)
+        for shape in tuple(s for s in shapes if not is_dummy_shape(s)) or shapes
+    ]
     known = [part for part in parts if part is not None]
     solids = tuple(part.solid for part in known if part.solid.volume > 0.0)
     if len(known) != len(parts) or not solids:
         return None
-    solid = combine(solids)
+    solid = combine_solids(solids)
     if not (np.isfinite(solid.volume) and np.isfinite(solid.com).all() and np.isfinite(solid.covariance).all()):
         return None
     points = np.concatenate([part.points for part in known])
     low, high = points.min(axis=0), points.max(axis=0)
-    box = placed(box_solid(high - low), np.eye(3), (low + high) / 2)
+    box = transform_solid(make_box_solid(high - low), np.eye(3), (low + high) / 2)
     hulls = [part.hull for part in known if part.hull is not None and part.hull.volume > 0.0]
     shells = [part.shell for part in known if part.shell is not None]
-    return Geometry(
+    return VisualGeometry(
         solid=solid,
         closed=all(part.closed for part in known),
         points=points,
-        hull=combine(hulls) if hulls else None,
-        shell=combine(shells) if len(shells) == len(known) else None,
+        hull=combine_solids(hulls) if hulls else None,
+        shell=combine_solids(shells) if len(shells) == len(known) else None,
         box=box if box.volume > 0.0 else None,
         pieces=solids,
     )
 
 
-def _part(model: Model, shape: Shape, unit: bool, upright: bool) -> Geometry | None:
+def _measure_shape(model: Model, shape: Shape, apply_unit: bool, apply_up_axis: bool) -> VisualGeometry | None:
     """One shape by itself; ``box`` and ``pieces`` are left out."""
-    points, pose = shape_points(model, shape, unit=unit, upright=upright), shape.origin.matrix
+    points, pose = (
+        compute_shape_corners(model, shape, apply_unit=apply_unit, apply_up_axis=apply_up_axis),
+        shape.origin.matrix,
+    )
     if points is None or pose is None:
         return None
     turn, place = pose[:3, :3], pose[:3, 3]
-    facts, scale = model.meshes.facts_of(shape), _scale(model, shape, unit)
+    facts, scale = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, apply_unit)
     if facts is None or scale is None:
-        solid = model.shape_solid(shape)
-        return None if solid is None else Geometry(solid, True, points, hull=solid)
-    stood = _stood(facts, upright)
+        solid = model.measure_shape_solid(shape)
+        return None if solid is None else VisualGeometry(solid, True, points, hull=solid)
+    stood = _get_up_axis_rotation(facts, apply_up_axis)
     turn, scale = turn @ stood, np.abs(stood.T) @ scale
-    integrals = moments(facts.hull.vertices, facts.hull.faces)
+    integrals = compute_mesh_moments(facts.hull.vertices, facts.hull.faces)
     hull = Solid(0.0, np.zeros(3), np.zeros((3, 3)))
     if integrals.volume > 0.0:
-        hull = placed(_scaled(integrals.volume, integrals.com, integrals.covariance, scale), turn, place)
-    closed = facts.closed and bool(np.isfinite(facts.com).all()) and not _is_mixed(facts)
-    solid = transformed_moments(facts, scale.tolist(), turn, place) if closed else hull
+        hull = transform_solid(_scale_solid(integrals.volume, integrals.com, integrals.covariance, scale), turn, place)
+    closed = facts.closed and bool(np.isfinite(facts.com).all()) and not _has_mixed_orientation(facts)
+    solid = compute_mesh_solid(facts, scale.tolist(), turn, place) if closed else hull
     # Flat drawings have no volume to be wrong about.
-    return Geometry(solid, closed or hull.volume == 0.0, points, hull, _shell(facts, scale, turn, place))
+    return VisualGeometry(solid, closed or hull.volume == 0.0, points, hull, _measure_shell(facts, scale, turn, place))
 
 
-def _is_mixed(facts: MeshFacts) -> bool:
+def _has_mixed_orientation(facts: MeshFacts) -> bool:
     """Whether one of several bodies faces inwards where the others face outwards, and is no hollow in them: its volume would be
     subtracted."""
     if len(facts.components) < 2:
         return False
-    labels = component_labels(facts.faces, len(facts.vertices))
+    labels = label_components(facts.faces, len(facts.vertices))
     corners = facts.vertices[facts.faces]
     against = np.bincount(labels, np.linalg.det(corners)) * facts.volume < 0.0
     solid = corners[~against[labels]]
     firsts = (np.argmax(labels == k) for k in np.flatnonzero(against))
-    return any(abs(_winding(solid, corners[first].mean(axis=0))) < 0.5 for first in firsts)
+    return any(abs(_compute_winding_number(solid, corners[first].mean(axis=0))) < 0.5 for first in firsts)
 
 
-def _winding(triangles: Array, point: Array) -> float:
+def _compute_winding_number(triangles: Array, point: Array) -> float:
     """How many times closed surfaces of ``triangles`` (F, 3, 3) go round a point: the sum of their solid angles (van Oosterom
     and Strackee, *The solid angle of a plane triangle*, 1983) over that of a sphere."""
     a, b, c = np.moveaxis(triangles - point, 1, 0)
@@ -289,7 +301,7 @@ def _winding(triangles: Array, point: Array) -> float:
     return float(np.arctan2(across, along).sum() / (2.0 * np.pi))
 
 
-def _shell(facts: MeshFacts, scale: Array, turn: Array, place: Array) -> Solid | None:
+def _measure_shell(facts: MeshFacts, scale: Array, turn: Array, place: Array) -> Solid | None:
     if not facts.area > 0.0:
         return None
     sizes = np.abs(scale)
@@ -299,21 +311,21 @@ def _shell(facts: MeshFacts, scale: Array, turn: Array, place: Array) -> Solid |
             grown * facts.area, scale * facts.surface_centroid, facts.surface_covariance * np.outer(scale, scale)
         )
     else:  # triangles grow differently
-        surface = moments(facts.vertices * scale, facts.faces)
+        surface = compute_mesh_moments(facts.vertices * scale, facts.faces)
         local = Solid(surface.area, surface.surface_centroid, surface.surface_covariance)
-    return placed(local, turn, place)
+    return transform_solid(local, turn, place)
 
 
-def _scaled(volume: float, com: Array, covariance: Array, scale: Array) -> Solid:
+def _scale_solid(volume: float, com: Array, covariance: Array, scale: Array) -> Solid:
     return Solid(abs(volume * float(scale.prod())), scale * com, covariance * np.outer(scale, scale))
 
 
-def _stood(facts: MeshFacts, upright: bool) -> Array:
+def _get_up_axis_rotation(facts: MeshFacts, apply_up_axis: bool) -> Array:
     """The turn that puts a mesh upright: a permutation of its axes."""
-    return UPRIGHT.get(facts.up_axis or "", np.eye(3)) if upright else np.eye(3)
+    return Z_UP_ROTATIONS.get(facts.up_axis or "", np.eye(3)) if apply_up_axis else np.eye(3)
 
 
-def _scale(model: Model, shape: Shape, unit: bool) -> Array | None:
+def _get_mesh_scale(model: Model, shape: Shape, apply_unit: bool) -> Array | None:
     """Metres per file unit along a mesh's axes; None when it is no mesh that could be read."""
-    scale = model.drawn_scale(shape) if unit or model.drawn_scale(shape) is None else shape.size
+    scale = model.compute_drawn_scale(shape) if apply_unit or model.compute_drawn_scale(shape) is None else shape.size
     return None if scale is None or shape.kind != "mesh" else np.array(scale)

@@ -3,61 +3,65 @@
 from __future__ import annotations
 
 from urdfcheck.core import Rule, Run
-from urdfcheck.output.html.tables import rules_table, skipped_table
-from urdfcheck.output.html.text import esc, markdown, sections
-from urdfcheck.output.shared.wording import plural
+from urdfcheck.output.html.tables import render_rules_table, render_skipped_table
+from urdfcheck.output.html.text import escape_html, render_markdown, split_sections
+from urdfcheck.output.shared.wording import format_count
 
-SHOWN = ("What it checks", "Why it matters", "How to fix", "When to ignore")
+SHOWN_SECTIONS = ("What it checks", "Why it matters", "How to fix", "When to ignore")
 
 
-def fired_rules(run: Run) -> list[Rule]:
+def list_fired_rules(run: Run) -> list[Rule]:
     """The rules behind the findings that have a page, by code."""
     return [run.rules[code] for code in sorted({f.code for f in run.findings}) if code in run.rules]
 
 
-def appendix_html(run: Run) -> str:
+def render_appendix(run: Run) -> str:
     parts = []
-    fired = fired_rules(run)
+    fired = list_fired_rules(run)
     if fired:
-        pages = "\n".join(map(_rule, fired))
+        pages = "\n".join(map(_render_rule_page, fired))
         parts.append(f'<section id="rules" class="rules"><h2>The rules behind the findings</h2>{pages}</section>')
-    parts.append(_skipped(run))
+    parts.append(_render_skipped_checks(run))
     parts.append(
-        f'<section id="checks"><h2>Checks</h2><details class="screen"><summary>All {plural(len(run.rules), "rule")} '
-        f"and what they found</summary>{rules_table(run)}</details></section>"
+        f'<section id="checks"><h2>Checks</h2><details class="screen"><summary>All {format_count(len(run.rules), "rule")} '
+        f"and what they found</summary>{render_rules_table(run)}</details></section>"
     )
-    parts.append(_about(run))
+    parts.append(_render_about(run))
     return "\n".join(parts)
 
 
-def _rule(rule: Rule) -> str:
-    texts = sections(rule.page)
-    shown = "".join(f"<h4>{title}</h4>{markdown(texts[title])}" for title in SHOWN if texts.get(title, "").strip())
-    code = esc(rule.code)
+def _render_rule_page(rule: Rule) -> str:
+    texts = split_sections(rule.page)
+    shown = "".join(
+        f"<h4>{title}</h4>{render_markdown(texts[title])}" for title in SHOWN_SECTIONS if texts.get(title, "").strip()
+    )
+    code = escape_html(rule.code)
     return (
-        f'<details class="rule"><summary><h3><span class="rule-code">{code}</span> {esc(rule.name)}</h3></summary>'
+        f'<details class="rule"><summary><h3><span class="rule-code">{code}</span> {escape_html(rule.name)}</h3></summary>'
         # A browser opens what a link points into, but not a fold that is itself the target.
-        f'<div id="rule-{code}"><p class="facts">{rule.severity} · {rule.confidence} · since {esc(rule.since)}</p>'
+        f'<div id="rule-{code}"><p class="facts">{rule.severity} · {rule.confidence} · since {escape_html(rule.since)}</p>'
         f"{shown}</div></details>"
     )
 
 
-def _skipped(run: Run) -> str:
+def _render_skipped_checks(run: Run) -> str:
     if not run.skipped:
         text = "<p>Every check of this run could run on every model.</p>"
     else:
         count = len({(s.code, s.reason) for s in run.skipped})
-        text = f"<details><summary>{plural(count, 'check')} could not run</summary>{skipped_table(run)}</details>"
+        text = f"<details><summary>{format_count(count, 'check')} could not run</summary>{render_skipped_table(run)}</details>"
     return f'<section id="skipped"><h2>Skipped checks</h2>{text}</section>'
 
 
-def _about(run: Run) -> str:
-    versions = "".join(f"<div><dt>{esc(k)}</dt><dd>{esc(v)}</dd></div>" for k, v in run.versions.items())
+def _render_about(run: Run) -> str:
+    versions = "".join(
+        f"<div><dt>{escape_html(k)}</dt><dd>{escape_html(v)}</dd></div>" for k, v in run.versions.items()
+    )
     # A reproducible report tells no time.
     took = f' in <span class="seconds">{run.seconds:.1f} s</span>' if run.seconds else ""
     return (
         '<section id="about"><h2>How this report was made</h2>'
-        f"<p>urdfcheck read {plural(len(run.models), 'model')}{took}. "
+        f"<p>urdfcheck read {format_count(len(run.models), 'model')}{took}. "
         "It ran nothing of the robot's own code, and this file loads nothing from anywhere.</p>"
         f'<dl class="facts">{versions}</dl></section>'
     )

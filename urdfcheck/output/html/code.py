@@ -6,9 +6,9 @@ import re
 from collections.abc import Mapping, Sequence
 
 from urdfcheck.core import Edit, Span
-from urdfcheck.output.html.text import esc
-from urdfcheck.output.shared.code_frames import FrameLine, frame
-from urdfcheck.output.shared.diffs import rows
+from urdfcheck.output.html.text import escape_html
+from urdfcheck.output.shared.code_frames import FrameLine, extract_code_frame
+from urdfcheck.output.shared.diffs import iter_diff_lines
 
 # A file in one line must neither flood the report nor hide the span: this much of it is shown on each side.
 MARGIN = 160
@@ -23,27 +23,27 @@ _TOKEN = re.compile(
 Token = tuple[int, int, str]
 
 
-def code_frame(sources: Mapping[str, str], span: Span, context: int = 2) -> str:
+def render_code_frame(sources: Mapping[str, str], span: Span, context: int = 2) -> str:
     """The lines around ``span`` as ``<pre>``, the span in ``<mark>``; nothing when the text is not at hand."""
-    lines = frame(sources.get(span.file, ""), span, context)
+    lines = extract_code_frame(sources.get(span.file, ""), span, context)
     shown = [line.number for line in lines if line.marked is not None]
     if not shown:
         return ""
     hidden = span.end_line - shown[-1]
     if hidden > 0:
         lines = [line for line in lines if line.number <= shown[-1]]
-    lines = _dedented(lines)
-    comment = _starts_in_comment(lines)
+    lines = _dedent_lines(lines)
+    comment = _is_inside_comment(lines)
     rows = []
     for line in lines:
-        tokens, comment = _tokens(line.text, comment)
-        rows.append(_row(line, tokens))
+        tokens, comment = _tokenize_line(line.text, comment)
+        rows.append(_render_line(line, tokens))
     if hidden > 0:
         rows.append(f'<span class="l"><span class="n">… </span>to line {span.end_line}\n</span>')
     return f'<pre class="code">{"".join(rows)}</pre>'
 
 
-def _dedented(lines: Sequence[FrameLine]) -> list[FrameLine]:
+def _dedent_lines(lines: Sequence[FrameLine]) -> list[FrameLine]:
     """Without the indentation that all lines share: a deeply nested element has its text at the left too."""
     indents = [line.text[: len(line.text) - len(line.text.lstrip())] for line in lines if line.text.strip()]
     # What the first and the last in alphabetical order share, all others share.
@@ -57,39 +57,43 @@ def _dedented(lines: Sequence[FrameLine]) -> list[FrameLine]:
     ]
 
 
-def _row(line: FrameLine, tokens: Sequence[Token]) -> str:
+def _render_line(line: FrameLine, tokens: Sequence[Token]) -> str:
     start, end = line.marked or (0, 0)
     low, high = 0, len(line.text)
     if high > LONGEST:
         low, high = max(0, start - MARGIN), min(high, max(start, min(end, start + MARGIN)) + MARGIN)
     before, after = "…" if low else "", "…" if high < len(line.text) else ""
     if line.marked is None:
-        body = _painted(line.text, low, high, tokens)
+        body = _render_highlighted(line.text, low, high, tokens)
     else:
         first, last = min(start, high), min(end, high)
-        covered = _painted(line.text, first, last, tokens)
+        covered = _render_highlighted(line.text, first, last, tokens)
         mark = f"<mark>{covered}</mark>" if covered else '<mark class="point"></mark>'
-        body = _painted(line.text, low, first, tokens) + mark + _painted(line.text, last, high, tokens)
+        body = (
+            _render_highlighted(line.text, low, first, tokens)
+            + mark
+            + _render_highlighted(line.text, last, high, tokens)
+        )
     kind = "l hit" if line.marked is not None else "l"
     return f'<span class="{kind}"><span class="n">{line.number} </span>{before}{body}{after}\n</span>'
 
 
-def _painted(text: str, low: int, high: int, tokens: Sequence[Token]) -> str:
+def _render_highlighted(text: str, low: int, high: int, tokens: Sequence[Token]) -> str:
     pieces, at = [], low
     for start, end, kind in tokens:
         start, end = max(start, low), min(end, high)
         if start >= end:
             continue
-        pieces.append(f'{esc(text[at:start])}<span class="{kind}">{esc(text[start:end])}</span>')
+        pieces.append(f'{escape_html(text[at:start])}<span class="{kind}">{escape_html(text[start:end])}</span>')
         at = end
-    return "".join(pieces) + esc(text[at:high])
+    return "".join(pieces) + escape_html(text[at:high])
 
 
-def _tokens(text: str, comment: bool) -> tuple[list[Token], bool]:
+def _tokenize_line(text: str, in_comment: bool) -> tuple[list[Token], bool]:
     """What to colour in a line (comments, tags, attribute names, values), and whether a comment stays open."""
     begin = 0
     found: list[Token] = []
-    if comment:
+    if in_comment:
         closed = text.find("-->")
         if closed < 0:
             return [(0, len(text), "c")], True
@@ -100,7 +104,7 @@ def _tokens(text: str, comment: bool) -> tuple[list[Token], bool]:
     return found, is_open
 
 
-def _starts_in_comment(lines: Sequence[FrameLine]) -> bool:
+def _is_inside_comment(lines: Sequence[FrameLine]) -> bool:
     text = "\n".join(line.text for line in lines)
     closed = text.find("-->")
     return closed >= 0 and "<!--" not in text[:closed]
@@ -109,7 +113,9 @@ def _starts_in_comment(lines: Sequence[FrameLine]) -> bool:
 # -- repairs -----------------------------------------------------------------------------------------------------------
 
 
-def diff(sources: Mapping[str, str], edits: Sequence[Edit]) -> str:
+def render_diff(sources: Mapping[str, str], edits: Sequence[Edit]) -> str:
     """The edits as a unified diff in ``<pre>``."""
-    shown = "".join(f'<span class="{kind}">{esc(text)}\n</span>' for kind, text in rows(sources, edits))
+    shown = "".join(
+        f'<span class="{kind}">{escape_html(text)}\n</span>' for kind, text in iter_diff_lines(sources, edits)
+    )
     return f'<pre class="diff">{shown}</pre>'

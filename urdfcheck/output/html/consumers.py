@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 
 from urdfcheck.core import Finding, Verdict
-from urdfcheck.output.html.glyphs import glyph
-from urdfcheck.output.html.tables import table
-from urdfcheck.output.html.text import NONE, esc
-from urdfcheck.output.shared.wording import NAMES
+from urdfcheck.output.html.glyphs import render_glyph
+from urdfcheck.output.html.tables import render_table
+from urdfcheck.output.html.text import NO_VALUE, escape_html
+from urdfcheck.output.shared.wording import PROGRAM_NAMES
 from urdfcheck.policy.consumers import Outcome, outcomes
 
-TOLD = {
+VERDICT_TEXTS = {
     Verdict.LOADS: ("ok", "loads it as typed"),
     Verdict.IGNORES: ("warning", "loads it changed: ignores a part"),
     Verdict.REPLACES: ("warning", "loads it changed: replaces values"),
@@ -22,20 +22,20 @@ TOLD = {
 }
 
 
-def consumers_table(findings: Iterable[Finding], rules: Collection[str]) -> str:
+def render_consumers_table(findings: Iterable[Finding], rules: Collection[str]) -> str:
     """A row for each program; those of the given rules are linked to what they say."""
     head = '<tr><th scope="col">Program</th><th scope="col">What it does</th><th scope="col">Because of</th></tr>'
-    rows = (_row(name, outcome, rules) for name, outcome in outcomes(findings).items())
-    return table("What becomes of the model, as far as these findings tell", head, rows)
+    rows = (_render_consumer_row(name, outcome, rules) for name, outcome in outcomes(findings).items())
+    return render_table("What becomes of the model, as far as these findings tell", head, rows)
 
 
-def _row(name: str, outcome: Outcome, rules: Collection[str]) -> str:
-    kind, told = TOLD[outcome.verdict]
+def _render_consumer_row(name: str, outcome: Outcome, rules: Collection[str]) -> str:
+    kind, told = VERDICT_TEXTS[outcome.verdict]
     codes = ", ".join(
-        f'<a href="#rule-{code}"><code>{code}</code></a>' if code in rules else f"<code>{esc(code)}</code>"
+        f'<a href="#rule-{code}"><code>{code}</code></a>' if code in rules else f"<code>{escape_html(code)}</code>"
         for code in outcome.codes
     )
     return (
-        f'<tr><th scope="row">{esc(NAMES.get(name, name))}</th><td class="{kind}">{glyph(kind)} {told}</td>'
-        f"<td>{codes or NONE}</td></tr>"
+        f'<tr><th scope="row">{escape_html(PROGRAM_NAMES.get(name, name))}</th><td class="{kind}">{render_glyph(kind)} {told}</td>'
+        f"<td>{codes or NO_VALUE}</td></tr>"
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from urdfcheck.core import Severity
-from urdfcheck.output.shared.wording import ORDER
+from urdfcheck.output.shared.wording import SEVERITY_ORDER
 
 # Drawn once; the fill is the text colour, the sign is cut out of it, so one drawing serves every background.
 SYMBOLS = (
@@ -23,22 +23,22 @@ SYMBOLS = (
 )
 
 
-def glyph(kind: Severity | str) -> str:
+def render_glyph(kind: Severity | str) -> str:
     return (
         f'<svg class="glyph" width="16" height="16" aria-hidden="true" focusable="false"><use href="#g-{kind}"/></svg>'
     )
 
 
-def badges(counts: Mapping[Severity, int]) -> str:
+def render_badges(counts: Mapping[Severity, int]) -> str:
     """One small count per severity that occurs, each with its glyph and, for those who do not see it, its word."""
     found = [
-        f' <span class="badge {s}">{glyph(s)} {counts[s]}<span class="sr"> {words(counts[s], s)} </span></span>'
-        for s in ORDER
+        f' <span class="badge {s}">{render_glyph(s)} {counts[s]}<span class="sr"> {pluralize_severity(counts[s], s)} </span></span>'
+        for s in SEVERITY_ORDER
         if counts.get(s)
     ]
-    return "".join(found) or f' <span class="badge ok">{glyph("ok")}<span class="sr"> no findings </span></span>'
+    return "".join(found) or f' <span class="badge ok">{render_glyph("ok")}<span class="sr"> no findings </span></span>'
 
 
-def words(count: int, severity: Severity) -> str:
+def pluralize_severity(count: int, severity: Severity) -> str:
     """``error`` or ``errors``; information has no plural."""
     return str(severity) if count == 1 or severity == Severity.INFO else f"{severity}s"

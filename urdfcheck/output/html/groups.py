@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from urdfcheck.core import Severity
-from urdfcheck.output.shared.anchors import Card
+from urdfcheck.output.shared.anchors import FindingCard
 
 MODEL, LAUNCH_FILE = "model file", "launch file"
 _LAUNCH = re.compile(r"\.launch(?:\.\w+)?$|[._]launch\.(?:py|xml|ya?ml)$", re.IGNORECASE)
@@ -19,25 +19,25 @@ class FileGroup:
 
     file: str
     kind: str
-    cards: tuple[Card, ...]
+    cards: tuple[FindingCard, ...]
 
 
-def active(cards: Iterable[Card], severity: Severity) -> list[Card]:
+def select_active_cards(cards: Iterable[FindingCard], severity: Severity) -> list[FindingCard]:
     """The cards of a severity that are not suppressed."""
     return [c for c in cards if c.finding.suppressed is None and c.finding.severity == severity]
 
 
-def by_file(cards: Sequence[Card], own: str) -> list[FileGroup]:
+def group_cards_by_file(cards: Sequence[FindingCard], model_file: str) -> list[FileGroup]:
     """The model's own file ``own`` first, launch files last: who reads about a robot looks at the robot first."""
-    files: dict[str, list[Card]] = {}
+    files: dict[str, list[FindingCard]] = {}
     for card in cards:
         span = card.finding.location.span
         files.setdefault("" if span is None else span.file, []).append(card)
-    groups = [FileGroup(file, file_kind(file, own), tuple(group)) for file, group in files.items()]
+    groups = [FileGroup(file, classify_file(file, model_file), tuple(group)) for file, group in files.items()]
     return sorted(groups, key=lambda g: (g.kind != MODEL) + (g.kind == LAUNCH_FILE))
 
 
-def file_kind(file: str, own: str) -> str:
+def classify_file(file: str, model_file: str) -> str:
     """What a file is, in words; empty for no file."""
     if not file:
         return ""
@@ -45,6 +45,6 @@ def file_kind(file: str, own: str) -> str:
         return LAUNCH_FILE
     if file.replace("\\", "/").rsplit("/", 1)[-1] == "package.xml":
         return "package manifest"
-    if file == own:
+    if file == model_file:
         return MODEL
     return "included file" if file.endswith((".xacro", ".urdf")) else "file"

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from urdfcheck.core import ModelInfo, Run, Severity
-from urdfcheck.output.html.glyphs import badges, glyph, words
-from urdfcheck.output.html.model import Part, path_html
-from urdfcheck.output.html.text import NONE, base_name, esc, number
-from urdfcheck.output.shared.wording import ORDER, plural, verdict
+from urdfcheck.output.html.glyphs import pluralize_severity, render_badges, render_glyph
+from urdfcheck.output.html.model import ReportPart, render_path
+from urdfcheck.output.html.text import NO_VALUE, escape_html, format_number, get_base_name
+from urdfcheck.output.shared.wording import SEVERITY_ORDER, format_count, summarize_verdict
 
 MOST_NAMES = 3
 # So many models and files have a place in the bar; more of them are in a menu.
@@ -17,24 +17,24 @@ GROUPS = (("severity", "severity"), ("rule", "rule"), ("element", "link or joint
 DEPTHS = {"source": "source only", "mesh": "source and meshes", "full": "full"}
 
 
-def title_of(run: Run) -> str:
+def make_report_title(run: Run) -> str:
     """The robots' names while they fit, then how many models there are; the file's name where there is only that."""
     if not run.models:
-        return base_name(next(iter(run.ids))) if len(run.ids) == 1 else "No models"
+        return get_base_name(next(iter(run.unit_ids))) if len(run.unit_ids) == 1 else "No models"
     if len(run.models) > MOST_NAMES:
-        return plural(len(run.models), "model")
-    return ", ".join(dict.fromkeys(map(_robot_name, run.models)))
+        return format_count(len(run.models), "model")
+    return ", ".join(dict.fromkeys(map(_get_robot_name, run.models)))
 
 
-def _robot_name(info: ModelInfo) -> str:
-    return info.robot or base_name(info.path)
+def _get_robot_name(info: ModelInfo) -> str:
+    return info.robot or get_base_name(info.path)
 
 
-def header_html(run: Run, title: str, back: str = "") -> str:
+def render_header(run: Run, title: str, index_file: str = "") -> str:
     """``back``: the file with the list of all models, for a page of a folder."""
-    kind, sentence = verdict(run)
-    up = f'<a class="back" href="{esc(back)}">All models</a>' if back else ""
-    where = path_html(run.models[0].path, run.models[0].args) if len(run.models) == 1 else ""
+    kind, sentence = summarize_verdict(run)
+    up = f'<a class="back" href="{escape_html(index_file)}">All models</a>' if index_file else ""
+    where = render_path(run.models[0].path, run.models[0].args) if len(run.models) == 1 else ""
     # They do nothing without the page's script, which brings them to sight.
     buttons = (
         '<button type="button" class="act fold-3d" id="fold" aria-controls="viewer" hidden>Hide 3D</button>'
@@ -43,47 +43,47 @@ def header_html(run: Run, title: str, back: str = "") -> str:
     )
     return (
         f'<header class="top"><div class="line"><p class="brand">urdfcheck '
-        f'<span>{esc(run.versions.get("urdfcheck", ""))}</span></p>{up}<div class="buttons">{buttons}</div></div>'
-        f'<h1>{esc(title)}</h1>{where}<p class="verdict {kind}">{glyph(kind)} {esc(sentence)}</p>{_facts(run)}</header>'
+        f'<span>{escape_html(run.versions.get("urdfcheck", ""))}</span></p>{up}<div class="buttons">{buttons}</div></div>'
+        f'<h1>{escape_html(title)}</h1>{where}<p class="verdict {kind}">{render_glyph(kind)} {escape_html(sentence)}</p>{_render_facts(run)}</header>'
     )
 
 
-def _facts(run: Run) -> str:
+def _render_facts(run: Run) -> str:
     facts: list[tuple[str, str]] = []
     if len(run.models) > MOST_NAMES:
-        facts.append(("Robots", _names(list(dict.fromkeys(map(_robot_name, run.models))))))
+        facts.append(("Robots", _render_robot_names(list(dict.fromkeys(map(_get_robot_name, run.models))))))
     if len(run.models) == 1:
         # A sum over models, often two versions of one robot, would mean nothing.
         info = run.models[0]
         facts += [("Links", str(info.links)), ("Joints", str(info.joints))]
-        facts += [("Mass", f"{number(info.mass)} kg")] if info.mass is not None else []
-    facts += [("Depth", DEPTHS[run.tier]), *_files(run)]
+        facts += [("Mass", f"{format_number(info.mass)} kg")] if info.mass is not None else []
+    facts += [("Depth", DEPTHS[run.tier]), *_collect_file_facts(run)]
     return '<dl class="facts">' + "".join(f"<div><dt>{k}</dt><dd>{v}</dd></div>" for k, v in facts) + "</dl>"
 
 
-def _names(names: Sequence[str]) -> str:
-    shown = ", ".join(f"<code>{esc(name)}</code>" for name in names[:MOST_NAMES])
+def _render_robot_names(names: Sequence[str]) -> str:
+    shown = ", ".join(f"<code>{escape_html(name)}</code>" for name in names[:MOST_NAMES])
     return shown + (f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else "")
 
 
-def _files(run: Run) -> list[tuple[str, str]]:
+def _collect_file_facts(run: Run) -> list[tuple[str, str]]:
     """The models and every other file with findings, below the folder that they share; nothing where the one model's is all."""
     spans = (finding.location.span for finding in run.findings)
     paths = list(dict.fromkeys([*(info.path for info in run.models), *(span.file for span in spans if span)]))
     if len(paths) < 2 and len(run.models) == 1:
         return []
-    folder = _shared_folder(paths) if len(paths) > 1 else ""
+    folder = _find_shared_folder(paths) if len(paths) > 1 else ""
     items = "".join(
-        f"<li><code>{esc(path[len(folder) :].lstrip('/') if folder else path)}</code></li>" for path in paths
+        f"<li><code>{escape_html(path[len(folder) :].lstrip('/') if folder else path)}</code></li>" for path in paths
     )
-    listed = f"<ul>{items}</ul>" if paths else NONE
+    listed = f"<ul>{items}</ul>" if paths else NO_VALUE
     if len(paths) > 1:
         listed = f"<details><summary>{len(paths)} files</summary>{listed}</details>"
     name = "Files" if len(paths) > 1 else "File"
-    return [(f"{name} in <code>{esc(folder)}/</code>" if folder else name, listed)]
+    return [(f"{name} in <code>{escape_html(folder)}/</code>" if folder else name, listed)]
 
 
-def _shared_folder(paths: Sequence[str]) -> str:
+def _find_shared_folder(paths: Sequence[str]) -> str:
     shared = []
     for names in zip(*(path.split("/")[:-1] for path in paths), strict=False):
         if len(set(names)) > 1:
@@ -92,15 +92,15 @@ def _shared_folder(paths: Sequence[str]) -> str:
     return "/".join(shared)
 
 
-def bar_html(run: Run, parts: Sequence[Part], has_rules: bool) -> str:
+def render_toolbar(run: Run, parts: Sequence[ReportPart], has_rules: bool) -> str:
     """What stays in sight: the way through the page, and what is searched for and shown."""
-    return f'<div class="bar">{_nav(parts, has_rules)}{_tools(run)}</div>'
+    return f'<div class="bar">{_render_navigation(parts, has_rules)}{_render_tools(run)}</div>'
 
 
-def _tools(run: Run) -> str:
+def _render_tools(run: Run) -> str:
     """The tiles act through the style alone; the rest is brought to sight by the page's script, which fills the lists."""
-    counts = {severity: run.count(severity) for severity in ORDER}
-    tiles = "".join(_tile(s, counts[s], sum(map(bool, counts.values())) > 1) for s in ORDER)
+    counts = {severity: run.count_findings(severity) for severity in SEVERITY_ORDER}
+    tiles = "".join(_render_severity_tile(s, counts[s], sum(map(bool, counts.values())) > 1) for s in SEVERITY_ORDER)
     chosen = "".join(
         f'<label>{name} <select id="by-{key}"><option value="">all</option></select></label>'
         for key, name in (("rule", "Rule"), ("element", "Link or joint"), ("confidence", "Confidence"))
@@ -122,15 +122,15 @@ def _tools(run: Run) -> str:
     )
 
 
-def _tile(severity: Severity, count: int, is_filter: bool) -> str:
-    told = f"{glyph(severity)} <b>{count}</b> <span>{words(count, severity)}</span>"
+def _render_severity_tile(severity: Severity, count: int, is_filter: bool) -> str:
+    told = f"{render_glyph(severity)} <b>{count}</b> <span>{pluralize_severity(count, severity)}</span>"
     if not count or not is_filter:
         return f'<span class="tile {severity}{"" if count else " none"}">{told}</span>'
     # Hidden where there is no style, because then it would do nothing.
     return f'<label class="tile {severity}"><input type="checkbox" id="show-{severity}" checked hidden>{told}</label>'
 
 
-def _nav(parts: Sequence[Part], has_rules: bool) -> str:
+def _render_navigation(parts: Sequence[ReportPart], has_rules: bool) -> str:
     """The sections of the one robot, or where there are several their names with their counts; then all that is for all."""
     drawn = [part for part in parts if part.sections]
     titles = [part.title for part in parts]
@@ -140,8 +140,8 @@ def _nav(parts: Sequence[Part], has_rules: bool) -> str:
             rows += [f'<li><a href="#{i}">{name}</a></li>' for i, name in part.sections]
         else:
             rows.append(
-                f'<li><a href="#{part.id}"><span class="name">{esc(part.title)}{_file(part, titles)}</span>'
-                f'<span class="badges">{badges(part.counts)}</span></a></li>'
+                f'<li><a href="#{part.id}"><span class="name">{escape_html(part.title)}{_render_file_label(part, titles)}</span>'
+                f'<span class="badges">{render_badges(part.counts)}</span></a></li>'
             )
     rest = [("rules" if has_rules else "skipped", "Rules and checks"), ("about", "About")]
     more = "".join(f'<li><a href="#{i}">{name}</a></li>' for i, name in rest)
@@ -153,5 +153,5 @@ def _nav(parts: Sequence[Part], has_rules: bool) -> str:
     return f'<nav aria-label="Contents"><ul>{"".join(rows)}{more}</ul></nav>'
 
 
-def _file(part: Part, titles: Sequence[str]) -> str:
-    return f" <small>{esc(part.file)}</small>" if titles.count(part.title) > 1 else ""
+def _render_file_label(part: ReportPart, titles: Sequence[str]) -> str:
+    return f" <small>{escape_html(part.file_label)}</small>" if titles.count(part.title) > 1 else ""

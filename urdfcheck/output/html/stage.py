@@ -7,8 +7,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from urdfcheck.core import Finding
-from urdfcheck.core.scene import Drawing, Scene, SceneInertia, SceneJoint, SceneLink, ScenePreview, SceneShape
-from urdfcheck.output.shared.anchors import Card, Element, Mark, element, marks
+from urdfcheck.core.scene import Scene, SceneDrawing, SceneInertia, SceneJoint, SceneLink, ScenePreview, SceneShape
+from urdfcheck.output.shared.anchors import (
+    ElementKey,
+    FindingCard,
+    SeverityMark,
+    compute_severity_marks,
+    parse_element_key,
+)
 
 # Edges of the box and semi-axes of the ellipsoid of uniform density with the moments I1, I2, I3 of a mass m:
 # edge² = 6 (I2 + I3 - I1) / m, semi-axis² = 5 (I2 + I3 - I1) / (2 m), and so on round.
@@ -26,20 +32,20 @@ _LAYERS: Mapping[str, tuple[str, ...]] = {
     "SYM": ("visual", "axes", "frames"),
     "DYN": ("visual", "com"),
 }
-_PLAIN = ("visual",)
+_DEFAULT_LAYERS = ("visual",)
 # A graphics card computes with seven digits: next to what is larger, in metres, nothing of a robot can be seen.
 _LARGEST = 1e9
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
-def stage_data(models: Iterable[tuple[str, str, Scene, Sequence[Card]]]) -> tuple[dict[str, Any], bytes]:
+def build_stage_data(models: Iterable[tuple[str, str, Scene, Sequence[FindingCard]]]) -> tuple[dict[str, Any], bytes]:
     """The JSON values and the bytes of the meshes, each content once, for models given as the id of their section in the page,
     their name, scene and cards. Lengths in metres, poses 4x4 row-major; numbers with seven digits."""
-    found = _Meshes()
-    return {"models": [_model(*model, found) for model in models], "meshes": found.entries}, b"".join(found.data)
+    found = _MeshPool()
+    return {"models": [_build_model(*model, found) for model in models], "meshes": found.entries}, b"".join(found.data)
 
 
-class _Meshes:
+class _MeshPool:
     """The drawings that the models share, by their content."""
 
     def __init__(self) -> None:
@@ -48,7 +54,7 @@ class _Meshes:
         self._places: dict[bytes, int] = {}
         self._offset = 0
 
-    def place(self, drawing: Drawing) -> int:
+    def add_drawing(self, drawing: SceneDrawing) -> int:
         if drawing.data not in self._places:
             self._places[drawing.data] = len(self.entries)
             self.entries.append(
@@ -56,8 +62,8 @@ class _Meshes:
                     "offset": self._offset,
                     "vertices": drawing.vertices,
                     "faces": drawing.faces,
-                    "low": _rounded(drawing.low),
-                    "high": _rounded(drawing.high),
+                    "low": _round_values(drawing.low),
+                    "high": _round_values(drawing.high),
                     "wide": drawing.wide,
                     "holes": drawing.holes,
                 }
@@ -67,25 +73,29 @@ class _Meshes:
         return self._places[drawing.data]
 
 
-def _model(name: str, title: str, scene: Scene, cards: Sequence[Card], meshes: _Meshes) -> dict[str, Any]:
-    worst = marks(cards)
+def _build_model(
+    section_id: str, title: str, scene: Scene, cards: Sequence[FindingCard], meshes: _MeshPool
+) -> dict[str, Any]:
+    worst = compute_severity_marks(cards)
     active = [card for card in cards if card.finding.suppressed is None]
     links = frozenset(link.name for link in scene.links)
-    by_pair = {frozenset(pair): card.ids[0] for card in active if len(pair := _named(card.finding, links)) == 2}
+    by_pair = {
+        frozenset(pair): card.anchors[0] for card in active if len(pair := _list_named_links(card.finding, links)) == 2
+    }
     ground = scene.ground
     return {
-        "id": name,
+        "id": section_id,
         "name": title,
         "root": scene.root,
-        "links": [_link(link, worst, scene, meshes) for link in scene.links],
-        "joints": [_joint(joint, worst) for joint in scene.joints],
-        "frames": [{"parent": f.parent, "child": f.child, "at": _rounded(f.pose)} for f in scene.frames if f.pose],
+        "links": [_build_link(link, worst, scene, meshes) for link in scene.links],
+        "joints": [_build_joint(joint, worst) for joint in scene.joints],
+        "frames": [{"parent": f.parent, "child": f.child, "at": _round_values(f.pose)} for f in scene.frames if f.pose],
         "overlaps": [
             {
                 "a": overlap.links[0],
                 "b": overlap.links[1],
-                "points": [_rounded(overlap.point)],
-                "depth": _finite(overlap.depth),
+                "points": [_round_values(overlap.point)],
+                "depth": _round_finite(overlap.depth),
                 "finding": by_pair.get(frozenset(overlap.links)),
             }
             for overlap in scene.overlaps
@@ -93,63 +103,66 @@ def _model(name: str, title: str, scene: Scene, cards: Sequence[Card], meshes: _
         "ground": None
         if ground is None
         else {
-            "height": _finite(ground.height),
-            "contacts": [{"link": link, "point": _rounded(point)} for link, point in ground.contacts],
-            "support": [_rounded(corner) for corner in ground.support],
-            "com": _rounded(ground.com),
+            "height": _round_finite(ground.height),
+            "contacts": [{"link": link, "point": _round_values(point)} for link, point in ground.contacts],
+            "support": [_round_values(corner) for corner in ground.support],
+            "com": _round_values(ground.com),
         },
-        "findings": _findings(active, scene),
+        "findings": _build_findings(active, scene),
     }
 
 
-def _link(link: SceneLink, worst: Mapping[Element, Mark], scene: Scene, meshes: _Meshes) -> dict[str, Any]:
+def _build_link(
+    link: SceneLink, worst: Mapping[ElementKey, SeverityMark], scene: Scene, meshes: _MeshPool
+) -> dict[str, Any]:
     inertial = link.inertial
     return {
         "name": link.name,
-        "severity": _severity(worst, ("link", link.name)),
-        "at": None if link.world is None else _rounded(link.world),
-        "visual": _shapes(link.shapes, "visual", scene, meshes),
-        "collision": _shapes(link.shapes, "collision", scene, meshes),
-        "mass": None if inertial is None or inertial.mass is None else _finite(inertial.mass),
-        "com": _rounded(inertial.com) if inertial is not None and inertial.com else None,
-        "inertia": None if inertial is None else _inertia(inertial),
+        "severity": _get_severity(worst, ("link", link.name)),
+        "at": None if link.world is None else _round_values(link.world),
+        "visual": _build_shapes(link.shapes, "visual", scene, meshes),
+        "collision": _build_shapes(link.shapes, "collision", scene, meshes),
+        "mass": None if inertial is None or inertial.mass is None else _round_finite(inertial.mass),
+        "com": _round_values(inertial.com) if inertial is not None and inertial.com else None,
+        "inertia": None if inertial is None else _build_inertia(inertial),
     }
 
 
-def _severity(worst: Mapping[Element, Mark], of: Element) -> str:
-    mark = worst.get(of)
+def _get_severity(worst: Mapping[ElementKey, SeverityMark], element_key: ElementKey) -> str:
+    mark = worst.get(element_key)
     return "" if mark is None else str(mark.severity)
 
 
-def _shapes(shapes: Iterable[SceneShape], role: str, scene: Scene, meshes: _Meshes) -> list[dict[str, Any]]:
+def _build_shapes(shapes: Iterable[SceneShape], role: str, scene: Scene, meshes: _MeshPool) -> list[dict[str, Any]]:
     """Without those that cannot be drawn: malformed, too large, or a mesh that could not be read."""
     found = []
     for shape in shapes:
-        if shape.role != role or not shape.pose or not shape.size or not _fits(shape.size):
+        if shape.role != role or not shape.pose or not shape.size or not _is_drawable_size(shape.size):
             continue
-        look = {"at": _rounded(shape.pose), "color": None if shape.color is None else _rounded(shape.color)}
+        look = {"at": _round_values(shape.pose), "color": None if shape.color is None else _round_values(shape.color)}
         if shape.kind == "mesh":
             for drawing in () if shape.file is None else scene.meshes[shape.file].drawings:
                 if not all(
-                    _fits([s * v for s, v in zip(shape.size, e, strict=True)]) for e in (drawing.low, drawing.high)
+                    _is_drawable_size([s * v for s, v in zip(shape.size, e, strict=True)])
+                    for e in (drawing.low, drawing.high)
                 ):
                     continue
-                color = look["color"] or (None if drawing.color is None else _rounded(drawing.color))
-                scale = _rounded(shape.size)
-                found.append({"mesh": meshes.place(drawing), "scale": scale, **look, "color": color})
+                color = look["color"] or (None if drawing.color is None else _round_values(drawing.color))
+                scale = _round_values(shape.size)
+                found.append({"mesh": meshes.add_drawing(drawing), "scale": scale, **look, "color": color})
         elif min(shape.size) > 0:
-            found.append({shape.kind: _rounded(shape.size), **look})
+            found.append({shape.kind: _round_values(shape.size), **look})
     return found
 
 
-def _fits(lengths: Iterable[float]) -> bool:
+def _is_drawable_size(lengths: Iterable[float]) -> bool:
     return all(abs(length) <= _LARGEST for length in lengths)
 
 
-def _inertia(inertial: SceneInertia) -> dict[str, Any] | None:
+def _build_inertia(inertial: SceneInertia) -> dict[str, Any] | None:
     """The body that the moments stand for, or why there is none; None for a point mass and for what is malformed."""
     if inertial.impossible:
-        return {"impossible": inertial.impossible, "com": _rounded(inertial.com) if inertial.com else None}
+        return {"impossible": inertial.impossible, "com": _round_values(inertial.com) if inertial.com else None}
     if not inertial.mass or not inertial.com or not inertial.moments or inertial.moments[-1] <= 0.0:
         return None
     first, second, third = inertial.moments
@@ -159,79 +172,82 @@ def _inertia(inertial: SceneInertia) -> dict[str, Any] | None:
     ]
     a, x, y = inertial.axes, inertial.com, (0.0, 0.0, 0.0, 1.0)
     return {
-        "at": _rounded((*a[0:3], x[0], *a[3:6], x[1], *a[6:9], x[2], *y)),
-        "principal": _rounded(inertial.moments),
-        "box": _rounded([math.sqrt(_BOX * s) for s in squares]),
-        "ellipsoid": _rounded([math.sqrt(_ELLIPSOID * s) for s in squares]),
+        "at": _round_values((*a[0:3], x[0], *a[3:6], x[1], *a[6:9], x[2], *y)),
+        "principal": _round_values(inertial.moments),
+        "box": _round_values([math.sqrt(_BOX * s) for s in squares]),
+        "ellipsoid": _round_values([math.sqrt(_ELLIPSOID * s) for s in squares]),
     }
 
 
-def _joint(joint: SceneJoint, worst: Mapping[Element, Mark]) -> dict[str, Any]:
+def _build_joint(joint: SceneJoint, worst: Mapping[ElementKey, SeverityMark]) -> dict[str, Any]:
     name, *numbers = joint.mimic or ("",)
-    factors = [_reachable(number) for number in numbers]
+    factors = [_restrict_to_reachable(number) for number in numbers]
     return {
         "name": joint.name,
         "type": joint.type,
-        "severity": _severity(worst, ("joint", joint.name)),
+        "severity": _get_severity(worst, ("joint", joint.name)),
         "parent": joint.parent,
         "child": joint.child,
-        "at": _rounded(joint.pose or _IDENTITY),
-        "axis": None if joint.turn is None else _rounded(joint.turn),
-        "lower": _reachable(joint.lower),
-        "upper": _reachable(joint.upper),
-        "start": _reachable(joint.start) or 0,
+        "at": _round_values(joint.pose or _IDENTITY),
+        "axis": None if joint.turn is None else _round_values(joint.turn),
+        "lower": _restrict_to_reachable(joint.lower),
+        "upper": _restrict_to_reachable(joint.upper),
+        "start": _restrict_to_reachable(joint.start) or 0,
         "mimic": {"joint": name, "multiplier": factors[0], "offset": factors[1]}
         if factors and None not in factors
         else None,
     }
 
 
-def _reachable(value: float | None) -> float | None:
+def _restrict_to_reachable(value: float | None) -> float | None:
     """A position that a slider can have: beyond the largest shape nothing is drawn."""
     return value if value is not None and abs(value) <= _LARGEST else None
 
 
-def _findings(cards: Iterable[Card], scene: Scene) -> list[dict[str, Any]]:
+def _build_findings(cards: Iterable[FindingCard], scene: Scene) -> list[dict[str, Any]]:
     previews: dict[object, list[dict[str, Any]]] = {}
     for preview in scene.previews:
-        previews.setdefault((preview.code, preview.message_id, preview.at), []).append(_preview(preview))
+        previews.setdefault((preview.code, preview.message_id, preview.at), []).append(_build_preview(preview))
     links = frozenset(link.name for link in scene.links)
-    return [_finding(card, previews, links) for card in cards]
+    return [_build_finding(card, previews, links) for card in cards]
 
 
-def _finding(card: Card, previews: Mapping[object, list[dict[str, Any]]], links: frozenset[str]) -> dict[str, Any]:
+def _build_finding(
+    card: FindingCard, previews: Mapping[object, list[dict[str, Any]]], links: frozenset[str]
+) -> dict[str, Any]:
     finding = card.finding
-    touched = [e for s in finding.subjects if (e := element(s)) is not None]
+    touched = [e for s in finding.subjects if (e := parse_element_key(s)) is not None]
     preview = previews.get((finding.code, finding.message_id, finding.location.span), [])
-    layers = next((_LAYERS[k] for k in (finding.code, finding.code[:3]) if k in _LAYERS), _PLAIN)
+    layers = next((_LAYERS[k] for k in (finding.code, finding.code[:3]) if k in _LAYERS), _DEFAULT_LAYERS)
     return {
-        "id": card.ids[0],
+        "id": card.anchors[0],
         "code": finding.code,
         "severity": str(finding.severity),
-        "links": list(dict.fromkeys(name for kind, name in touched if kind == "link")) or _named(finding, links),
+        "links": list(dict.fromkeys(name for kind, name in touched if kind == "link"))
+        or _list_named_links(finding, links),
         "joints": list(dict.fromkeys(name for kind, name in touched if kind == "joint")),
         "layers": [*layers, *(["preview"] if preview else [])],
         "preview": preview,
     }
 
 
-def _named(finding: Finding, links: frozenset[str]) -> list[str]:
+def _list_named_links(finding: Finding, links: frozenset[str]) -> list[str]:
     """The links that the values of a finding name."""
     named = (finding.data.get(name) for name in ("link", "other", "child"))
     return list(dict.fromkeys(name for name in named if isinstance(name, str) and name in links))
 
 
-def _preview(preview: ScenePreview) -> dict[str, Any]:
+def _build_preview(preview: ScenePreview) -> dict[str, Any]:
     if preview.inertial is None:
-        return {"joint": preview.joint, "at": _rounded(preview.pose)}
-    return {"link": preview.link, "inertia": _inertia(preview.inertial)}
+        return {"joint": preview.joint, "at": _round_values(preview.pose)}
+    return {"link": preview.link, "inertia": _build_inertia(preview.inertial)}
 
 
-def _rounded(values: Iterable[float]) -> list[float | None]:
-    return [_finite(v) for v in values]
+def _round_values(values: Iterable[float]) -> list[float | None]:
+    return [_round_finite(v) for v in values]
 
 
-def _finite(value: float) -> float | None:
+def _round_finite(value: float) -> float | None:
     """With seven digits; what no number can be is null."""
     if not math.isfinite(value):
         return None

@@ -15,7 +15,7 @@ from importlib.resources import files
 _EFFORT = 6
 
 
-def viewer_html() -> str:
+def render_viewer() -> str:
     """The place of the robot, and of the line that says why there is none."""
     return """<section id="viewer" aria-label="The robot in 3D" hidden>
 <div class="uc-view"><div class="uc-bar"></div>
@@ -26,34 +26,34 @@ def viewer_html() -> str:
 """
 
 
-def scripts_html(data_json: str, geometry: bytes) -> tuple[str, list[str]]:
+def render_viewer_scripts(data_json: str, geometry: bytes) -> tuple[str, list[str]]:
     """The scripts and data at the end of the page, and the texts of all scripts that its policy must allow.
 
     ``data_json``: the values of `stage.stage_data`; ``geometry``: its bytes."""
     data = data_json.replace("<", "\\u003c")
     blocks = f"""<script type="application/json" id="uc-data">{data}</script>
-<script type="text/plain" id="uc-geom">{_packed(geometry, _EFFORT)}</script>
-<script type="text/plain" id="uc-app">{_app()}</script>
-<script>{_own("bootstrap.js")}</script>
+<script type="text/plain" id="uc-geom">{_pack_to_base64(geometry, _EFFORT)}</script>
+<script type="text/plain" id="uc-app">{_pack_app_script()}</script>
+<script>{_read_asset("bootstrap.js")}</script>
 """
-    return blocks, [_own("bootstrap.js"), _own("app.js")]
+    return blocks, [_read_asset("bootstrap.js"), _read_asset("app.js")]
 
 
-def viewer_style() -> str:
+def read_viewer_style() -> str:
     """What the view adds to the style of the page."""
-    return _own("viewer.css")
+    return _read_asset("viewer.css")
 
 
 @cache
-def _app() -> str:
-    return _packed(_own("app.js").encode(), 9)
+def _pack_app_script() -> str:
+    return _pack_to_base64(_read_asset("app.js").encode(), 9)
 
 
-def _packed(data: bytes, effort: int) -> str:
+def _pack_to_base64(data: bytes, effort: int) -> str:
     packer = zlib.compressobj(effort, zlib.DEFLATED, -zlib.MAX_WBITS)
     return base64.b64encode(packer.compress(data) + packer.flush()).decode()
 
 
 @cache
-def _own(name: str) -> str:
+def _read_asset(name: str) -> str:
     return files(__package__).joinpath(name).read_text(encoding="utf-8")

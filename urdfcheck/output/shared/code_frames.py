@@ -8,9 +8,9 @@ from functools import lru_cache
 from urdfcheck.core import NEWLINE, Span
 
 # A span over many lines (an element) shows its first lines only.
-MAX_LINES = 6
+MOST_LINES = 6
 # A file in one line would be copied for each of its findings: this much of a line is kept on either side of what is marked.
-KEPT = 1000
+KEPT_CHARACTERS = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,12 +22,12 @@ class FrameLine:
     marked: tuple[int, int] | None
 
 
-def frame(source: str, span: Span, context: int = 1) -> list[FrameLine]:
+def extract_code_frame(source: str, span: Span, context: int = 1) -> list[FrameLine]:
     """The lines of ``span`` and ``context`` lines around it. Empty when the span lies outside of the text."""
-    lines = lines_of(source)
+    lines = split_lines(source)
     if not 1 <= span.line <= len(lines):
         return []
-    last = min(span.end_line, span.line + MAX_LINES - 1, len(lines))
+    last = min(span.end_line, span.line + MOST_LINES - 1, len(lines))
     found = []
     for number in range(max(1, span.line - context), min(len(lines), last + context) + 1):
         text = lines[number - 1]
@@ -37,19 +37,19 @@ def frame(source: str, span: Span, context: int = 1) -> list[FrameLine]:
             end = span.end_col - 1 if number == span.end_line else len(text.rstrip())
             # An empty span (an empty value, an end of file) still needs something to point at.
             marked = (start, max(end, start + 1))
-        found.append(_cropped(FrameLine(number, text, marked)))
+        found.append(_crop_line(FrameLine(number, text, marked)))
     return found
 
 
-def _cropped(line: FrameLine) -> FrameLine:
-    if len(line.text) <= 2 * KEPT:
+def _crop_line(line: FrameLine) -> FrameLine:
+    if len(line.text) <= 2 * KEPT_CHARACTERS:
         return line
     start, end = line.marked or (0, 0)
-    low, high = max(0, start - KEPT), min(end, start + KEPT) + KEPT
+    low, high = max(0, start - KEPT_CHARACTERS), min(end, start + KEPT_CHARACTERS) + KEPT_CHARACTERS
     return FrameLine(line.number, line.text[low:high], line.marked and (start - low, min(end, high) - low))
 
 
 @lru_cache(maxsize=16)
-def lines_of(source: str) -> tuple[str, ...]:
+def split_lines(source: str) -> tuple[str, ...]:
     """The lines of a text, split once for all findings in a file."""
     return tuple(NEWLINE.split(source))

@@ -7,53 +7,53 @@ from difflib import SequenceMatcher
 from itertools import groupby
 
 from urdfcheck.core import NEWLINE, Edit
-from urdfcheck.output.shared.code_frames import lines_of
+from urdfcheck.output.shared.code_frames import split_lines
 
 # Nobody compares lines longer than this by eye: there the old and the new text stand alone.
-LONGEST = 400
+LONGEST_LINE = 400
 
 # What a line is (head | at | same | del | ins) and the line with its sign, without a newline.
-Row = tuple[str, str]
+DiffLine = tuple[str, str]
 
 
-def rows(sources: Mapping[str, str], edits: Iterable[Edit]) -> Iterator[Row]:
+def iter_diff_lines(sources: Mapping[str, str], edits: Iterable[Edit]) -> Iterator[DiffLine]:
     """The lines of the diff; bare old and new text below its place where the source is missing or is not what it was."""
     ordered = sorted(edits, key=lambda e: (e.span.file, e.span.start, e.span.end))
     for file, group in groupby(ordered, key=lambda e: e.span.file):
         edits_here = list(group)
         text = sources.get(file)
-        if text is None or any(_is_elsewhere(text, edit) for edit in edits_here):
+        if text is None or any(_is_stale_or_too_long(text, edit) for edit in edits_here):
             for edit in edits_here:
                 yield "head", f"{file}:{edit.span.line}:{edit.span.col}"
-                yield from _changed(NEWLINE.split(edit.expected), NEWLINE.split(edit.replacement))
+                yield from _iter_changed_lines(NEWLINE.split(edit.expected), NEWLINE.split(edit.replacement))
         else:
             yield "head", f"--- {file}"
             yield "head", f"+++ {file}"
-            yield from _hunks(text, edits_here)
+            yield from _iter_hunks(text, edits_here)
 
 
-def _is_elsewhere(text: str, edit: Edit) -> bool:
+def _is_stale_or_too_long(text: str, edit: Edit) -> bool:
     """Whether an edit's text has changed meanwhile, or stands in a line that is too long."""
     typed = text[edit.span.start : edit.span.end]
-    touched = lines_of(text)[edit.span.line - 1 : edit.span.end_line]
-    return typed != edit.expected or any(len(line) > LONGEST for line in touched)
+    touched = split_lines(text)[edit.span.line - 1 : edit.span.end_line]
+    return typed != edit.expected or any(len(line) > LONGEST_LINE for line in touched)
 
 
-def _changed(old: Iterable[str], new: Iterable[str]) -> Iterator[Row]:
+def _iter_changed_lines(old: Iterable[str], new: Iterable[str]) -> Iterator[DiffLine]:
     yield from (("del", f"-{line}") for line in old)
     yield from (("ins", f"+{line}") for line in new)
 
 
-def _hunks(text: str, edits: Sequence[Edit]) -> Iterator[Row]:
+def _iter_hunks(text: str, edits: Sequence[Edit]) -> Iterator[DiffLine]:
     """One hunk for the edits of neighbouring lines, with a line of context; ``edits`` are sorted and of one file."""
-    lines = lines_of(text)
+    lines = split_lines(text)
     shift = 0
-    for group in _neighbours(edits):
+    for group in _group_neighbouring_edits(edits):
         first, last = group[0].span.line, max(e.span.end_line for e in group)
         before, after = lines[max(0, first - 2) : first - 1], lines[last : last + 1]
         start = group[0].span.start - (group[0].span.col - 1)
         old = [*before, *lines[first - 1 : last], *after]
-        new = NEWLINE.split(_patched(text, start, group) + lines[last - 1][group[-1].span.end_col - 1 :])
+        new = NEWLINE.split(_apply_edits(text, start, group) + lines[last - 1][group[-1].span.end_col - 1 :])
         new = [*before, *new, *after]
         top = first - len(before)
         yield "at", f"@@ -{top},{len(old)} +{top + shift},{len(new)} @@"
@@ -61,11 +61,11 @@ def _hunks(text: str, edits: Sequence[Edit]) -> Iterator[Row]:
             if tag == "equal":
                 yield from (("same", f" {line}") for line in old[i:j])
             else:
-                yield from _changed(old[i:j], new[k:m])
+                yield from _iter_changed_lines(old[i:j], new[k:m])
         shift += len(new) - len(old)
 
 
-def _neighbours(edits: Sequence[Edit]) -> list[list[Edit]]:
+def _group_neighbouring_edits(edits: Sequence[Edit]) -> list[list[Edit]]:
     groups: list[list[Edit]] = []
     for edit in edits:
         if groups and edit.span.line <= max(e.span.end_line for e in groups[-1]) + 2:
@@ -75,7 +75,7 @@ def _neighbours(edits: Sequence[Edit]) -> list[list[Edit]]:
     return groups
 
 
-def _patched(text: str, start: int, edits: Sequence[Edit]) -> str:
+def _apply_edits(text: str, start: int, edits: Sequence[Edit]) -> str:
     pieces, at = [], start
     for edit in edits:
         pieces += [text[at : edit.span.start], edit.replacement]

@@ -35,90 +35,90 @@ _WORD = re.compile(r"\S+")
 _OPENING, _CLOSING = "(\"'«", ")\"'»,.;:?!"
 
 
-def visible(text: str) -> str:
+def escape_invisible(text: str) -> str:
     """``text`` with what acts or cannot be seen spelled out, like ``\\x1b``. Its lines stay lines."""
-    return text if text.isascii() and text.isprintable() else _characters_spelled(text, _backslashed)
+    return text if text.isascii() and text.isprintable() else _escape_characters(text, _to_backslash_escape)
 
 
-def one_line(text: str) -> str:
+def escape_one_line(text: str) -> str:
     """The same for a name or a path: line breaks and tabs in it are spelled out too."""
-    return visible(text).replace("\n", "\\n").replace("\t", "\\t")
+    return escape_invisible(text).replace("\n", "\\n").replace("\t", "\\t")
 
 
-def command(line: str, start: int = 0) -> int | None:
+def find_ci_command(line: str, start: int = 0) -> int | None:
     """Where from ``start`` on a line of a CI log has a character that must be spelled, lest it be a command."""
     match = _COMMAND.search(line, start)
     return None if match is None else match.end() - 1
 
 
-def for_log(text: str) -> str:
+def escape_for_log(text: str) -> str:
     """For a terminal and a CI log."""
-    return _commands_spelled(visible(text), _backslashed)
+    return _escape_ci_commands(escape_invisible(text), _to_backslash_escape)
 
 
-def for_json(text: str) -> str:
+def escape_for_json(text: str) -> str:
     """For a JSON document. Outside of its strings it has nothing that is spelled here."""
-    return _commands_spelled(_characters_spelled(text, _as_json), _as_json)
+    return _escape_ci_commands(_escape_characters(text, _to_json_escape), _to_json_escape)
 
 
-def for_html(text: str) -> str:
+def escape_for_html(text: str) -> str:
     """For an HTML document whose values are escaped already."""
-    return _commands_spelled(_characters_spelled(text, _backslashed), _as_reference)
+    return _escape_ci_commands(_escape_characters(text, _to_backslash_escape), _to_character_reference)
 
 
-def for_xml(text: str) -> str:
+def escape_for_xml(text: str) -> str:
     """For an XML document whose values are escaped already; they stay what they are for whoever parses it."""
-    return _commands_spelled(_characters_spelled(text, _as_reference), _as_reference)
+    return _escape_ci_commands(_escape_characters(text, _to_character_reference), _to_character_reference)
 
 
-def for_markdown(text: str) -> str:
+def escape_for_markdown(text: str) -> str:
     """One line of a Markdown document, or a cell of a table: what stands in backticks, and every word that could be markup, as
-    code. The document itself goes through :func:`for_log`, for it may be printed."""
-    pieces = _CODED.split(one_line(text))
-    pieces[1::2] = map(as_code, pieces[1::2])
-    pieces[::2] = (_WORD.sub(_marked, piece) for piece in pieces[::2])
+    code. The document itself goes through :func:`escape_for_log`, for it may be printed."""
+    pieces = _CODED.split(escape_one_line(text))
+    pieces[1::2] = map(format_code_span, pieces[1::2])
+    pieces[::2] = (_WORD.sub(_wrap_markup_word, piece) for piece in pieces[::2])
     line = "".join(pieces).lstrip()
     first, blank, rest = line.partition(" ")
-    return f"{as_code(first)}{blank}{rest}" if _BLOCK.match(first) else line
+    return f"{format_code_span(first)}{blank}{rest}" if _BLOCK.match(first) else line
 
 
-def as_code(text: str) -> str:
+def format_code_span(text: str) -> str:
     """A name or a path as code in Markdown; what would end the code or the cell of a table is spelled out."""
-    shown = one_line(text).replace("`", _backslashed("`")).replace("|", _backslashed("|"))
+    shown = escape_one_line(text).replace("`", _to_backslash_escape("`")).replace("|", _to_backslash_escape("|"))
     # Nothing would be no code, and of blanks at both ends one is not shown.
     return f"`{shown}`" if shown and shown == shown.strip() else f"` {shown} `"
 
 
-def _marked(match: re.Match[str]) -> str:
+def _wrap_markup_word(match: re.Match[str]) -> str:
     word = match[0]
     if not _MARKUP.search(word):
         return word
     inner = word.lstrip(_OPENING)
     core = inner.rstrip(_CLOSING)
-    return f"{word[: -len(inner)]}{as_code(core)}{inner[len(core) :]}" if core else as_code(word)
+    return f"{word[: -len(inner)]}{format_code_span(core)}{inner[len(core) :]}" if core else format_code_span(word)
 
 
-def _characters_spelled(text: str, spelled: Callable[[str], str]) -> str:
-    return _UNUSUAL.sub(lambda match: match[0] if _is_plain(match[0]) else spelled(match[0]), text)
+def _escape_characters(text: str, escape: Callable[[str], str]) -> str:
+    return _UNUSUAL.sub(lambda match: match[0] if _is_harmless(match[0]) else escape(match[0]), text)
 
 
-def _commands_spelled(text: str, spelled: Callable[[str], str]) -> str:
-    return _COMMAND.sub(lambda match: match[0][:-1] + spelled(match[0][-1]), text)
+def _escape_ci_commands(text: str, escape: Callable[[str], str]) -> str:
+    return _COMMAND.sub(lambda match: match[0][:-1] + escape(match[0][-1]), text)
 
 
-def _is_plain(character: str) -> bool:
+def _is_harmless(character: str) -> bool:
     return unicodedata.category(character) not in _ACTING and not _INVISIBLE.match(character)
 
 
-def _backslashed(character: str) -> str:
+def _to_backslash_escape(character: str) -> str:
     code = ord(character)
     return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
 
 
-def _as_json(character: str) -> str:
+def _to_json_escape(character: str) -> str:
     units = character.encode("utf-16-be", "surrogatepass").hex()
     return "".join(f"\\u{units[i : i + 4]}" for i in range(0, len(units), 4))
 
 
-def _as_reference(character: str) -> str:
+def _to_character_reference(character: str) -> str:
     return f"&#{ord(character)};"

@@ -8,38 +8,38 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from urdfcheck.core import Finding, ModelInfo, Severity, Skip
-from urdfcheck.output.json import finding_object, model_object, skip_object
-from urdfcheck.output.shared.inert import for_json
+from urdfcheck.core import Finding, ModelInfo, Severity, SkippedCheck
+from urdfcheck.output.json import build_finding_object, build_model_object, build_skip_object
+from urdfcheck.output.shared.inert import escape_for_json
 
 SCHEMA = "urdfcheck-audit/1"
 # So many of the worst models, and of those that something went wrong with, are named.
 MOST_NAMED = 20
 
 
-def line(
+def build_unit_line(
     kind: str,
     name: str,
     path: str,
     info: ModelInfo | None,
     findings: Sequence[Finding],
-    skipped: Sequence[Skip],
+    skipped: Sequence[SkippedCheck],
     failures: Sequence[str],
 ) -> bytes:
     """A unit's line, without a newline. ``kind``: model | launch | package, or run for what belongs to no unit."""
     found = {
         "schema": SCHEMA,
         "unit": {"kind": kind, "id": name, "path": path},
-        "model": None if info is None else model_object(info),
-        "findings": [finding_object(finding) for finding in findings],
-        "skipped": [skip_object(skip) for skip in skipped],
+        "model": None if info is None else build_model_object(info),
+        "findings": [build_finding_object(finding) for finding in findings],
+        "skipped": [build_skip_object(skip) for skip in skipped],
         "failures": list(failures),
     }
-    return for_json(json.dumps(found, ensure_ascii=False, allow_nan=False)).encode()
+    return escape_for_json(json.dumps(found, ensure_ascii=False, allow_nan=False)).encode()
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class UnitRow:
     """What the summary tells of a unit. ``status``: checked | needs-arguments | failed | stopped; ``codes``: the rules that
     fired with the worst severity and the number of findings of each, the worst first."""
 
@@ -56,7 +56,7 @@ class Row:
     failures: tuple[str, ...]
 
 
-def row(text: bytes) -> Row:
+def parse_unit_line(text: bytes) -> UnitRow:
     """A line's row."""
     found = json.loads(text)
     unit, model = found["unit"], found["model"] or {}
@@ -69,7 +69,7 @@ def row(text: bytes) -> Row:
             rules[finding["code"]] = max(worst, severity), number + 1
             counts[severity] += 1
     codes = sorted(((code, *found) for code, found in rules.items()), key=lambda rule: (-rule[1], -rule[2], rule[0]))
-    return Row(
+    return UnitRow(
         unit["kind"],
         unit["id"],
         unit["path"],
@@ -94,7 +94,7 @@ class RuleCount:
 
 
 @dataclass(slots=True)
-class Summary:
+class AuditSummary:
     """All units of an audit in numbers; of names no more than `MOST_NAMED` of each list. ``erroneous`` counts the models with
     errors, ``failed`` the failures of urdfcheck itself."""
 
@@ -102,51 +102,53 @@ class Summary:
     statuses: Counter[str] = field(default_factory=Counter)
     counts: Counter[Severity] = field(default_factory=Counter)
     rules: dict[str, RuleCount] = field(default_factory=dict)
-    worst: list[Row] = field(default_factory=list)
+    worst: list[UnitRow] = field(default_factory=list)
     unchecked: list[tuple[str, str]] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
-    erroneous: int = 0
-    failed: int = 0
+    models_with_errors: int = 0
+    failure_count: int = 0
 
     @classmethod
-    def of(cls, rows: Iterable[Row]) -> Summary:
+    def from_rows(cls, rows: Iterable[UnitRow]) -> AuditSummary:
         """Count the rows."""
         summary = cls()
 
-        def counted() -> Iterator[Row]:
+        def iter_counted_rows() -> Iterator[UnitRow]:
             for found in rows:
-                summary._add(found)
+                summary._add_row(found)
                 if found.kind != "run":
                     yield found
 
         # nsmallest holds no more rows than it returns.
-        worst = heapq.nsmallest(MOST_NAMED, counted(), key=lambda found: (*(-n for n in found.counts), found.id))
+        worst = heapq.nsmallest(
+            MOST_NAMED, iter_counted_rows(), key=lambda found: (*(-n for n in found.counts), found.id)
+        )
         summary.worst = [found for found in worst if any(found.counts[:2])]
         return summary
 
     @property
-    def units(self) -> int:
+    def unit_count(self) -> int:
         """How many models, launch files and packages there are."""
         return sum(self.kinds.values())
 
-    def _add(self, found: Row) -> None:
-        if found.kind != "run":
-            self.kinds[found.kind] += 1
-        if found.kind == "model":
-            self.statuses[found.status] += 1
-            self.erroneous += bool(found.counts[0])
-            if found.status != "checked" and len(self.unchecked) < MOST_NAMED:
-                self.unchecked.append((found.id, found.status))
-        for severity, number in zip((Severity.ERROR, Severity.WARNING, Severity.INFO), found.counts, strict=True):
+    def _add_row(self, row: UnitRow) -> None:
+        if row.kind != "run":
+            self.kinds[row.kind] += 1
+        if row.kind == "model":
+            self.statuses[row.status] += 1
+            self.models_with_errors += bool(row.counts[0])
+            if row.status != "checked" and len(self.unchecked) < MOST_NAMED:
+                self.unchecked.append((row.id, row.status))
+        for severity, number in zip((Severity.ERROR, Severity.WARNING, Severity.INFO), row.counts, strict=True):
             self.counts[severity] += number
-        for code, severity, number in found.codes:
+        for code, severity, number in row.codes:
             rule = self.rules.setdefault(code, RuleCount())
             rule.findings += number
             rule.units += 1
             rule.severity = max(rule.severity, severity)
-        self.failed += len(found.failures)
-        self.failures += found.failures[: max(0, MOST_NAMED - len(self.failures))]
+        self.failure_count += len(row.failures)
+        self.failures += row.failures[: max(0, MOST_NAMED - len(self.failures))]
 
-    def ranked(self) -> list[tuple[str, RuleCount]]:
+    def rank_rules(self) -> list[tuple[str, RuleCount]]:
         """The rules that fired, the worst and then the most common first."""
         return sorted(self.rules.items(), key=lambda r: (-r[1].severity, -r[1].units, -r[1].findings, r[0]))

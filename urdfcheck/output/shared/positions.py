@@ -22,22 +22,24 @@ class Region:
     end_column: int
 
 
-def utf16(span: Span, sources: Mapping[str, str]) -> Region:
+def to_utf16_region(span: Span, sources: Mapping[str, str]) -> Region:
     """Columns in UTF-16 code units, as JavaScript counts: SARIF, GitHub, GitLab, editors."""
-    return _counted(span, sources, "utf-16-le", 2)
+    return _convert_span(span, sources, "utf-16-le", 2)
 
 
-def utf8(span: Span, sources: Mapping[str, str]) -> Region:
+def to_utf8_region(span: Span, sources: Mapping[str, str]) -> Region:
     """Columns in bytes of UTF-8, whatever encoding the file itself has: rdjson."""
-    return _counted(span, sources, "utf-8", 1)
+    return _convert_span(span, sources, "utf-8", 1)
 
 
-def _counted(span: Span, sources: Mapping[str, str], encoding: str, size: int) -> Region:
+def _convert_span(span: Span, sources: Mapping[str, str], encoding: str, unit_size: int) -> Region:
     text = sources.get(span.file, "")
 
-    def column(offset: int, col: int) -> int:
+    def convert_column(offset: int, col: int) -> int:
         # Where the text is not at hand, or ends before, a code point counts as one unit.
         before = text[max(0, offset - (col - 1)) : offset]
-        return col - len(before) + len(before.encode(encoding, "surrogatepass")) // size
+        return col - len(before) + len(before.encode(encoding, "surrogatepass")) // unit_size
 
-    return Region(span.line, column(span.start, span.col), span.end_line, column(span.end, span.end_col))
+    return Region(
+        span.line, convert_column(span.start, span.col), span.end_line, convert_column(span.end, span.end_col)
+    )

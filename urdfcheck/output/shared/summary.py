@@ -6,63 +6,68 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from urdfcheck.core import Applicability, Finding, Rule, Severity
-from urdfcheck.output.shared.inert import for_log, one_line
-from urdfcheck.output.shared.lines import Row, Summary
-from urdfcheck.output.shared.wording import ORDER
+from urdfcheck.output.shared.inert import escape_for_log, escape_one_line
+from urdfcheck.output.shared.lines import AuditSummary, UnitRow
+from urdfcheck.output.shared.wording import SEVERITY_ORDER
 
 # So many of the worst models: the page beside the lines has them all.
-WORST = 10
+MOST_WORST = 10
 
 
-def render(summary: Summary, rules: Mapping[str, Rule]) -> str:
+def render(summary: AuditSummary, rules: Mapping[str, Rule]) -> str:
     """The summary as text, with a newline at the end."""
-    return "".join(f"{for_log(line).rstrip()}\n" for line in _lines(summary, rules))
+    return "".join(f"{escape_for_log(line).rstrip()}\n" for line in _iter_lines(summary, rules))
 
 
-def _lines(summary: Summary, rules: Mapping[str, Rule]) -> Iterator[str]:
+def _iter_lines(summary: AuditSummary, rules: Mapping[str, Rule]) -> Iterator[str]:
     if summary.rules:
-        yield from table(
+        yield from format_table(
             ("rule", "", "severity", "findings", "models"),
             [
                 (code, rules[code].name, str(count.severity), f"{count.findings:,}", f"{count.units:,}")
-                for code, count in summary.ranked()
+                for code, count in summary.rank_rules()
             ],
         )
         yield ""
     if summary.worst:
-        yield from table(
-            ("worst models", "errors", "warnings", "mostly"), [_worst(row) for row in summary.worst[:WORST]]
+        yield from format_table(
+            ("worst models", "errors", "warnings", "mostly"),
+            [_format_worst_row(row) for row in summary.worst[:MOST_WORST]],
         )
         yield ""
     for name, status in summary.unchecked:
-        yield f"{status}: {one_line(name)}"
+        yield f"{status}: {escape_one_line(name)}"
     rest = sum(n for status, n in summary.statuses.items() if status != "checked") - len(summary.unchecked)
     if rest > 0:
         yield f"and {rest:,} more that could not be checked"
     for failure in summary.failures:
-        yield f"urdfcheck failed: {one_line(failure)}"
-    if summary.failed > len(summary.failures):
-        yield f"and {summary.failed - len(summary.failures):,} more failures"
-    yield _verdict(summary)
+        yield f"urdfcheck failed: {escape_one_line(failure)}"
+    if summary.failure_count > len(summary.failures):
+        yield f"and {summary.failure_count - len(summary.failures):,} more failures"
+    yield _format_totals(summary)
 
 
-def _worst(row: Row) -> tuple[str, ...]:
+def _format_worst_row(row: UnitRow) -> tuple[str, ...]:
     errors, warnings, _ = row.counts
-    return one_line(row.id), f"{errors:,}", f"{warnings:,}", ", ".join(code for code, _, _ in row.codes[:3])
+    return escape_one_line(row.id), f"{errors:,}", f"{warnings:,}", ", ".join(code for code, _, _ in row.codes[:3])
 
 
-def _verdict(summary: Summary) -> str:
-    counts = ", ".join(_plural(summary.counts[severity], str(severity)) for severity in ORDER)
+def _format_totals(summary: AuditSummary) -> str:
+    counts = ", ".join(_format_count(summary.counts[severity], str(severity)) for severity in SEVERITY_ORDER)
     others = [f"{n:,} {status}" for status, n in sorted(summary.statuses.items()) if status != "checked"]
     states = f" ({', '.join(others)})" if others else ""
-    beside = [_plural(summary.kinds[kind], word) for kind, word in (("launch", "launch file"), ("package", "package"))]
+    beside = [
+        _format_count(summary.kinds[kind], word) for kind, word in (("launch", "launch file"), ("package", "package"))
+    ]
     also = "".join(f", {text}" for text in beside if not text.startswith("0 "))
-    with_errors = f"; errors in {_plural(summary.erroneous, 'model')}" if summary.erroneous else ""
-    return f"{counts} in {_plural(summary.kinds['model'], 'model')}{states}{also}{with_errors}"
+    with_errors = (
+        f"; errors in {_format_count(summary.models_with_errors, 'model')}" if summary.models_with_errors else ""
+    )
+    return f"{counts} in {_format_count(summary.kinds['model'], 'model')}{states}{also}{with_errors}"
 
 
 @dataclass(slots=True)
-class Count:
+class RuleSeverityCount:
     """What the findings of one rule and severity come to. ``models``: the ids of those that show one; ``fixable``: how many of
     them urdfcheck can repair, with or without --unsafe-fixes."""
 
@@ -74,12 +79,12 @@ class Count:
     fixable: int = 0
 
 
-def counted(findings: Iterable[Finding]) -> list[Count]:
+def count_by_rule(findings: Iterable[Finding]) -> list[RuleSeverityCount]:
     """The findings by rule and severity, the worst and then the most common first."""
-    counts: dict[tuple[str, Severity], Count] = {}
+    counts: dict[tuple[str, Severity], RuleSeverityCount] = {}
     for finding in findings:
         key = finding.code, finding.severity
-        count = counts.setdefault(key, Count(finding.code, finding.name, finding.severity))
+        count = counts.setdefault(key, RuleSeverityCount(finding.code, finding.name, finding.severity))
         count.findings += 1
         count.models.update(finding.variants or (finding.model,))
         count.fixable += (
@@ -88,7 +93,7 @@ def counted(findings: Iterable[Finding]) -> list[Count]:
     return sorted(counts.values(), key=lambda c: (-c.severity, -c.findings, -len(c.models), c.code))
 
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
+def format_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
     """Columns as wide as they must be: words to the left, numbers to the right."""
     widths = [max(len(row[column]) for row in (head, *rows)) for column in range(len(head))]
     numbers = [all(row[column].replace(",", "").isdigit() for row in rows) for column in range(len(head))]
@@ -97,5 +102,5 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
         yield "  ".join(cell.rjust(width) if number else cell.ljust(width) for cell, width, number in cells)
 
 
-def _plural(count: int, word: str) -> str:
+def _format_count(count: int, word: str) -> str:
     return f"{count:,} {word}" + ("" if count == 1 or word == "info" else "s")

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from urdfcheck.core import Finding, Run, Severity, Span
 
-ORDER = (Severity.ERROR, Severity.WARNING, Severity.INFO)
+SEVERITY_ORDER = (Severity.ERROR, Severity.WARNING, Severity.INFO)
 GLYPHS = {Severity.ERROR: "✖", Severity.WARNING: "▲", Severity.INFO: "i"}
 # How the programs write themselves.
-NAMES = {
+PROGRAM_NAMES = {
     "bullet": "Bullet",
     "drake": "Drake",
     "gazebo": "Gazebo",
@@ -25,27 +25,27 @@ NAMES = {
 }
 
 
-def plural(count: int, word: str) -> str:
+def format_count(count: int, word: str) -> str:
     """``2 links``; information has no plural."""
     return f"{count} {word}" + ("" if count == 1 or word == "info" else "s")
 
 
-def looked_at(run: Run) -> str:
+def describe_checked_units(run: Run) -> str:
     """``2 models``; ``1 file`` where all were launch files and packages."""
-    return plural(run.units, "file") if run.units and not run.models else plural(len(run.models), "model")
+    return format_count(run.units, "file") if run.units and not run.models else format_count(len(run.models), "model")
 
 
-def place(span: Span) -> str:
+def format_place(span: Span) -> str:
     """``file:line:column``, as terminals and editors take it."""
     return f"{span.file}:{span.line}:{span.col}"
 
 
-def worst_first(findings: Iterable[Finding]) -> list[Finding]:
+def sort_worst_first(findings: Iterable[Finding]) -> list[Finding]:
     """Those of one severity stay in their order."""
     return sorted(findings, key=lambda finding: -finding.severity)
 
 
-def by_effect(consequences: Mapping[str, str]) -> dict[str, list[str]]:
+def group_by_effect(consequences: Mapping[str, str]) -> dict[str, list[str]]:
     """The programs by what they do: those that do the same thing share a line."""
     effects: dict[str, list[str]] = {}
     for program, effect in consequences.items():
@@ -53,37 +53,37 @@ def by_effect(consequences: Mapping[str, str]) -> dict[str, list[str]]:
     return effects
 
 
-def verdict(run: Run) -> tuple[str, str]:
+def summarize_verdict(run: Run) -> tuple[str, str]:
     """How a run came out: error | warning | ok, and a sentence without its full stop."""
-    errors, warnings = run.count(Severity.ERROR), run.count(Severity.WARNING)
+    errors, warnings = run.count_findings(Severity.ERROR), run.count_findings(Severity.WARNING)
     unread = sum(info.status != "checked" for info in run.models)
     if run.failures:
         return "error", "Not finished: a part of urdfcheck itself failed, so this verdict is incomplete"
     if not run.models and not run.units and not run.findings:
         return "warning", "Nothing was checked"
     if errors:
-        return "error", f"{plural(errors, 'error')} to repair"
+        return "error", f"{format_count(errors, 'error')} to repair"
     if unread:
-        return "warning", f"{plural(unread, 'model')} of {len(run.models)} could not be checked"
+        return "warning", f"{format_count(unread, 'model')} of {len(run.models)} could not be checked"
     if warnings:
-        return "warning", f"No errors, {plural(warnings, 'warning')} to look at"
+        return "warning", f"No errors, {format_count(warnings, 'warning')} to look at"
     if not set(run.rules) - {"URC900"}:  # that one tells of crashes, whatever is selected
         return "warning", "Nothing was looked for: no rule is selected"
     return "ok", "No errors and no warnings"
 
 
-def details(run: Run, finding: Finding) -> Iterator[tuple[str, str]]:
+def iter_details(run: Run, finding: Finding) -> Iterator[tuple[str, str]]:
     """What is said of a finding beyond its message: a label and a sentence."""
-    if given := run.arguments_of(finding):
+    if given := run.find_variant_arguments(finding):
         yield "With", " ".join(f"{name}:={value}" for name, value in sorted(given.items()))
-    if finding.why is not None:
-        yield "Why", finding.why
-    for effect, programs in by_effect(finding.consequences).items():
-        yield f"Then {', '.join(NAMES.get(program, program) for program in programs)}", effect
+    if finding.cause_text is not None:
+        yield "Why", finding.cause_text
+    for effect, programs in group_by_effect(finding.consequences).items():
+        yield f"Then {', '.join(PROGRAM_NAMES.get(program, program) for program in programs)}", effect
     if finding.fix is not None:
         yield "Fix", finding.fix.title
 
 
-def own_file(run: Run, finding: Finding) -> str:
+def find_finding_file(run: Run, finding: Finding) -> str:
     """The file to name for a finding without a place: its model's, or what its id says of a package or a launch file."""
     return next((info.path for info in run.models if info.id == finding.model), finding.model)

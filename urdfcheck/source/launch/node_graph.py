@@ -14,10 +14,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core.scene import SceneLaunch, SceneNode, SceneParameter, ScenePort
-from urdfcheck.source.launch.launch_file import Launch, placed_by
-from urdfcheck.source.launch.nodes_python import started_by_python
-from urdfcheck.source.launch.nodes_xml import MOST_NAMES, Everything, Started, resolved, shown, started
-from urdfcheck.source.package.finder import PackageFinder, display_name
+from urdfcheck.source.launch.launch_file import Launch, parse_transform_arguments
+from urdfcheck.source.launch.nodes_python import read_python_actions
+from urdfcheck.source.launch.nodes_xml import (
+    MOST_NAMES,
+    LaunchAction,
+    LaunchContents,
+    read_launch_actions,
+    resolve_name,
+    shorten_line,
+)
+from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.system.files import read_regular
 
 _MAX_CONFIG = 1024**2
@@ -29,7 +36,7 @@ _FIELD = {
 
 
 @dataclass(frozen=True, slots=True)
-class _Known:
+class _ProgramInfo:
     """What a program is for, what it reads and what it writes: ``kind name`` each, the names as the program itself says them;
     a service is written by those who call it. ``facts``: what its arguments say."""
 
@@ -40,17 +47,17 @@ class _Known:
 
 
 _TF = ("topic /tf", "topic /tf_static")
-_STATES = _Known("makes tf from the joint positions", ("parameter robot_description", "topic joint_states"), _TF)
-_SLIDERS = _Known("publishes joint positions", ("parameter robot_description",), ("topic joint_states",))
-_GAZEBO = _Known(
+_STATES = _ProgramInfo("makes tf from the joint positions", ("parameter robot_description", "topic joint_states"), _TF)
+_SLIDERS = _ProgramInfo("publishes joint positions", ("parameter robot_description",), ("topic joint_states",))
+_GAZEBO = _ProgramInfo(
     "Gazebo Classic", ("service /gazebo/spawn_urdf_model", "service /gazebo/spawn_sdf_model", "service /spawn_entity")
 )
-_GZ_SIM = _Known("Gazebo Sim", ("service create (Gazebo transport)",))
-_MOVE_GROUP = _Known("MoveIt", ("parameter robot_description", "topic joint_states", *_TF))
-_LOCALIZATION = _Known("computes where the robot is", _TF, ("topic /tf",))
+_GZ_SIM = _ProgramInfo("Gazebo Sim", ("service create (Gazebo transport)",))
+_MOVE_GROUP = _ProgramInfo("MoveIt", ("parameter robot_description", "topic joint_states", *_TF))
+_LOCALIZATION = _ProgramInfo("computes where the robot is", _TF, ("topic /tf",))
 
 # By dialect, then by package and executable.
-_PROGRAMS: Mapping[str, Mapping[tuple[str, str], _Known]] = {
+_PROGRAMS: Mapping[str, Mapping[tuple[str, str], _ProgramInfo]] = {
     "ros1": {
         ("robot_state_publisher", "robot_state_publisher"): _STATES,
         ("robot_state_publisher", "state_publisher"): _STATES,
@@ -62,13 +69,13 @@ _PROGRAMS: Mapping[str, Mapping[tuple[str, str], _Known]] = {
         ("amcl", "amcl"): _LOCALIZATION,
     },
     "ros2": {
-        ("robot_state_publisher", "robot_state_publisher"): _Known(
+        ("robot_state_publisher", "robot_state_publisher"): _ProgramInfo(
             _STATES.purpose, _STATES.reads, ("topic robot_description", *_TF)
         ),
-        ("joint_state_publisher", "joint_state_publisher"): _Known(
+        ("joint_state_publisher", "joint_state_publisher"): _ProgramInfo(
             _SLIDERS.purpose, ("topic robot_description",), _SLIDERS.writes
         ),
-        ("joint_state_publisher_gui", "joint_state_publisher_gui"): _Known(
+        ("joint_state_publisher_gui", "joint_state_publisher_gui"): _ProgramInfo(
             _SLIDERS.purpose, ("topic robot_description",), _SLIDERS.writes
         ),
         **{("gazebo_ros", name): _GAZEBO for name in ("gazebo", "gzserver")},
@@ -85,17 +92,17 @@ _SIMULATORS = (
 _BRIDGES = frozenset({("ros_gz_bridge", "parameter_bridge"), ("ros_ign_bridge", "parameter_bridge")})
 
 
-def launch_scene(launch: Launch) -> SceneLaunch:
+def build_launch_scene(launch: Launch) -> SceneLaunch:
     """What a launch file starts and what flows between these nodes, as plain values."""
     dialect = launch.dialect
-    everything = started_by_python(launch) if dialect == "python" else started(launch)
+    everything = read_python_actions(launch) if dialect == "python" else read_launch_actions(launch)
     family = "ros1" if dialect == "ros1" else "ros2"
-    nodes = tuple(_node(node, family, everything, launch.finder) for node in everything.nodes)
-    return SceneLaunch(display_name(launch.path), dialect, nodes, everything.parameters, everything.notes)
+    nodes = tuple(_build_scene_node(node, family, everything, launch.finder) for node in everything.nodes)
+    return SceneLaunch(format_path(launch.path), dialect, nodes, everything.parameters, everything.notes)
 
 
-def _node(node: Started, family: str, everything: Everything, finder: PackageFinder) -> SceneNode:
-    known = _known(node, family, finder)
+def _build_scene_node(node: LaunchAction, family: str, everything: LaunchContents, finder: PackageFinder) -> SceneNode:
+    known = _describe_program(node, family, finder)
     facts = [("arguments", node.typed)] if node.typed else []
     facts += [("remapped", f"{before} to {after}") for before, after in node.remaps]
     facts += node.parameters.items()
@@ -104,8 +111,8 @@ def _node(node: Started, family: str, everything: Everything, finder: PackageFin
         name=node.full_name if node.kind == "node" and (node.name or node.program) else "",
         program=f"{node.package}/{node.program}" if node.package else node.program,
         purpose=known.purpose,
-        reads=_ports(known.reads, node, everything.parameters),
-        writes=_ports(known.writes, node, everything.parameters),
+        reads=_build_ports(known.reads, node, everything.parameters),
+        writes=_build_ports(known.writes, node, everything.parameters),
         condition=node.condition,
         off=node.off,
         facts=(*known.facts, *facts),
@@ -113,21 +120,23 @@ def _node(node: Started, family: str, everything: Everything, finder: PackageFin
     )
 
 
-def _ports(names: Sequence[str], node: Started, parameters: Sequence[SceneParameter]) -> tuple[ScenePort, ...]:
+def _build_ports(
+    names: Sequence[str], node: LaunchAction, parameters: Sequence[SceneParameter]
+) -> tuple[ScenePort, ...]:
     full = node.full_name
-    remaps = {resolved(before, node.namespace, full): after for before, after in node.remaps}
+    remaps = {resolve_name(before, node.namespace, full): after for before, after in node.remaps}
     ports = []
     for kind, name in (text.split(" ", 1) for text in names):
         if kind == "file" or "(" in name:
-            ports.append(ScenePort(kind, shown(name)))
+            ports.append(ScenePort(kind, shorten_line(name)))
             continue
-        wanted = resolved(name, node.namespace, full)
-        wanted = resolved(remaps.get(wanted, wanted), node.namespace, full)
-        ports.append(_parameter(wanted, full, parameters) if kind == "parameter" else ScenePort(kind, wanted))
+        wanted = resolve_name(name, node.namespace, full)
+        wanted = resolve_name(remaps.get(wanted, wanted), node.namespace, full)
+        ports.append(_find_parameter_port(wanted, full, parameters) if kind == "parameter" else ScenePort(kind, wanted))
     return tuple(dict.fromkeys(ports))
 
 
-def _parameter(wanted: str, node: str, parameters: Sequence[SceneParameter]) -> ScenePort:
+def _find_parameter_port(wanted: str, node: str, parameters: Sequence[SceneParameter]) -> ScenePort:
     """The parameter that a node gets: its own, else the next one in the namespaces around it. Where the launch file sets none,
     the one that it would need."""
     name = wanted.rpartition("/")[2]
@@ -137,49 +146,55 @@ def _parameter(wanted: str, node: str, parameters: Sequence[SceneParameter]) -> 
     return ScenePort("parameter", next((c for c in candidates if c in known), wanted))
 
 
-def _known(node: Started, family: str, finder: PackageFinder) -> _Known:
+def _describe_program(node: LaunchAction, family: str, finder: PackageFinder) -> _ProgramInfo:
     """What is known of a program, and of what its arguments make of it."""
     program, words = (node.package, node.program), node.words
     if node.kind == "launch file":
         path = "/".join(program)
-        return next((known for pattern, known in _SIMULATORS if pattern.fullmatch(path)), _Known(""))
+        return next((known for pattern, known in _SIMULATORS if pattern.fullmatch(path)), _ProgramInfo(""))
     if node.kind == "process":
         simulators = {"gazebo": _GAZEBO, "gzserver": _GAZEBO, "gz": _GZ_SIM, "ign": _GZ_SIM}
-        return simulators.get(node.program, _Known(""))
+        return simulators.get(node.program, _ProgramInfo(""))
     known = _PROGRAMS[family].get(program)
     if known is not None:
-        return _of_file(known, words) if known.writes == _SLIDERS.writes else known
+        return _apply_model_file(known, words) if known.writes == _SLIDERS.writes else known
     if node.program == "static_transform_publisher" and node.package in {"tf", "tf2_ros"}:
-        placed = placed_by(words)
-        frames = () if placed is None else (("transform", shown(f"{placed[0]} to {placed[1]}")),)
-        return _Known("places a frame", (), ("topic /tf" if node.package == "tf" else "topic /tf_static",), frames)
+        placed = parse_transform_arguments(words)
+        frames = () if placed is None else (("transform", shorten_line(f"{placed[0]} to {placed[1]}")),)
+        return _ProgramInfo(
+            "places a frame", (), ("topic /tf" if node.package == "tf" else "topic /tf_static",), frames
+        )
     if program in {("rviz", "rviz"), ("rviz2", "rviz2")}:
-        display = _displayed(words, family, finder)
-        return _Known(
+        display = _read_display_source(words, family, finder)
+        return _ProgramInfo(
             "RViz" if display else "RViz, with no RobotModel display in a configuration that is here", (*_TF, *display)
         )
     if program in _BRIDGES:
-        return _bridge(words)
+        return _describe_bridge(words)
     if node.package == "controller_manager":
-        return _control(node, family)
+        return _describe_control_node(node, family)
     if program == ("rostopic", "rostopic") and len(words) > 1 and words[0] in {"pub", "echo"}:
         topic = (f"topic {words[1]}",)
-        return _Known("publishes a message", (), topic) if words[0] == "pub" else _Known("prints messages", topic)
-    return _spawner(program, words) or _Known("")
+        return (
+            _ProgramInfo("publishes a message", (), topic)
+            if words[0] == "pub"
+            else _ProgramInfo("prints messages", topic)
+        )
+    return _describe_spawner(program, words) or _ProgramInfo("")
 
 
-def _of_file(known: _Known, words: Sequence[str]) -> _Known:
+def _apply_model_file(known: _ProgramInfo, words: Sequence[str]) -> _ProgramInfo:
     """joint_state_publisher of ROS 2 takes a file in place of the topic."""
     file = next((w for w in words if w.endswith((".urdf", ".xml"))), None)
-    return known if file is None else _Known(known.purpose, (f"file {_file(file)}",), known.writes)
+    return known if file is None else _ProgramInfo(known.purpose, (f"file {_format_typed_path(file)}",), known.writes)
 
 
-def _file(typed: str) -> str:
+def _format_typed_path(typed: str) -> str:
     """How a path is called: what is not known of it stays as typed."""
-    return typed if "$(" in typed or not Path(typed).is_absolute() else display_name(Path(typed))
+    return typed if "$(" in typed or not Path(typed).is_absolute() else format_path(Path(typed))
 
 
-def _option(words: Sequence[str], *names: str) -> str:
+def _get_option(words: Sequence[str], *names: str) -> str:
     """The word after an option, none where another option follows."""
     for word, following in itertools.pairwise(words):
         if word in names and not following.startswith("-"):
@@ -187,7 +202,7 @@ def _option(words: Sequence[str], *names: str) -> str:
     return ""
 
 
-def _spawner(program: tuple[str, str], words: Sequence[str]) -> _Known | None:
+def _describe_spawner(program: tuple[str, str], words: Sequence[str]) -> _ProgramInfo | None:
     services = {
         ("gazebo_ros", "spawn_model"): "/gazebo/spawn_sdf_model" if "-sdf" in words else "/gazebo/spawn_urdf_model",
         ("gazebo", "spawn_model"): "/gazebo/spawn_urdf_model",
@@ -199,30 +214,34 @@ def _spawner(program: tuple[str, str], words: Sequence[str]) -> _Known | None:
         return None
     reads = []
     for kind in ("topic", "param", "file"):
-        value = _option(words, f"-{kind}", f"--{kind}")
+        value = _get_option(words, f"-{kind}", f"--{kind}")
         if value:
-            reads.append(f"file {_file(value)}" if kind == "file" else f"{kind.replace('param', 'parameter')} {value}")
-    name = shown(_option(words, "-model", "-entity", "-name"))
+            reads.append(
+                f"file {_format_typed_path(value)}"
+                if kind == "file"
+                else f"{kind.replace('param', 'parameter')} {value}"
+            )
+    name = shorten_line(_get_option(words, "-model", "-entity", "-name"))
     facts = (("robot's name", name),) if name else ()
-    return _Known("puts the robot into the simulation", tuple(reads), (f"service {services[program]}",), facts)
+    return _ProgramInfo("puts the robot into the simulation", tuple(reads), (f"service {services[program]}",), facts)
 
 
-def _control(node: Started, family: str) -> _Known:
+def _describe_control_node(node: LaunchAction, family: str) -> _ProgramInfo:
     words = node.words
-    manager = _option(words, "-c", "--controller-manager", "--namespace") or "controller_manager"
+    manager = _get_option(words, "-c", "--controller-manager", "--namespace") or "controller_manager"
     service = f"service {manager.rstrip('/')}/load_controller"
     if node.program == "ros2_control_node":
         private = any(before == "~/robot_description" for before, _ in node.remaps)
         topic = "topic ~/robot_description" if private else "topic robot_description"
-        return _Known("runs the controllers", (topic, service))
+        return _ProgramInfo("runs the controllers", (topic, service))
     if node.program in {"spawner", "spawner.py", "controller_manager", "unspawner"}:
         names = [w for w in words if not w.startswith("-") and w not in {manager, "load", "start", "spawn", "stop"}]
-        facts = (("controllers", shown(" ".join(names))),) if names and family == "ros1" else ()
-        return _Known("starts controllers", (), (service,), facts)
-    return _Known("")
+        facts = (("controllers", shorten_line(" ".join(names))),) if names and family == "ros1" else ()
+        return _ProgramInfo("starts controllers", (), (service,), facts)
+    return _ProgramInfo("")
 
 
-def _bridge(words: Sequence[str]) -> _Known:
+def _describe_bridge(words: Sequence[str]) -> _ProgramInfo:
     """``/topic@ros_type@gz_type`` goes both ways, with ``[`` from Gazebo to ROS and with ``]`` from ROS to Gazebo."""
     reads, writes = [], []
     for word in words[:MOST_NAMES]:
@@ -233,14 +252,14 @@ def _bridge(words: Sequence[str]) -> _Known:
             reads.append(f"topic {topic}")
         if "]" not in types:
             writes.append(f"topic {topic}")
-    return _Known("carries topics between ROS and Gazebo", tuple(reads), tuple(writes))
+    return _ProgramInfo("carries topics between ROS and Gazebo", tuple(reads), tuple(writes))
 
 
-def _displayed(words: Sequence[str], family: str, finder: PackageFinder) -> tuple[str, ...]:
+def _read_display_source(words: Sequence[str], family: str, finder: PackageFinder) -> tuple[str, ...]:
     """Where the RobotModel display of RViz's configuration takes the robot from; nothing where it has none or cannot be read."""
-    path = Path(_option(words, "-d", "--display-config"))
+    path = Path(_get_option(words, "-d", "--display-config"))
     try:
-        if not path.is_absolute() or not finder.allows(path):
+        if not path.is_absolute() or not finder.can_open(path):
             return ()
         text = read_regular(path, _MAX_CONFIG).decode("utf-8", "replace")
     except OSError:

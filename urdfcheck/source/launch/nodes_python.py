@@ -15,9 +15,22 @@ from pathlib import Path
 from urdfcheck.core import Span
 from urdfcheck.core.scene import SceneParameter, ScenePort
 from urdfcheck.source.launch.launch_file import Launch
-from urdfcheck.source.launch.nodes_xml import MOST, MOST_NAMES, Everything, Started, resolved, shown
-from urdfcheck.source.launch.python_launch_file import LAUNCH_SUFFIXES, PythonLaunch, Reader, function_of, package_named
-from urdfcheck.source.package.finder import display_name
+from urdfcheck.source.launch.nodes_xml import (
+    MAX_ACTIONS,
+    MOST_NAMES,
+    LaunchAction,
+    LaunchContents,
+    resolve_name,
+    shorten_line,
+)
+from urdfcheck.source.launch.python_launch_file import (
+    LAUNCH_SUFFIXES,
+    PythonLaunch,
+    PythonLaunchReader,
+    get_function_name,
+    get_package_name,
+)
+from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import SourceFile
 
 _NODES = frozenset({"Node", "LifecycleNode", "ComposableNode"})
@@ -27,142 +40,147 @@ _PARAMETERS = frozenset({"use_sim_time", "source_list", "frame_prefix"})
 _DEEPEST, _MOST_ELEMENTS, _MOST_PARTS = 2, 20, 500
 
 
-def started_by_python(launch: Launch) -> Everything:
+def read_python_actions(launch: Launch) -> LaunchContents:
     """What a Python launch file makes."""
     python = launch.python
-    if python is None or python.file is None or python.broken is not None:
-        return Everything((), (), ("The file could not be read.",))
+    if python is None or python.file is None or python.syntax_problem is not None:
+        return LaunchContents((), (), ("The file could not be read.",))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             tree = ast.parse(python.file.text)
-        calls = _Calls(Reader(tree, python.file, launch.path, launch.finder), python.file, python)
+        calls = _PythonActionReader(
+            PythonLaunchReader(tree, python.file, launch.path, launch.finder), python.file, python
+        )
         return calls.read()
     except (RecursionError, MemoryError):
-        return Everything((), (), ("The file is nested too deeply.",))
+        return LaunchContents((), (), ("The file is nested too deeply.",))
 
 
-class _Calls:
-    def __init__(self, reader: Reader, file: SourceFile, python: PythonLaunch) -> None:
+class _PythonActionReader:
+    def __init__(self, reader: PythonLaunchReader, file: SourceFile, python: PythonLaunch) -> None:
         self.reader = reader
         self.file = file
         self.calls = [n for n in reader.nodes if isinstance(n, ast.Call)]
-        models = [display_name(path) for path in python.models]
+        models = [format_path(path) for path in python.models]
         self.origin = models[0] if len(models) == 1 else ""
         self.parameters: list[SceneParameter] = []
         self.defaults = {
             name: default
             for call in self.calls
-            if function_of(call) == "DeclareLaunchArgument"
-            for name in (self.text(_argument(call, 0, "name")),)
-            for default in (self.text(_argument(call, 1, "default_value")),)
+            if get_function_name(call) == "DeclareLaunchArgument"
+            for name in (self.read_expression(_find_argument(call, 0, "name")),)
+            for default in (self.read_expression(_find_argument(call, 1, "default_value")),)
             if name and default
         }
 
-    def read(self) -> Everything:
-        nodes = tuple(itertools.islice(self.nodes(), MOST))
-        notes = [f"No more than {MOST} nodes are shown."] if len(nodes) == MOST else []
-        if any(function_of(call) in _GROUPS for call in self.calls):
+    def read(self) -> LaunchContents:
+        nodes = tuple(itertools.islice(self.find_actions(), MAX_ACTIONS))
+        notes = [f"No more than {MAX_ACTIONS} nodes are shown."] if len(nodes) == MAX_ACTIONS else []
+        if any(get_function_name(call) in _GROUPS for call in self.calls):
             notes.append("What groups and functions of this file do to its nodes is only known when it is launched.")
-        return Everything(nodes, tuple(self.parameters), tuple(notes))
+        return LaunchContents(nodes, tuple(self.parameters), tuple(notes))
 
-    def nodes(self) -> Iterator[Started]:
+    def find_actions(self) -> Iterator[LaunchAction]:
         # ast.walk goes by depth; the order of the file is easier to follow.
         for call in sorted(self.calls, key=lambda c: (c.lineno, c.col_offset)):
-            function = function_of(call)
+            function = get_function_name(call)
             if function in _NODES and (call.keywords or function == "ComposableNode"):
-                yield self.node(call)
+                yield self.read_node(call)
             elif function == "ExecuteProcess":
-                words = self.texts(_argument(call, 0, "cmd"))
+                words = self.read_expressions(_find_argument(call, 0, "cmd"))
                 program = words[0] if words else ""
-                condition, off = self.condition(call)
-                yield Started(
+                condition, off = self.read_condition(call)
+                yield LaunchAction(
                     "process",
                     "",
                     program,
                     "",
                     words=words[1:],
-                    typed=shown(" ".join(words)),
+                    typed=shorten_line(" ".join(words)),
                     condition=condition,
                     off=off,
-                    spans=self.spans(call),
+                    spans=self.compute_spans(call),
                 )
             elif function == "IncludeLaunchDescription":
-                yield self.include(call)
+                yield self.read_include(call)
 
-    def node(self, call: ast.Call) -> Started:
-        name = self.text(_argument(call, -1, "name", "node_name"))
-        program = self.text(_argument(call, -1, "executable", "node_executable", "plugin"))
-        namespace = resolved(self.text(_argument(call, -1, "namespace", "node_namespace")), "/")
-        arguments = self.elements(_argument(call, -1, "arguments", "ros_arguments"))
-        words = tuple(map(self.text, arguments))
+    def read_node(self, call: ast.Call) -> LaunchAction:
+        name = self.read_expression(_find_argument(call, -1, "name", "node_name"))
+        program = self.read_expression(_find_argument(call, -1, "executable", "node_executable", "plugin"))
+        namespace = resolve_name(self.read_expression(_find_argument(call, -1, "namespace", "node_namespace")), "/")
+        arguments = self.list_elements(_find_argument(call, -1, "arguments", "ros_arguments"))
+        words = tuple(map(self.read_expression, arguments))
         # Paths that are made of a package's folder are told from here.
-        typed = (w if isinstance(a, ast.Constant) else _from_here(w) for a, w in zip(arguments, words, strict=True))
-        condition, off = self.condition(call)
-        given = self.dictionary(_argument(call, -1, "parameters"))
-        plain = Started(
+        typed = (
+            w if isinstance(a, ast.Constant) else _format_absolute_path(w)
+            for a, w in zip(arguments, words, strict=True)
+        )
+        condition, off = self.read_condition(call)
+        given = self.read_parameters(_find_argument(call, -1, "parameters"))
+        plain = LaunchAction(
             "node",
-            shown(self.text(_argument(call, -1, "package"))),
-            shown(program),
+            shorten_line(self.read_expression(_find_argument(call, -1, "package"))),
+            shorten_line(program),
             name,
             namespace,
             words,
-            shown(" ".join(typed)),
-            tuple(itertools.islice(self.remaps(_argument(call, -1, "remappings")), MOST_NAMES)),
-            {key: shown(self.text(value)) for key, value in given.items() if key in _PARAMETERS},
+            shorten_line(" ".join(typed)),
+            tuple(itertools.islice(self.read_remaps(_find_argument(call, -1, "remappings")), MOST_NAMES)),
+            {key: shorten_line(self.read_expression(value)) for key, value in given.items() if key in _PARAMETERS},
             condition,
             off,
-            self.spans(call),
+            self.compute_spans(call),
         )
         if "robot_description" in given:
             value = given["robot_description"]
-            origin = self.origin or shown(self.typed(value))
+            origin = self.origin or shorten_line(self.get_source_text(value))
             problem = "" if self.origin else "only known when it is launched"
             port = ScenePort("parameter", f"{plain.full_name} robot_description")
-            self.parameters.append(SceneParameter(port, origin, problem, condition, off, self.spans(value)))
+            self.parameters.append(SceneParameter(port, origin, problem, condition, off, self.compute_spans(value)))
         return plain
 
-    def include(self, call: ast.Call) -> Started:
-        condition, off = self.condition(call)
-        source = self.followed(_argument(call, 0, "launch_description_source")) or call
+    def read_include(self, call: ast.Call) -> LaunchAction:
+        condition, off = self.read_condition(call)
+        source = self.follow_name(_find_argument(call, 0, "launch_description_source")) or call
         inside = list(itertools.islice(ast.walk(source), _MOST_PARTS))
         names = [n for n in inside if isinstance(n, ast.Name)]
-        inside += itertools.islice((n for i in names for n in ast.walk(self.followed(i) or i)), _MOST_PARTS)
-        package = next((name for n in inside if (name := package_named(n))), "")
+        inside += itertools.islice((n for i in names for n in ast.walk(self.follow_name(i) or i)), _MOST_PARTS)
+        package = next((name for n in inside if (name := get_package_name(n))), "")
         texts = [n.value for n in inside if isinstance(n, ast.Constant) and isinstance(n.value, str)]
         file = next((text for text in texts if text.endswith(LAUNCH_SUFFIXES)), "")
-        return Started(
+        return LaunchAction(
             "launch file",
             package,
-            shown(file.rpartition("/")[2]) or "a launch file",
+            shorten_line(file.rpartition("/")[2]) or "a launch file",
             "",
             condition=condition,
             off=off,
-            spans=self.spans(call),
+            spans=self.compute_spans(call),
         )
 
-    def condition(self, call: ast.Call) -> tuple[str, bool]:
-        given = self.followed(_argument(call, -1, "condition"))
+    def read_condition(self, call: ast.Call) -> tuple[str, bool]:
+        given = self.follow_name(_find_argument(call, -1, "condition"))
         if given is None:
             return "", False
         verbs = {"IfCondition": ("if", {"false", "0"}), "UnlessCondition": ("unless", {"true", "1"})}
-        verb = verbs.get(function_of(given)) if isinstance(given, ast.Call) else None
+        verb = verbs.get(get_function_name(given)) if isinstance(given, ast.Call) else None
         if verb is None or not isinstance(given, ast.Call):
-            return f"if {shown(self.typed(given))}", False
-        text = self.text(_argument(given, 0, "predicate_expression"))
+            return f"if {shorten_line(self.get_source_text(given))}", False
+        text = self.read_expression(_find_argument(given, 0, "predicate_expression"))
         name = text.removeprefix("$(var ").removesuffix(")")
-        return f"{verb[0]} {shown(text)}", self.defaults.get(name, "").lower() in verb[1]
+        return f"{verb[0]} {shorten_line(text)}", self.defaults.get(name, "").lower() in verb[1]
 
-    def remaps(self, node: ast.expr | None) -> Iterator[tuple[str, str]]:
-        for pair in self.elements(node):
-            texts = [self.text(part) for part in self.elements(pair)]
+    def read_remaps(self, node: ast.expr | None) -> Iterator[tuple[str, str]]:
+        for pair in self.list_elements(node):
+            texts = [self.read_expression(part) for part in self.list_elements(pair)]
             if len(texts) == 2:
-                yield shown(texts[0]), shown(texts[1])
+                yield shorten_line(texts[0]), shorten_line(texts[1])
 
-    def dictionary(self, node: ast.expr | None) -> Mapping[str, ast.expr]:
+    def read_parameters(self, node: ast.expr | None) -> Mapping[str, ast.expr]:
         """The parameters that dictionaries in a list name, without those of files."""
         found: dict[str, ast.expr] = {}
-        for part in self.elements(node):
+        for part in self.list_elements(node):
             if isinstance(part, ast.Dict):
                 found.update(
                     (str(key.value), value)
@@ -171,13 +189,13 @@ class _Calls:
                 )
         return found
 
-    def elements(self, node: ast.expr | None) -> Sequence[ast.expr]:
+    def list_elements(self, node: ast.expr | None) -> Sequence[ast.expr]:
         """The elements of a list, where it is one, each as it was assigned."""
-        node = self.followed(node)
+        node = self.follow_name(node)
         parts = node.elts if isinstance(node, (ast.List, ast.Tuple)) else []
-        return [self.followed(part) or part for part in parts]
+        return [self.follow_name(part) or part for part in parts]
 
-    def followed(self, node: ast.expr | None) -> ast.expr | None:
+    def follow_name(self, node: ast.expr | None) -> ast.expr | None:
         """What was assigned to a name, where it was assigned once."""
         for _ in range(8):
             if not isinstance(node, ast.Name) or node.id not in self.reader.assigned:
@@ -185,38 +203,38 @@ class _Calls:
             node = self.reader.assigned[node.id]
         return node
 
-    def texts(self, node: ast.expr | None) -> tuple[str, ...]:
-        return tuple(self.text(part) for part in self.elements(node))
+    def read_expressions(self, node: ast.expr | None) -> tuple[str, ...]:
+        return tuple(self.read_expression(part) for part in self.list_elements(node))
 
-    def text(self, node: ast.expr | None, depth: int = 0) -> str:
+    def read_expression(self, node: ast.expr | None, depth: int = 0) -> str:
         """A text that is known; of an argument ``$(var name)``, as XML spells it; anything else as typed."""
-        node = self.followed(node)
+        node = self.follow_name(node)
         if node is None:
             return ""
-        known = self.reader.value(node)
+        known = self.reader.evaluate_text(node)
         if known is not None:
             return known
-        if isinstance(node, ast.Call) and function_of(node) == "LaunchConfiguration":
-            return f"$(var {self.text(_argument(node, 0, 'variable_name'))})"
+        if isinstance(node, ast.Call) and get_function_name(node) == "LaunchConfiguration":
+            return f"$(var {self.read_expression(_find_argument(node, 0, 'variable_name'))})"
         if isinstance(node, (ast.List, ast.Tuple)) and depth < _DEEPEST:
-            return "".join(self.text(part, depth + 1) for part in node.elts[:_MOST_ELEMENTS])
-        return str(node.value) if isinstance(node, ast.Constant) else shown(self.typed(node))
+            return "".join(self.read_expression(part, depth + 1) for part in node.elts[:_MOST_ELEMENTS])
+        return str(node.value) if isinstance(node, ast.Constant) else shorten_line(self.get_source_text(node))
 
-    def typed(self, node: ast.expr) -> str:
-        (span,) = self.spans(node)
+    def get_source_text(self, node: ast.expr) -> str:
+        (span,) = self.compute_spans(node)
         return self.file.text[span.start : span.end][:2000]
 
-    def spans(self, node: ast.expr) -> tuple[Span, ...]:
-        begin = self.reader.offset(node.lineno, node.col_offset)
-        end = self.reader.offset(node.end_lineno or node.lineno, node.end_col_offset or node.col_offset)
-        return (self.file.span(begin, end),)
+    def compute_spans(self, node: ast.expr) -> tuple[Span, ...]:
+        begin = self.reader.compute_offset(node.lineno, node.col_offset)
+        end = self.reader.compute_offset(node.end_lineno or node.lineno, node.end_col_offset or node.col_offset)
+        return (self.file.make_span(begin, end),)
 
 
-def _from_here(path: str) -> str:
-    return display_name(Path(path)) if Path(path).is_absolute() else path
+def _format_absolute_path(path: str) -> str:
+    return format_path(Path(path)) if Path(path).is_absolute() else path
 
 
-def _argument(call: ast.Call, position: int, *names: str) -> ast.expr | None:
+def _find_argument(call: ast.Call, position: int, *names: str) -> ast.expr | None:
     """An argument by one of its names or, from 0 on, by its position."""
     for keyword in call.keywords:
         if keyword.arg in names:

@@ -13,19 +13,19 @@ from urdfcheck.core import Span
 from urdfcheck.core.scene import SceneParameter, ScenePort
 from urdfcheck.source.launch.launch_file import (
     Launch,
-    Obstacle,
-    Resolver,
-    Scope,
-    description_of,
-    executable,
+    LaunchScope,
+    SubstitutionResolver,
+    UnresolvedReason,
+    get_executable,
     is_description,
-    shell_words,
+    read_description,
+    split_command,
 )
-from urdfcheck.source.package.finder import display_name
+from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Element
 
 # More than any launch file starts, and more names than any of its nodes is given.
-MOST = 400
+MAX_ACTIONS = 400
 MOST_NAMES = 100
 # How much of a command or of its arguments is told.
 _SHOWN = 240
@@ -38,7 +38,7 @@ _EXCLUDED = (("if", frozenset({"false", "0"})), ("unless", frozenset({"true", "1
 
 
 @dataclass(frozen=True, slots=True)
-class Started:
+class LaunchAction:
     """A node, process or unread launch file. ``kind`` as in :class:`~urdfcheck.core.SceneNode`; ``words``: its arguments
     with what could be resolved, ``typed`` without; ``remaps``: from and to; ``parameters``: those of its own that matter."""
 
@@ -57,34 +57,34 @@ class Started:
 
     @property
     def full_name(self) -> str:
-        return resolved(self.name or self.program.rpartition("/")[2], self.namespace)
+        return resolve_name(self.name or self.program.rpartition("/")[2], self.namespace)
 
 
 @dataclass(frozen=True, slots=True)
-class Everything:
+class LaunchContents:
     """All that a launch file starts and sets. ``notes``: what could not be read, in words."""
 
-    nodes: tuple[Started, ...]
+    nodes: tuple[LaunchAction, ...]
     parameters: tuple[SceneParameter, ...]
     notes: tuple[str, ...] = ()
 
 
-def resolved(name: str, namespace: str, node: str = "") -> str:
+def resolve_name(name: str, namespace: str, node: str = "") -> str:
     """The full name of a node, topic, service or parameter; ``~`` stands for the node's own full name."""
     if name.startswith("~"):
         name = f"{node}/{name[1:]}"
     elif not name.startswith("/"):
         name = f"{namespace}/{name}"
-    return shown(re.sub("/+", "/", name))
+    return shorten_line(re.sub("/+", "/", name))
 
 
-def shown(text: str) -> str:
+def shorten_line(text: str) -> str:
     """One line of a bounded length: names and arguments are told many times over."""
     line = " ".join(text.split())
     return line if len(line) <= _SHOWN else f"{line[:_SHOWN]}…"
 
 
-def told(obstacle: Obstacle) -> str:
+def describe_unresolved(obstacle: UnresolvedReason) -> str:
     """Why a path is not known, in words."""
     return {
         "package": f"package {obstacle.name} is not found",
@@ -94,120 +94,122 @@ def told(obstacle: Obstacle) -> str:
     }.get(obstacle.kind, "only known when it is launched")
 
 
-def started(launch: Launch) -> Everything:
+def read_launch_actions(launch: Launch) -> LaunchContents:
     """What an XML launch file and those that it includes start."""
     if launch.scope is None:
-        return Everything((), (), ("The file could not be read.",))
-    reader = _Reader(launch)
+        return LaunchContents((), (), ("The file could not be read.",))
+    reader = _XmlActionReader(launch)
     notes = []
     try:
-        reader.children(launch.scope.root, _Around(launch.scope.resolver))
+        reader.read_children(launch.scope.root, _ElementContext(launch.scope.resolver))
     except RecursionError:
         notes.append("The files are nested too deeply: not all of it is shown.")
-    if len(reader.nodes) > MOST:
-        notes.append(f"No more than {MOST} nodes are shown.")
-    return Everything(tuple(reader.nodes[:MOST]), tuple(reader.parameters[:MOST]), tuple(notes))
+    if len(reader.nodes) > MAX_ACTIONS:
+        notes.append(f"No more than {MAX_ACTIONS} nodes are shown.")
+    return LaunchContents(tuple(reader.nodes[:MAX_ACTIONS]), tuple(reader.parameters[:MAX_ACTIONS]), tuple(notes))
 
 
 @dataclass(frozen=True, slots=True)
-class _Around:
+class _ElementContext:
     """What the elements around one say: namespace, remaps and conditions."""
 
-    resolver: Resolver
+    resolver: SubstitutionResolver
     namespace: str = "/"
     remaps: tuple[tuple[str, str], ...] = ()
     conditions: tuple[str, ...] = ()
     off: bool = False
 
-    def text(self, typed: str) -> str:
-        known = self.resolver.resolve(typed)
+    def resolve_text(self, typed: str) -> str:
+        known = self.resolver.resolve_text(typed)
         return typed if known is None else known
 
-    def within(self, element: Element) -> _Around:
+    def enter_element(self, element: Element) -> _ElementContext:
         """The same, with what the element itself says."""
         conditions, off = self.conditions, self.off
         for name, excluded in _EXCLUDED:
             if name in element.attributes:
                 typed = element.get(name)
-                conditions = (*conditions, f"{name} {shown(typed)}")
-                off = off or (self.resolver.resolve(typed) or "").strip().lower() in excluded
-        namespace = self.text(element.get("namespace") or element.get("ns"))
-        return replace(self, namespace=resolved(namespace, self.namespace), conditions=conditions, off=off)
+                conditions = (*conditions, f"{name} {shorten_line(typed)}")
+                off = off or (self.resolver.resolve_text(typed) or "").strip().lower() in excluded
+        namespace = self.resolve_text(element.get("namespace") or element.get("ns"))
+        return replace(self, namespace=resolve_name(namespace, self.namespace), conditions=conditions, off=off)
 
 
-class _Reader:
+class _XmlActionReader:
     """Walks the elements in the order of the file: a remap holds for the nodes below it."""
 
     def __init__(self, launch: Launch) -> None:
         self.launch = launch
-        self.nodes: list[Started] = []
+        self.nodes: list[LaunchAction] = []
         self.parameters: list[SceneParameter] = []
 
-    def children(self, parent: Element, around: _Around) -> None:
+    def read_children(self, parent: Element, around: _ElementContext) -> None:
         for element in parent.children:
-            inside = around.within(element)
+            inside = around.enter_element(element)
             if element.tag in _PUSHES:
                 around = replace(around, namespace=inside.namespace)
             elif element.tag in _REMAPS:
-                around = replace(around, remaps=(*around.remaps, _remap(element, around))[-MOST_NAMES:])
+                around = replace(around, remaps=(*around.remaps, _read_remap(element, around))[-MOST_NAMES:])
             elif element.tag in _NODES:
-                self.node(element, inside)
+                self.read_node(element, inside)
             elif element.tag == "executable":
                 typed = element.get("cmd")
-                words = _words(typed, inside)
+                words = _split_words(typed, inside)
                 program = words[0] if words else ""
-                self.start("process", element, inside, program=program, words=words[1:], typed=shown(typed))
+                self.add_action("process", element, inside, program=program, words=words[1:], typed=shorten_line(typed))
             elif element.tag == "include":
-                self.include(element, inside)
+                self.read_include(element, inside)
             elif element.tag == "param":
-                self.parameter(element, inside, resolved(around.text(element.get("name")), inside.namespace))
+                self.read_parameter(
+                    element, inside, resolve_name(around.resolve_text(element.get("name")), inside.namespace)
+                )
             else:  # a group, or what may hold nodes in a dialect to come
-                self.children(element, inside)
+                self.read_children(element, inside)
 
-    def node(self, element: Element, around: _Around) -> None:
-        program = shown(around.text(executable(element) or element.get("plugin")))
-        name = around.text(element.get("name"))
-        full = resolved(name or program, around.namespace)
-        inner = [e for tag in _REMAPS for e in element.all(tag)]
+    def read_node(self, element: Element, around: _ElementContext) -> None:
+        program = shorten_line(around.resolve_text(get_executable(element) or element.get("plugin")))
+        name = around.resolve_text(element.get("name"))
+        full = resolve_name(name or program, around.namespace)
+        inner = [e for tag in _REMAPS for e in element.find_children(tag)]
         parameters = {}
-        for param in element.all("param"):
+        for param in element.find_children("param"):
             key = param.get("name")
-            own = f"{full} {key}" if self.launch.dialect == "ros2" else resolved(f"~{key}", "", full)
+            own = f"{full} {key}" if self.launch.dialect == "ros2" else resolve_name(f"~{key}", "", full)
             if is_description(param):
-                self.parameter(param, around.within(param), own)
+                self.read_parameter(param, around.enter_element(param), own)
             elif key in _PARAMETERS:
-                parameters[key] = shown(around.text(param.get("value")))
+                parameters[key] = shorten_line(around.resolve_text(param.get("value")))
         typed = element.get("args")
-        self.start(
+        self.add_action(
             "node",
             element,
             around,
-            package=shown(around.text(element.get("pkg"))),
+            package=shorten_line(around.resolve_text(element.get("pkg"))),
             program=program,
             name=name,
-            words=_words(typed, around),
-            typed=shown(typed),
-            remaps=(*around.remaps, *(_remap(e, around) for e in inner))[-MOST_NAMES:],
+            words=_split_words(typed, around),
+            typed=shorten_line(typed),
+            remaps=(*around.remaps, *(_read_remap(e, around) for e in inner))[-MOST_NAMES:],
             parameters=parameters,
         )
 
-    def include(self, element: Element, around: _Around) -> None:
-        scope: Scope | None = self.launch.scopes.get(element)
+    def read_include(self, element: Element, around: _ElementContext) -> None:
+        scope: LaunchScope | None = self.launch.scopes.get(element)
         if scope is not None:
-            self.children(scope.root, replace(around, resolver=scope.resolver))
+            self.read_children(scope.root, replace(around, resolver=scope.resolver))
             return
         typed = element.get("file")
         match = _PACKAGE_FILE.match(typed.strip())
-        package, file = match.groups() if match else ("", shown(typed))
+        package, file = match.groups() if match else ("", shorten_line(typed))
         parameters = {
-            a.get("name"): shown(around.text(a.get("value")))
-            for a in element.all("arg")
+            a.get("name"): shorten_line(around.resolve_text(a.get("value")))
+            for a in element.find_children("arg")
             if a.get("name") in _PARAMETERS
         }
-        self.start("launch file", element, around, package=package, program=file, parameters=parameters)
+        self.add_action("launch file", element, around, package=package, program=file, parameters=parameters)
 
-    def start(self, kind: str, element: Element, around: _Around, **known: object) -> None:
-        plain = Started(
+    def add_action(self, kind: str, element: Element, around: _ElementContext, **known: object) -> None:
+        plain = LaunchAction(
             kind,
             "",
             "",
@@ -215,43 +217,43 @@ class _Reader:
             around.namespace,
             condition=" and ".join(around.conditions),
             off=around.off,
-            spans=_spans(element),
+            spans=_compute_spans(element),
         )
         self.nodes.append(replace(plain, **known))  # type: ignore[arg-type]
 
-    def parameter(self, element: Element, around: _Around, name: str) -> None:
+    def read_parameter(self, element: Element, around: _ElementContext, name: str) -> None:
         """robot_description and use_sim_time; no other parameter says what the nodes have to do with each other."""
         if not is_description(element):
             if name.endswith("/use_sim_time"):
-                self.set(name, shown(around.text(element.get("value"))), "", element, around)
+                self.add_parameter(name, shorten_line(around.resolve_text(element.get("value"))), "", element, around)
             return
-        found = description_of(element, around.resolver)
+        found = read_description(element, around.resolver)
         if found is None:
-            self.set(name, "a text of its own" if element.get("value") else "nothing", "", element, around)
+            self.add_parameter(name, "a text of its own" if element.get("value") else "nothing", "", element, around)
             return
-        origin = shown(found.file) if found.path is None else display_name(found.path)
-        problem = "" if found.unresolved is None else told(found.unresolved)
-        self.set(name, origin, problem, element, around, found.at.span)
+        origin = shorten_line(found.file) if found.path is None else format_path(found.path)
+        problem = "" if found.unresolved is None else describe_unresolved(found.unresolved)
+        self.add_parameter(name, origin, problem, element, around, found.at.span)
 
-    def set(
-        self, name: str, origin: str, problem: str, element: Element, around: _Around, at: Span | None = None
+    def add_parameter(
+        self, name: str, origin: str, problem: str, element: Element, around: _ElementContext, at: Span | None = None
     ) -> None:
-        spans = (*_spans(element), *(() if at is None else (at,)))
+        spans = (*_compute_spans(element), *(() if at is None else (at,)))
         condition = " and ".join(around.conditions)
         self.parameters.append(
             SceneParameter(ScenePort("parameter", name), origin, problem, condition, around.off, spans)
         )
 
 
-def _words(typed: str, around: _Around) -> tuple[str, ...]:
-    return tuple(around.text(word) for word in shell_words(typed))
+def _split_words(typed: str, around: _ElementContext) -> tuple[str, ...]:
+    return tuple(around.resolve_text(word) for word in split_command(typed))
 
 
-def _remap(element: Element, around: _Around) -> tuple[str, str]:
-    return shown(around.text(element.get("from"))), shown(around.text(element.get("to")))
+def _read_remap(element: Element, around: _ElementContext) -> tuple[str, str]:
+    return shorten_line(around.resolve_text(element.get("from"))), shorten_line(around.resolve_text(element.get("to")))
 
 
-def _spans(element: Element) -> tuple[Span, ...]:
+def _compute_spans(element: Element) -> tuple[Span, ...]:
     """From the element's tag to that of the last one in it."""
     first = element.span
     last = list(element.walk())[-1].span

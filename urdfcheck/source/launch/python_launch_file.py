@@ -13,11 +13,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import NEWLINE, Location, Span
-from urdfcheck.source.package.finder import BUILT, PackageFinder, display_name, subfolders
-from urdfcheck.source.reach import Reach
+from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path, list_subfolders
+from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import SourceFile
-from urdfcheck.system.files import TooLarge, read_regular, walk
+from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
 MODEL_SUFFIXES = (".urdf", ".xacro")
 LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".launch.py", "_launch.xml", "_launch.py")
@@ -32,7 +32,7 @@ MAX_LAUNCHES = 64
 
 
 @dataclass(frozen=True, slots=True)
-class Named:
+class LocatedPath:
     """A model's path in a Python launch file, as far as it is known, and where its last part is typed."""
 
     path: str
@@ -51,28 +51,28 @@ class PythonLaunch:
 
     file: SourceFile | None = None
     models: tuple[Path, ...] = ()
-    missing: tuple[Named, ...] = ()
-    includes: tuple[Named, ...] = ()
-    unknown: tuple[Named, ...] = ()
-    loads: Location | None = None
-    broken: Problem | None = None
-    unreadable: Problem | None = None
+    missing_models: tuple[LocatedPath, ...] = ()
+    missing_includes: tuple[LocatedPath, ...] = ()
+    unknown_models: tuple[LocatedPath, ...] = ()
+    description_location: Location | None = None
+    syntax_problem: Problem | None = None
+    read_problem: Problem | None = None
 
 
-def read_python(path: Path, finder: PackageFinder) -> PythonLaunch:
+def read_python_launch(path: Path, finder: PackageFinder) -> PythonLaunch:
     """The models that a Python launch file names.
 
     A path may be one text, or the last texts of ``os.path.join(…)``, ``PathJoinSubstitution([…])`` and ``folder / …``.
     """
-    name = display_name(path)
+    name = format_path(path)
     start = Location("launch", Span(name, 1, 1, 1, 1, 0, 0))
     try:
         data = read_regular(path, MAX_PYTHON)
-    except TooLarge as error:
+    except FileTooLargeError as error:
         limits = {"what": "bytes", "limit": error.limit, "found": error.found}
-        return PythonLaunch(unreadable=Problem("too-large", error.message, start, limits))
+        return PythonLaunch(read_problem=Problem("too-large", error.message, start, limits))
     except OSError as error:
-        return PythonLaunch(unreadable=Problem("unreadable", error.strerror or str(error), start))
+        return PythonLaunch(read_problem=Problem("unreadable", error.strerror or str(error), start))
     file = SourceFile(path, name, data.decode("utf-8-sig", "replace"))
     try:
         with warnings.catch_warnings():
@@ -82,41 +82,41 @@ def read_python(path: Path, finder: PackageFinder) -> PythonLaunch:
             ):  # Python may refuse the bytes: no UTF-8, or no such encoding
                 ast.parse(data)
             tree = ast.parse(file.text)
-            return Reader(tree, file, path, finder).read()
+            return PythonLaunchReader(tree, file, path, finder).read()
     except SyntaxError as error:
-        at = _place(file, error.lineno, (error.offset or 1) - 1)
-        return PythonLaunch(file, broken=Problem("syntax", error.msg, Location("launch", at)))
+        at = _find_rest_of_line(file, error.lineno, (error.offset or 1) - 1)
+        return PythonLaunch(file, syntax_problem=Problem("syntax", error.msg, Location("launch", at)))
     except (ValueError, RecursionError, MemoryError):  # a zero byte, or nested too deeply
-        return PythonLaunch(file, broken=Problem("syntax", "it is no text or nested too deeply", start))
+        return PythonLaunch(file, syntax_problem=Problem("syntax", "it is no text or nested too deeply", start))
 
 
-def _lines(text: str) -> list[int]:
+def _find_line_starts(text: str) -> list[int]:
     """Where each line begins, as Python counts them."""
     return [0, *(m.end() for m in NEWLINE.finditer(text))]
 
 
-def _place(file: SourceFile, line: int | None, column: int) -> Span:
+def _find_rest_of_line(file: SourceFile, line: int | None, column: int) -> Span:
     """The rest of a line from a column, as far as there is one."""
-    starts = _lines(file.text)
+    starts = _find_line_starts(file.text)
     begin = starts[min(max(line or 1, 1), len(starts)) - 1]
     stop = NEWLINE.search(file.text, begin)
     end = len(file.text) if stop is None else stop.start()
-    return file.span(min(begin + max(column, 0), end), end)
+    return file.make_span(min(begin + max(column, 0), end), end)
 
 
-class Reader:
+class PythonLaunchReader:
     """Walks one syntax tree; outer nodes come first: the pieces of a path are no paths of their own."""
 
     def __init__(self, tree: ast.AST, file: SourceFile, path: Path, finder: PackageFinder) -> None:
         self.file = file
-        self.starts = _lines(file.text)
+        self.starts = _find_line_starts(file.text)
         self.finder = finder
         self.nodes = list(ast.walk(tree))
-        self.assigned = _assigned_once(self.nodes)
+        self.assigned = _find_single_assignments(self.nodes)
         self.values: dict[int, str | None] = {}
-        package = finder.package_of(path.absolute())
+        package = finder.find_package_of(path.absolute())
         self.own = package.path if package is not None else path.parent
-        self.named = [finder.find(name) for name in dict.fromkeys(filter(None, map(package_named, self.nodes)))]
+        self.named = [finder.find(name) for name in dict.fromkeys(filter(None, map(get_package_name, self.nodes)))]
 
     def read(self) -> PythonLaunch:
         folders = [self.own, *(f for f in self.named if f is not None)]
@@ -125,61 +125,70 @@ class Reader:
         unknown: dict[str, ast.expr] = {}
         joined: set[int] = set()
         known: dict[str, Path | None] = {}
-        parts = _parts_of_texts(self.nodes)
+        parts = _collect_partial_texts(self.nodes)
         for node in self.nodes:
             if id(node) in joined:
                 continue
-            pieces = _pieces(node)
-            exact = self.in_package(node)
-            if exact is not None and self.finder.allows(exact[0]) and os.path.isfile(exact[0]):
+            pieces = _collect_path_pieces(node)
+            exact = self.find_path_in_package(node)
+            if exact is not None and self.finder.can_open(exact[0]) and os.path.isfile(exact[0]):
                 model: Path | None = exact[0]
             else:
                 literal = "/".join(str(p.value) for p in pieces)
                 if literal not in known and literal.strip().endswith(MODEL_SUFFIXES) and len(known) < MAX_PATHS:
-                    known[literal] = _model_file(literal, folders, self.finder)
+                    known[literal] = _find_model_file(literal, folders, self.finder)
                 model = known.get(literal)
             if model is not None:
                 found[model] = None
                 joined.update(map(id, pieces if exact is None else ast.walk(node)))
             elif exact is not None and isinstance(node, ast.expr):
                 joined.update(map(id, ast.walk(node)))
-                if str(exact[0]) in missing or (len(missing) < MAX_PATHS and not may_be_elsewhere(*exact)):
+                if str(exact[0]) in missing or (len(missing) < MAX_PATHS and not may_be_built(*exact)):
                     missing[str(exact[0])] = node
             elif isinstance(node, ast.Constant) and id(node) not in parts and _is_model_path(node.value):
                 unknown[str(node.value)] = node
         if found or missing:
             unknown = {}
-        includes = self.named_at(self.includes())
+        includes = self.locate_paths(self.find_missing_includes())
         return PythonLaunch(
-            self.file, tuple(found), self.named_at(missing), includes, self.named_at(unknown), self.loads()
+            self.file,
+            tuple(found),
+            self.locate_paths(missing),
+            includes,
+            self.locate_paths(unknown),
+            self.find_description_key(),
         )
 
-    def includes(self) -> dict[str, ast.expr]:
+    def find_missing_includes(self) -> dict[str, ast.expr]:
         """Paths of launch files in a known package where no such file is."""
         absent: dict[Path, tuple[Path, ast.expr]] = {}
         joined: set[int] = set()
         for node in self.nodes:
-            exact = None if id(node) in joined else self.in_package(node, LAUNCH_SUFFIXES)
+            exact = None if id(node) in joined else self.find_path_in_package(node, LAUNCH_SUFFIXES)
             if exact is None or not isinstance(node, ast.expr):
                 continue
             joined.update(map(id, ast.walk(node)))
             path, package = exact
-            if self.finder.allows(path) and not os.path.isfile(path) and len(absent) < MAX_LAUNCHES:
+            if self.finder.can_open(path) and not os.path.isfile(path) and len(absent) < MAX_LAUNCHES:
                 absent.setdefault(path, (package, node))
         return {
             str(path): node
             for path, (package, node) in absent.items()
-            if not may_be_elsewhere(path, package, LAUNCH_SUFFIXES)
+            if not may_be_built(path, package, LAUNCH_SUFFIXES)
         }
 
-    def named_at(self, paths: Mapping[str, ast.expr]) -> tuple[Named, ...]:
-        return tuple(Named(path, self.location(node)) for path, node in itertools.islice(paths.items(), MAX_PATHS))
+    def locate_paths(self, paths: Mapping[str, ast.expr]) -> tuple[LocatedPath, ...]:
+        return tuple(
+            LocatedPath(path, self.locate_node(node)) for path, node in itertools.islice(paths.items(), MAX_PATHS)
+        )
 
-    def in_package(self, node: ast.AST, suffixes: tuple[str, ...] = MODEL_SUFFIXES) -> tuple[Path, Path] | None:
+    def find_path_in_package(
+        self, node: ast.AST, suffixes: tuple[str, ...] = MODEL_SUFFIXES
+    ) -> tuple[Path, Path] | None:
         """A path that ends so and whose package is known, and that package's folder."""
         if not isinstance(node, (ast.Call, ast.BinOp, ast.JoinedStr)):
             return None
-        text = self.value(node)
+        text = self.evaluate_text(node)
         if text is None or not text.endswith(suffixes) or "\0" in text:
             return None
         for folder in self.named:
@@ -188,84 +197,84 @@ class Reader:
                 return Path(text), folder
         return None
 
-    def value(self, node: ast.AST) -> str | None:
+    def evaluate_text(self, node: ast.AST) -> str | None:
         """The text that a node is, where only literals, names assigned once and packages' folders go into it."""
         if id(node) not in self.values:
             self.values[id(node)] = None  # while it is computed: a name made of itself has no value
-            text = self.compute(node)
+            text = self.compute_text(node)
             self.values[id(node)] = None if text is None or len(text) > MAX_LENGTH else text
         return self.values[id(node)]
 
-    def compute(self, node: ast.AST) -> str | None:
+    def compute_text(self, node: ast.AST) -> str | None:
         if isinstance(node, ast.Constant):
             return node.value if isinstance(node.value, str) else None
         if isinstance(node, ast.Name):
-            return self.value(self.assigned[node.id]) if node.id in self.assigned else None
+            return self.evaluate_text(self.assigned[node.id]) if node.id in self.assigned else None
         if isinstance(node, ast.JoinedStr):
-            return self.all(node.values, "".join)
+            return self.evaluate_all(node.values, "".join)
         if isinstance(node, ast.FormattedValue):
-            return self.value(node.value) if node.conversion == -1 and node.format_spec is None else None
+            return self.evaluate_text(node.value) if node.conversion == -1 and node.format_spec is None else None
         if isinstance(node, ast.BinOp):
-            joins = {ast.Add: "".join, ast.Div: _joined}
+            joins = {ast.Add: "".join, ast.Div: _join_paths}
             join = joins.get(type(node.op))
-            return None if join is None else self.all([node.left, node.right], join)
+            return None if join is None else self.evaluate_all([node.left, node.right], join)
         if isinstance(node, ast.Call):
-            return self.call(node)
+            return self.evaluate_call(node)
         return None
 
-    def call(self, node: ast.Call) -> str | None:
-        package = package_named(node)
+    def evaluate_call(self, node: ast.Call) -> str | None:
+        package = get_package_name(node)
         if package is not None:
             folder = self.finder.find(package)
             return None if folder is None else str(folder)
-        function = function_of(node)
+        function = get_function_name(node)
         if function == "find" and isinstance(node.func, ast.Attribute):  # FindPackageShare("p").find("p")
             share = node.func.value
-            return self.value(share) if isinstance(share, ast.Call) and package_named(share) else None
+            return self.evaluate_text(share) if isinstance(share, ast.Call) and get_package_name(share) else None
         if function in {"join", "joinpath", "Path", "str"} and not node.keywords:
             before = [node.func.value] if function == "joinpath" and isinstance(node.func, ast.Attribute) else []
-            return self.all([*before, *node.args], _joined)
+            return self.evaluate_all([*before, *node.args], _join_paths)
         if (
             function == "PathJoinSubstitution"
             and len(node.args) == 1
             and isinstance(node.args[0], (ast.List, ast.Tuple))
         ):
-            return self.all(node.args[0].elts, _joined)
+            return self.evaluate_all(node.args[0].elts, _join_paths)
         return None
 
-    def all(self, nodes: Sequence[ast.AST], join: Callable[[list[str]], str]) -> str | None:
-        texts = [self.value(node) for node in nodes]
+    def evaluate_all(self, nodes: Sequence[ast.AST], join: Callable[[list[str]], str]) -> str | None:
+        texts = [self.evaluate_text(node) for node in nodes]
         known = [text for text in texts if text is not None]
         return join(known) if known and len(known) == len(texts) else None
 
-    def loads(self) -> Location | None:
+    def find_description_key(self) -> Location | None:
         """Where a node gets the parameter robot_description."""
         for node in self.nodes:
             if isinstance(node, ast.Dict):
                 for key in node.keys:
                     if isinstance(key, ast.Constant) and key.value == "robot_description":
-                        return self.location(key)
+                        return self.locate_node(key)
         return None
 
-    def location(self, node: ast.expr) -> Location:
+    def locate_node(self, node: ast.expr) -> Location:
         """The last text in a node: that is where a path's own name is typed."""
         inner = list(ast.walk(node))
         texts: list[ast.expr] = [n for n in inner if isinstance(n, ast.Constant) and isinstance(n.value, str)]
         if any(isinstance(n, ast.JoinedStr) for n in inner):
             texts = []  # before Python 3.12 the positions inside of such a text are not exact
         last = max(texts, key=lambda n: (n.lineno, n.col_offset), default=node)
-        begin = self.offset(last.lineno, last.col_offset)
-        end = self.offset(last.end_lineno or last.lineno, last.end_col_offset or last.col_offset)
-        return Location("launch", self.file.span(begin, end))
+        begin = self.compute_offset(last.lineno, last.col_offset)
+        end = self.compute_offset(last.end_lineno or last.lineno, last.end_col_offset or last.col_offset)
+        return Location("launch", self.file.make_span(begin, end))
 
-    def offset(self, line: int, column: int) -> int:
+    def compute_offset(self, line: int, column: int) -> int:
         """The code point at a position of ast, whose columns count the bytes of UTF-8."""
         begin = self.starts[min(line, len(self.starts)) - 1]
         text = self.file.text[begin : begin + column]  # at least as many code points as needed
         return begin + len(text.encode("utf-8", "surrogatepass")[:column].decode("utf-8", "ignore"))
 
 
-def _assigned_once(nodes: Sequence[ast.AST]) -> dict[str, ast.expr]:
+def _find_single_assignments(nodes: Sequence[ast.AST]) -> dict[str, ast.expr]:
     """What stands for each name that is assigned in one place only."""
     times = Counter(n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
     times.update(n.arg for n in nodes if isinstance(n, ast.arg))
@@ -278,24 +287,24 @@ def _assigned_once(nodes: Sequence[ast.AST]) -> dict[str, ast.expr]:
     }
 
 
-def function_of(call: ast.Call) -> str:
+def get_function_name(call: ast.Call) -> str:
     """The last name of what is called."""
     return call.func.attr if isinstance(call.func, ast.Attribute) else str(getattr(call.func, "id", ""))
 
 
-def _joined(parts: list[str]) -> str:
+def _join_paths(parts: list[str]) -> str:
     return os.path.normpath(os.path.join(*parts))
 
 
-def package_named(node: ast.AST) -> str | None:
+def get_package_name(node: ast.AST) -> str | None:
     """``p`` of ``get_package_share_directory("p")``, ``FindPackageShare("p")`` and the like."""
-    if not isinstance(node, ast.Call) or not re.search("package_share|PackageShare", function_of(node)):
+    if not isinstance(node, ast.Call) or not re.search("package_share|PackageShare", get_function_name(node)):
         return None
     given = [*node.args, *(keyword.value for keyword in node.keywords)]
     return str(given[0].value) if given and isinstance(given[0], ast.Constant) else None
 
 
-def _pieces(node: ast.AST) -> list[ast.Constant]:
+def _collect_path_pieces(node: ast.AST) -> list[ast.Constant]:
     """The texts that end what a node joins, or the text that it is."""
     parts: list[ast.expr] = []
     if isinstance(node, ast.Constant):
@@ -310,20 +319,20 @@ def _pieces(node: ast.AST) -> list[ast.Constant]:
     return [p for p in texts if isinstance(p, ast.Constant)][::-1]
 
 
-def _model_file(literal: str, folders: Sequence[Path], finder: PackageFinder) -> Path | None:
+def _find_model_file(literal: str, folders: Sequence[Path], finder: PackageFinder) -> Path | None:
     """The file that a literal path names, below one of these folders or in one of their own folders."""
     tail = literal.strip().lstrip("/")
     if not tail.endswith(MODEL_SUFFIXES) or len(tail) > MAX_LENGTH or any(c in tail for c in "*?[\0"):
         return None
     for base in folders:
-        beside = [folder / Path(tail).name for folder in subfolders(base) if folder.name not in BUILT]
+        beside = [folder / Path(tail).name for folder in list_subfolders(base) if folder.name not in BUILD_FOLDERS]
         for candidate in (base / tail, base / "urdf" / tail, *beside):
-            if finder.allows(candidate) and os.path.isfile(candidate):
+            if finder.can_open(candidate) and os.path.isfile(candidate):
                 return candidate
     return None
 
 
-def _parts_of_texts(nodes: Sequence[ast.AST]) -> set[int]:
+def _collect_partial_texts(nodes: Sequence[ast.AST]) -> set[int]:
     """The literals that something else is put before or into: the names in them are not whole."""
     parts: set[int] = set()
     for node in nodes:
@@ -343,7 +352,7 @@ def _is_model_path(text: object) -> bool:
     return re.fullmatch(r"(?:\w[\w.-]*/)*\w[\w.-]*\.(?:urdf|xacro)", text) is not None
 
 
-def may_be_elsewhere(path: Path, package: Path, suffixes: tuple[str, ...] = MODEL_SUFFIXES) -> bool:
+def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...] = MODEL_SUFFIXES) -> bool:
     """Whether the package has a file of that name without its suffixes, or its build mentions it: then it may make the
     file or install it there."""
     stem = path.name.partition(".")[0]
@@ -352,12 +361,12 @@ def may_be_elsewhere(path: Path, package: Path, suffixes: tuple[str, ...] = MODE
         alike = [file for file in files if any(suffix in file for suffix in suffixes)]
         if any(file.partition(".")[0] == stem for file in alike):
             return True
-    reach = Reach.around([package], [])
+    reach = FileReach.from_paths([package], [])
     builds = [package / name for name in ("CMakeLists.txt", "setup.py")]
-    return any(path.name in _text(build) for build in builds if reach.allows(build))
+    return any(path.name in _read_text(build) for build in builds if reach.can_open(build))
 
 
-def _text(path: Path) -> str:
+def _read_text(path: Path) -> str:
     try:
         return read_regular(path).decode("utf-8", "replace")
     except OSError:

@@ -10,10 +10,10 @@ from pathlib import Path
 from urllib.parse import unquote
 
 from urdfcheck.core import Location, Span
-from urdfcheck.source.reach import Reach, is_below, real_path
+from urdfcheck.source.reach import FileReach, is_below, resolve_real_path
 from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse
-from urdfcheck.system.files import looked_at, read_regular, recorded
+from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
+from urdfcheck.system.files import note_lookup, read_regular, record_reads
 
 # How far up from a model its workspace is looked for, and how many folders are looked into on each level.
 LEVELS_UP = 6
@@ -21,13 +21,13 @@ MAX_SIBLINGS = 2000
 # How deep packages lie below a folder of the workspace (src/repository/package) and below a given package path.
 LEVELS_DOWN_AROUND = 2
 LEVELS_DOWN_PATHS = 3
-BUILT = frozenset({"build", "install", "log"})
+BUILD_FOLDERS = frozenset({"build", "install", "log"})
 _NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 _SUFFIXES = frozenset({"description", "support", "gazebo", "config", "bringup", "meshes", "resources", "robot"})
 _SCHEME = re.compile(r"^([A-Za-z][A-Za-z0-9+.-]*)://(.*)$", re.DOTALL)
 
 
-def display_name(path: Path) -> str:
+def format_path(path: Path) -> str:
     """How findings call a file: relative to the working directory, with forward slashes."""
     try:
         return Path(os.path.relpath(path)).as_posix()
@@ -47,7 +47,7 @@ class Package:
     file: SourceFile | None
     problems: tuple[Problem, ...] = ()
     finder: PackageFinder | None = None
-    whole: bool = False
+    is_fully_checked: bool = False
 
     @property
     def dependencies(self) -> frozenset[str]:
@@ -71,7 +71,7 @@ class Resource:
     package: str | None
     path: Path | None
     exists: bool
-    actual: str | None = None
+    actual_spelling: str | None = None
     allowed: bool = True
 
 
@@ -87,7 +87,7 @@ class PackageFinder:
         explicit: Mapping[str, Path] | None = None,
         paths: Sequence[Path] = (),
         environment: Mapping[str, str] | None = None,
-        reach: Reach | None = None,
+        reach: FileReach | None = None,
     ) -> None:
         self.reach = reach
         self.start = start if os.path.isdir(start) else start.parent  # pathlib raises for a name too long
@@ -106,71 +106,71 @@ class PackageFinder:
     def find(self, name: str) -> Path | None:
         """The folder of a package, or None."""
         if name not in self._found:
-            self._found[name] = found = self._look_for(name)
+            self._found[name] = found = self._search_package(name)
             if found is not None:
-                looked_at(found / "package.xml")
+                note_lookup(found / "package.xml")
         return self._found[name]
 
-    def allows(self, path: Path) -> bool:
+    def can_open(self, path: Path) -> bool:
         """Whether a file may be opened: it is in reach, or in a package that was found and is where its name leads."""
-        return self.reach is None or self.reach.allows(path) or self.found_around(path) is not None
+        return self.reach is None or self.reach.can_open(path) or self.find_known_folder(path) is not None
 
-    def found_around(self, path: Path) -> Path | None:
+    def find_known_folder(self, path: Path) -> Path | None:
         """The real folder of the package that was found by its name and holds this file."""
-        real = real_path(path)
-        return next((f for f in self._honest() if real is not None and is_below(real, str(f))), None)
+        real = resolve_real_path(path)
+        return next((f for f in self._list_trusted_folders() if real is not None and is_below(real, str(f))), None)
 
-    def _honest(self) -> Iterator[Path]:
+    def _list_trusted_folders(self) -> Iterator[Path]:
         """The packages found so far, but for those that a link in the workspace of a stranger places elsewhere."""
-        trusted = [*self.explicit.values(), *self.paths, *self._in_ros().values()]
+        trusted = [*self.explicit.values(), *self.paths, *self._scan_ros_paths().values()]
         for folder in filter(None, self._found.values()):
             real = os.path.realpath(folder)
-            around = any(is_below(real, os.path.realpath(level)) for level in self.levels())
+            around = any(is_below(real, os.path.realpath(level)) for level in self.list_parent_folders())
             if around or any(is_below(real, os.path.realpath(place)) for place in trusted):
                 yield Path(real)
 
-    def _is_around(self, path: Path) -> bool:
+    def _can_follow(self, path: Path) -> bool:
         """Whether something around the start is there, or is a link to what may be looked at."""
-        if self.reach is None or self.reach.allows(path):
+        if self.reach is None or self.reach.can_open(path):
             return True
-        real = real_path(path)
-        return real is not None and any(is_below(real, os.path.realpath(level)) for level in self.levels())
+        real = resolve_real_path(path)
+        return real is not None and any(is_below(real, os.path.realpath(level)) for level in self.list_parent_folders())
 
-    def _look_for(self, name: str) -> Path | None:
+    def _search_package(self, name: str) -> Path | None:
         if not name or name in {".", ".."} or "/" in name or "\\" in name:
             return None
         return (
             self.explicit.get(name)
-            or self._below_paths().get(name)
-            or self._around_start().get(name)
-            or self._in_ros().get(name)
-            or self._by_folder_name(name)
+            or self._scan_paths().get(name)
+            or self._scan_around_start().get(name)
+            or self._scan_ros_paths().get(name)
+            or self._find_by_folder_name(name)
         )
 
-    def _below_paths(self) -> dict[str, Path]:
+    def _scan_paths(self) -> dict[str, Path]:
         if self._below is None:
             self._below = {}
             for path in self.paths:
-                for name, folder in _packages(path, LEVELS_DOWN_PATHS):
+                for name, folder in _walk_packages(path, LEVELS_DOWN_PATHS):
                     self._below.setdefault(name, folder)
             for path in self.paths:
-                for folder in (path, *subfolders(path)):
+                for folder in (path, *list_subfolders(path)):
                     self._below.setdefault(folder.name, folder)
         return self._below
 
-    def _around_start(self) -> dict[str, Path]:
+    def _scan_around_start(self) -> dict[str, Path]:
         if self._around is None:
-            self._around = self._at(self.levels())
+            self._around = self._scan_folders(self.list_parent_folders())
         return self._around
 
-    def _at(self, levels: Sequence[Path]) -> dict[str, Path]:
+    def _scan_folders(self, levels: Sequence[Path]) -> dict[str, Path]:
         found: dict[str, Path] = {}
         for level in levels:
-            for name, folder in _packages(level, LEVELS_DOWN_AROUND, self._is_around):
+            for name, folder in _walk_packages(level, LEVELS_DOWN_AROUND, self._can_follow):
                 found.setdefault(name, folder)
         return found
 
-    def levels(self) -> list[Path]:
+    def list_parent_folders(self) -> list[Path]:
         """The folders from the start upwards that can belong to the same workspace."""
         levels: list[Path] = []
         home = Path(os.path.expanduser("~"))
@@ -182,111 +182,111 @@ class PackageFinder:
                 break
         return levels
 
-    def _in_ros(self) -> dict[str, Path]:
+    def _scan_ros_paths(self) -> dict[str, Path]:
         if self._ros is None:
             self._ros = {}
             for entry in self.environment.get("ROS_PACKAGE_PATH", "").split(os.pathsep):
-                for name, folder in _packages(Path(entry), LEVELS_DOWN_PATHS) if entry else ():
+                for name, folder in _walk_packages(Path(entry), LEVELS_DOWN_PATHS) if entry else ():
                     self._ros.setdefault(name, folder)
             for entry in self.environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
-                for folder in subfolders(Path(entry) / "share") if entry else ():
+                for folder in list_subfolders(Path(entry) / "share") if entry else ():
                     self._ros.setdefault(folder.name, folder)
         return self._ros
 
-    def _by_folder_name(self, name: str) -> Path | None:
+    def _find_by_folder_name(self, name: str) -> Path | None:
         """A folder without a manifest: one that lies in reach, for nothing else says that it belongs to the model."""
-        for level in self.levels():
+        for level in self.list_parent_folders():
             for folder in (level,) if level.name == name else (level / name,):
                 # Of a name too long, or with a NUL, pathlib raises.
-                if (self.reach is None or self.reach.allows(folder)) and os.path.isdir(folder):
+                if (self.reach is None or self.reach.can_open(folder)) and os.path.isdir(folder):
                     return folder
-                looked_at(folder)
+                note_lookup(folder)
         return None
 
-    def looked_in(self) -> list[str]:
+    def describe_search_places(self) -> list[str]:
         """Where packages were looked for, for the finding that one was not found."""
-        places = [f"--package {name}={display_name(path)}" for name, path in sorted(self.explicit.items())]
-        places += [display_name(path) for path in self.paths]
-        levels = self.levels()
+        places = [f"--package {name}={format_path(path)}" for name, path in sorted(self.explicit.items())]
+        places += [format_path(path) for path in self.paths]
+        levels = self.list_parent_folders()
         if levels:
-            places.append(f"package.xml from {display_name(self.start)} up to {display_name(levels[-1])}")
+            places.append(f"package.xml from {format_path(self.start)} up to {format_path(levels[-1])}")
         for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
             value = self.environment.get(variable)
             places.append(f"{variable}={value}" if value else f"{variable} (not set)")
         return places
 
-    def in_reach(self) -> dict[str, Path]:
+    def list_packages(self) -> dict[str, Path]:
         """Every package that is found by its name, with its folder."""
-        return {**self._in_ros(), **self._around_start(), **self._below_paths(), **self.explicit}
+        return {**self._scan_ros_paths(), **self._scan_around_start(), **self._scan_paths(), **self.explicit}
 
-    def workspace(self) -> dict[str, Path]:
+    def list_workspace_packages(self) -> dict[str, Path]:
         """The packages that may be about the model: those that were given, those of the repository around the start, and
         without a repository those beside its own package. Whatever else can be found by its name is some other robot's."""
         if self._workspace is None:
-            levels = self.levels()
+            levels = self.list_parent_folders()
             if levels and not (levels[-1] / ".git").exists():
                 own = next((n for n, level in enumerate(levels) if (level / "package.xml").is_file()), None)
                 levels = levels[: 1 if own is None else own + 2]
-            self._workspace = {**self._at(levels), **self._below_paths(), **self.explicit}
+            self._workspace = {**self._scan_folders(levels), **self._scan_paths(), **self.explicit}
         return self._workspace
 
-    def near(self, name: str) -> list[str]:
+    def suggest_names(self, name: str) -> list[str]:
         """Names of packages in reach that are spelled like ``name``."""
-        known = self.in_reach()
+        known = self.list_packages()
         folded = name.replace("-", "_").lower()
         alike = [k for k in sorted(known) if k.replace("-", "_").lower() == folded]
         # `_description` and the like are common to all: what comes before it must be alike.
-        own, suffix = _stem(name)
-        stems = {_stem(k)[0]: k for k in sorted(known) if _stem(k)[1] == suffix}
+        own, suffix = _split_suffix(name)
+        stems = {_split_suffix(k)[0]: k for k in sorted(known) if _split_suffix(k)[1] == suffix}
         import difflib
 
         return alike or [stems[s] for s in difflib.get_close_matches(own, sorted(stems), n=3, cutoff=0.75)]
 
-    def package_of(self, path: Path) -> Package | None:
+    def find_package_of(self, path: Path) -> Package | None:
         """The package that a file belongs to: the nearest folder above it with a package.xml."""
         for folder in path.parents:
             if folder not in self._packages:
                 manifest = folder / "package.xml"
-                readable = os.path.isfile(manifest) and self.allows(manifest)  # in this order: most folders hold none
+                readable = os.path.isfile(manifest) and self.can_open(manifest)  # in this order: most folders hold none
                 self._packages[folder] = load_package(folder) if readable else None
             package = self._packages[folder]
             if package is not None:
                 return package
         return None
 
-    def resolve(self, text: str, base: Path) -> Resource:
+    def resolve_resource(self, text: str, base: Path) -> Resource:
         """Take a path of a model apart; relative ones start at ``base`` (the folder of the file that names it)."""
         if (text, base) not in self._resources:
-            self._resources[text, base] = self._resolve(text, base)
+            self._resources[text, base] = self._parse_resource(text, base)
         return self._resources[text, base]
 
-    def _resolve(self, text: str, base: Path) -> Resource:
+    def _parse_resource(self, text: str, base: Path) -> Resource:
         scheme = _SCHEME.match(text)
         if scheme and scheme.group(1) in {"package", "model"}:
             package, _, rest = scheme.group(2).partition("/")
             folder = self.find(package)
-            return self._looked_up(text, "package", package, None if folder is None else folder / unquote(rest))
+            return self._look_up_file(text, "package", package, None if folder is None else folder / unquote(rest))
         if scheme and scheme.group(1) == "file":
-            return self._looked_up(text, "file", None, Path(unquote(scheme.group(2))))
+            return self._look_up_file(text, "file", None, Path(unquote(scheme.group(2))))
         if scheme:
             return Resource(text, "other", None, None, False)
         if text.startswith("~"):
-            return self._looked_up(text, "home", None, Path(os.path.expanduser(text)))
+            return self._look_up_file(text, "home", None, Path(os.path.expanduser(text)))
         if os.path.isabs(text) or re.match(r"^[A-Za-z]:[\\/]", text):
-            return self._looked_up(text, "absolute", None, Path(text))
-        return self._looked_up(text, "relative", None, base / text)
+            return self._look_up_file(text, "absolute", None, Path(text))
+        return self._look_up_file(text, "relative", None, base / text)
 
-    def _looked_up(self, text: str, kind: str, package: str | None, path: Path | None) -> Resource:
+    def _look_up_file(self, text: str, kind: str, package: str | None, path: Path | None) -> Resource:
         if path is None:
             return Resource(text, kind, package, None, False)
-        if not self.allows(path):
+        if not self.can_open(path):
             return Resource(text, kind, package, path, False, allowed=False)
-        looked_at(path)
+        note_lookup(path)
         try:
             exists = path.is_file()
         except (OSError, ValueError):  # a name too long, or with a NUL
             return Resource(text, kind, package, None, False)
-        actual = _actual_spelling(path)
+        actual = _find_actual_spelling(path)
         # On a file system that ignores case the file opens, but its name is still another one.
         return Resource(text, kind, package, path, exists and (actual is None or actual == path.name), actual)
 
@@ -296,11 +296,11 @@ def load_package(folder: Path) -> Package | None:
     manifest = folder / "package.xml"
     if not manifest.is_file():
         return None
-    shown = display_name(manifest)
+    shown = format_path(manifest)
     file: SourceFile | None = None
     try:
         file = SourceFile.read(manifest, shown)
-        root = parse(file)
+        root = parse_xml(file)
     except OSError as error:
         start = Location("package", Span(shown, 1, 1, 1, 1, 0, 0))
         problem = Problem("unreadable", error.strerror or str(error), start)
@@ -308,11 +308,11 @@ def load_package(folder: Path) -> Package | None:
     except XmlError as error:
         problem = Problem(error.reason, str(error), Location("package", error.span), error.data)
         return Package(folder.name, folder, None, file, (problem,))
-    name = root.child("name")
+    name = root.find_child("name")
     return Package(name.text.strip() if name is not None else folder.name, folder, root, file)
 
 
-def depends_on(folder: Path, package: str) -> bool:
+def has_dependency_entry(folder: Path, package: str) -> bool:
     """Whether the package at a folder, which may be out of reach, depends on another: its package.xml was read for its name as
     well, and nothing else of it is looked at."""
     manifest = folder / "package.xml"
@@ -323,7 +323,7 @@ def depends_on(folder: Path, package: str) -> bool:
     return re.search(rf"depend[^<>]*>\s*{re.escape(package)}\s*<", text) is not None
 
 
-def _actual_spelling(path: Path) -> str | None:
+def _find_actual_spelling(path: Path) -> str | None:
     """The path's last parts as they are spelled on disk when they differ only in case, else None.
 
     Compares folder by folder, so ``Meshes/Wheel.STL`` finds ``meshes/wheel.stl``.
@@ -350,27 +350,27 @@ def _actual_spelling(path: Path) -> str | None:
         return None
 
 
-def _stem(name: str) -> tuple[str, str]:
+def _split_suffix(name: str) -> tuple[str, str]:
     """A package's name without the suffix that says what kind it is, and the suffix."""
     stem, _, suffix = name.rpartition("_")
     return (stem, suffix) if stem and suffix in _SUFFIXES else (name, "")
 
 
-def _packages(
+def _walk_packages(
     folder: Path, depth: int, allows: Callable[[Path], bool] = lambda _: True, *, inner: bool = False
 ) -> Iterator[tuple[str, Path]]:
     """The packages at a folder and at most ``depth`` levels below it; inside of one below it no other is looked for.
     ``allows``: whether a link may be followed."""
-    name = _manifest_name(folder, allows) if os.path.lexists(f"{folder}/package.xml") else None
+    name = _read_manifest_name(folder, allows) if os.path.lexists(f"{folder}/package.xml") else None
     if name:
         yield name, folder
     if depth and not (name and inner):
-        for below in subfolders(folder):
-            if below.name not in BUILT and (not os.path.islink(below) or allows(below)):
-                yield from _packages(below, depth - 1, allows, inner=True)
+        for below in list_subfolders(folder):
+            if below.name not in BUILD_FOLDERS and (not os.path.islink(below) or allows(below)):
+                yield from _walk_packages(below, depth - 1, allows, inner=True)
 
 
-def subfolders(path: Path) -> list[Path]:
+def list_subfolders(path: Path) -> list[Path]:
     """The folders in a folder, hidden ones left out; none when it cannot be read."""
     try:
         with os.scandir(path) as entries:
@@ -387,12 +387,12 @@ def _is_folder(entry: os.DirEntry[str]) -> bool:
         return False
 
 
-def _manifest_name(folder: Path, allows: Callable[[Path], bool]) -> str | None:
+def _read_manifest_name(folder: Path, allows: Callable[[Path], bool]) -> str | None:
     manifest = folder / "package.xml"
     if os.path.islink(manifest) and not allows(manifest):
         return None
     try:
-        with recorded():  # for itself: of all packages that are looked through only the one that is found decides
+        with record_reads():  # for itself: of all packages that are looked through only the one that is found decides
             match = _NAME.search(read_regular(manifest).decode("utf-8", "replace"))
     except OSError:
         return None

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import Edit, Location, Span
-from urdfcheck.source.package.finder import Package, display_name
+from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import read_regular
 
@@ -18,7 +18,9 @@ _LARGEST = 1_000_000
 # A text without its end goes to the end of the file: what follows is looked at once.
 _TOKEN = re.compile(r'#[^\n]*|"(?:[^"\\]|\\.)*(?:"|\Z)|[()]|[^\s()"#]+', re.DOTALL)
 _VARIABLE = re.compile(r"\$\{(\w+)\}")
-_HERE = frozenset({"CMAKE_CURRENT_SOURCE_DIR", "CMAKE_SOURCE_DIR", "PROJECT_SOURCE_DIR", "CMAKE_CURRENT_LIST_DIR"})
+_SOURCE_DIR_VARIABLES = frozenset(
+    {"CMAKE_CURRENT_SOURCE_DIR", "CMAKE_SOURCE_DIR", "PROJECT_SOURCE_DIR", "CMAKE_CURRENT_LIST_DIR"}
+)
 # Values of one variable, and of one word in which several stand.
 _MOST_VALUES = 1_000
 # Commands that only name variables, or read no folder of the package.
@@ -26,56 +28,60 @@ _SETS = frozenset({"set", "foreach", "list", "project", "message", "find_package
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Installed:
+class InstallRules:
     """What a package installs. ``everything``: all of it, or nobody can tell; ``names``: every part of a path that a command
     names which may install. ``at``: where a folder that is missing has to be named, ``form`` how, and ``insertion`` what
     stands around its name there (None where no place is known)."""
 
-    everything: bool
-    names: frozenset[str]
+    installs_all: bool
+    path_parts: frozenset[str]
     at: Location
-    form: str
-    place: Span | None = None
+    build_form: str
+    insertion_point: Span | None = None
     insertion: tuple[str, str] = ("", "")
 
-    def edits(self, folders: Sequence[str]) -> list[Edit]:
+    def build_edits(self, folders: Sequence[str]) -> list[Edit]:
         """The edit that names these folders where others stand."""
         before, after = self.insertion
-        return [] if self.place is None else [Edit(self.place, "", f"{before}{' '.join(folders)}{after}")]
+        return (
+            []
+            if self.insertion_point is None
+            else [Edit(self.insertion_point, "", f"{before}{' '.join(folders)}{after}")]
+        )
 
 
-def installed(package: Package) -> Installed | None:
+def read_install_rules(package: Package) -> InstallRules | None:
     """What a ROS 2 package installs; None where it is none, or has no build file that could say."""
-    build = _build_type(package)
+    build = _read_build_type(package)
     name = {"ament_cmake": "CMakeLists.txt", "ament_python": "setup.py"}.get(build)
-    file = None if name is None else _read(package, package.path / name)
+    file = None if name is None else _read_file(package, package.path / name)
     if file is None:
         return None
-    return _by_cmake(file, package) if build == "ament_cmake" else _by_python(file, package)
+    return _parse_cmake(file, package) if build == "ament_cmake" else _parse_setup_py(file, package)
 
 
-def _build_type(package: Package) -> str:
+def _read_build_type(package: Package) -> str:
     """ament_cmake or ament_python, as the manifest exports it."""
-    export = None if package.root is None else package.root.child("export")
-    types = [] if export is None else [e.text.strip() for e in export.all("build_type")]
+    export = None if package.root is None else package.root.find_child("export")
+    types = [] if export is None else [e.text.strip() for e in export.find_children("build_type")]
     return types[0] if types else ""
 
 
-def _read(package: Package, path: Path) -> SourceFile | None:
-    if package.finder is not None and not package.finder.allows(path):
+def _read_file(package: Package, path: Path) -> SourceFile | None:
+    if package.finder is not None and not package.finder.can_open(path):
         return None
     try:
         text = read_regular(path, _LARGEST).decode("utf-8-sig", "replace")
     except OSError:
         return None
-    return SourceFile(path, display_name(path), text)
+    return SourceFile(path, format_path(path), text)
 
 
 # -- CMakeLists.txt ----------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Command:
+class _CmakeCommand:
     """A command of CMake with its arguments as typed and where each of them stands."""
 
     name: str
@@ -85,45 +91,45 @@ class _Command:
     ends: tuple[int, ...]
 
 
-def _by_cmake(file: SourceFile, package: Package) -> Installed:
-    values: dict[str, list[str]] = {"PROJECT_NAME": [package.name], **{name: ["."] for name in _HERE}}
+def _parse_cmake(file: SourceFile, package: Package) -> InstallRules:
+    values: dict[str, list[str]] = {"PROJECT_NAME": [package.name], **{name: ["."] for name in _SOURCE_DIR_VARIABLES}}
     names: set[str] = set()
     everything = False
-    commands = list(_commands(file.text))
+    commands = list(_parse_commands(file.text))
     for command in commands:
         if command.name in _SETS:
-            _assign(command, values)
+            _assign_variable(command, values)
             continue
         installs = command.name in {"install", "ament_auto_package"}
         for word in command.words:
-            for text in _expanded(word, values):
+            for text in _expand_variables(word, values):
                 everything |= installs and ("${" in text or text in {".", "./"})
                 names.update(text.split("/"))
         everything |= command.name in {"add_subdirectory", "include"} and bool(command.words)
-    return _place(file, commands, everything, frozenset(names), package.name)
+    return _locate_insertion(file, commands, everything, frozenset(names), package.name)
 
 
-def _place(
-    file: SourceFile, commands: Sequence[_Command], everything: bool, names: frozenset[str], package: str
-) -> Installed:
+def _locate_insertion(
+    file: SourceFile, commands: Sequence[_CmakeCommand], everything: bool, names: frozenset[str], package: str
+) -> InstallRules:
     """Behind the folders of a command that installs some into the package's share folder, or else before the last command."""
     for command in reversed(commands):
-        folders = _shared(command, package)
+        folders = _find_share_folder(command, package)
         if folders is not None:
             end = command.ends[folders]
-            at = Location("install", file.span(command.start, command.end))
-            return Installed(everything, names, at, "cmake", file.span(end, end), (" ", ""))
+            at = Location("install", file.make_span(command.start, command.end))
+            return InstallRules(everything, names, at, "cmake", file.make_span(end, end), (" ", ""))
     last = next((c for c in reversed(commands) if c.name == "ament_package"), None)
     if last is None:
         start = commands[-1] if commands else None
-        span = file.span(0, 0) if start is None else file.span(start.start, start.end)
-        return Installed(everything, names, Location("install", span), "cmake")
-    at = Location("install", file.span(last.start, last.end))
+        span = file.make_span(0, 0) if start is None else file.make_span(start.start, start.end)
+        return InstallRules(everything, names, Location("install", span), "cmake")
+    at = Location("install", file.make_span(last.start, last.end))
     insertion = ("install(DIRECTORY ", " DESTINATION share/${PROJECT_NAME})\n\n")
-    return Installed(everything, names, at, "cmake", file.span(last.start, last.start), insertion)
+    return InstallRules(everything, names, at, "cmake", file.make_span(last.start, last.start), insertion)
 
 
-def _shared(command: _Command, package: str) -> int | None:
+def _find_share_folder(command: _CmakeCommand, package: str) -> int | None:
     """The place of the last folder in a command that installs folders into the package's share folder."""
     words = command.words
     if command.name == "ament_auto_package" and "INSTALL_TO_SHARE" in words:
@@ -137,7 +143,7 @@ def _shared(command: _Command, package: str) -> int | None:
     return at - 1 if share in {"share/${PROJECT_NAME}", f"share/{package}"} else None
 
 
-def _commands(text: str) -> Iterator[_Command]:
+def _parse_commands(text: str) -> Iterator[_CmakeCommand]:
     words: list[str] = []
     ends: list[int] = []
     name, start, depth = "", 0, 0
@@ -150,7 +156,7 @@ def _commands(text: str) -> Iterator[_Command]:
         elif token == ")":
             depth = max(depth - 1, 0)
             if depth == 0 and name:
-                yield _Command(name, start, match.end(), tuple(words), tuple(ends))
+                yield _CmakeCommand(name, start, match.end(), tuple(words), tuple(ends))
                 name, words, ends = "", [], []
         elif depth == 0:
             name, start, words, ends = token.lower(), match.start(), [], []
@@ -159,23 +165,23 @@ def _commands(text: str) -> Iterator[_Command]:
             ends.append(match.end())
 
 
-def _assign(command: _Command, values: dict[str, list[str]]) -> None:
+def _assign_variable(command: _CmakeCommand, values: dict[str, list[str]]) -> None:
     """The values of a variable; those of a loop's variable are all that it takes."""
     name, *words = command.words or ("",)
     if command.name == "set":
-        found = [text for word in words for text in _expanded(word, values)]
+        found = [text for word in words for text in _expand_variables(word, values)]
         values[name] = found[:_MOST_VALUES]
     elif command.name == "foreach":
         lists = "LISTS" in words
         plain = [word for word in words if word not in {"IN", "ITEMS", "LISTS", "RANGE"}]
         named = [f"${{{word}}}" for word in plain] if lists else plain
-        values[name] = [text for word in named for text in _expanded(word, values)][:_MOST_VALUES]
+        values[name] = [text for word in named for text in _expand_variables(word, values)][:_MOST_VALUES]
     elif command.name == "list" and name == "APPEND" and words:
-        appended = [text for word in words[1:] for text in _expanded(word, values)]
+        appended = [text for word in words[1:] for text in _expand_variables(word, values)]
         values[words[0]] = [*values.get(words[0], []), *appended][:_MOST_VALUES]
 
 
-def _expanded(word: str, values: Mapping[str, list[str]]) -> list[str]:
+def _expand_variables(word: str, values: Mapping[str, list[str]]) -> list[str]:
     """The texts that a word stands for; a variable that is not known stays as it is."""
     texts = [word.strip('"')]
     for variable in dict.fromkeys(_VARIABLE.findall(word)):
@@ -187,7 +193,7 @@ def _expanded(word: str, values: Mapping[str, list[str]]) -> list[str]:
 # -- setup.py ----------------------------------------------------------------------------------------------------------
 
 
-def _by_python(file: SourceFile, package: Package) -> Installed | None:
+def _parse_setup_py(file: SourceFile, package: Package) -> InstallRules | None:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of a stranger's code: nothing for the terminal
@@ -197,7 +203,7 @@ def _by_python(file: SourceFile, package: Package) -> Installed | None:
     nodes = list(ast.walk(tree))
     texts = [n.value for n in nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)]
     for name in ("setup.cfg", "pyproject.toml", "MANIFEST.in"):
-        other = _read(package, package.path / name)
+        other = _read_file(package, package.path / name)
         texts += [] if other is None else re.split(r"[\s=,\"']+", other.text)
     everything = any(text in {".", "./", "*"} or text.lstrip("./").startswith("**") for text in texts)
     names = frozenset(part for text in texts for part in text.split("/"))
@@ -207,4 +213,4 @@ def _by_python(file: SourceFile, package: Package) -> Installed | None:
     begin = starts[min(line, len(starts)) - 1]
     begin += len(file.text[begin:]) - len(file.text[begin:].lstrip(" \t"))
     end = begin + len("data_files") if keyword is not None else begin
-    return Installed(everything, names, Location("install", file.span(begin, end)), "python")
+    return InstallRules(everything, names, Location("install", file.make_span(begin, end)), "python")

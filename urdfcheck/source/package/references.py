@@ -10,20 +10,20 @@ from functools import lru_cache
 from pathlib import Path
 
 from urdfcheck.core import Location
-from urdfcheck.source.package.finder import BUILT, Package, depends_on, display_name
+from urdfcheck.source.package.finder import BUILD_FOLDERS, Package, format_path, has_dependency_entry
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import read_regular, walk
 
 MESH_SUFFIXES = (".stl", ".dae", ".obj", ".ply", ".off", ".glb", ".gltf")
 # Where paths of meshes are written down, beside build files.
-_TEXTS = frozenset({
+_TEXT_SUFFIXES = frozenset({
     ".xacro", ".urdf", ".xml", ".srdf", ".sdf", ".gazebo", ".launch", ".world", ".yaml", ".yml", ".json", ".rviz", ".py", ".cpp",
     ".hpp", ".h", ".cc", ".js", ".ts", ".lua", ".m", ".toml", ".cfg", ".material", ".scene", ".wbt", ".proto", ".cmake", ".txt",
     ".in", ".jinja", ".template", ".erb", ".env", ".sh", ".test",
 })  # fmt: skip
 # Those in which a dependency is named in a way that only means this.
-_NAMING = frozenset({".xacro", ".urdf", ".srdf", ".sdf", ".gazebo", ".launch", ".xml", ".py", ".yaml", ".yml"})
-_LARGEST = 1_000_000
+_NAMING_SUFFIXES = frozenset({".xacro", ".urdf", ".srdf", ".sdf", ".gazebo", ".launch", ".xml", ".py", ".yaml", ".yml"})
+_MAX_BYTES = 1_000_000
 _MOST_FILES = 20_000
 # Names of folders that one Python file gives, after which it is looked through for what is joined to them.
 _MOST_NAMES = 50
@@ -43,137 +43,140 @@ _ASSIGNED = re.compile(r"(?m)^[ \t]*(\w+)[ \t]*=[ \t]*(?:[\w.]+\([ \t]*)?$")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Mention:
+class PackageMention:
     """A package that a file names, and what follows its name in the path: ``/meshes/base.stl``, or nothing."""
 
     package: str
-    inside: str
+    subpath: str
     location: Location
 
     @property
     def folder(self) -> str:
         """The outermost folder of the package that the path leads into; empty where it is none, or computed."""
-        first, slash, _ = self.inside.lstrip("/").partition("/")
+        first, slash, _ = self.subpath.lstrip("/").partition("/")
         return first if slash and "$" not in first and first not in {"", ".", ".."} else ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Contents:
+class PackageContents:
     """``mentions`` of packages in the package's own files, ``meshes`` it holds (by path from its folder), and the ``texts``
     of files in which meshes may be named. ``complete``: whether all files that there are were looked through."""
 
-    mentions: tuple[Mention, ...]
+    mentions: tuple[PackageMention, ...]
     meshes: tuple[Path, ...]
     complete: bool
 
 
 @lru_cache(maxsize=1)
-def contents_of(package: Package) -> Contents:
+def read_package_contents(package: Package) -> PackageContents:
     """The contents of a package; folders of other packages in it belong to those."""
-    mentions: list[Mention] = []
+    mentions: list[PackageMention] = []
     meshes: list[Path] = []
     complete = True
-    for count, path in enumerate(files_of(package, package.path)):
+    for count, path in enumerate(iter_package_files(package, package.path)):
         if count > _MOST_FILES:
             complete = False
             break
         suffix = path.suffix.lower()
         if suffix in MESH_SUFFIXES:
             meshes.append(path.relative_to(package.path))
-        elif suffix in _NAMING and path.name not in {"package.xml", "setup.py"}:
-            mentions += _mentions(path)
-    return Contents(tuple(mentions), tuple(meshes), complete)
+        elif suffix in _NAMING_SUFFIXES and path.name not in {"package.xml", "setup.py"}:
+            mentions += _iter_mentions(path)
+    return PackageContents(tuple(mentions), tuple(meshes), complete)
 
 
-def mentions_around(package: Package) -> Iterator[Mention]:
+def iter_package_mentions(package: Package) -> Iterator[PackageMention]:
     """Where this package is named: in its own files, and in those of the packages around it that depend on it."""
-    yield from (m for m in contents_of(package).mentions if m.package == package.name)
-    for folder in others(package):
-        if not depends_on(folder, package.name):
+    yield from (m for m in read_package_contents(package).mentions if m.package == package.name)
+    for folder in list_other_folders(package):
+        if not has_dependency_entry(folder, package.name):
             continue
-        for count, path in enumerate(files_of(package, folder)):
+        for count, path in enumerate(iter_package_files(package, folder)):
             if count > _MOST_FILES:
                 break
-            if path.suffix.lower() in _NAMING and path.name not in {"package.xml", "setup.py"}:
-                yield from (m for m in _mentions(path) if m.package == package.name)
+            if path.suffix.lower() in _NAMING_SUFFIXES and path.name not in {"package.xml", "setup.py"}:
+                yield from (m for m in _iter_mentions(path) if m.package == package.name)
 
 
-def others(package: Package) -> list[Path]:
+def list_other_folders(package: Package) -> list[Path]:
     """The folders of the packages around this one that may be looked into, but for those inside of it."""
     finder = package.finder
-    return [] if finder is None else [folder for folder in _around(package) if finder.allows(folder)]
-
-
-def users_out_of_reach(package: Package) -> bool:
-    """Whether a package around this one depends on it and may not be looked into."""
-    finder = package.finder
-    return finder is not None and any(
-        not finder.allows(folder) and depends_on(folder, package.name) for folder in _around(package)
+    return (
+        [] if finder is None else [folder for folder in _list_surrounding_folders(package) if finder.can_open(folder)]
     )
 
 
-def _around(package: Package) -> list[Path]:
-    around = [] if package.finder is None else package.finder.workspace().values()
+def has_unreachable_users(package: Package) -> bool:
+    """Whether a package around this one depends on it and may not be looked into."""
+    finder = package.finder
+    return finder is not None and any(
+        not finder.can_open(folder) and has_dependency_entry(folder, package.name)
+        for folder in _list_surrounding_folders(package)
+    )
+
+
+def _list_surrounding_folders(package: Package) -> list[Path]:
+    around = [] if package.finder is None else package.finder.list_workspace_packages().values()
     return [folder for folder in around if folder != package.path and package.path not in folder.parents]
 
 
-def texts_of(package: Package, folder: Path) -> Iterator[str]:
+def iter_file_texts(package: Package, folder: Path) -> Iterator[str]:
     """The text of every file in a folder in which a mesh of the package may be named; of another package's, those that name
     it.
 
     :raises LookupError: when there are too many of them to look through.
     """
-    for count, path in enumerate(files_of(package, folder)):
+    for count, path in enumerate(iter_package_files(package, folder)):
         if count > _MOST_FILES:
             raise LookupError("too many files")
-        text = _text(path) if path.suffix.lower() in _TEXTS else ""
+        text = _read_text(path) if path.suffix.lower() in _TEXT_SUFFIXES else ""
         if folder == package.path or package.name in text:
             yield text
 
 
-def files_of(package: Package, folder: Path) -> Iterator[Path]:
+def iter_package_files(package: Package, folder: Path) -> Iterator[Path]:
     """The files at and below a folder, as far as they may be opened; what was built, is hidden, or belongs to a package
     inside is left out."""
     for here, names, files in walk(folder):
         if here != str(folder) and "package.xml" in files:
             names.clear()
             continue
-        names[:] = [n for n in names if not n.startswith(".") and n not in BUILT]
+        names[:] = [n for n in names if not n.startswith(".") and n not in BUILD_FOLDERS]
         for name in files:
             path = Path(here, name)
-            if not name.startswith(".") and (not os.path.islink(path) or _allowed(package, path)):
+            if not name.startswith(".") and (not os.path.islink(path) or _is_allowed(package, path)):
                 yield path
 
 
-def _allowed(package: Package, path: Path) -> bool:
-    return package.finder is None or package.finder.allows(path)
+def _is_allowed(package: Package, path: Path) -> bool:
+    return package.finder is None or package.finder.can_open(path)
 
 
-def _text(path: Path) -> str:
+def _read_text(path: Path) -> str:
     try:
-        return read_regular(path, _LARGEST).decode("utf-8", "replace")
+        return read_regular(path, _MAX_BYTES).decode("utf-8", "replace")
     except OSError:
         return ""
 
 
-def _mentions(path: Path) -> Iterator[Mention]:
-    text = _text(path)
+def _iter_mentions(path: Path) -> Iterator[PackageMention]:
+    text = _read_text(path)
     if "package://" not in text and "find" not in text and "package_share" not in text and "FindPackage" not in text:
         return
     file: SourceFile | None = None
     searched = 0
-    bare = _without_comments(text, path.suffix)
+    bare = _remove_comments(text, path.suffix)
     for match in _MENTION.finditer(bare):
-        file = file or SourceFile(path, display_name(path), text)
+        file = file or SourceFile(path, format_path(path), text)
         group = next(i for i in (1, 3, 5) if match.group(i))
         name = match.group(group)
-        at = Location(f"package[{name}]", file.span(*match.span(group)))
+        at = Location(f"package[{name}]", file.make_span(*match.span(group)))
         searched += group == 5
-        for inside in [match.group(group + 1)] if group < 5 else _joined(bare, match, searched):
-            yield Mention(name, inside, at)
+        for inside in [match.group(group + 1)] if group < 5 else _find_joined_paths(bare, match, searched):
+            yield PackageMention(name, inside, at)
 
 
-def _joined(text: str, match: re.Match[str], searched: int) -> list[str]:
+def _find_joined_paths(text: str, match: re.Match[str], searched: int) -> list[str]:
     """What Python puts behind the folder of a package: at once, or wherever it uses the name that the folder was given.
     ``searched``: how many times the text was looked through for such a name."""
     at_once = _AT_ONCE.match(text, match.end())
@@ -185,7 +188,7 @@ def _joined(text: str, match: re.Match[str], searched: int) -> list[str]:
     return [f"/{inside}" if "/" in inside else f"/{inside}/" for inside in found] or [""]
 
 
-def _without_comments(text: str, suffix: str) -> str:
+def _remove_comments(text: str, suffix: str) -> str:
     """The text with blanks in the place of its comments."""
     if suffix in {".py", ".yaml", ".yml"}:
         return re.sub(r"(?m)^[ \t]*#.*$", lambda m: " " * len(m.group(0)), text)

@@ -13,15 +13,15 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from urdfcheck.source.discover import FOLDERS, is_launch
+from urdfcheck.source.discover import CONFIG_FOLDERS, is_launch
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.ros.srdf import depends_on
-from urdfcheck.source.text.yaml import Value, YamlProblem, read_located
+from urdfcheck.source.ros.srdf import has_dependency
+from urdfcheck.source.text.yaml import YamlReadError, YamlValue, read_located_yaml
 from urdfcheck.system.files import read_regular
 
 # The parameters of the controllers of ros_controllers and ros2_controllers that name joints.
-JOINTS = (
+JOINT_PARAMETERS = (
     *("joints", "joint", "command_joints", "dof_names"),
     *("left_wheel", "right_wheel", "left_wheel_names", "right_wheel_names"),
     *("front_wheels_names", "rear_wheels_names", "traction_joints_names", "steering_joints_names"),
@@ -31,7 +31,7 @@ MAX_FILES = 100
 _LARGEST_LAUNCH = 1_000_000
 _ACTIONS = frozenset({"FollowJointTrajectory", "GripperCommand"})
 # Other nodes have parameters of these names as well.
-_CALLED = re.compile(r"controller(?!_manager)|broadcaster")
+_CONTROLLER_NAME = re.compile(r"controller(?!_manager)|broadcaster")
 # Something is put in when the file is loaded.
 _TEMPLATE = re.compile(r"[$<>{}%]")
 
@@ -44,91 +44,93 @@ class Controller:
     name: str
     type: str
     dialect: str
-    key: Value
-    parameters: Value
-    joints: tuple[Value, ...]
+    key: YamlValue
+    parameters: YamlValue
+    joints: tuple[YamlValue, ...]
 
     @property
-    def commands(self) -> tuple[str, ...]:
+    def claimed_interfaces(self) -> tuple[str, ...]:
         """The interfaces of each joint that the controller claims; empty where that is not known."""
         package, _, kind = self.type.partition("/")
         if kind in {"JointTrajectoryController", "ForwardCommandController", "MultiInterfaceForwardCommandController"}:
             if kind == "JointTrajectoryController" and package == "joint_trajectory_controller":
-                return _texts(self.parameters.get("command_interfaces"))
+                return _list_texts(self.parameters.get("command_interfaces"))
             if package == "forward_command_controller":
-                return _texts(self.parameters.get("interface_name"))
+                return _list_texts(self.parameters.get("interface_name"))
         if package == "diff_drive_controller":
             return ("velocity",)
         own = {"position_controllers": "position", "velocity_controllers": "velocity", "effort_controllers": "effort"}
         return (own[package],) if package in own else ()
 
     @property
-    def commanded(self) -> tuple[Value, ...]:
+    def commanded_joints(self) -> tuple[YamlValue, ...]:
         """The joints that it commands: those of ``command_joints`` where it has them."""
         instead = self.parameters.get("command_joints")
-        return self.joints if instead is None else tuple(_names(instead))
+        return self.joints if instead is None else tuple(_list_joint_names(instead))
 
 
 @dataclass(frozen=True, eq=False)
-class Configuration:
+class ControllerConfig:
     """A file with its controllers."""
 
     path: Path
     controllers: tuple[Controller, ...]
 
     @property
-    def names(self) -> frozenset[str]:
+    def joint_names(self) -> frozenset[str]:
         """The joints that it names."""
         return frozenset(joint.text for controller in self.controllers for joint in controller.joints)
 
 
-def yaml_files(folders: Iterable[Path]) -> list[Path]:
+def list_yaml_files(folders: Iterable[Path]) -> list[Path]:
     """The yaml files in these folders themselves."""
-    return [path for folder in dict.fromkeys(folders) for path in _listed(folder) if path.suffix in {".yaml", ".yml"}]
+    return [
+        path for folder in dict.fromkeys(folders) for path in _list_folder(folder) if path.suffix in {".yaml", ".yml"}
+    ]
 
 
-def brought_up(source: Source) -> Iterator[Path]:
+def find_bringup_configs(source: Source) -> Iterator[Path]:
     """The yaml files of packages that depend on the model's, where one launch file, of whatever kind, has the name of the file
     and of the model's package in it."""
     own = source.package
-    for name, folder in sorted(source.finder.workspace().items()) if own is not None else ():
+    for name, folder in sorted(source.finder.list_workspace_packages().items()) if own is not None else ():
         if own is None or folder == own.path:
             continue
-        files = yaml_files(folder / inner for inner in FOLDERS)
-        if files and depends_on(folder, own.name):
+        files = list_yaml_files(folder / inner for inner in CONFIG_FOLDERS)
+        if files and has_dependency(folder, own.name):
             source.finder.find(name)  # now it counts as found, and its files are in reach
-            texts = [text for text in _launch_texts(folder / "launch", source.finder) if own.name in text]
+            texts = [text for text in _read_launch_texts(folder / "launch", source.finder) if own.name in text]
             yield from (path for path in files if any(path.name in text for text in texts))
 
 
-def _launch_texts(folder: Path, finder: PackageFinder) -> Iterator[str]:
-    for path in _listed(folder):
-        if is_launch(path) and finder.allows(path):
+def _read_launch_texts(folder: Path, finder: PackageFinder) -> Iterator[str]:
+    for path in _list_folder(folder):
+        if is_launch(path) and finder.can_open(path):
             try:
                 yield read_regular(path, _LARGEST_LAUNCH).decode("utf-8", "replace")
             except OSError:
                 continue
 
 
-def _listed(folder: Path) -> list[Path]:
+def _list_folder(folder: Path) -> list[Path]:
     try:
         return [folder / name for name in sorted(os.listdir(folder))[:MAX_FILES]]
     except OSError:
         return []
 
 
-def read_configuration(path: Path, finder: PackageFinder) -> Configuration | None:
+def read_controller_config(path: Path, finder: PackageFinder) -> ControllerConfig | None:
     """The controllers in a file; None when it has none, may not be read, or is a template that is filled in later."""
     try:
-        root = read_located(path, finder)
-    except YamlProblem:
+        root = read_located_yaml(path, finder)
+    except YamlReadError:
         return None
-    found = Configuration(path, () if root is None else tuple(_controllers(root)))
-    return found if found.controllers and not any(_TEMPLATE.search(name) for name in found.names) else None
+    found = ControllerConfig(path, () if root is None else tuple(_parse_controllers(root)))
+    return found if found.controllers and not any(_TEMPLATE.search(name) for name in found.joint_names) else None
 
 
-def _controllers(root: Value) -> Iterator[Controller]:
-    nodes = list(_mappings(root))
+def _parse_controllers(root: YamlValue) -> Iterator[Controller]:
+    nodes = list(_walk_mappings(root))
     types = {
         key.text: typed.text
         for name, mapping, inside in nodes
@@ -139,10 +141,10 @@ def _controllers(root: Value) -> Iterator[Controller]:
     for name, mapping, inside in nodes:
         typed = mapping.get("type")
         kind = "" if typed is None else typed.text
-        joints = tuple(joint for parameter in JOINTS for joint in _names(mapping.get(parameter)))
+        joints = tuple(joint for parameter in JOINT_PARAMETERS for joint in _list_joint_names(mapping.get(parameter)))
         if inside == "ros2" and name is not None:
             last = name.text.rpartition("/")[2]
-            if joints and (last in types or _CALLED.search(last)):
+            if joints and (last in types or _CONTROLLER_NAME.search(last)):
                 yield Controller(last, types.get(last, ""), "ros2", name, mapping, joints)
         elif kind in _ACTIONS and joints:
             called = mapping.get("name") or name
@@ -152,14 +154,14 @@ def _controllers(root: Value) -> Iterator[Controller]:
             yield Controller(name.text, kind, "ros1", name, mapping, joints)
 
 
-def _mappings(root: Value) -> Iterator[tuple[Value | None, Value, str]]:
+def _walk_mappings(root: YamlValue) -> Iterator[tuple[YamlValue | None, YamlValue, str]]:
     """Every mapping with the key that it belongs to, and ``ros2`` for the parameters of a node of ROS 2, ``inner`` for what
     is in these."""
-    stack: list[tuple[Value | None, Value, str]] = [(None, root, "")]
+    stack: list[tuple[YamlValue | None, YamlValue, str]] = [(None, root, "")]
     while stack:
         name, mapping, inside = stack.pop()
         yield name, mapping, inside
-        below: list[tuple[Value | None, Value, str]] = []
+        below: list[tuple[YamlValue | None, YamlValue, str]] = []
         for key, value in mapping.entries:
             if key.text == "ros__parameters":
                 below.append((name, value, "ros2"))
@@ -170,12 +172,12 @@ def _mappings(root: Value) -> Iterator[tuple[Value | None, Value, str]]:
         stack += reversed(below)
 
 
-def _names(value: Value | None) -> list[Value]:
+def _list_joint_names(value: YamlValue | None) -> list[YamlValue]:
     """A name, or those of a list; one of a chained controller (``pid/left_wheel``) is no joint."""
     if value is None:
         return []
     return [name for name in (value.items or (value,)) if name.text.strip() and "/" not in name.text]
 
 
-def _texts(value: Value | None) -> tuple[str, ...]:
+def _list_texts(value: YamlValue | None) -> tuple[str, ...]:
     return () if value is None else tuple(item.text for item in (value.items or (value,)) if item.text)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.text.yaml import Value, YamlProblem, read_located
+from urdfcheck.source.text.yaml import YamlReadError, YamlValue, read_located_yaml
 
 # Above joint_limits stand the names of parameters' owners only: /**, ros__parameters, robot_description_planning.
 _MOST_LEVELS = 4
@@ -16,14 +16,14 @@ _MOST_LEVELS = 4
 class JointLimits:
     """What the file says of one joint. ``joint`` is its name as typed, ``entry`` the settings."""
 
-    joint: Value
-    entry: Value
+    joint: YamlValue
+    entry: YamlValue
 
-    def setting(self, name: str) -> Value | None:
+    def get_setting(self, name: str) -> YamlValue | None:
         """One setting: ``max_velocity`` …"""
         return self.entry.get(name)
 
-    def number(self, name: str) -> float | None:
+    def get_number(self, name: str) -> float | None:
         """A setting as a number; None where it is not set, or not a plain number."""
         value = self.entry.get(name)
         return None if value is None else value.number
@@ -37,8 +37,8 @@ class JointLimits:
 def read_joint_limits(path: Path, finder: PackageFinder) -> tuple[JointLimits, ...]:
     """The joints of a file in its order; none when it is no such file, or cannot or may not be read."""
     try:
-        value = read_located(path, finder)
-    except YamlProblem:
+        value = read_located_yaml(path, finder)
+    except YamlReadError:
         return ()
     for _ in range(_MOST_LEVELS):
         limits = None if value is None else value.get("joint_limits")

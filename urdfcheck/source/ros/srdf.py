@@ -10,22 +10,22 @@ from functools import cached_property
 from pathlib import Path
 
 from urdfcheck.core import Location, Span
-from urdfcheck.core.errors import TimeUp
-from urdfcheck.source.discover import is_srdf, only_macros
+from urdfcheck.core.errors import ModelTimeout
+from urdfcheck.source.discover import has_only_macros, is_srdf
 from urdfcheck.source.load import Source
-from urdfcheck.source.package.finder import BUILT, PackageFinder, display_name, load_package, subfolders
+from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path, list_subfolders, load_package
 from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse
+from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
 
 # Where a semantic description lies in a MoveIt configuration. A description package of several robots may hold one beside
 # each of them (robots/panda_description/srdf): the model's own package is looked through, to a depth and a number of folders.
-CONFIGURED = ("", "config", "srdf")
+SRDF_FOLDERS = ("", "config", "srdf")
 LEVELS_DOWN = 3
 MAX_FOLDERS = 200
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pair:
+class SrdfPair:
     """A ``<disable_collisions>`` or ``<enable_collisions>``. ``links`` are trimmed as MoveIt does; one that is not
     written is empty."""
 
@@ -41,7 +41,7 @@ class Pair:
         """The pair without its order."""
         return frozenset(self.links)
 
-    def link(self, index: int) -> Attribute | None:
+    def get_link(self, index: int) -> Attribute | None:
         """The attribute that names the first (0) or the second (1) link."""
         return self.element.attributes.get(f"link{index + 1}")
 
@@ -60,20 +60,20 @@ class Srdf:
         return self.root.get("name").strip()
 
     @cached_property
-    def disabled(self) -> tuple[Pair, ...]:
-        return self._pairs("disable_collisions")
+    def disabled_pairs(self) -> tuple[SrdfPair, ...]:
+        return self._read_pairs("disable_collisions")
 
     @cached_property
-    def enabled(self) -> tuple[Pair, ...]:
-        return self._pairs("enable_collisions")
+    def enabled_pairs(self) -> tuple[SrdfPair, ...]:
+        return self._read_pairs("enable_collisions")
 
     @cached_property
-    def off_by_default(self) -> frozenset[str]:
+    def default_disabled_links(self) -> frozenset[str]:
         """The links of ``<disable_default_collisions>``: they collide with nothing but what is enabled for them."""
-        return frozenset(e.get("link").strip() for e in self.root.all("disable_default_collisions"))
+        return frozenset(e.get("link").strip() for e in self.root.find_children("disable_default_collisions"))
 
     @cached_property
-    def groups_name(self) -> frozenset[str]:
+    def grouped_links(self) -> frozenset[str]:
         """The links that groups, chains, end effectors and virtual joints name."""
         named = {
             "chain": ("base_link", "tip_link"),
@@ -92,41 +92,43 @@ class Srdf:
     def groups(self) -> Mapping[str, Element]:
         """The planning groups by name; MoveIt takes the first of a name."""
         found: dict[str, Element] = {}
-        for group in self.root.all("group"):
+        for group in self.root.find_children("group"):
             found.setdefault(group.get("name").strip(), group)
         return found
 
     @cached_property
     def virtual_joints(self) -> frozenset[str]:
-        return frozenset(e.get("name").strip() for e in self.root.all("virtual_joint"))
+        return frozenset(e.get("name").strip() for e in self.root.find_children("virtual_joint"))
 
-    def disables(self, first: str, second: str) -> bool:
+    def is_pair_disabled(self, first: str, second: str) -> bool:
         """Whether MoveIt leaves this pair out, as its AllowedCollisionMatrix reads the file: defaults of single links
         first, then the enabled pairs, the disabled pairs last."""
         pair = frozenset((first, second))
         if pair in self._disabled_keys:
             return True
-        return pair not in self._enabled_keys and not self.off_by_default.isdisjoint(pair)
+        return pair not in self._enabled_keys and not self.default_disabled_links.isdisjoint(pair)
 
     @cached_property
     def _disabled_keys(self) -> frozenset[frozenset[str]]:
-        return frozenset(pair.key for pair in self.disabled)
+        return frozenset(pair.key for pair in self.disabled_pairs)
 
     @cached_property
     def _enabled_keys(self) -> frozenset[frozenset[str]]:
-        return frozenset(pair.key for pair in self.enabled)
+        return frozenset(pair.key for pair in self.enabled_pairs)
 
-    def _pairs(self, tag: str) -> tuple[Pair, ...]:
-        return tuple(Pair(e, (e.get("link1").strip(), e.get("link2").strip())) for e in self.root.all(tag))
+    def _read_pairs(self, tag: str) -> tuple[SrdfPair, ...]:
+        return tuple(
+            SrdfPair(e, (e.get("link1").strip(), e.get("link2").strip())) for e in self.root.find_children(tag)
+        )
 
 
-def srdfs_of(source: Source, robot: str) -> tuple[Srdf, ...]:
+def load_srdfs(source: Source, robot: str) -> tuple[Srdf, ...]:
     """The semantic descriptions in reach whose robot has this name: beside the model, in its package, and in packages that
     depend on it or are called ``*_moveit_config``. A ``.srdf.xacro`` is given the model's arguments."""
     if not robot:
         return ()
     found: dict[Path, Srdf] = {}
-    for path in _candidates(source):
+    for path in _find_srdf_files(source):
         real = Path(os.path.realpath(path))
         if real not in found:
             srdf = load_srdf(path, source.arguments, source.finder, robot, source.environment)
@@ -135,15 +137,15 @@ def srdfs_of(source: Source, robot: str) -> tuple[Srdf, ...]:
     return tuple(sorted(found.values(), key=lambda srdf: srdf.name))
 
 
-def srdf_folders(srdfs: Iterable[Srdf]) -> list[Path]:
+def list_srdf_folders(srdfs: Iterable[Srdf]) -> list[Path]:
     """Where these semantic descriptions lie: the folders of their MoveIt configurations."""
     return list(dict.fromkeys(srdf.path.parent for srdf in srdfs))
 
 
-def is_about(srdf: Srdf, source: Source) -> bool:
+def is_about_model(srdf: Srdf, source: Source) -> bool:
     """Whether a semantic description lies beside the model, in its package, or in one that depends on it. Another package may
     describe another robot of this name."""
-    package = source.finder.package_of(srdf.path.absolute())
+    package = source.finder.find_package_of(srdf.path.absolute())
     if package is None or source.package is None:
         return srdf.path.absolute().parent == source.path.absolute().parent
     return package.path == source.package.path or source.package.name in package.dependencies
@@ -151,10 +153,12 @@ def is_about(srdf: Srdf, source: Source) -> bool:
 
 def is_configured_for(srdf: Srdf, source: Source) -> bool:
     """Whether it is about the model itself, and not about one that the package of the description makes of it."""
-    package = source.finder.package_of(srdf.path.absolute())
+    package = source.finder.find_package_of(srdf.path.absolute())
     elsewhere = package is not None and source.package is not None and package.path != source.package.path
-    made = any(name.endswith((".urdf", ".urdf.xacro")) for name in _names_in(srdf.path.parent)) if elsewhere else False
-    return is_about(srdf, source) and not made
+    made = (
+        any(name.endswith((".urdf", ".urdf.xacro")) for name in _list_names(srdf.path.parent)) if elsewhere else False
+    )
+    return is_about_model(srdf, source) and not made
 
 
 def load_srdf(
@@ -168,12 +172,12 @@ def load_srdf(
 
     :raises TimeUp: when the model's time is over.
     """
-    name = display_name(path)
-    if not finder.allows(path):
+    name = format_path(path)
+    if not finder.can_open(path):
         return None
     try:
         file = SourceFile.read(path, name)
-        root: Element | None = parse(file)
+        root: Element | None = parse_xml(file)
     except (OSError, XmlError):
         return None
     assert root is not None
@@ -181,26 +185,26 @@ def load_srdf(
         return None
     files: Mapping[str, SourceFile] = {name: file}
     if path.suffix == ".xacro":
-        if only_macros(root):
+        if has_only_macros(root):
             return None
-        from urdfcheck.source.xacro.expand import expand
+        from urdfcheck.source.xacro.expand import expand_xacro
 
-        expansion = expand(path, arguments, finder, environment)
+        expansion = expand_xacro(path, arguments, finder, environment)
         if any(problem.kind == "time-limit" for problem in expansion.problems):
-            raise TimeUp  # it is not the SRDF's own: no time is left for anything
+            raise ModelTimeout  # it is not the SRDF's own: no time is left for anything
         root, files = expansion.root, expansion.files
     if root is None or root.get("name").strip() != robot:
         return None
     return Srdf(path, name, root, files)
 
 
-def broken_srdfs(package: Path) -> Iterator[tuple[Problem, SourceFile | None]]:
+def find_broken_srdfs(package: Path) -> Iterator[tuple[Problem, SourceFile | None]]:
     """What is wrong with the semantic descriptions of a package that cannot be read, and the file as far as it is text."""
-    for path in _below(package):
-        name, file = display_name(path), None
+    for path in _find_srdfs_below(package):
+        name, file = format_path(path), None
         try:
             file = SourceFile.read(path, name)
-            parse(file)
+            parse_xml(file)
         except OSError as error:
             start = Span(name, 1, 1, 1, 1, 0, 0)
             yield Problem("unreadable", error.strerror or str(error), Location("robot", start)), None
@@ -208,44 +212,46 @@ def broken_srdfs(package: Path) -> Iterator[tuple[Problem, SourceFile | None]]:
             yield Problem(error.reason, str(error), Location("robot", error.span), error.data), file
 
 
-def _candidates(source: Source) -> Iterator[Path]:
+def _find_srdf_files(source: Source) -> Iterator[Path]:
     """Every file in reach that is called like a semantic description."""
-    yield from _inside(source.path.absolute().parent)
+    yield from _list_srdfs(source.path.absolute().parent)
     own = source.package
     if own is not None:
-        yield from _below(own.path)
-    for name, folder in sorted(source.finder.workspace().items()):
+        yield from _find_srdfs_below(own.path)
+    for name, folder in sorted(source.finder.list_workspace_packages().items()):
         if own is None or folder != own.path:
-            files = [file for inner in CONFIGURED for file in _inside(folder / inner)]
-            if files and (name.endswith("_moveit_config") or (own is not None and depends_on(folder, own.name))):
+            files = [file for inner in SRDF_FOLDERS for file in _list_srdfs(folder / inner)]
+            if files and (name.endswith("_moveit_config") or (own is not None and has_dependency(folder, own.name))):
                 source.finder.find(name)  # now it counts as found, and its files are in reach
                 yield from files
 
 
-def depends_on(folder: Path, name: str) -> bool:
+def has_dependency(folder: Path, name: str) -> bool:
     """Whether the package at a folder depends on the one of this name."""
     package = load_package(folder)
     return package is not None and name in package.dependencies
 
 
-def _below(folder: Path) -> Iterator[Path]:
+def _find_srdfs_below(folder: Path) -> Iterator[Path]:
     """The semantic descriptions in a folder and in those below it, near ones first."""
     level, left = [folder], MAX_FOLDERS
     for _ in range(LEVELS_DOWN):
         for here in level:
-            yield from _inside(here)
+            yield from _list_srdfs(here)
         left -= len(level)
-        level = [inner for here in level for inner in subfolders(here) if inner.name not in BUILT][: max(left, 0)]
+        level = [inner for here in level for inner in list_subfolders(here) if inner.name not in BUILD_FOLDERS][
+            : max(left, 0)
+        ]
     for here in level:
-        yield from _inside(here)
+        yield from _list_srdfs(here)
 
 
-def _inside(folder: Path) -> Iterator[Path]:
+def _list_srdfs(folder: Path) -> Iterator[Path]:
     """The semantic descriptions in a folder itself."""
-    yield from (folder / name for name in _names_in(folder) if is_srdf(folder / name) and (folder / name).is_file())
+    yield from (folder / name for name in _list_names(folder) if is_srdf(folder / name) and (folder / name).is_file())
 
 
-def _names_in(folder: Path) -> list[str]:
+def _list_names(folder: Path) -> list[str]:
     try:
         return sorted(os.listdir(folder))
     except OSError:

@@ -8,7 +8,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 
-def names_below(path: Path, root: Path) -> tuple[str, ...] | None:
+def split_relative_path(path: Path, root: Path) -> tuple[str, ...] | None:
     """The names of the folders from ``root`` to a file, and its own; None where it is not below. A file counts by where it
     really is."""
     try:
@@ -18,20 +18,20 @@ def names_below(path: Path, root: Path) -> tuple[str, ...] | None:
     return None if names[:1] == ("..",) else names
 
 
-def means(patterns: Iterable[str], names: tuple[str, ...] | None) -> bool:
+def match_any_pattern(patterns: Iterable[str], names: tuple[str, ...] | None) -> bool:
     """Whether one of the patterns means a file, or a folder that it lies in. ``*`` and ``?`` stand for anything in one name,
     ``**`` for any number of folders; a pattern without a slash means that name in every folder."""
-    return names is not None and any(_means(pattern, names) for pattern in patterns)
+    return names is not None and any(_match_pattern(pattern, names) for pattern in patterns)
 
 
-def _means(pattern: str, names: tuple[str, ...]) -> bool:
+def _match_pattern(pattern: str, names: tuple[str, ...]) -> bool:
     wanted = [part for part in pattern.split("/") if part not in {"", "."}]
     if not wanted:
         return False
     if "/" not in pattern.rstrip("/"):
         wanted = ["**", *wanted]
 
-    def reached(states: Iterable[int]) -> set[int]:
+    def expand_states(states: Iterable[int]) -> set[int]:
         found: set[int] = set()
         for state in states:
             found.add(state)
@@ -41,11 +41,11 @@ def _means(pattern: str, names: tuple[str, ...]) -> bool:
         return found
 
     # How much of the pattern the names so far can have used up: each number once, however many ways lead to it.
-    states = reached({0})
+    states = expand_states({0})
     for name in names:
         if len(wanted) in states:
             return True
-        states = reached(
+        states = expand_states(
             state if wanted[state] == "**" else state + 1
             for state in states
             if wanted[state] == "**" or fnmatchcase(name, wanted[state])

@@ -24,7 +24,7 @@ CHILDREN: Mapping[str, frozenset[str]] = {
 }
 
 # How many numbers each numeric attribute holds.
-NUMBERS: Mapping[str, Mapping[str, int]] = {
+NUMERIC_ATTRIBUTES: Mapping[str, Mapping[str, int]] = {
     "origin": {"xyz": 3, "rpy": 3, "quat_xyzw": 4},
     "mass": {"value": 1},
     "inertia": {"ixx": 1, "ixy": 1, "ixz": 1, "iyy": 1, "iyz": 1, "izz": 1},
@@ -43,7 +43,7 @@ NUMBERS: Mapping[str, Mapping[str, int]] = {
 }
 
 # Attributes that hold no numbers. A name is a label that anything may carry, whether or not a program reads it.
-WORDS: Mapping[str, frozenset[str]] = {
+TEXT_ATTRIBUTES: Mapping[str, frozenset[str]] = {
     "robot": frozenset({"name", "version"}),
     "link": frozenset({"name"}),
     "joint": frozenset({"name", "type"}),
@@ -58,14 +58,14 @@ WORDS: Mapping[str, frozenset[str]] = {
 }
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 # Without these the reference parser gives the element up.
-REQUIRED: Mapping[str, tuple[str, ...]] = {
+REQUIRED_ATTRIBUTES: Mapping[str, tuple[str, ...]] = {
     "robot": ("name",),
     "link": ("name",),
     "joint": ("name", "type"),
     "parent": ("link",),
     "child": ("link",),
     "mass": ("value",),
-    "inertia": tuple(NUMBERS["inertia"]),
+    "inertia": tuple(NUMERIC_ATTRIBUTES["inertia"]),
     "mesh": ("filename",),
     "box": ("size",),
     "cylinder": ("radius", "length"),
@@ -88,48 +88,50 @@ _SYNONYMS: Mapping[str, str] = {
     "min": "lower",
     "max": "upper",
 }
-_LIKENESS = 0.75
+_MIN_SIMILARITY = 0.75
 _LONGEST_COMPARED = 40
 # <joint_properties damping= friction=> was the name of <dynamics> before URDF 1.0.
 _RENAMED = {"joint_properties": "dynamics", "colour": "color"}
 
 
-def version_of_urdf(robot: Element) -> tuple[int, int] | None:
+def parse_urdf_version(robot: Element) -> tuple[int, int] | None:
     """The version that a robot declares (1.0 where it declares none), None where urdfdom reads no such version."""
     parts = _VERSION.fullmatch(robot.get("version", "1.0"))
     version = None if parts is None else (int(parts[1]), int(parts[2]))
     return version if version in {(1, 0), (1, 1), (1, 2)} else None
 
 
-def known_attributes(tag: str) -> frozenset[str]:
+def get_known_attributes(tag: str) -> frozenset[str]:
     """The attributes that the reference parser reads of an element."""
-    return WORDS.get(tag, frozenset()) | frozenset(NUMBERS.get(tag, ()))
+    return TEXT_ATTRIBUTES.get(tag, frozenset()) | frozenset(NUMERIC_ATTRIBUTES.get(tag, ()))
 
 
-def meant(element: Element, name: str) -> str | None:
+def guess_attribute(element: Element, name: str) -> str | None:
     """The attribute of its element that an unknown one probably means, None when there is none or it is there as well."""
-    near = _nearest(element.tag, name)
+    near = _find_nearest_attribute(element.tag, name)
     return None if near in element.attributes else near
 
 
 @lru_cache(maxsize=4096)
-def _nearest(tag: str, name: str) -> str | None:
-    known = sorted(known_attributes(tag))
+def _find_nearest_attribute(tag: str, name: str) -> str | None:
+    known = sorted(get_known_attributes(tag))
     if len(name) > _LONGEST_COMPARED or name in known or ":" in name:
         return None
     lower = name.lower()
     # xzy for xyz is too short to share most of its letters in their order.
     same = [k for k in known if _SYNONYMS.get(lower) == k or sorted(k) == sorted(lower)]
-    close = same or difflib.get_close_matches(lower, known, n=1, cutoff=_LIKENESS)
+    close = same or difflib.get_close_matches(lower, known, n=1, cutoff=_MIN_SIMILARITY)
     return close[0] if close else None
 
 
-def lacks(element: Element, name: str) -> bool:
+def is_attribute_missing(element: Element, name: str) -> bool:
     """Whether an attribute is missing, and not only misspelt (which is a finding of its own, and the cause)."""
-    return name not in element.attributes and all(meant(element, other) != name for other in element.attributes)
+    return name not in element.attributes and all(
+        guess_attribute(element, other) != name for other in element.attributes
+    )
 
 
-def elements(robot: Element) -> Iterator[Element]:
+def iter_urdf_elements(robot: Element) -> Iterator[Element]:
     """The elements of a robot that the reference parser reads, in document order; extensions are not entered."""
     stack = [robot]
     while stack:
@@ -139,34 +141,34 @@ def elements(robot: Element) -> Iterator[Element]:
         stack.extend(child for child in reversed(element.children) if child.tag in allowed)
 
 
-def meant_element(parent: str, child: Element) -> str | None:
+def guess_element_tag(parent: str, child: Element) -> str | None:
     """The element that this parent may have and an unknown one probably means."""
     allowed = sorted(CHILDREN.get(parent, frozenset()))
     if _RENAMED.get(child.tag) in allowed:
         return _RENAMED[child.tag]
     if len(child.tag) > _LONGEST_COMPARED:
         return None
-    close = difflib.get_close_matches(child.tag.lower(), allowed, n=1, cutoff=_LIKENESS)
+    close = difflib.get_close_matches(child.tag.lower(), allowed, n=1, cutoff=_MIN_SIMILARITY)
     if not close:
         return None
     # <inertia ixx=…> in a link is no misspelt <inertial>: it carries what belongs to <inertia>.
-    own = CHILDREN.get(child.tag) or frozenset(NUMBERS.get(child.tag, ()))
+    own = CHILDREN.get(child.tag) or frozenset(NUMERIC_ATTRIBUTES.get(child.tag, ()))
     carried = {c.tag for c in child.children} | set(child.attributes)
     return None if own & carried else close[0]
 
 
-def inside_misspelt(robot: Element) -> Iterator[tuple[Element, Element]]:
+def iter_misspelt_contents(robot: Element) -> Iterator[tuple[Element, Element]]:
     """What would be read if the tag of the element around it were spelt right, with that element."""
-    for parent in elements(robot):
+    for parent in iter_urdf_elements(robot):
         allowed = CHILDREN.get(parent.tag, frozenset())
         for child in parent.children:
-            near = None if child.tag in allowed or ":" in child.tag else meant_element(parent.tag, child)
+            near = None if child.tag in allowed or ":" in child.tag else guess_element_tag(parent.tag, child)
             if near is not None:
                 known = (inner for inner in child.children if inner.tag in CHILDREN.get(near, frozenset()))
-                yield from ((child, element) for inner in known for element in elements(inner))
+                yield from ((child, element) for inner in known for element in iter_urdf_elements(inner))
 
 
-def loss(element: Element) -> str:
+def describe_loss(element: Element) -> str:
     """What urdfdom does when an element cannot be read, as it does it today (checked with urdfdom 6).
 
     It stops reading a link at the first part that fails: inertial, then visuals, then collisions.
@@ -184,24 +186,24 @@ def loss(element: Element) -> str:
 
 
 # What engines with a parser of their own load without its required attributes, found by leaving out one after the other.
-_LENIENT: Mapping[str, frozenset[str]] = {
+_LENIENT_TAGS: Mapping[str, frozenset[str]] = {
     "mujoco": frozenset({"limit", "material", "safety_controller"}),
     "drake": frozenset({"mass", "inertia", "limit", "material", "axis", "safety_controller"}),
     "bullet": frozenset({"limit", "mimic", "color", "axis", "safety_controller"}),
 }
 
 
-def without(element: Element, names: Iterable[str]) -> dict[str, str]:
+def describe_engine_reactions(element: Element, names: Iterable[str]) -> dict[str, str]:
     """What MuJoCo, Drake and Bullet do with an element that lacks these required attributes."""
     parts = [element]
     while parts[-1].parent is not None:
         parts.append(parts[-1].parent)
-    lenient = {engine for engine, tags in _LENIENT.items() if element.tag in tags}
+    lenient = {engine for engine, tags in _LENIENT_TAGS.items() if element.tag in tags}
     if element.tag in CHILDREN["geometry"] and any(part.tag == "visual" for part in parts):
         lenient.add("mujoco")  # it does not read them
     if element.tag == "inertia" and not {"ixx", "iyy", "izz"} & set(names):
         lenient.add("bullet")
-    return {engine: "loads it with a default" if engine in lenient else "refuses the file" for engine in _LENIENT}
+    return {engine: "loads it with a default" if engine in lenient else "refuses the file" for engine in _LENIENT_TAGS}
 
 
 def is_unexpanded(text: str) -> bool:

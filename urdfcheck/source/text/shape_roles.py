@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from urdfcheck.source.text.xml import Element
 
 
-def collides(element: Element) -> bool:
+def is_collision_part(element: Element) -> bool:
     """Whether an element is part of a ``<collision>``."""
     inner: Element | None = element
     while inner is not None and inner.tag != "collision":
@@ -15,15 +15,15 @@ def collides(element: Element) -> bool:
     return inner is not None
 
 
-def compiled(parts: Iterable[Element]) -> dict[str, str]:
+def describe_missing_mesh(parts: Iterable[Element]) -> dict[str, str]:
     """What MuJoCo does with meshes that it cannot have (checked with MuJoCo 4.0)."""
-    touched = any(map(collides, parts))
+    touched = any(map(is_collision_part, parts))
     return {"mujoco": "refuses to compile" if touched else "loads it: it leaves out what is only drawn"}
 
 
-def opened(parts: Iterable[Element]) -> dict[str, str]:
+def describe_unreadable_mesh(parts: Iterable[Element]) -> dict[str, str]:
     """What MuJoCo and Drake do with mesh files that are there and cannot be read (checked with MuJoCo 4.0 and Drake 1.51)."""
     shapes = list(parts)
-    touched = any(map(collides, shapes))
+    touched = any(map(is_collision_part, shapes))
     drake = "refuses the model when contacts are looked for" if touched else "loads it, and cannot draw the shape"
-    return {**compiled(shapes), "drake": drake}
+    return {**describe_missing_mesh(shapes), "drake": drake}

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from urdfcheck.core import NEWLINE, Span
-from urdfcheck.source.text.xml import SourceFile, XmlError, parse
+from urdfcheck.source.text.xml import SourceFile, XmlError, parse_xml
 
 MARK = "urdfcheck:"
 _IGNORE = re.compile(r"ignore\s*\[([^\]]*)\]\s*(.*)", re.DOTALL)
@@ -20,27 +20,27 @@ _HASH = re.compile(r"#[ \t]*(urdfcheck:[^\r\n]*)")
 
 
 @dataclass(frozen=True, slots=True)
-class Ignore:
+class IgnoreComment:
     """One such comment. ``span`` is the comment, ``words`` what it names (codes, prefixes, names, tags), empty where it cannot
     be understood; ``start`` and ``end`` are the offsets between which the text lies that it covers."""
 
     span: Span
-    words: tuple[str, ...]
+    selectors: tuple[str, ...]
     reason: str
     start: int
     end: int
 
 
-def ignores(file: SourceFile) -> list[Ignore]:
+def find_ignore_comments(file: SourceFile) -> list[IgnoreComment]:
     """The comments of a file, in their order; none where the file cannot be parsed: that is told elsewhere."""
     if MARK not in file.text:
         return []
     if not file.text.lstrip("\ufeff \t\r\n").startswith("<"):
-        return list(_after_hashes(file))
+        return list(_iter_hash_comments(file))
     # Parsed once more, because launch files and manifests are not kept as trees; such comments are rare.
     again = SourceFile(file.path, file.name, file.text, file.encoding)
     try:
-        root = parse(again)
+        root = parse_xml(again)
     except XmlError:
         return []
     elements = [(e.span.start, e) for e in root.walk() if e.span is not None]
@@ -61,25 +61,25 @@ def ignores(file: SourceFile) -> list[Ignore]:
             index = bisect_left(starts, comment.span.end)
             start = starts[index] if index < len(starts) else comment.span.end
             end = ends.get(index, len(file.text)) if index < len(starts) else start
-            found.append(_ignore(text, comment.span, start, end))
+            found.append(_parse_ignore_comment(text, comment.span, start, end))
     return found
 
 
-def _after_hashes(file: SourceFile) -> Iterator[Ignore]:
+def _iter_hash_comments(file: SourceFile) -> Iterator[IgnoreComment]:
     for match in _HASH.finditer(file.text):
-        span = file.span(*match.span())
+        span = file.make_span(*match.span())
         line = span.start - span.col + 1
         newline = NEWLINE.search(file.text, match.end())
         end = len(file.text) if newline is None else newline.end()
         if not file.text[line : match.start()].strip():  # it stands alone
             newline = NEWLINE.search(file.text, end)
             line, end = end, len(file.text) if newline is None else newline.end()
-        yield _ignore(match.group(1).strip(), span, line, end)
+        yield _parse_ignore_comment(match.group(1).strip(), span, line, end)
 
 
-def _ignore(text: str, span: Span, start: int, end: int) -> Ignore:
+def _parse_ignore_comment(text: str, span: Span, start: int, end: int) -> IgnoreComment:
     match = _IGNORE.match(text.removeprefix(MARK).strip())
     if match is None:
-        return Ignore(span, (), "", start, end)
+        return IgnoreComment(span, (), "", start, end)
     words = tuple(word.strip() for word in match.group(1).split(",") if word.strip())
-    return Ignore(span, words, " ".join(match.group(2).split()), start, end)
+    return IgnoreComment(span, words, " ".join(match.group(2).split()), start, end)

@@ -18,7 +18,7 @@ _END_TAG = re.compile(r"\s*</")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Word:
+class Token:
     """One word of ``attribute`` as typed."""
 
     text: str
@@ -30,32 +30,32 @@ class Word:
         whole = self.attribute.location
         return Location(whole.subject, self.span, whole.via)
 
-    def replaced(self, replacement: str) -> Edit:
+    def build_edit(self, replacement: str) -> Edit:
         return Edit(self.span, self.text, replacement)
 
 
-def words_of(attribute: Attribute | None, files: Mapping[str, SourceFile]) -> tuple[Word, ...]:
+def tokenize_attribute(attribute: Attribute | None, files: Mapping[str, SourceFile]) -> tuple[Token, ...]:
     """The words of an attribute, none where it was not typed anywhere. ``files`` as the source that it belongs to."""
     if attribute is None or attribute.span is None or attribute.span.file not in files:
         return ()
     file, start = files[attribute.span.file], attribute.span.start
     return tuple(
-        Word(m.group(0), file.span(start + m.start(), start + m.end()), attribute)
+        Token(m.group(0), file.make_span(start + m.start(), start + m.end()), attribute)
         for m in _WORD.finditer(attribute.typed)
     )
 
 
-def part_of(attribute: Attribute, text: str, files: Mapping[str, SourceFile]) -> Location:
+def locate_text(attribute: Attribute, text: str, files: Mapping[str, SourceFile]) -> Location:
     """Where ``text`` stands inside an attribute; the whole attribute when it is not found in it."""
     at = attribute.typed.find(text) if text else -1
     span = attribute.span
     if at < 0 or span is None or span.file not in files:
         return attribute.location
     whole = attribute.location
-    return Location(whole.subject, files[span.file].span(span.start + at, span.start + at + len(text)), whole.via)
+    return Location(whole.subject, files[span.file].make_span(span.start + at, span.start + at + len(text)), whole.via)
 
 
-def removal(element: Element, files: Mapping[str, SourceFile]) -> tuple[Edit, ...]:
+def build_removal_edits(element: Element, files: Mapping[str, SourceFile]) -> tuple[Edit, ...]:
     """The edit that deletes an element without content, with its line when nothing else stands on it."""
     span = element.span
     if span is None or span.file not in files:
@@ -68,10 +68,10 @@ def removal(element: Element, files: Mapping[str, SourceFile]) -> tuple[Edit, ..
     after = file.text.find("\n", end)
     if after >= 0 and not file.text[before:start].strip() and not file.text[end:after].strip():
         start, end = before, after + 1
-    return (Edit(file.span(start, end), file.text[start:end], ""),)
+    return (Edit(file.make_span(start, end), file.text[start:end], ""),)
 
 
-def replacing(attributes: Iterable[Attribute], text: str) -> tuple[Edit, ...]:
+def build_replacement_edits(attributes: Iterable[Attribute], text: str) -> tuple[Edit, ...]:
     """Edits that write ``text`` in each of these attributes, each place once; none where one is not typed as it stands."""
     edits = []
     for attribute in attributes:
@@ -81,7 +81,7 @@ def replacing(attributes: Iterable[Attribute], text: str) -> tuple[Edit, ...]:
     return tuple(dict.fromkeys(edits))
 
 
-def renaming(elements: Iterable[Element], tag: str, files: Mapping[str, SourceFile]) -> tuple[Edit, ...]:
+def build_rename_edits(elements: Iterable[Element], tag: str, files: Mapping[str, SourceFile]) -> tuple[Edit, ...]:
     """Edits that give elements another tag, in the end tags too; none where one of them is not typed so."""
     edits: dict[Edit, None] = {}
     for element in elements:
@@ -90,16 +90,16 @@ def renaming(elements: Iterable[Element], tag: str, files: Mapping[str, SourceFi
             return ()
         places = [element.span.start + 1]
         if not file.text.endswith("/>", element.span.start, element.span.end):
-            end = _end_tag(element.tag, file.text, element.span.end)
+            end = _find_end_tag(element.tag, file.text, element.span.end)
             if end is None:
                 return ()
             places.append(end + 2)
         for start in places:
-            edits[Edit(file.span(start, start + len(element.tag)), element.tag, tag)] = None
+            edits[Edit(file.make_span(start, start + len(element.tag)), element.tag, tag)] = None
     return tuple(edits)
 
 
-def _end_tag(tag: str, text: str, start: int) -> int | None:
+def _find_end_tag(tag: str, text: str, start: int) -> int | None:
     """Where the end tag of an element begins whose content begins at ``start``."""
     name = re.escape(tag)
     pattern = rf"""<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|<(/?){name}(?=[\s/>])(?:"[^"]*"|'[^']*'|[^"'>])*>"""
@@ -113,7 +113,7 @@ def _end_tag(tag: str, text: str, start: int) -> int | None:
     return None
 
 
-def name_of(attribute: Attribute, files: Mapping[str, SourceFile]) -> Span | None:
+def find_name_span(attribute: Attribute, files: Mapping[str, SourceFile]) -> Span | None:
     """Where the name of an attribute is typed, None where the text before its value is not that name."""
     span = attribute.span
     if span is None or span.file not in files:
@@ -123,10 +123,10 @@ def name_of(attribute: Attribute, files: Mapping[str, SourceFile]) -> Span | Non
     begin = max(0, span.start - len(attribute.name) - _BLANKS)
     end = begin + len(file.text[begin : span.start - 1].rstrip().removesuffix("=").rstrip())
     start = end - len(attribute.name)
-    return file.span(start, end) if file.text[start:end] == attribute.name else None
+    return file.make_span(start, end) if file.text[start:end] == attribute.name else None
 
 
-def content_of(element: Element, files: Mapping[str, SourceFile]) -> Span | None:
+def find_content_span(element: Element, files: Mapping[str, SourceFile]) -> Span | None:
     """Where the text of an element is typed, without the blanks around it; None where the file has something else there: an
     expression, an entity, a comment, other elements."""
     span, wanted = element.span, element.text.strip()
@@ -136,4 +136,4 @@ def content_of(element: Element, files: Mapping[str, SourceFile]) -> Span | None
     text = file.text[span.end : span.end + len(element.text)]
     start = span.end + len(text) - len(text.lstrip())
     end = start + len(wanted)
-    return file.span(start, end) if file.text[start:end] == wanted and _END_TAG.match(file.text, end) else None
+    return file.make_span(start, end) if file.text[start:end] == wanted and _END_TAG.match(file.text, end) else None

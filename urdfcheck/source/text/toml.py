@@ -10,7 +10,7 @@ import tomli
 Key = tuple[str | int, ...]
 
 # So many parts of a dotted key have a place of their own: nobody writes more.
-_DEEP = 16
+_MAX_KEY_PARTS = 16
 _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
 _KEY = re.compile(r"""[ \t]*("(?:\\.|[^"\\])*"|'[^']*'|[A-Za-z0-9_-]+)[ \t]*(\.?)""")
 _TEXT = re.compile(
@@ -18,15 +18,15 @@ _TEXT = re.compile(
 )
 
 
-def places(text: str) -> Mapping[Key, int]:
+def locate_keys(text: str) -> Mapping[Key, int]:
     """The line of each key, by the keys and indexes that lead to it: ``("models", 0, "path")``. Lines count from 1.
 
     The text is one that tomli has read without complaint; only the order of what stands in it matters here.
     """
-    return _Scanner(text).found
+    return _KeyScanner(text).found
 
 
-class _Scanner:
+class _KeyScanner:
     def __init__(self, text: str) -> None:
         self.text = text
         self.at = 0
@@ -38,8 +38,8 @@ class _Scanner:
         while self.skip():
             if text.startswith("[[", self.at):
                 self.at += 2
-                line, keys = self.keys()
-                name = self.resolved(keys[:-1]) + keys[-1:]
+                line, keys = self.read_keys()
+                name = self.resolve_header(keys[:-1]) + keys[-1:]
                 index = self.lengths.get(name, 0)
                 self.lengths[name] = index + 1
                 table = (*name, index)
@@ -48,24 +48,24 @@ class _Scanner:
                 self.at += 2
             elif text.startswith("[", self.at):
                 self.at += 1
-                line, keys = self.keys()
-                table = self.resolved(keys)
+                line, keys = self.read_keys()
+                table = self.resolve_header(keys)
                 self.found.setdefault(table, line)
                 self.at += 1
             else:
-                self.pair(table)
+                self.read_pair(table)
 
     def skip(self, pattern: re.Pattern[str] = _BLANK) -> bool:
         match = pattern.match(self.text, self.at)
         self.at = match.end() if match else self.at
         return self.at < len(self.text)
 
-    def here(self) -> int:
+    def count_lines(self) -> int:
         self.line += self.text.count("\n", self.counted, self.at)
         self.counted = self.at
         return self.line
 
-    def resolved(self, keys: Key) -> Key:
+    def resolve_header(self, keys: Key) -> Key:
         """The keys of a header, with the index of the last table of each array of tables on the way."""
         found: Key = ()
         for key in keys:
@@ -74,8 +74,8 @@ class _Scanner:
                 found = (*found, self.lengths[found] - 1)
         return found
 
-    def keys(self) -> tuple[int, Key]:
-        line = self.here()
+    def read_keys(self) -> tuple[int, Key]:
+        line = self.count_lines()
         found: Key = ()
         while match := _KEY.match(self.text, self.at):
             self.at = match.end()
@@ -85,14 +85,14 @@ class _Scanner:
                 break
         return line, found
 
-    def pair(self, table: Key) -> None:
-        line, keys = self.keys()
-        for end in {*range(1, min(len(keys), _DEEP)), len(keys)}:
+    def read_pair(self, table: Key) -> None:
+        line, keys = self.read_keys()
+        for end in {*range(1, min(len(keys), _MAX_KEY_PARTS)), len(keys)}:
             self.found.setdefault((*table, *keys[:end]), line)
         self.at += 1  # the equals sign
-        self.value((*table, *keys))
+        self.read_value((*table, *keys))
 
-    def value(self, key: Key) -> None:
+    def read_value(self, key: Key) -> None:
         self.skip()
         opening = self.text[self.at : self.at + 1]
         if opening not in {"[", "{"}:
@@ -105,9 +105,9 @@ class _Scanner:
                 self.at += 1
             elif opening == "[":
                 place = (*key, index)
-                self.found[place] = self.here()
-                self.value(place)
+                self.found[place] = self.count_lines()
+                self.read_value(place)
                 index += 1
             else:
-                self.pair(key)
+                self.read_pair(key)
         self.at += 1

@@ -13,11 +13,11 @@ DECIMAL = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 # Lengths, masses and inertias beyond this are in no robot, and five of them multiplied (a volume times a squared length)
 # are still a double; so are five of its inverse.
-LARGEST = 1e50
+MAX_MAGNITUDE = 1e50
 
 
 @lru_cache(maxsize=1 << 16)
-def number(text: str) -> float | None:
+def parse_number(text: str) -> float | None:
     """A finite number as URDF spells it, else None. Every rule asks for the same few thousand."""
     stripped = text.strip()
     if not DECIMAL.fullmatch(stripped):
@@ -26,28 +26,28 @@ def number(text: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def computable(value: float) -> bool:
+def is_computable(value: float) -> bool:
     """Whether products and quotients of such numbers stay within the range of a double."""
-    return value == 0 or 1 / LARGEST <= abs(value) <= LARGEST
+    return value == 0 or 1 / MAX_MAGNITUDE <= abs(value) <= MAX_MAGNITUDE
 
 
-def numbers(text: str, count: int) -> tuple[float, ...] | None:
+def parse_numbers(text: str, count: int) -> tuple[float, ...] | None:
     """Exactly ``count`` finite numbers separated by white space, else None."""
-    values = [number(word) for word in text.split()]
+    values = [parse_number(word) for word in text.split()]
     if len(values) != count or any(v is None for v in values):
         return None
     return tuple(v for v in values if v is not None)
 
 
-def attribute_number(element: Element | None, name: str) -> float | None:
+def read_attribute_number(element: Element | None, name: str) -> float | None:
     """The number of an attribute; None when the element, the attribute or a number is not there."""
     attribute = element.attributes.get(name) if element is not None else None
-    return None if attribute is None else number(attribute.value)
+    return None if attribute is None else parse_number(attribute.value)
 
 
-def attribute_numbers(
+def read_attribute_numbers(
     element: Element | None, name: str, count: int, default: tuple[float, ...]
 ) -> tuple[float, ...] | None:
     """The numbers of an attribute, ``default`` when it is absent, None when it is malformed."""
     attribute: Attribute | None = element.attributes.get(name) if element is not None else None
-    return default if attribute is None else numbers(attribute.value, count)
+    return default if attribute is None else parse_numbers(attribute.value, count)

@@ -17,7 +17,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from urdfcheck.core import NEWLINE, Location, Span
-from urdfcheck.system.files import TooLarge, read_regular
+from urdfcheck.system.files import FileTooLargeError, read_regular
 
 # Of 366 XML files of published robots none has more than 9 levels, 25 attributes of one element, 557 characters in one of
 # them, or 8,228 elements, attributes and comments.
@@ -62,7 +62,7 @@ class Definition:
         return Location(f"{self.kind}[{self.name}]", self.span)
 
 
-def nearest_first(reads: Iterable[Definition]) -> list[Definition]:
+def flatten_definitions(reads: Iterable[Definition]) -> list[Definition]:
     """These definitions and every definition that they were computed from, nearest first, each place once."""
     places: dict[Span | None, Definition] = {}
     queue = dict.fromkeys(reads)
@@ -95,9 +95,9 @@ class Attribute:
     def location(self) -> Location:
         return Location(f"{self.owner.subject}@{self.name}", self.span, self.owner.via)
 
-    def related(self) -> tuple[Definition, ...]:
+    def collect_definitions(self) -> tuple[Definition, ...]:
         """Every definition that the value was computed from, nearest first, each once."""
-        return tuple(d for d in nearest_first(self.reads) if d.span is not None)
+        return tuple(d for d in flatten_definitions(self.reads) if d.span is not None)
 
 
 @dataclass(slots=True, eq=False)
@@ -111,21 +111,21 @@ class Element:
     children: list[Element] = field(default_factory=list)
     text: str = ""
     via: tuple[Span, ...] = ()
-    _numbered: tuple[int, dict[int, str]] | None = field(default=None, repr=False)
+    _label_cache: tuple[int, dict[int, str]] | None = field(default=None, repr=False)
 
     def get(self, name: str, default: str = "") -> str:
         """The value of an attribute, or ``default``."""
         attribute = self.attributes.get(name)
         return default if attribute is None else attribute.value
 
-    def child(self, tag: str) -> Element | None:
+    def find_child(self, tag: str) -> Element | None:
         """The first child with this tag: the one that the reference parser takes."""
         for child in self.children:
             if child.tag == tag:
                 return child
         return None
 
-    def all(self, tag: str) -> list[Element]:
+    def find_children(self, tag: str) -> list[Element]:
         """The children with this tag."""
         return [c for c in self.children if c.tag == tag]
 
@@ -143,19 +143,19 @@ class Element:
         name = self.get("name") or (self.get("reference") if self.tag == "gazebo" else "")
         if name:
             return f"{self.tag}[{name}]"
-        return self.tag if self.parent is None else self.parent._labels()[id(self)]
+        return self.tag if self.parent is None else self.parent._number_children()[id(self)]
 
-    def _labels(self) -> dict[int, str]:
+    def _number_children(self) -> dict[int, str]:
         """The labels of the children by their tag and number; computed once for all of them, not by each looking at all."""
-        if self._numbered is None or self._numbered[0] != len(self.children):
+        if self._label_cache is None or self._label_cache[0] != len(self.children):
             number: Counter[str] = Counter()
             labels: dict[int, str] = {}
             for child in self.children:
                 number[child.tag] += 1
                 labels[id(child)] = f"{child.tag}[{number[child.tag]}]"
             labels.update({id(child): child.tag for child in self.children if number[child.tag] == 1})
-            self._numbered = len(self.children), labels
-        return self._numbered[1]
+            self._label_cache = len(self.children), labels
+        return self._label_cache[1]
 
     @property
     def subject(self) -> str:
@@ -171,9 +171,9 @@ class Element:
     def location(self) -> Location:
         return Location(self.subject, self.span, self.via)
 
-    def related(self) -> tuple[Definition, ...]:
+    def collect_definitions(self) -> tuple[Definition, ...]:
         """The definitions that went into the element's own attributes."""
-        found = [d for attribute in self.attributes.values() for d in attribute.related()]
+        found = [d for attribute in self.attributes.values() for d in attribute.collect_definitions()]
         return tuple({d.span: d for d in found}.values())
 
 
@@ -210,14 +210,16 @@ class SourceFile:
         """
         try:
             data = read_regular(path)
-        except TooLarge as error:
-            raise _too_large("bytes", error.limit, error.found, error.message, cls(path, name, "").span(0, 0)) from None
-        encoding = _marked(data)
+        except FileTooLargeError as error:
+            raise _make_too_large_error(
+                "bytes", error.limit, error.found, error.message, cls(path, name, "").make_span(0, 0)
+            ) from None
+        encoding = _detect_encoding(data)
         declared = _DECLARED.match(data[:400]) if encoding is None else None
         if declared is not None:
             encoding = declared.group(1).decode("ascii")
-            if not _reads(encoding, declared.group(0)):
-                at = cls(path, name, declared.group(0).decode("ascii")).span(*declared.span(1))
+            if not _can_decode(encoding, declared.group(0)):
+                at = cls(path, name, declared.group(0).decode("ascii")).make_span(*declared.span(1))
                 raise XmlError("encoding", f"the text is not in the encoding {encoding!r} that it declares", at)
         encoding = encoding or "utf-8"
         try:
@@ -226,15 +228,15 @@ class SourceFile:
             # error.object is what was left when the codec had taken off the byte order mark.
             read, wrong = error.object[: error.start], error.object[error.start]
             broken = cls(path, name, read.decode(encoding, "replace"))
-            at = broken.span(len(broken.text), len(broken.text))
+            at = broken.make_span(len(broken.text), len(broken.text))
             raise XmlError("encoding", f"byte 0x{wrong:02x} is not valid {encoding}", at) from None
 
-    def at(self, line: int, col: int) -> Span:
+    def locate_character(self, line: int, col: int) -> Span:
         """The character at a line and column, as a parser names it."""
         start = min(self._starts[min(line, len(self._starts)) - 1] + col - 1, len(self.text))
-        return self.span(start, min(start + 1, len(self.text)))
+        return self.make_span(start, min(start + 1, len(self.text)))
 
-    def span(self, start: int, end: int) -> Span:
+    def make_span(self, start: int, end: int) -> Span:
         """The span between two offsets (code points)."""
         line = bisect_right(self._starts, start)
         within = line == len(self._starts) or end < self._starts[line]
@@ -250,11 +252,11 @@ class SourceFile:
         )
 
 
-def _too_large(what: str, limit: int, found: int, message: str, span: Span) -> XmlError:
+def _make_too_large_error(what: str, limit: int, found: int, message: str, span: Span) -> XmlError:
     return XmlError("too-large", message, span, {"what": what, "limit": limit, "found": found})
 
 
-def _marked(data: bytes) -> str | None:
+def _detect_encoding(data: bytes) -> str | None:
     """The encoding that the first bytes give away: a byte order mark, or the zero bytes of UTF-16."""
     for mark, name in (
         (codecs.BOM_UTF8, "utf-8-sig"),
@@ -268,7 +270,7 @@ def _marked(data: bytes) -> str | None:
     return None
 
 
-def _reads(encoding: str, declaration: bytes) -> bool:
+def _can_decode(encoding: str, declaration: bytes) -> bool:
     """Whether an encoding exists and reads its own declaration (UTF-16 reads something else in bytes of ASCII)."""
     try:
         known = codecs.lookup(encoding).name not in _NO_CHARSETS
@@ -277,7 +279,7 @@ def _reads(encoding: str, declaration: bytes) -> bool:
         return False
 
 
-def parse(source: SourceFile) -> Element:
+def parse_xml(source: SourceFile) -> Element:
     """Parse a file's text into located elements and note its comments in ``source.comments``.
 
     Namespaces are left as prefixes, as the reference parser of URDF (tinyxml2) does. A document type declaration is
@@ -288,7 +290,7 @@ def parse(source: SourceFile) -> Element:
     text = source.text
     zero = text.find("\0")
     if zero >= 0:  # the first of them would make expat guess another encoding
-        raise XmlError("malformed", "a zero byte: this is no text", source.span(zero, zero + 1))
+        raise XmlError("malformed", "a zero byte: this is no text", source.make_span(zero, zero + 1))
     data = text.encode("utf-8", "surrogatepass")
     # Byte offsets are code point offsets only in ASCII text.
     ascii_only = len(data) == len(text)
@@ -300,37 +302,39 @@ def parse(source: SourceFile) -> Element:
     parts = 0
     counted = (0, 0)  # bytes, code points: the parser only moves forward, so nothing is counted twice
 
-    def offset(index: int) -> int:
+    def to_text_offset(index: int) -> int:
         nonlocal counted
         if ascii_only:
             return index
         counted = (index, counted[1] + len(data[counted[0] : index].decode("utf-8", "replace")))
         return counted[1]
 
-    def count(some: int, begin: int) -> None:
+    def count_parts(added: int, begin: int) -> None:
         nonlocal parts
-        parts += some
+        parts += added
         if parts > MAX_PARTS:
             message = f"the file has more than {MAX_PARTS:,} elements, attributes and comments"
-            raise _too_large("parts", MAX_PARTS, parts, message, source.span(begin, begin + 1))
+            raise _make_too_large_error("parts", MAX_PARTS, parts, message, source.make_span(begin, begin + 1))
 
     def start(tag: str, values: dict[str, str]) -> None:
         nonlocal root
-        begin = offset(parser.CurrentByteIndex)
-        count(1 + len(values), begin)
+        begin = to_text_offset(parser.CurrentByteIndex)
+        count_parts(1 + len(values), begin)
         if len(values) > MAX_ATTRIBUTES:
             message = f"an element has {len(values):,} attributes, more than {MAX_ATTRIBUTES:,}"
-            raise _too_large("attributes", MAX_ATTRIBUTES, len(values), message, source.span(begin, begin + 1))
+            raise _make_too_large_error(
+                "attributes", MAX_ATTRIBUTES, len(values), message, source.make_span(begin, begin + 1)
+            )
         end, typed = _read_tag(text, begin)
-        element = Element(tag, source.span(begin, end), stack[-1] if stack else None)
+        element = Element(tag, source.make_span(begin, end), stack[-1] if stack else None)
         if end - begin > MAX_VALUE:
             longest = max(map(len, (tag, *values, *values.values())))
             if longest > MAX_VALUE:
                 message = f"a name or a value has {longest:,} characters, more than {MAX_VALUE:,}"
-                raise _too_large("value", MAX_VALUE, longest, message, source.span(begin, begin + 1))
+                raise _make_too_large_error("value", MAX_VALUE, longest, message, source.make_span(begin, begin + 1))
         for name, value in values.items():
             span, raw = typed.get(name, (None, value))
-            at = None if span is None else source.span(*span)
+            at = None if span is None else source.make_span(*span)
             plain = raw == value or _BREAK.sub(" ", raw) == value
             literal = plain and not ("$" in raw and _SUBSTITUTION.search(raw))
             element.attributes[name] = Attribute(name, value, element, at, raw, literal)
@@ -342,7 +346,7 @@ def parse(source: SourceFile) -> Element:
         texts.append([])
         if len(stack) > MAX_DEPTH:
             message = f"elements are nested more than {MAX_DEPTH} deep"
-            raise _too_large("depth", MAX_DEPTH, len(stack), message, source.span(begin, end))
+            raise _make_too_large_error("depth", MAX_DEPTH, len(stack), message, source.make_span(begin, end))
 
     def finish(_tag: str) -> None:
         stack.pop().text = "".join(texts.pop())
@@ -352,22 +356,22 @@ def parse(source: SourceFile) -> Element:
             texts[-1].append(data)
 
     def comment(data: str) -> None:
-        begin = offset(parser.CurrentByteIndex)
-        count(1, begin)
+        begin = to_text_offset(parser.CurrentByteIndex)
+        count_parts(1, begin)
         stop = text.find("-->", begin)
-        source.comments.append(Comment(data, source.span(begin, stop + 3 if stop >= 0 else len(text))))
+        source.comments.append(Comment(data, source.make_span(begin, stop + 3 if stop >= 0 else len(text))))
 
     def instruction(_target: str, _data: str) -> None:
-        begin = offset(parser.CurrentByteIndex)
-        count(1, begin)
+        begin = to_text_offset(parser.CurrentByteIndex)
+        count_parts(1, begin)
         if source.instruction is None and (root is not None or source.comments):
             stop = text.find("?>", begin)
-            source.instruction = source.span(begin, stop + 2 if stop >= 0 else len(text))
+            source.instruction = source.make_span(begin, stop + 2 if stop >= 0 else len(text))
 
     def doctype(*_: object) -> None:
         # The parser stands behind the name by now.
-        begin = text.rfind("<!DOCTYPE", 0, offset(parser.CurrentByteIndex))
-        raise XmlError("doctype", "a document type declaration is refused", source.span(begin, begin + 9))
+        begin = text.rfind("<!DOCTYPE", 0, to_text_offset(parser.CurrentByteIndex))
+        raise XmlError("doctype", "a document type declaration is refused", source.make_span(begin, begin + 9))
 
     parser.StartElementHandler = start
     parser.EndElementHandler = finish
@@ -378,14 +382,14 @@ def parse(source: SourceFile) -> Element:
     try:
         parser.Parse(data, True)
     except expat.ExpatError as error:
-        at = min(offset(max(parser.ErrorByteIndex, 0)), len(text))
-        said = _said(error.code, stack, text)
-        raise XmlError("malformed", said, source.span(at, min(at + 1, len(text)))) from None
+        at = min(to_text_offset(max(parser.ErrorByteIndex, 0)), len(text))
+        said = _describe_expat_error(error.code, stack, text)
+        raise XmlError("malformed", said, source.make_span(at, min(at + 1, len(text)))) from None
     assert root is not None, "expat accepts no document without a root element"
     return root
 
 
-def _said(code: int, stack: list[Element], text: str) -> str:
+def _describe_expat_error(code: int, stack: list[Element], text: str) -> str:
     """expat's words for an error, with the element that is still open where the error is about its end."""
     said: str = expat.ErrorString(code)
     if not text.strip():
@@ -414,7 +418,7 @@ def _read_tag(text: str, begin: int) -> tuple[int, dict[str, tuple[tuple[int, in
     return (end + 1 if end >= 0 else len(text)), found
 
 
-def unbound_prefix(root: Element) -> tuple[Element, str] | None:
+def find_unbound_prefix(root: Element) -> tuple[Element, str] | None:
     """The first element whose prefix (or whose attribute's) no ``xmlns:`` around it declares, with the prefix."""
     bound: set[tuple[int, str]] = set()  # what was found to be declared in or around an element
     for element in root.walk():
@@ -423,13 +427,13 @@ def unbound_prefix(root: Element) -> tuple[Element, str] | None:
             if not colon or prefix in {"xml", "xmlns"} or f"xmlns:{prefix}" in element.attributes:
                 continue
             if (id(element.parent), prefix) not in bound:
-                if not any(f"xmlns:{prefix}" in around.attributes for around in _around(element)):
+                if not any(f"xmlns:{prefix}" in around.attributes for around in _iter_ancestors(element)):
                     return element, prefix
                 bound.add((id(element.parent), prefix))
     return None
 
 
-def _around(element: Element) -> Iterator[Element]:
+def _iter_ancestors(element: Element) -> Iterator[Element]:
     """The elements that this one is in."""
     while element.parent is not None:
         element = element.parent
@@ -441,6 +445,6 @@ _QUOTED = str.maketrans(
 )
 
 
-def quoted(value: str) -> str:
+def quote_attribute(value: str) -> str:
     """A value as the text of an XML attribute, with its quotes (xml.sax.saxutils has this too, and loads an HTTP client)."""
     return f'"{value.translate(_QUOTED)}"'

@@ -14,8 +14,8 @@ from itertools import combinations, product
 from math import prod
 from pathlib import Path
 
-from urdfcheck.source.package.finder import PackageFinder, display_name
-from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse
+from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.usage import EXPRESSION
 
 # Up to here every combination is a variant; beyond it each value by itself, and each pair of values in one of them.
@@ -27,7 +27,7 @@ MOST_ARGUMENTS, MOST_VALUES, MOST_FILES = 48, 16, 400
 MOST_CHARACTERS = 2_000
 
 _ARGUMENT = r"""\$\(arg\s+([^\s()$]+)\s*\)"""
-_DEMAND = re.compile(_ARGUMENT)
+_ARGUMENT_DEMAND = re.compile(_ARGUMENT)
 _REFERENCE = re.compile(rf"""(['"]?){_ARGUMENT}\1|(?<![\w.])(?:xacro\.)?arg\(\s*['"]([^'"]+)['"]\s*\)""")
 _NAME = re.compile(r"""(?<![\w.'"])([A-Za-z_]\w*)(?![\w'"(])""")
 _MARK = r"\x01([^\x01\x02]*)\x02"
@@ -40,12 +40,14 @@ _LOAD = re.compile(r"""load_yaml\(\s*(?:'([^']*)'|"([^"]*)")\s*\)""")
 _OPTIONAL = re.compile(r"\$\(optenv\s+\S+\s*([^)]*)\)")
 _FIND = re.compile(r"\$\(find\s+([^)\s]+)\s*\)")
 # Where paths are written that the expansion reads.
-_PATHS = {"xacro:include": ("filename",), "xacro:arg": ("default",), "xacro:property": ("value", "default")}
-_MACRO_ONLY = frozenset({"if", "unless", "macro", "property", "include", "arg", "insert_block", "attribute", "element"})
+_PATH_ATTRIBUTES = {"xacro:include": ("filename",), "xacro:arg": ("default",), "xacro:property": ("value", "default")}
+_BUILT_IN_TAGS = frozenset(
+    {"if", "unless", "macro", "property", "include", "arg", "insert_block", "attribute", "element"}
+)
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class ArgumentChoice:
     """An argument with the values that it may have, the default first; ``default`` is None where there is none."""
 
     name: str
@@ -54,48 +56,48 @@ class Choice:
 
 
 @dataclass(slots=True)
-class _Seen:
+class _ArgumentUsage:
     """What the text says of one argument; ``in_macros`` what is compared with the parameter of a macro that it is handed to."""
 
     defaults: list[str | None] = field(default_factory=list)
     values: dict[str, None] = field(default_factory=dict)
     in_macros: dict[str, None] = field(default_factory=dict)
-    decides: bool = False
+    in_condition: bool = False
 
 
-def choices(path: Path, finder: PackageFinder) -> list[Choice]:
+def find_argument_choices(path: Path, finder: PackageFinder) -> list[ArgumentChoice]:
     """The arguments of a xacro of which more than one value is known, in the order of their declarations."""
-    trees = _trees(path, finder)
-    seen: dict[str, _Seen] = {}
+    trees = _read_included_trees(path, finder)
+    seen: dict[str, _ArgumentUsage] = {}
     for tree, _ in trees:
         for element in tree.walk():
             if element.tag == "xacro:arg" and element.get("name"):
-                known = seen.setdefault(element.get("name"), _Seen())
+                known = seen.setdefault(element.get("name"), _ArgumentUsage())
                 known.defaults.append(element.get("default") if "default" in element.attributes else None)
     for tree, _ in trees:  # an argument that must be given need not be declared
         for element in tree.walk():
-            for text in _texts(element):
-                for name in _DEMAND.findall(text) if "$(arg" in text else ():
-                    seen.setdefault(name, _Seen())
+            for text in _list_texts(element):
+                for name in _ARGUMENT_DEMAND.findall(text) if "$(arg" in text else ():
+                    seen.setdefault(name, _ArgumentUsage())
     if not seen:
         return []
     _read_expressions(trees, finder, seen)
     for tree, folder in trees:
         for element in tree.walk():
-            typed = [text for name in _PATHS.get(element.tag, ()) if _names_a_file(text := element.get(name))]
-            typed += [a or b for text in _texts(element) if "load_yaml" in text for a, b in _LOAD.findall(text)]
+            typed = [text for name in _PATH_ATTRIBUTES.get(element.tag, ()) if _is_file_name(text := element.get(name))]
+            typed += [a or b for text in _list_texts(element) if "load_yaml" in text for a, b in _LOAD.findall(text)]
             for text in typed:
-                for name, value in _from_files(text, folder, finder):
+                for name, value in _iter_path_values(text, folder, finder):
                     if name in seen:
                         seen[name].values[value] = None
-    return [choice for name, known in seen.items() if len((choice := _choice(name, known)).values) > 1]
+    return [choice for name, known in seen.items() if len((choice := _make_choice(name, known)).values) > 1]
 
 
-def _names_a_file(text: str) -> bool:
+def _is_file_name(text: str) -> bool:
     return "/" in text or text.endswith((".xacro", ".urdf", ".yaml"))
 
 
-def _choice(name: str, seen: _Seen) -> Choice:
+def _make_choice(name: str, seen: _ArgumentUsage) -> ArgumentChoice:
     default = next((d for d in seen.defaults if d is not None), None)
     if default is not None:
         optional = _OPTIONAL.fullmatch(default.strip())
@@ -105,18 +107,18 @@ def _choice(name: str, seen: _Seen) -> Choice:
     if not default or default in seen.in_macros or len(seen.in_macros) == 1:
         values.update(seen.in_macros)
     plain = (default or "").lower()
-    if plain in {"true", "false"} or (default is None and seen.decides and not values):
+    if plain in {"true", "false"} or (default is None and seen.in_condition and not values):
         values = dict.fromkeys(
             word.capitalize() if (default or "")[:1].isupper() else word for word in ("true", "false")
         )
-    elif plain in {"0", "1"} and seen.decides and not values:
+    elif plain in {"0", "1"} and seen.in_condition and not values:
         values = dict.fromkeys(("1", "0"))
     if default is not None:
         values = {default: None, **values}
-    return Choice(name, default, tuple(values)[:MOST_VALUES])
+    return ArgumentChoice(name, default, tuple(values)[:MOST_VALUES])
 
 
-def sets(choices: Sequence[Choice]) -> list[dict[str, str]]:
+def build_argument_sets(choices: Sequence[ArgumentChoice]) -> list[dict[str, str]]:
     """Sets of arguments, the plainest first: all combinations where they are few, else each value by itself and as many sets as
     it takes for each pair of values to be together in one. An argument with its default is left out."""
     values = [c.values for c in choices]
@@ -126,12 +128,12 @@ def sets(choices: Sequence[Choice]) -> list[dict[str, str]]:
         base = tuple(v[0] for v in values)
         rows = [base]
         rows += [(*base[:i], v, *base[i + 1 :]) for i, known in enumerate(values) for v in known[1:]]
-        rows += _pairwise(values, rows)
+        rows += _cover_pairs(values, rows)
     found = [{c.name: v for c, v in zip(choices, row, strict=True) if v != c.default} for row in dict.fromkeys(rows)]
     return sorted(found, key=len)
 
 
-def _pairwise(values: Sequence[Sequence[str]], rows: Sequence[tuple[str, ...]]) -> Iterator[tuple[str, ...]]:
+def _cover_pairs(values: Sequence[Sequence[str]], rows: Sequence[tuple[str, ...]]) -> Iterator[tuple[str, ...]]:
     """Rows that, with those given, have each pair of values in one of them, each filled with what covers most of what is left."""
     places = range(len(values))
     left = {((i, a), (j, b)): None for i, j in combinations(places, 2) for a in values[i] for b in values[j]}
@@ -144,11 +146,11 @@ def _pairwise(values: Sequence[Sequence[str]], rows: Sequence[tuple[str, ...]]) 
         for place in places:
             if place not in chosen:
 
-                def news(value: str, place: int = place, chosen: Mapping[int, str] = chosen) -> int:
+                def count_new_pairs(value: str, place: int = place, chosen: Mapping[int, str] = chosen) -> int:
                     pairs = (sorted(((place, value), other)) for other in chosen.items())
                     return sum((first, second) in left for first, second in pairs)
 
-                chosen[place] = max(values[place], key=news)  # of equal ones the first: the default
+                chosen[place] = max(values[place], key=count_new_pairs)  # of equal ones the first: the default
         for pair in combinations(sorted(chosen.items()), 2):
             left.pop(pair, None)
         yield tuple(chosen[place] for place in places)
@@ -157,28 +159,28 @@ def _pairwise(values: Sequence[Sequence[str]], rows: Sequence[tuple[str, ...]]) 
 # -- reading -----------------------------------------------------------------------------------------------------------
 
 
-def _trees(path: Path, finder: PackageFinder) -> list[tuple[Element, Path]]:
+def _read_included_trees(path: Path, finder: PackageFinder) -> list[tuple[Element, Path]]:
     """The file and all that it can include, each with its folder."""
     found: list[tuple[Element, Path]] = []
     queue, known = [path.absolute()], set[str]()
     while queue and len(known) < MOST_FILES:
         file = queue.pop(0)
         real = os.path.realpath(file)
-        if real in known or not finder.allows(file):
+        if real in known or not finder.can_open(file):
             continue
         known.add(real)
         try:
-            tree = parse(SourceFile.read(file, display_name(file)))
+            tree = parse_xml(SourceFile.read(file, format_path(file)))
         except (OSError, XmlError):
             continue
         found.append((tree, file.parent))
         for element in tree.walk():
             if element.tag == "xacro:include":
-                queue += _files(element.get("filename"), file.parent, finder)
+                queue += _find_included_files(element.get("filename"), file.parent, finder)
     return found
 
 
-def _resolved(text: str, folder: Path, finder: PackageFinder) -> str | None:
+def _resolve_path(text: str, folder: Path, finder: PackageFinder) -> str | None:
     """A path as typed with its packages looked up; None where one is not found."""
     if len(text) > MOST_CHARACTERS:
         return None
@@ -190,33 +192,33 @@ def _resolved(text: str, folder: Path, finder: PackageFinder) -> str | None:
     return text if os.path.isabs(text) else str(folder / text)
 
 
-def _files(text: str, folder: Path, finder: PackageFinder) -> list[Path]:
+def _find_included_files(text: str, folder: Path, finder: PackageFinder) -> list[Path]:
     """The files that an include may mean: one, or where an argument stands in the path, each that fits."""
-    path = _resolved(text, folder, finder)
+    path = _resolve_path(text, folder, finder)
     if path is None:
         return []
     if "$" not in path:
         return [Path(path)]
-    return [Path(found) for _, _, found in _fitting(path, finder)]
+    return [Path(found) for _, _, found in _iter_fitting_files(path, finder)]
 
 
-def _from_files(text: str, folder: Path, finder: PackageFinder) -> Iterator[tuple[str, str]]:
+def _iter_path_values(text: str, folder: Path, finder: PackageFinder) -> Iterator[tuple[str, str]]:
     """Arguments and their values for which a path with an argument in it leads to a file."""
-    path = _resolved(text, folder, finder)
+    path = _resolve_path(text, folder, finder)
     if path is not None:
-        yield from ((name, value) for name, value, _ in _fitting(path, finder))
+        yield from ((name, value) for name, value, _ in _iter_fitting_files(path, finder))
 
 
-def _fitting(path: str, finder: PackageFinder) -> Iterator[tuple[str, str, str]]:
+def _iter_fitting_files(path: str, finder: PackageFinder) -> Iterator[tuple[str, str, str]]:
     """Argument, value and file, for each value with which a path leads to one; the path has one argument in one of its names."""
-    arguments = set(_DEMAND.findall(path))
-    if len(arguments) != 1 or "$" in _DEMAND.sub("", path):
+    arguments = set(_ARGUMENT_DEMAND.findall(path))
+    if len(arguments) != 1 or "$" in _ARGUMENT_DEMAND.sub("", path):
         return
     (name,) = arguments
-    parts = _DEMAND.sub("\0", path).split("/")
+    parts = _ARGUMENT_DEMAND.sub("\0", path).split("/")
     varied = [i for i, part in enumerate(parts) if "\0" in part]
     folder = "/".join(parts[: varied[0]])
-    if len(varied) != 1 or parts[varied[0]].count("\0") != 1 or not folder or not finder.allows(Path(folder)):
+    if len(varied) != 1 or parts[varied[0]].count("\0") != 1 or not folder or not finder.can_open(Path(folder)):
         return
     before, after = parts[varied[0]].split("\0")
     try:
@@ -231,13 +233,15 @@ def _fitting(path: str, finder: PackageFinder) -> Iterator[tuple[str, str, str]]
                 yield name, value, file
 
 
-def _read_expressions(trees: Sequence[tuple[Element, Path]], finder: PackageFinder, seen: Mapping[str, _Seen]) -> None:
+def _read_expressions(
+    trees: Sequence[tuple[Element, Path]], finder: PackageFinder, seen: Mapping[str, _ArgumentUsage]
+) -> None:
     """What expressions compare arguments with, under whatever name of a property or parameter of a macro they do."""
     scopes: dict[str, list[Element]] = {"": []}
     tables: dict[str, set[tuple[str, Path]]] = {}
     for tree, folder in trees:
         for element in tree.walk():
-            scopes.setdefault(_macro_of(element), []).append(element)
+            scopes.setdefault(_find_enclosing_macro(element), []).append(element)
             if element.tag == "xacro:property":
                 for a, b in _LOAD.findall(element.get("value")):
                     tables.setdefault(element.get("name"), set()).add((a or b, folder))
@@ -248,21 +252,21 @@ def _read_expressions(trees: Sequence[tuple[Element, Path]], finder: PackageFind
             for element in elements:
                 kind = element.tag.removeprefix("xacro:")
                 if kind == "property":
-                    for name in _is_argument(element.get("value"), here):
+                    for name in _find_passed_arguments(element.get("value"), here):
                         aliases.setdefault(scope, {}).setdefault(element.get("name"), set()).add(name)
-                elif element.tag.startswith("xacro:") and kind not in _MACRO_ONLY:
+                elif element.tag.startswith("xacro:") and kind not in _BUILT_IN_TAGS:
                     for attribute in element.attributes.values():
-                        for name in _is_argument(attribute.value, here):
+                        for name in _find_passed_arguments(attribute.value, here):
                             aliases.setdefault(kind, {}).setdefault(attribute.name, set()).add(name)
     for scope, elements in scopes.items():
         here = {**aliases[""], **aliases.get(scope, {})}
         for element in elements:
-            for text in _texts(element):
+            for text in _list_texts(element):
                 if "$" in text:
-                    _read(text, element, bool(scope), here, seen, tables, finder)
+                    _read_element_text(text, element, bool(scope), here, seen, tables, finder)
 
 
-def _macro_of(element: Element) -> str:
+def _find_enclosing_macro(element: Element) -> str:
     """The macro that an element stands in; empty outside of all."""
     around = element.parent
     while around is not None:
@@ -272,80 +276,80 @@ def _macro_of(element: Element) -> str:
     return ""
 
 
-def _is_argument(text: str, aliases: Mapping[str, set[str]]) -> set[str]:
+def _find_passed_arguments(text: str, aliases: Mapping[str, set[str]]) -> set[str]:
     """The arguments that a value hands on as they are."""
     if "$" not in text or len(text) > MOST_CHARACTERS:
         return set()
-    marked = _marked(EXPRESSION.sub(lambda m: m[1] or m[2], text), aliases)
+    marked = _mark_arguments(EXPRESSION.sub(lambda m: m[1] or m[2], text), aliases)
     match = re.fullmatch(rf"\s*{_MARK}\s*", marked)
     return set(match[1].split("\0")) if match else set()
 
 
-def _marked(text: str, aliases: Mapping[str, set[str]]) -> str:
+def _mark_arguments(text: str, aliases: Mapping[str, set[str]]) -> str:
     """The text with each argument, under whatever name, between two marks."""
     text = text.replace("\x01", "").replace("\x02", "")
     text = _REFERENCE.sub(lambda m: f"\x01{m[2] or m[3]}\x02", text)
     parts = re.split(r"(\x01[^\x02]*\x02)", text)
     return "".join(
-        part if part.startswith("\x01") else _NAME.sub(lambda m: _mark(m[1], aliases), part) for part in parts
+        part if part.startswith("\x01") else _NAME.sub(lambda m: _mark_name(m[1], aliases), part) for part in parts
     )
 
 
-def _mark(name: str, aliases: Mapping[str, set[str]]) -> str:
+def _mark_name(name: str, aliases: Mapping[str, set[str]]) -> str:
     meant = aliases.get(name)
     return f"\x01{chr(0).join(sorted(meant))}\x02" if meant else name
 
 
-def _read(
+def _read_element_text(
     text: str,
     element: Element,
     in_macro: bool,
     aliases: Mapping[str, set[str]],
-    seen: Mapping[str, _Seen],
+    seen: Mapping[str, _ArgumentUsage],
     tables: Mapping[str, set[tuple[str, Path]]],
     finder: PackageFinder,
 ) -> None:
-    def add(arguments: str, value: str) -> None:
+    def add_value(arguments: str, value: str) -> None:
         for name in arguments.split("\0"):
             if name in seen:
                 (seen[name].in_macros if in_macro else seen[name].values).setdefault(value)
 
     expressions = [
-        _marked(typed, aliases) for a, b in EXPRESSION.findall(text) if len(typed := a or b) <= MOST_CHARACTERS
+        _mark_arguments(typed, aliases) for a, b in EXPRESSION.findall(text) if len(typed := a or b) <= MOST_CHARACTERS
     ]
     for expression in expressions:
         for names, _, value in _COMPARED.findall(expression):
-            add(names, value)
+            add_value(names, value)
         for _, value, names in _COMPARING.findall(expression):
-            add(names, value)
+            add_value(names, value)
         for names, values in _AMONG.findall(expression):
             for _, value in _LITERAL.findall(values):
-                add(names, value)
+                add_value(names, value)
         for table, names in _INDEX.findall(expression):
             for file, folder in sorted(tables.get(table, ())):
-                for key in _keys(file, folder, finder):
-                    add(names, key)
+                for key in _read_keys(file, folder, finder):
+                    add_value(names, key)
     if element.tag in {"xacro:if", "xacro:unless"}:
-        for expression in expressions or [_marked(text, {})]:
+        for expression in expressions or [_mark_arguments(text, {})]:
             for names in re.findall(_MARK, expression):
                 for name in names.split("\0"):
                     if name in seen:
-                        seen[name].decides = True
+                        seen[name].in_condition = True
 
 
-def _keys(text: str, folder: Path, finder: PackageFinder) -> list[str]:
+def _read_keys(text: str, folder: Path, finder: PackageFinder) -> list[str]:
     """The keys of a dictionary in a yaml file."""
-    from urdfcheck.source.text.yaml import YamlProblem, located_yaml
+    from urdfcheck.source.text.yaml import YamlReadError, parse_located_yaml
 
-    path = _resolved(text, folder, finder)
-    if path is None or "$" in path or not finder.allows(Path(path)):
+    path = _resolve_path(text, folder, finder)
+    if path is None or "$" in path or not finder.can_open(Path(path)):
         return []
     try:
-        found = located_yaml(SourceFile.read(Path(path), display_name(Path(path))))
+        found = parse_located_yaml(SourceFile.read(Path(path), format_path(Path(path))))
         return [] if found is None else [key.text for key, _ in found.entries]
-    except (OSError, XmlError, YamlProblem):
+    except (OSError, XmlError, YamlReadError):
         return []
 
 
-def _texts(element: Element) -> list[str]:
+def _list_texts(element: Element) -> list[str]:
     return [*(a.value for a in element.attributes.values()), element.text]

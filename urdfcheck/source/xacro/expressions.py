@@ -60,7 +60,7 @@ _ATTRIBUTES = frozenset(
 )
 
 # Builtins that lead out of an expression. xacro offers none of them, but a file may define a property of such a name.
-OUTSIDE = frozenset(
+FORBIDDEN_BUILTINS = frozenset(
     {"breakpoint", "compile", "delattr", "eval", "exec", "exit", "getattr", "globals", "hasattr", "help", "input"}
     | {"locals", "memoryview", "object", "open", "quit", "setattr", "super", "type", "vars"}
 )
@@ -81,7 +81,7 @@ _GUARDED = {
 _Node = TypeVar("_Node", bound=ast.AST)
 
 
-class Refused(Exception):
+class ExpressionRefusedError(Exception):
     """An expression that must not be evaluated, or not further.
 
     ``kind``: ``unsafe`` for what leads out of the language, ``construct`` for a part of Python that harms nobody by itself
@@ -96,63 +96,63 @@ class Refused(Exception):
 
 
 @lru_cache(maxsize=4096)
-def compiled(expression: str) -> CodeType:
+def compile_expression(expression: str) -> CodeType:
     """The code of an expression, in which every step goes through a guard.
 
     :raises Refused: when it must not be evaluated.
     :raises SyntaxError: when it is no expression.
     """
-    tree = _parsed(expression)
-    refused = _refusal(tree)
+    tree = _parse_expression(expression)
+    refused = _find_refusal(tree)
     if refused is not None:
         raise refused
     try:
-        return compile(ast.fix_missing_locations(_Guarding().visit(tree)), "<expression>", "eval")
+        return compile(ast.fix_missing_locations(_GuardInserter().visit(tree)), "<expression>", "eval")
     except (RecursionError, MemoryError):
-        raise _too_deep() from None
+        raise _make_depth_error() from None
 
 
-def _parsed(expression: str) -> ast.Expression:
+def _parse_expression(expression: str) -> ast.Expression:
     text = expression.strip()
     if len(text) > MAX_TEXT:
-        raise Refused("too_large", f"it has {len(text):,} characters, more than {MAX_TEXT:,}")
+        raise ExpressionRefusedError("too_large", f"it has {len(text):,} characters, more than {MAX_TEXT:,}")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what Python thinks of `1if x else 2` is nothing for the terminal
             tree = ast.parse(text, "<expression>", mode="eval")
     except (RecursionError, MemoryError):  # Python's parser has limits of its own
-        raise _too_deep() from None
+        raise _make_depth_error() from None
     except ValueError as error:  # a zero byte, or a number of more digits than Python reads
         raise SyntaxError(str(error)) from None
     level: list[ast.AST] = [tree]
     depth = 0
     while level:
         if depth == MAX_DEPTH:
-            raise _too_deep()
+            raise _make_depth_error()
         level = [child for node in level for child in ast.iter_child_nodes(node)]
         depth += 1
     return tree
 
 
-def _too_deep() -> Refused:
-    return Refused("too_large", f"it is nested more than {MAX_DEPTH} deep")
+def _make_depth_error() -> ExpressionRefusedError:
+    return ExpressionRefusedError("too_large", f"it is nested more than {MAX_DEPTH} deep")
 
 
-def _refusal(tree: ast.Expression) -> Refused | None:
+def _find_refusal(tree: ast.Expression) -> ExpressionRefusedError | None:
     """Why a tree must not be evaluated; what leads out of the language goes before what only might."""
-    construct: Refused | None = None
+    construct: ExpressionRefusedError | None = None
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) and (node.attr.startswith("_") or node.attr in _ATTRIBUTES):
-            return Refused("unsafe", f"the attribute .{node.attr} leads out of xacro's language")
+            return ExpressionRefusedError("unsafe", f"the attribute .{node.attr} leads out of xacro's language")
         if isinstance(node, ast.Name) and node.id.startswith("__"):
-            return Refused("unsafe", f"the name {node.id} leads out of xacro's language")
-        strange = _strange(node)
+            return ExpressionRefusedError("unsafe", f"the name {node.id} leads out of xacro's language")
+        strange = _describe_unsupported(node)
         if strange:
-            construct = construct or Refused("construct", strange)
+            construct = construct or ExpressionRefusedError("construct", strange)
     return construct
 
 
-def _strange(node: ast.AST) -> str:
+def _describe_unsupported(node: ast.AST) -> str:
     """What a node is that is no part of xacro's language; empty when it is one."""
     if not isinstance(node, _NODES):
         names = {"Lambda": "a lambda", "JoinedStr": "an f-string", "NamedExpr": "an assignment (:=)", "Await": "await"}
@@ -167,99 +167,99 @@ def _strange(node: ast.AST) -> str:
     return ""
 
 
-class _Guarding(ast.NodeTransformer):
+class _GuardInserter(ast.NodeTransformer):
     """Puts a call of a guard in the place of each operation whose effect depends on the values."""
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
         guard = _GUARDED.get(type(node.op))
-        node = self._inside(node)
-        return node if guard is None else _call(guard, node.left, node.right)
+        node = self._visit_children(node)
+        return node if guard is None else _make_guard_call(guard, node.left, node.right)
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
-        node = self._inside(node)
-        return _call("@attribute", node.value, ast.Constant(node.attr))
+        node = self._visit_children(node)
+        return _make_guard_call("@attribute", node.value, ast.Constant(node.attr))
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
-        node = self._inside(node)
-        return _call("@item", node.value, node.slice)
+        node = self._visit_children(node)
+        return _make_guard_call("@item", node.value, node.slice)
 
     def visit_Slice(self, node: ast.Slice) -> ast.AST:
-        node = self._inside(node)
-        return _call("@slice", *(part or ast.Constant(None) for part in (node.lower, node.upper, node.step)))
+        node = self._visit_children(node)
+        return _make_guard_call("@slice", *(part or ast.Constant(None) for part in (node.lower, node.upper, node.step)))
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
-        node = self._inside(node)
+        node = self._visit_children(node)
         for keyword in node.keywords:
             if keyword.arg is None:
-                keyword.value = _call("@mapping", keyword.value)
-        return ast.Call(_name("@call"), [node.func, *node.args], node.keywords)
+                keyword.value = _make_guard_call("@mapping", keyword.value)
+        return ast.Call(_make_name("@call"), [node.func, *node.args], node.keywords)
 
     def visit_Compare(self, node: ast.Compare) -> ast.AST:
-        node = self._inside(node)
-        node.left = _weighed(node.left)
-        node.comparators = [_weighed(operand) for operand in node.comparators]
+        node = self._visit_children(node)
+        node.left = _guard_operand(node.left)
+        node.comparators = [_guard_operand(operand) for operand in node.comparators]
         return node
 
     def visit_Starred(self, node: ast.Starred) -> ast.AST:
-        node = self._inside(node)
+        node = self._visit_children(node)
         if isinstance(node.ctx, ast.Load):
-            node.value = _call("@iterable", node.value)
+            node.value = _make_guard_call("@iterable", node.value)
         return node
 
     def visit_comprehension(self, node: ast.comprehension) -> ast.AST:
         spread = any(isinstance(n, ast.Starred) for n in ast.walk(node.target))
-        node = self._inside(node)
-        node.iter = _call("@unpacked" if spread else "@iterable", node.iter)
+        node = self._visit_children(node)
+        node.iter = _make_guard_call("@unpacked" if spread else "@iterable", node.iter)
         return node
 
     def visit_Set(self, node: ast.Set) -> ast.AST:
-        node = self._inside(node)
-        node.elts = [e if isinstance(e, ast.Starred) else _weighed(e) for e in node.elts]
+        node = self._visit_children(node)
+        node.elts = [e if isinstance(e, ast.Starred) else _guard_operand(e) for e in node.elts]
         return node
 
     def visit_SetComp(self, node: ast.SetComp) -> ast.AST:
-        node = self._inside(node)
-        node.elt = _weighed(node.elt)
+        node = self._visit_children(node)
+        node.elt = _guard_operand(node.elt)
         return node
 
     def visit_Dict(self, node: ast.Dict) -> ast.AST:
-        node = self._inside(node)
+        node = self._visit_children(node)
         node.values = [
-            value if key is not None else _call("@mapping", value)
+            value if key is not None else _make_guard_call("@mapping", value)
             for key, value in zip(node.keys, node.values, strict=True)
         ]
-        node.keys = [None if key is None else _weighed(key) for key in node.keys]
+        node.keys = [None if key is None else _guard_operand(key) for key in node.keys]
         return node
 
     def visit_DictComp(self, node: ast.DictComp) -> ast.AST:
-        node = self._inside(node)
-        node.key = _weighed(node.key)
+        node = self._visit_children(node)
+        node.key = _guard_operand(node.key)
         return node
 
-    def _inside(self, node: _Node) -> _Node:
+    def _visit_children(self, node: _Node) -> _Node:
         self.generic_visit(node)
         return node
 
 
-def _name(name: str) -> ast.Name:
+def _make_name(name: str) -> ast.Name:
     return ast.Name(name, ast.Load())
 
 
-def _call(guard: str, *arguments: ast.expr) -> ast.Call:
-    return ast.Call(_name(guard), list(arguments), [])
+def _make_guard_call(guard: str, *arguments: ast.expr) -> ast.Call:
+    return ast.Call(_make_name(guard), list(arguments), [])
 
 
-def _weighed(node: ast.expr) -> ast.expr:
-    return node if isinstance(node, ast.Constant) else _call("@weighed", node)
+def _guard_operand(node: ast.expr) -> ast.expr:
+    return node if isinstance(node, ast.Constant) else _make_guard_call("@weighed", node)
 
 
 @lru_cache(maxsize=4096)  # several rules look through the same files
-def names_in(expression: str) -> frozenset[str]:
+def find_names(expression: str) -> frozenset[str]:
     """Every identifier that an expression mentions; of text that is no expression, every word in it."""
     try:
-        tree = _parsed(expression)
-    except (SyntaxError, Refused):
-        return frozenset(_words(expression))
+        tree = _parse_expression(expression)
+    except (SyntaxError, ExpressionRefusedError):
+        return frozenset(_iter_identifiers(expression))
     found: set[str] = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Name):
@@ -268,11 +268,11 @@ def names_in(expression: str) -> frozenset[str]:
             found.add(node.attr)
         elif isinstance(node, ast.Constant) and isinstance(node.value, str):
             # An expression inside a string of an expression (xacro evaluates nested ${…}) counts as well.
-            found.update(_words(node.value))
+            found.update(_iter_identifiers(node.value))
     return frozenset(found)
 
 
-def _words(text: str) -> Iterator[str]:
+def _iter_identifiers(text: str) -> Iterator[str]:
     word = ""
     for character in text + " ":
         if character.isidentifier() or (word and character.isalnum()):

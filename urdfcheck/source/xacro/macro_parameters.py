@@ -20,7 +20,7 @@ _FEW_QUOTES = 16
 Default = tuple[str | None, str | None]
 
 
-def next_parameter(text: str) -> tuple[str, Default | None, str]:
+def parse_next_parameter(text: str) -> tuple[str, Default | None, str]:
     """The first parameter of a macro's ``params``: its name, its default with the name of what is forwarded before it
     (None without any), and the rest of the text. The same as xacro's ``parse_macro_arg``."""
     few = text.count("'") + text.count('"') <= _FEW_QUOTES

@@ -10,23 +10,23 @@ from pathlib import Path
 
 from urdfcheck.core import Location
 from urdfcheck.source.load import Source
-from urdfcheck.source.package.finder import depends_on, display_name
+from urdfcheck.source.package.finder import format_path, has_dependency_entry
 from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Attribute, Element
-from urdfcheck.source.xacro.expressions import names_in
-from urdfcheck.source.xacro.macro_parameters import next_parameter
+from urdfcheck.source.xacro.expressions import find_names
+from urdfcheck.source.xacro.macro_parameters import parse_next_parameter
 from urdfcheck.system.files import read_regular, walk
 
 # Files that a xacro file can include. Larger ones are expanded models or data, in which nobody writes expressions.
-_INCLUDED = frozenset({".xacro", ".urdf", ".xml", ".gazebo", ".srdf"})
-_LARGEST = 500_000
+_INCLUDED_SUFFIXES = frozenset({".xacro", ".urdf", ".xml", ".gazebo", ".srdf"})
+_MAX_BYTES = 500_000
 # What hands arguments to a xacro file: launch files, tests and build files.
-_CALLING = (".launch", ".launch.xml", ".py", ".cmake", "CMakeLists.txt", ".yaml", ".yml", ".sh", ".test")
+_CALLER_SUFFIXES = (".launch", ".launch.xml", ".py", ".cmake", "CMakeLists.txt", ".yaml", ".yml", ".sh", ".test")
 # Files beyond this many are not looked through: then nobody knows who uses what.
 _MOST_FILES = 20_000
 # What URDF's own parser reads: no call of a macro, though one may have the name.
-_READ = frozenset().union(*CHILDREN.values(), CHILDREN)
+_URDF_TAGS = frozenset().union(*CHILDREN.values(), CHILDREN)
 # Of all tags with xacro's prefix, those that call no macro.
 _BUILT_IN = frozenset(
     ("macro", "property", "include", "arg", "if", "unless", "insert_block", "attribute", "element", "call")
@@ -34,7 +34,7 @@ _BUILT_IN = frozenset(
 
 # None may look to the end of the text from each of many places: what opens one, or its word, ends the search for its end.
 # The attributes that each of xacro's own tags cannot do without, by which a tag without the prefix is known.
-_TAGS: Mapping[str, frozenset[str]] = {
+_REQUIRED_BY_TAG: Mapping[str, frozenset[str]] = {
     "macro": frozenset({"name"}),
     "include": frozenset({"filename"}),
     "property": frozenset({"name"}),
@@ -44,7 +44,7 @@ _TAGS: Mapping[str, frozenset[str]] = {
     "insert_block": frozenset({"name"}),
 }
 # What others than URDF's parser read: there such a tag may have a meaning of its own.
-_FOREIGN = frozenset({"gazebo", "transmission", "ros2_control", "sensor", "plugin", "mujoco", "cad"})
+_FOREIGN_TAGS = frozenset({"gazebo", "transmission", "ros2_control", "sensor", "plugin", "mujoco", "cad"})
 
 EXPRESSION = re.compile(r"\$\{([^$}]*(?:\$(?!\{)[^$}]*)*)\}|\$\(eval\s([^$)]*(?:\$(?!\()[^$)]*)*)\)")
 _BLOCK = re.compile(r"""insert_block\s+name\s*=\s*["']([^"']+)["']""")
@@ -69,29 +69,29 @@ class Macro:
     blocks: frozenset[str]
 
 
-def elements(trees: Mapping[str, Element], tag: str) -> Iterator[Element]:
+def iter_elements_by_tag(trees: Mapping[str, Element], tag: str) -> Iterator[Element]:
     """Every element with this tag, file by file in document order."""
     for tree in trees.values():
         yield from (e for e in tree.walk() if e.tag == tag)
 
 
-def properties(trees: Mapping[str, Element]) -> dict[str, list[Attribute]]:
+def collect_properties(trees: Mapping[str, Element]) -> dict[str, list[Attribute]]:
     """The name attribute of each definition of a property, by name; computed names and removals are left out."""
     found: dict[str, list[Attribute]] = {}
-    for element in elements(trees, "xacro:property"):
+    for element in iter_elements_by_tag(trees, "xacro:property"):
         name = element.attributes.get("name")
         if name is not None and name.literal and "remove" not in element.attributes:
             found.setdefault(name.value, []).append(name)
     return found
 
 
-def macros(trees: Mapping[str, Element]) -> dict[str, Macro]:
+def collect_macros(trees: Mapping[str, Element]) -> dict[str, Macro]:
     """The macros by name, each as its last definition makes it."""
     found: dict[str, Macro] = {}
-    for element in elements(trees, "xacro:macro"):
+    for element in iter_elements_by_tag(trees, "xacro:macro"):
         parameters, optional, blocks, rest = [], set(), set(), element.get("params")
         while rest.strip():
-            parameter, default, rest = next_parameter(rest)
+            parameter, default, rest = parse_next_parameter(rest)
             parameters.append(parameter.lstrip("*"))
             optional |= {parameter} if default is not None else set()
             blocks |= {parameter.lstrip("*")} if parameter.startswith("*") else set()
@@ -100,7 +100,7 @@ def macros(trees: Mapping[str, Element]) -> dict[str, Macro]:
     return found
 
 
-def names_read(tree: Element) -> set[str]:
+def collect_read_names(tree: Element) -> set[str]:
     """Every name that an expression, an inserted block or a forwarding default of a file mentions."""
     found: set[str] = set()
     for element in tree.walk():
@@ -109,12 +109,12 @@ def names_read(tree: Element) -> set[str]:
         for attribute in element.attributes.values():
             if element.tag == "xacro:macro" and attribute.name == "params":
                 found.update(_FORWARDED.findall(attribute.value))
-            found |= _in_expressions(attribute.value)
-        found |= _in_expressions(element.text)
+            found |= _find_expression_names(attribute.value)
+        found |= _find_expression_names(element.text)
     return found
 
 
-def own_trees(source: Source) -> dict[str, Element]:
+def select_own_trees(source: Source) -> dict[str, Element]:
     """Of the files reached, those of the model's own package: the model's file alone where it belongs to none."""
     own = source.package
     return {
@@ -125,7 +125,7 @@ def own_trees(source: Source) -> dict[str, Element]:
 
 
 @dataclass(frozen=True, slots=True)
-class Mentions:
+class XacroMentions:
     """What files mention: ``names`` that expressions, inserted blocks and forwarding defaults read, ``macros`` that are called
     (with expressions as typed) and ``arguments`` that are read, declared or handed over. ``complete``: whether all files that
     there are were looked through."""
@@ -137,55 +137,55 @@ class Mentions:
 
 
 @lru_cache(maxsize=1)
-def mentioned_elsewhere(source: Source) -> Mentions:
+def collect_outside_mentions(source: Source) -> XacroMentions:
     """What files mention that were not reached: those in the model's package or folder, and in the packages around it those
     that name the package."""
     own = source.package
-    found = Mentions()
+    found = XacroMentions()
     count = 0
-    for folder, named in _territory(source):
-        if named and not source.finder.allows(folder):
-            if depends_on(folder, named):
+    for folder, named in _iter_using_folders(source):
+        if named and not source.finder.can_open(folder):
+            if has_dependency_entry(folder, named):
                 return replace(found, complete=False)
             continue
-        for path in _files(folder, deep=own is not None):
+        for path in _iter_caller_files(folder, deep=own is not None):
             count += 1
             if count > _MOST_FILES:
                 return replace(found, complete=False)
-            if display_name(path) in source.trees or not source.finder.allows(path):
+            if format_path(path) in source.trees or not source.finder.can_open(path):
                 continue
             try:
-                text = read_regular(path, _LARGEST).decode("utf-8", "replace")
+                text = read_regular(path, _MAX_BYTES).decode("utf-8", "replace")
             except OSError:
                 continue
             if named in text:
-                _note(text, path, found)
+                _add_mentions(text, path, found)
     return found
 
 
-def _territory(source: Source) -> Iterator[tuple[Path, str]]:
+def _iter_using_folders(source: Source) -> Iterator[tuple[Path, str]]:
     """The folders that may use what a model's files define, and what a file in them names where it does."""
     own = source.package
     if own is None:
         yield source.path.parent, ""
         return
     yield own.path, ""
-    for folder in source.finder.workspace().values():
+    for folder in source.finder.list_workspace_packages().values():
         if folder != own.path and own.path not in folder.parents and folder not in own.path.parents:
             yield folder, own.name
 
 
-def _note(text: str, path: Path, found: Mentions) -> None:
-    if path.suffix in _INCLUDED:
-        found.names.update(_BLOCK.findall(text), _FORWARDED.findall(text), _in_expressions(text))
-        found.macros.update(_called(tag) for tag in _CALLED.findall(text))
-        found.macros.update(map(_called, _CALLED_BY_NAME.findall(text)))
+def _add_mentions(text: str, path: Path, found: XacroMentions) -> None:
+    if path.suffix in _INCLUDED_SUFFIXES:
+        found.names.update(_BLOCK.findall(text), _FORWARDED.findall(text), _find_expression_names(text))
+        found.macros.update(_strip_namespace(tag) for tag in _CALLED.findall(text))
+        found.macros.update(map(_strip_namespace, _CALLED_BY_NAME.findall(text)))
         found.arguments.update(found.names, _ARGUMENT.findall(text), _DECLARED.findall(text))
-    if path.name.endswith(_CALLING):
+    if path.name.endswith(_CALLER_SUFFIXES):
         found.arguments.update(_PASSED.findall(text))
 
 
-def macros_called(trees: Mapping[str, Element]) -> set[str]:
+def collect_called_macros(trees: Mapping[str, Element]) -> set[str]:
     """The macros that are called outside of their own definition, without the namespace; where the name is computed, its text
     as typed."""
     found: set[str] = set()
@@ -194,34 +194,34 @@ def macros_called(trees: Mapping[str, Element]) -> set[str]:
         while inside:
             element, macros_around = inside.pop()
             name = element.get("macro") if element.tag == "xacro:call" else element.tag.removeprefix("xacro:")
-            if element.tag.startswith("xacro:") and _called(name) not in macros_around:
-                found.add(_called(name))
+            if element.tag.startswith("xacro:") and _strip_namespace(name) not in macros_around:
+                found.add(_strip_namespace(name))
             if element.tag == "xacro:macro":
-                macros_around |= {_called(element.get("name"))}
+                macros_around |= {_strip_namespace(element.get("name"))}
             inside += [(child, macros_around) for child in element.children]
     return found - _BUILT_IN
 
 
-def arguments_read(trees: Mapping[str, Element]) -> set[str]:
+def collect_read_arguments(trees: Mapping[str, Element]) -> set[str]:
     """The arguments that anything reads: ``$(arg name)``, or an expression that mentions the name."""
     found: set[str] = set()
     for tree in trees.values():
-        found |= names_read(tree)
+        found |= collect_read_names(tree)
         for element in tree.walk():
             for text in (*(a.value for a in element.attributes.values()), element.text):
                 found.update(_ARGUMENT.findall(text) if "$" in text else ())
     return found
 
 
-def unprefixed(trees: Mapping[str, Element]) -> list[Element]:
+def find_unprefixed_tags(trees: Mapping[str, Element]) -> list[Element]:
     """The elements that are xacro's own, or call a macro, but for the prefix: xacro leaves them as they are."""
-    calls = {name: macro for name, macro in macros(trees).items() if name not in _READ}
+    calls = {name: macro for name, macro in collect_macros(trees).items() if name not in _URDF_TAGS}
     found: list[Element] = []
     for tree in trees.values():
         below = [tree]
         while below:
             element = below.pop()
-            if element.tag in _FOREIGN:
+            if element.tag in _FOREIGN_TAGS:
                 continue
             below += reversed(element.children)
             if _is_builtin(element) or _is_call(element, calls.get(element.tag)):
@@ -230,27 +230,27 @@ def unprefixed(trees: Mapping[str, Element]) -> list[Element]:
 
 
 def _is_builtin(element: Element) -> bool:
-    needed = _TAGS.get(element.tag)
+    needed = _REQUIRED_BY_TAG.get(element.tag)
     return needed is not None and needed <= element.attributes.keys()
 
 
 def _is_call(element: Element, macro: Macro | None) -> bool:
-    if macro is None or element.parent is None or element.tag in _TAGS:
+    if macro is None or element.parent is None or element.tag in _REQUIRED_BY_TAG:
         return False
     given = element.attributes.keys()
     return set(macro.parameters) - macro.optional <= {*given, *macro.blocks} and given <= set(macro.parameters)
 
 
-def _called(name: str) -> str:
+def _strip_namespace(name: str) -> str:
     """A macro's name without the namespace that an include gave it."""
     return name if "$" in name else name.removeprefix("xacro:").rpartition(".")[2]
 
 
-def reads_unseen_files(source: Source) -> bool:
-    """Whether an include was not followed here that may lead to a file which :func:`mentioned_elsewhere` does not read."""
+def has_unseen_includes(source: Source) -> bool:
+    """Whether an include was not followed here that may lead to a file which :func:`collect_outside_mentions` does not read."""
     reached = {name.rsplit("/", 1)[-1] for name in source.trees}
     own = "" if source.package is None else f"$(find {source.package.name})"
-    for include in elements(source.trees, "xacro:include"):
+    for include in iter_elements_by_tag(source.trees, "xacro:include"):
         filename = include.get("filename")
         outside = "$(find" in filename and not (own and own in filename)
         # Without a package the model's own folder is known, and nothing around or below it.
@@ -260,30 +260,30 @@ def reads_unseen_files(source: Source) -> bool:
     return False
 
 
-def typed_at(source: Source, problem: Problem, expression: str) -> Location:
+def locate_expression(source: Source, problem: Problem, expression: str) -> Location:
     """Where the expression that failed was typed: at the problem's place, or in a definition that is read there."""
 
-    def types_it(location: Location) -> bool:
+    def has_expression(location: Location) -> bool:
         span = location.span
         file = None if span is None else source.files.get(span.file)
         return span is not None and file is not None and expression in file.text[span.start : span.end]
 
     at = problem.location
-    if not expression or types_it(at):
+    if not expression or has_expression(at):
         return at
-    return next((Location(r.subject, r.span, at.via) for r in problem.related if types_it(r)), at)
+    return next((Location(r.subject, r.span, at.via) for r in problem.related if has_expression(r)), at)
 
 
-def _files(folder: Path, *, deep: bool) -> Iterator[Path]:
+def _iter_caller_files(folder: Path, *, deep: bool) -> Iterator[Path]:
     for here, names, files in walk(folder):
         names[:] = [name for name in names if deep and not name.startswith(".")]
         for name in files:
             path = Path(here, name)
-            if (path.suffix in _INCLUDED or name.endswith(_CALLING)) and path.is_file():
+            if (path.suffix in _INCLUDED_SUFFIXES or name.endswith(_CALLER_SUFFIXES)) and path.is_file():
                 yield path
 
 
-def _in_expressions(text: str) -> set[str]:
+def _find_expression_names(text: str) -> set[str]:
     if "$" not in text:
         return set()
-    return {name for match in EXPRESSION.finditer(text) for name in names_in(match.group(1) or match.group(2) or "")}
+    return {name for match in EXPRESSION.finditer(text) for name in find_names(match.group(1) or match.group(2) or "")}

@@ -16,7 +16,7 @@ _SWEEPS = 12
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class BoxPosition:
     """The left edge and the middle of the height of a box, in px."""
 
     x: float
@@ -24,85 +24,85 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
+class EdgeCurve:
     """An edge: points in pairs, straight from the first of a pair to the second, and curved to the next pair. ``back``: it was
     turned round to cut a loop, so that its arrow stands at its beginning."""
 
     points: tuple[tuple[float, float], ...]
-    back: bool
+    is_reversed: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class GraphLayout:
     """Where everything goes. ``curves`` in the order of the edges; one from a box to itself has no points."""
 
-    places: tuple[Place, ...]
-    curves: tuple[Curve, ...]
+    positions: tuple[BoxPosition, ...]
+    curves: tuple[EdgeCurve, ...]
     width: float
     height: float
 
 
-def layered(sizes: Sequence[tuple[float, float]], edges: Sequence[tuple[int, int]]) -> Layout:
+def lay_out_graph(sizes: Sequence[tuple[float, float]], edges: Sequence[tuple[int, int]]) -> GraphLayout:
     """Boxes of these widths and heights, each edge from the first box to the second. What hangs together is drawn together, one
     such group below the other."""
-    places: dict[int, Place] = {}
-    curves: dict[int, Curve] = {}
+    places: dict[int, BoxPosition] = {}
+    curves: dict[int, EdgeCurve] = {}
     width, top = 0.0, 0.0
     alone: list[int] = []
-    for group in _groups(len(sizes), edges):
+    for group in _find_connected_groups(len(sizes), edges):
         if len(group) == 1:
             alone += group
             continue
-        right, bottom = _draw(group, sizes, edges, top, places, curves)
+        right, bottom = _lay_out_group(group, sizes, edges, top, places, curves)
         width, top = max(width, right), bottom + 2 * ROW_GAP
     x, row = 0.0, 0.0
     for box in alone:  # in rows, as wide as the rest
         if x and x + sizes[box][0] > max(width, 640.0):
             x, top, row = 0.0, top + row + ROW_GAP, 0.0
-        places[box] = Place(x, top + sizes[box][1] / 2)
+        places[box] = BoxPosition(x, top + sizes[box][1] / 2)
         x += sizes[box][0] + 2 * ROW_GAP
         width, row = max(width, x - 2 * ROW_GAP), max(row, sizes[box][1])
     height = top + row if alone else max(0.0, top - 2 * ROW_GAP)
-    return Layout(
+    return GraphLayout(
         tuple(places[box] for box in range(len(sizes))),
-        tuple(curves.get(i, Curve((), False)) for i in range(len(edges))),
+        tuple(curves.get(i, EdgeCurve((), False)) for i in range(len(edges))),
         width,
         height,
     )
 
 
-def _groups(count: int, edges: Sequence[tuple[int, int]]) -> list[list[int]]:
+def _find_connected_groups(count: int, edges: Sequence[tuple[int, int]]) -> list[list[int]]:
     """What hangs together, each group and the groups in the order of their numbers."""
     group = list(range(count))
 
-    def head(box: int) -> int:
+    def find_group_root(box: int) -> int:
         while group[box] != box:
             group[box] = group[group[box]]
             box = group[box]
         return box
 
     for a, b in edges:
-        first, second = sorted((head(a), head(b)))
+        first, second = sorted((find_group_root(a), find_group_root(b)))
         group[second] = first
     found: dict[int, list[int]] = {}
     for box in range(count):
-        found.setdefault(head(box), []).append(box)
+        found.setdefault(find_group_root(box), []).append(box)
     return list(found.values())
 
 
-def _draw(
+def _lay_out_group(
     group: Sequence[int],
     sizes: Sequence[tuple[float, float]],
     edges: Sequence[tuple[int, int]],
     top: float,
-    places: dict[int, Place],
-    curves: dict[int, Curve],
+    positions: dict[int, BoxPosition],
+    curves: dict[int, EdgeCurve],
 ) -> tuple[float, float]:
     """Place one group below ``top``: its right and lower end."""
     own = {i: e for i, e in enumerate(edges) if e[0] in group}
-    back = _closing(group, own)
+    back = _find_loop_edges(group, own)
     forward = {i: (b, a) if i in back else (a, b) for i, (a, b) in own.items() if a != b}
-    columns = _columns(group, list(forward.values()))
+    columns = _assign_columns(group, list(forward.values()))
     # An edge over several columns gets a point in each: it takes its row there as a box does.
     heights = {box: sizes[box][1] for box in group}
     of_column: dict[int, int] = dict(columns)
@@ -112,16 +112,18 @@ def _draw(
         for k, point in enumerate(between):
             of_column[point], heights[point] = columns[a] + 1 + k, 4.0
         paths[i] = [a, *between, b]
-    rows = _ordered(of_column, list(paths.values()))
-    middles = _middles(rows, heights, list(paths.values()))
+    rows = _order_rows(of_column, list(paths.values()))
+    middles = _compute_middles(rows, heights, list(paths.values()))
     lift = top - min(middles[b] - heights[b] / 2 for b in of_column)
     widths = [max((sizes[b][0] for b in row if b < len(sizes)), default=0.0) for row in rows]
     lefts = [sum(widths[:c]) + COLUMN_GAP * c for c in range(len(rows))]
     for box in group:
         c = columns[box]
-        places[box] = Place(round(lefts[c] + (widths[c] - sizes[box][0]) / 2, 1), round(middles[box] + lift, 1))
-    begins = _beside(paths, middles, heights)
-    ends = _beside({i: path[::-1] for i, path in paths.items()}, middles, heights)
+        positions[box] = BoxPosition(
+            round(lefts[c] + (widths[c] - sizes[box][0]) / 2, 1), round(middles[box] + lift, 1)
+        )
+    begins = _spread_ports(paths, middles, heights)
+    ends = _spread_ports({i: path[::-1] for i, path in paths.items()}, middles, heights)
     for i, path in paths.items():
         points = []
         for b in path:
@@ -129,16 +131,16 @@ def _draw(
             left, right = lefts[of_column[b]], lefts[of_column[b]] + widths[of_column[b]]
             y = middles[b] + lift
             if b == path[0]:
-                left, y = places[b].x + sizes[b][0], y + begins[i]
+                left, y = positions[b].x + sizes[b][0], y + begins[i]
             elif b == path[-1]:
-                right, y = places[b].x, y + ends[i]
+                right, y = positions[b].x, y + ends[i]
             points += [(round(left, 1), round(y, 1)), (round(right, 1), round(y, 1))]
-        curves[i] = Curve(tuple(points), i in back)
+        curves[i] = EdgeCurve(tuple(points), i in back)
     bottom = max(middles[b] + heights[b] / 2 for b in of_column) + lift
     return lefts[-1] + widths[-1], bottom
 
 
-def _closing(group: Sequence[int], edges: Mapping[int, tuple[int, int]]) -> set[int]:
+def _find_loop_edges(group: Sequence[int], edges: Mapping[int, tuple[int, int]]) -> set[int]:
     """The edges that close a loop, found depth first."""
     following: dict[int, list[tuple[int, int]]] = {}
     for i, (a, b) in edges.items():
@@ -164,7 +166,7 @@ def _closing(group: Sequence[int], edges: Mapping[int, tuple[int, int]]) -> set[
     return closing
 
 
-def _columns(group: Sequence[int], edges: Sequence[tuple[int, int]]) -> dict[int, int]:
+def _assign_columns(group: Sequence[int], edges: Sequence[tuple[int, int]]) -> dict[int, int]:
     """Each box right of all that lead to it; one that nothing leads to just before what it leads to."""
     columns = dict.fromkeys(group, 0)
     for _ in group:
@@ -181,7 +183,7 @@ def _columns(group: Sequence[int], edges: Sequence[tuple[int, int]]) -> dict[int
     return columns
 
 
-def _neighbours(paths: Sequence[Sequence[int]]) -> tuple[dict[int, list[int]], dict[int, list[int]]]:
+def _collect_neighbours(paths: Sequence[Sequence[int]]) -> tuple[dict[int, list[int]], dict[int, list[int]]]:
     """What stands left and right of each on its paths."""
     left: dict[int, list[int]] = {}
     right: dict[int, list[int]] = {}
@@ -192,25 +194,25 @@ def _neighbours(paths: Sequence[Sequence[int]]) -> tuple[dict[int, list[int]], d
     return left, right
 
 
-def _ordered(of_column: Mapping[int, int], paths: Sequence[Sequence[int]]) -> list[list[int]]:
+def _order_rows(of_column: Mapping[int, int], paths: Sequence[Sequence[int]]) -> list[list[int]]:
     """The rows of each column: to and fro, each by the middle of its neighbours in the column before; the best of all orders."""
     rows: list[list[int]] = [[] for _ in range(max(of_column.values()) + 1)]
     for box, column in of_column.items():
         rows[column].append(box)
-    left, right = _neighbours(paths)
-    best, fewest = [list(row) for row in rows], _crossings(rows, right)
+    left, right = _collect_neighbours(paths)
+    best, fewest = [list(row) for row in rows], _count_crossings(rows, right)
     for sweep in range(_SWEEPS):
         beside = right if sweep % 2 else left
         for row in reversed(rows) if sweep % 2 else rows:
             at = {b: k for other in rows for k, b in enumerate(other)}
             row.sort(key=lambda b: (sum(at[n] for n in beside[b]) / len(beside[b])) if b in beside else at[b])
-        crossings = _crossings(rows, right)
+        crossings = _count_crossings(rows, right)
         if crossings < fewest:
             best, fewest = [list(row) for row in rows], crossings
     return best
 
 
-def _crossings(rows: Sequence[Sequence[int]], right: Mapping[int, Sequence[int]]) -> int:
+def _count_crossings(rows: Sequence[Sequence[int]], right: Mapping[int, Sequence[int]]) -> int:
     count = 0
     for row, following in itertools.pairwise(rows):
         at = {b: k for k, b in enumerate(following)}
@@ -223,10 +225,10 @@ def _crossings(rows: Sequence[Sequence[int]], right: Mapping[int, Sequence[int]]
     return count
 
 
-def _middles(
+def _compute_middles(
     rows: Sequence[Sequence[int]], heights: Mapping[int, float], paths: Sequence[Sequence[int]]
 ) -> dict[int, float]:
-    left, right = _neighbours(paths)
+    left, right = _collect_neighbours(paths)
     middles: dict[int, float] = {}
     for row in rows:
         y = 0.0
@@ -239,12 +241,12 @@ def _middles(
             for box in row:
                 beside = [*left.get(box, ()), *right.get(box, ())]
                 wanted.append(sum(middles[n] for n in beside) / len(beside) if beside else middles[box])
-            for box, y in zip(row, _apart(wanted, [heights[b] for b in row]), strict=True):
+            for box, y in zip(row, _fit_row_positions(wanted, [heights[b] for b in row]), strict=True):
                 middles[box] = y
     return middles
 
 
-def _beside(
+def _spread_ports(
     paths: Mapping[int, Sequence[int]], middles: Mapping[int, float], heights: Mapping[int, float]
 ) -> dict[int, float]:
     """How far from the middle of its first box each path leaves it: side by side, in the order of where they lead."""
@@ -259,7 +261,7 @@ def _beside(
     return found
 
 
-def _apart(wanted: Sequence[float], heights: Sequence[float]) -> list[float]:
+def _fit_row_positions(wanted: Sequence[float], heights: Sequence[float]) -> list[float]:
     """The places nearest to the wanted ones (least squares) that keep the order and the gaps: pool adjacent violators."""
     offsets = [0.0]
     for a, b in itertools.pairwise(heights):
