@@ -112,5 +112,6 @@ def test_who_does_not_ask_pays_nothing() -> None:
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert {name for name in loaded if name.partition(".")[0] not in sys.stdlib_module_names} == {
         "urdfcheck",
+        "urdfcheck.plugins",
         "urdfcheck.plugins.pytest_plugin",
     }

@@ -13,7 +13,8 @@ from conftest import FIXTURES, check_text
 from urdfcheck.core import Finding, Severity
 from urdfcheck.model import Model, Shape
 from urdfcheck.model.motion import collisions, poses
-from urdfcheck.model.motion.collisions import CollisionPair, SelfCollisions, find_joint_collisions
+from urdfcheck.model.motion.collisions import CollisionPair, SelfCollisions, find_joint_collisions, self_collisions
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.system.array_cache import Cache
@@ -178,7 +179,7 @@ def test_links_of_one_body_never_collide(tmp_path: Path) -> None:
     text = robot(
         link("a", BALL.format("0.1")), joint("a", "b", "0.1 0 0", "fixed"), link("b", BALL.format("0.1"))
     )  # fmt: skip
-    found = pair(model_of(tmp_path, text).collisions, "a", "b")
+    found = pair(self_collisions(model_of(tmp_path, text)), "a", "b")
     assert found.relation == "fixed"
     assert found.is_always_in_collision
     assert found.contact is None
@@ -192,7 +193,7 @@ def test_a_ball_joint_of_three_hinges_connects_neighbours(tmp_path: Path) -> Non
         joint("h1", "h2", "0 0 0", axis="0 1 0"), link("h2"),
         joint("h2", "arm", "0 0 0", axis="1 0 0"), link("arm", BALL.format("0.05")),
     )  # fmt: skip
-    found = pair(model_of(tmp_path, text).collisions, "body", "arm")
+    found = pair(self_collisions(model_of(tmp_path, text)), "body", "arm")
     assert (found.relation, found.joint) == ("adjacent", "h2_arm")
     assert not findings(tmp_path, text, "COL001")
 
@@ -214,7 +215,7 @@ def test_links_beyond_a_mesh_that_cannot_be_read_are_no_neighbours(tmp_path: Pat
         joint("a", "b", "0.1 0 0"), link("b", '<mesh filename="gone.stl"/>'),
         joint("b", "c", "0.1 0 0"), link("c", BALL.format("0.1")),
     )  # fmt: skip
-    assert pair(model_of(tmp_path, text).collisions, "a", "c").relation == "far"
+    assert pair(self_collisions(model_of(tmp_path, text)), "a", "c").relation == "far"
 
 
 def test_without_coal_the_rule_is_skipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -302,12 +303,12 @@ def test_neighbours_count_that_overlap_over_nearly_all_of_the_range(tmp_path: Pa
         link("arm", "1 0 0|" + BALL.format("0.05")),
     )
     assert bool(findings(tmp_path, text, "COL002")) == overlap
-    found = pair(model_of(tmp_path, text).collisions, "base", "arm")
+    found = pair(self_collisions(model_of(tmp_path, text)), "base", "arm")
     assert found.range_share == pytest.approx(min(1.0, 1.65 / float(reach)), abs=1 / 20)
 
 
 def test_positions_are_spread_evenly_over_every_range(tmp_path: Path) -> None:
-    positions = model_of(tmp_path, arm()).collisions.spread_poses
+    positions = self_collisions(model_of(tmp_path, arm())).spread_poses
     assert len(positions.values) == 40
     for values in positions.values.T:
         assert sorted(values) == pytest.approx([-2.5 + (i + 0.5) / 40 * 5 for i in range(40)])
@@ -393,7 +394,7 @@ def test_every_pair_and_configuration_is_as_coal_sees_it_alone(tmp_path: Path, s
     car = FIXTURES / "car-3/urdf/car-3.urdf"
     model = model_of(tmp_path, arm(), samples=60) if source == "arm" else model_at(car, samples=20)
     touching = set() if source == "arm" else {("base_link", f"wheel_{i}") for i in range(1, 5)}
-    found = model.collisions
+    found = self_collisions(model)
     frames = poses.compute_frames(model, found.poses)
     assert found.pairs
     assert not found.skipped_shapes
@@ -417,7 +418,7 @@ def alone(model: Model, shape: Shape) -> object:
     facts, tree = model.meshes.get_facts(shape), coal.BVHModelOBBRSS()
     assert facts is not None
     tree.beginModel(len(facts.faces), len(facts.vertices))
-    tree.addVertices(facts.vertices * np.array(model.compute_drawn_scale(shape)))
+    tree.addVertices(facts.vertices * np.array(compute_drawn_scale(model, shape)))
     tree.addTriangles(np.array(facts.faces))
     tree.endModel()
     return tree
@@ -425,7 +426,7 @@ def alone(model: Model, shape: Shape) -> object:
 
 def test_the_arm_shows_all_kinds_of_pairs(tmp_path: Path) -> None:
     """What the other tests rest on: pairs that are proven apart, that meet now and then, and always."""
-    far = [p for p in model_of(tmp_path, arm()).collisions.pairs if p.relation == "far"]
+    far = [p for p in self_collisions(model_of(tmp_path, arm())).pairs if p.relation == "far"]
     assert any(0 < p.hit_count < 200 for p in far)
     assert len(far) == sum(1 for a, b in combinations(range(5), 2) if b - a > 1)
 
@@ -438,15 +439,15 @@ def test_what_is_proven_apart_never_meets(tmp_path: Path) -> None:
             parts.append(joint(parent, f"{name}{i}", f"{reach} {y if i == 1 else 0} 0.2", axis="0 0 1"))
             parts.append(link(f"{name}{i}", "0.1 0 0|" + BOX.format("0.2 0.05 0.05")))
     model = model_of(tmp_path, robot(*parts), samples=2000)
-    apart = {p.links for p in model.collisions.pairs if p.is_proven_apart}
+    apart = {p.links for p in self_collisions(model).pairs if p.is_proven_apart}
     assert ("l1", "r1") in apart
     assert ("l3", "r3") not in apart
-    bench = model.collisions.setup
-    proven = np.array([p.is_proven_apart for p in model.collisions.pairs])
+    bench = self_collisions(model).setup
+    proven = np.array([p.is_proven_apart for p in self_collisions(model).pairs])
     assert not bench.colliders.detect_collisions(
-        bench.compute_placements(model.collisions.poses), bench.pairs[proven]
+        bench.compute_placements(self_collisions(model).poses), bench.pairs[proven]
     ).any()
-    assert not any(p.is_proven_apart and p.hit_count for p in model.collisions.pairs)
+    assert not any(p.is_proven_apart and p.hit_count for p in self_collisions(model).pairs)
 
 
 def test_a_slide_without_end_proves_nothing(tmp_path: Path) -> None:
@@ -455,13 +456,13 @@ def test_a_slide_without_end_proves_nothing(tmp_path: Path) -> None:
         text = robot(
             link("a", BALL.format("0.1")), joint("a", "b", "1 0 0", **slide, limit=limit), link("b", BALL.format("0.1"))
         )  # fmt: skip
-        assert model_of(tmp_path, text).collisions.pairs[0].is_proven_apart == proven
+        assert self_collisions(model_of(tmp_path, text)).pairs[0].is_proven_apart == proven
 
 
 def test_what_is_not_asked_for_is_not_computed(tmp_path: Path) -> None:
     """An audit without a semantic description looks at what overlaps at rest, and not at other pairs in many poses."""
     cache = Cache(tmp_path / "cache")
-    found = model_of(tmp_path, arm(), cache).collisions
+    found = self_collisions(model_of(tmp_path, arm(), cache))
     assert set(found.cache_entry) == {"rest"}
     assert [p.hit_count for p in found.pairs if p.relation == "far"]
     assert set(found.cache_entry) == {"rest", "never", "others-200"}
@@ -470,7 +471,7 @@ def test_what_is_not_asked_for_is_not_computed(tmp_path: Path) -> None:
 def test_each_joint_runs_into_what_a_search_without_bounds_finds(tmp_path: Path) -> None:
     """Every pair at every step, in the order of the steps: the first that meets, and where."""
     model = model_of(tmp_path, arm(7))
-    bench, rest = model.collisions.setup, poses.make_neutral_configuration(model)
+    bench, rest = self_collisions(model).setup, poses.make_neutral_configuration(model)
     expected = []
     for i, hinge in enumerate(rest.joints):
         for limit in (-2.5, 2.5):
@@ -485,7 +486,7 @@ def test_each_joint_runs_into_what_a_search_without_bounds_finds(tmp_path: Path)
             hits[hits[:, 0]] = False
             if hits.any():
                 n = int(hits.any(axis=0).argmax())
-                first = model.collisions.pairs[int(hits[:, n].argmax())]
+                first = self_collisions(model).pairs[int(hits[:, n].argmax())]
                 expected.append((hinge.name, first.links, values[n, i]))
     found = find_joint_collisions(model)
     assert expected
@@ -496,11 +497,11 @@ def test_each_joint_runs_into_what_a_search_without_bounds_finds(tmp_path: Path)
 def test_a_second_run_gives_the_same_and_computes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cache, text = Cache(tmp_path / "cache"), arm()
     first = model_of(tmp_path, text, cache)
-    expected, reached = first.collisions, find_joint_collisions(first)
-    assert [vars_of(p) for p in model_of(tmp_path, text).collisions.pairs] == [vars_of(p) for p in expected.pairs]
+    expected, reached = self_collisions(first), find_joint_collisions(first)
+    assert [vars_of(p) for p in self_collisions(model_of(tmp_path, text)).pairs] == [vars_of(p) for p in expected.pairs]
     monkeypatch.setattr(collisions, "Colliders", None)
     again = model_of(tmp_path, text, cache)
-    assert [vars_of(p) for p in again.collisions.pairs] == [vars_of(p) for p in expected.pairs]
+    assert [vars_of(p) for p in self_collisions(again).pairs] == [vars_of(p) for p in expected.pairs]
     assert [(r.value, r.links) for r in find_joint_collisions(again)] == [(r.value, r.links) for r in reached]
 
 
@@ -508,8 +509,8 @@ def test_a_second_run_gives_the_same_and_computes_nothing(tmp_path: Path, monkey
 def test_what_decides_about_collisions_is_in_the_key(tmp_path: Path, change: tuple[str, str]) -> None:
     one, other = (model_of(tmp_path / name, text) for name, text in (("a", arm()), ("b", arm().replace(*change))))
     same = model_of(tmp_path / "c", arm().replace("<box", "<!-- x --><box"))
-    assert one.collisions.setup.compute_key() != other.collisions.setup.compute_key()
-    assert one.collisions.setup.compute_key() == same.collisions.setup.compute_key()
+    assert self_collisions(one).setup.compute_key() != self_collisions(other).setup.compute_key()
+    assert self_collisions(one).setup.compute_key() == self_collisions(same).setup.compute_key()
 
 
 def vars_of(found: CollisionPair) -> tuple[object, ...]:

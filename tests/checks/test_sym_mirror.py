@@ -22,7 +22,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 from urdfcheck.model import Model
-from urdfcheck.model.likeness.mirror_pairs import MirrorPair, estimate_from_twin, read_declared_inertial
+from urdfcheck.model.likeness.mirror_pairs import MirrorPair, estimate_from_twin, mirror_pairs, read_declared_inertial
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
@@ -145,7 +145,7 @@ def one(folder: Path, robot: Robot) -> Finding:
 
 def pairs_of(folder: Path, robot: Robot) -> dict[str, MirrorPair]:
     """The pairs by their first link."""
-    return {pair.one: pair for pair in model_of(folder, robot).pairs}
+    return {pair.one: pair for pair in mirror_pairs(model_of(folder, robot))}
 
 
 def model_of(folder: Path, robot: Robot) -> Model:
@@ -328,11 +328,13 @@ def test_the_fingers_of_either_hand_have_a_plane_of_their_own(tmp_path: Path) ->
             pieces = finger if y > 0 else [(size, flipped(centre)) for size, centre in finger]
             robot.append(link(f"{hand}_{name}", pieces))
             robot.append(joint(f"{hand}_{name}_joint", hand, f"{hand}_{name}", (0, y, -0.1), (1, 0, 0), (-0.5, 0.5)))
-    planes = {p.one: p.plane.offset for p in model_of(tmp_path, robot).pairs if "finger" in p.one and "hand" in p.one}
+    planes = {
+        p.one: p.plane.offset for p in mirror_pairs(model_of(tmp_path, robot)) if "finger" in p.one and "hand" in p.one
+    }
     assert planes["left_hand_left_finger"] == pytest.approx(0.28) or planes["left_hand_left_finger"] == pytest.approx(
         0.0
     )
-    offsets = {round(p.plane.offset, 6) for p in model_of(tmp_path, robot).pairs}
+    offsets = {round(p.plane.offset, 6) for p in mirror_pairs(model_of(tmp_path, robot))}
     assert offsets == {-0.28, 0.0, 0.28}
 
 

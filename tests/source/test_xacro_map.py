@@ -52,8 +52,8 @@ def test_the_calls_are_told_outermost_first_and_arguments_count(expand_text: Exp
     wheel = x.named("wheel")
     assert x.calls(wheel) == ["<xacro:cart/>", '<xacro:wheel mass="${mass / 4}"/>']
     assert wheel.location.via == wheel.via == wheel.attributes["m"].location.via
-    assert [d.kind for d in wheel.attributes["m"].related()] == ["parameter", "parameter"]
-    assert [x.text(d.span) for d in wheel.attributes["m"].related()] == ["${mass / 4}", "mass:=2"]
+    assert [d.kind for d in wheel.attributes["m"].collect_definitions()] == ["parameter", "parameter"]
+    assert [x.text(d.span) for d in wheel.attributes["m"].collect_definitions()] == ["${mass / 4}", "mass:=2"]
 
 
 def test_two_calls_of_one_macro_share_the_text_and_differ_in_the_call(expand_text: Expand) -> None:
@@ -272,7 +272,7 @@ def test_a_property_is_followed_through_the_properties_that_it_is_computed_from(
     assert link.get("area") == "6"
     expected = {"property[area]": "${width * height}", "property[width]": "2", "property[height]": "${width + 1}"}
     assert x.origins(link.attributes["area"]) == x.origins(link.attributes["again"]) == expected
-    assert link.attributes["area"].related()[0].name == "area"  # nearest first
+    assert link.attributes["area"].collect_definitions()[0].name == "area"  # nearest first
     assert x.origins(link.attributes["width"]) == {"property[width]": "2"}
     assert x.origins(link.attributes["name"]) == {}
 
@@ -324,7 +324,10 @@ def test_a_default_of_a_macro_is_located_in_its_parameters(expand_text: Expand) 
         <xacro:m/>"""
     )
     link = x.named("a")
-    places = {n: [x.place(d.span) for d in link.attributes[n].related()] for n in ("name", "mass", "size", "height")}
+    places = {
+        n: [x.place(d.span) for d in link.attributes[n].collect_definitions()]
+        for n in ("name", "mass", "size", "height")
+    }
     assert places == {
         "name": ["robot.xacro:3 name:=a"],
         "mass": ["robot.xacro:4 mass:=^|5", "robot.xacro:2 3"],  # forwarded: the property goes before the default
@@ -346,7 +349,7 @@ def test_an_argument_leads_to_its_declaration_however_it_is_read(expand_text: Ex
     one = {"argument[size]": "${two}", "property[two]": "2"}
     assert {n: x.origins(link.attributes[n]) for n in ("arg", "eval", "call")} == {"arg": one, "eval": one, "call": one}
     assert x.origins(link.attributes["twice"]) == {"argument[twice]": "$(eval 2*size)", **one}
-    assert x.expansion.arguments == {"size", "twice"}
+    assert x.expansion.arguments_read == {"size", "twice"}
 
 
 def test_an_argument_given_by_the_user_still_leads_to_its_declaration(expand_text: Expand) -> None:
@@ -527,7 +530,7 @@ def test_many_properties_computed_from_each_other_take_no_exponential_time(expan
     x = expand_text(
         f'<xacro:property name="a0" value="1"/><xacro:property name="b0" value="1"/>{rows}<link name="x" v="${{a59}}"/>'
     )
-    assert len(x.named("x").attributes["v"].related()) == 119
+    assert len(x.named("x").attributes["v"].collect_definitions()) == 119
 
 
 def test_what_xacro_warns_of_is_noted_with_its_place(expand_text: Expand) -> None:

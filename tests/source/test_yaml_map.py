@@ -104,7 +104,7 @@ def test_a_key_is_followed_through_properties_parameters_and_the_file_that_loads
         "property[c]": "${xacro.load_yaml('config/robot.yaml')}",
         "yaml[wheel.mass]": "0.5",
     }
-    (key,) = [d for d in x.named("a").attributes["x"].related() if d.kind == "yaml"]
+    (key,) = [d for d in x.named("a").attributes["x"].collect_definitions() if d.kind == "yaml"]
     assert (key.span.file, key.span.line, key.span.col) == ("config/robot.yaml", 4, 9)
     assert key.location.subject == "yaml[wheel.mass]"
 

@@ -8,12 +8,18 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.ground.up_axis import LyingMeshes, find_lying_meshes
-from urdfcheck.model.motion.collisions import CollisionPair, Contact, ensure_all_shapes_read, locate_geometry
+from urdfcheck.model.motion.collisions import (
+    CollisionPair,
+    Contact,
+    ensure_all_shapes_read,
+    locate_geometry,
+    self_collisions,
+)
 from urdfcheck.model.shapes.mesh_marks import round_significant
 
 
 def check(model: Model, rule: Rule, *, graze: float, always: float) -> Iterator[Finding]:
-    collisions = model.collisions
+    collisions = self_collisions(model)
     far = [(pair, pair.contact) for pair in collisions.pairs if pair.relation == "far" and pair.contact is not None]
     deep = [(pair, contact) for pair, contact in far if _is_deep_overlap(pair, contact, graze, always)]
     samples = collisions.sample_count

@@ -7,11 +7,17 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
-from urdfcheck.model.motion.collisions import CollisionPair, Contact, ensure_all_shapes_read, locate_geometry
+from urdfcheck.model.motion.collisions import (
+    CollisionPair,
+    Contact,
+    ensure_all_shapes_read,
+    locate_geometry,
+    self_collisions,
+)
 
 
 def check(model: Model, rule: Rule, *, always: float) -> Iterator[Finding]:
-    collisions = model.collisions
+    collisions = self_collisions(model)
     neighbours = [pair for pair in collisions.pairs if pair.relation == "adjacent"]
     found: dict[str | None, tuple[CollisionPair, Contact]] = {}
     for pair in neighbours:

@@ -8,8 +8,9 @@ from urdfcheck.core import Applicability, Finding, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.motion.collisions import CollisionPair as Contacting
-from urdfcheck.model.motion.collisions import ensure_all_shapes_read
+from urdfcheck.model.motion.collisions import ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.moveit_pairs import classify_link_pairs
+from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.source.ros.srdf import Srdf, SrdfPair
 from urdfcheck.source.text.tokens import build_removal_edits, build_replacement_edits
 from urdfcheck.source.text.xml import Attribute
@@ -19,7 +20,7 @@ REASONS = ("Never", "Default", "Always", "Adjacent")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for srdf in model.srdfs:
+    for srdf in semantic_descriptions(model):
         yield from _check_unknown_links(model, rule, srdf)
         yield from _check_duplicate_pairs(rule, srdf)
     yield from _check_hidden_collisions(model, rule)
@@ -70,14 +71,14 @@ def _check_duplicate_pairs(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
 def _check_hidden_collisions(model: Model, rule: Rule) -> Iterator[Finding]:
     """Pairs that Setup Assistant would leave to be checked, whatever reason the description gives: one finding for each
     reason, at the pair that collides most."""
-    if not any(srdf.disabled_pairs for srdf in model.srdfs):
+    if not any(srdf.disabled_pairs for srdf in semantic_descriptions(model)):
         return
     missed = {
         frozenset(j.pair.links): j.pair
         for j in classify_link_pairs(model)
         if j.reason is None and not j.pair.is_never_in_collision
     }
-    for srdf in model.srdfs:
+    for srdf in semantic_descriptions(model):
         for reason in REASONS:
             hidden = [(p, missed[p.key]) for p in srdf.disabled_pairs if p.reason == reason and p.key in missed]
             hidden.sort(key=lambda both: -both[1].hit_count)
@@ -85,7 +86,7 @@ def _check_hidden_collisions(model: Model, rule: Rule) -> Iterator[Finding]:
                 continue
             (worst, pair), more = hidden[0], hidden[1:]
             assert pair.first_hit is not None
-            pose = model.collisions.poses.to_values_by_name(pair.first_hit)
+            pose = self_collisions(model).poses.to_values_by_name(pair.first_hit)
             yield rule.finding(
                 reason.lower(),
                 at=worst.element,
@@ -101,7 +102,7 @@ def _check_hidden_collisions(model: Model, rule: Rule) -> Iterator[Finding]:
                     f"{name} = {value:.3g}" for name, value in _select_joints_between(model, pair, pose).items()
                 ),
             )
-    ensure_all_shapes_read(model.collisions)
+    ensure_all_shapes_read(self_collisions(model))
 
 
 def _select_joints_between(model: Model, pair: Contacting, pose: Mapping[str, float]) -> dict[str, float]:

@@ -7,18 +7,19 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
-from urdfcheck.model.motion.collisions import ensure_all_shapes_read
+from urdfcheck.model.motion.collisions import ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.moveit_pairs import (
     SetupAssistantPair,
     classify_link_pairs,
     find_moved_links,
     measure_default_depth,
 )
+from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # A file without groups or pairs is a part that others include, or was never filled.
-    srdfs = [srdf for srdf in model.srdfs if srdf.disabled_pairs or srdf.root.find_children("group")]
+    srdfs = [srdf for srdf in semantic_descriptions(model) if srdf.disabled_pairs or srdf.root.find_children("group")]
     if not srdfs:
         return
     # Of several descriptions of one robot (with and without its gripper) the one that is meant says most about it.
@@ -45,7 +46,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 lines=join_names((_format_srdf_line(j) for j, _ in pairs), most=4),
                 samples=f"{len(pairs[0][0].pair.hits):,}",
             )
-    ensure_all_shapes_read(model.collisions)
+    ensure_all_shapes_read(self_collisions(model))
 
 
 def _format_pair(judged: SetupAssistantPair, depth: float | None) -> str:

@@ -7,7 +7,12 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Location, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.motion.collisions import JointCollision, ensure_all_shapes_read, find_joint_collisions
+from urdfcheck.model.motion.collisions import (
+    JointCollision,
+    ensure_all_shapes_read,
+    find_joint_collisions,
+    self_collisions,
+)
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -20,7 +25,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             related=[_locate(joint) for joint in joints[1:]],
             reaches=join_names(map(_format_reached_collision, found)),
         )
-    ensure_all_shapes_read(model.collisions)
+    ensure_all_shapes_read(self_collisions(model))
 
 
 def _format_reached_collision(reach: JointCollision) -> str:

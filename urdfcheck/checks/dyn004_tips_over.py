@@ -20,7 +20,7 @@ from urdfcheck.model.ground.support_polygon import (
     is_free_standing,
     list_link_masses,
 )
-from urdfcheck.model.ground.wheels import is_suspended
+from urdfcheck.model.ground.wheels import is_suspended, rolling_wheels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,7 +33,7 @@ _FALLEN = math.radians(60)
 
 
 def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Finding]:
-    wheels = {wheel.joint.child: wheel for wheel in model.wheels}
+    wheels = {wheel.joint.child: wheel for wheel in rolling_wheels(model)}
     if not is_free_standing(model):
         return
     weights = list_link_masses(model)

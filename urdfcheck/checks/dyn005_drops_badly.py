@@ -8,13 +8,14 @@ from typing import Any
 from urdfcheck.core import Finding, Located, Rule
 from urdfcheck.core.drop_test import LATE_SECONDS, STEP, DropTest, ReleaseResult
 from urdfcheck.model import Model
+from urdfcheck.model.motion.simulated_drop import run_drop_test
 
 # Contacts that are as deep as the deepest but for rounding: of these the first one is told.
 _AS_DEEP = 0.99
 
 
 def check(model: Model, rule: Rule, *, gain: float, sink: float) -> Iterator[Finding]:
-    found = model.drop
+    found = run_drop_test(model)
     for release, message, told in _iter_drop_defects(found, gain, sink):
         link = model.link_by_name[told["link"]]
         inertial = link.inertial

@@ -13,7 +13,7 @@ from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure
 from urdfcheck.facts.inertials.inertia_tensor import list_half_units
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import Model
-from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial
+from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import propose_from_geometry
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape
@@ -28,7 +28,7 @@ def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[
 
 
 def _check_each_link(model: Model, rule: Rule, ratio: float, margin: float) -> Iterator[Finding]:
-    for part in model.enclosed:
+    for part in enclosed_inertials(model):
         if part.moment_share < NEGLIGIBLE_SHARE:
             continue
         # Where programs disagree about the size (MSH008) or the up axis of a mesh, all have to agree about this.

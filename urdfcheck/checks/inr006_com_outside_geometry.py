@@ -11,7 +11,7 @@ from urdfcheck.core import Finding, Located, Rule
 from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.model import Model
-from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial
+from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
 
@@ -29,7 +29,7 @@ class _SignRepair:
 
 
 def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
-    for part in model.enclosed:
+    for part in enclosed_inertials(model):
         if part.mass_share < NEGLIGIBLE_SHARE or not has_drawn_shape(part.link):
             continue
         distances = [(measure_hull_distance(points, part.com), measure_extent(points)) for points in part.readings]

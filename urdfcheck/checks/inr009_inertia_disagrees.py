@@ -18,7 +18,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     list_half_units,
 )
 from urdfcheck.model import Link, Model
-from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial
+from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, propose_from_geometry, propose_undo
@@ -56,7 +56,7 @@ def check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Itera
 def _check_each_link(model: Model, rule: Rule, far: float, concentrated: float) -> Iterator[Finding]:
     doubtful: list[Link] = []
     contradicted_links = find_contradicted_links(model)
-    for name, judged in model.diagnoses.items():
+    for name, judged in inertial_diagnoses(model).items():
         link, diagnosis = model.link_by_name[name], judged.diagnosis
         if diagnosis.sound or not diagnosis.decided or not _is_valid_inertia(judged):
             continue
@@ -84,7 +84,7 @@ def _check_each_link(model: Model, rule: Rule, far: float, concentrated: float) 
             confidence=Confidence.HEURISTIC,
             links=join_names(link.name for link in doubtful),
             first=doubtful[0].name,
-            ruled_out=_format_ruled_out(model.diagnoses[doubtful[0].name]),
+            ruled_out=_format_ruled_out(inertial_diagnoses(model)[doubtful[0].name]),
         )
 
 

@@ -15,7 +15,7 @@ from urdfcheck.facts.inertials.materials import DENSEST, describe_density, guess
 from urdfcheck.facts.inertials.placeholders import is_round
 from urdfcheck.facts.mesh.measure import compute_convex_hull
 from urdfcheck.model import Link, Model
-from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial
+from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_rigid_bodies
 from urdfcheck.model.shapes.visual_solid import (
     collect_body_corners,
@@ -43,7 +43,7 @@ class _PaddedHull:
 
 
 def check(model: Model, rule: Rule, *, margin: float, least: float, thinnest: float) -> Iterator[Finding]:
-    for part in model.enclosed:
+    for part in enclosed_inertials(model):
         if has_drawn_shape(part.link) and part.mass_share >= NEGLIGIBLE_SHARE:
             yield from _check_too_dense(model, rule, part, margin)
     for body in list_rigid_bodies(model):

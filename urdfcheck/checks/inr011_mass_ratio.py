@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule
@@ -82,7 +82,7 @@ def _describe_suspects(model: Model, joint: Joint) -> str:
     return " and ".join(max(body, key=lambda name: compute_body_mass(model, (name,)) or 0.0) for body in named)
 
 
-def _has_implausible_density(model: Model, body: Sequence[str]) -> bool:
+def _has_implausible_density(model: Model, body: tuple[str, ...]) -> bool:
     try:
         volume = measure_links_volume(model, [model.link_by_name[name] for name in body])
     except FactUnavailableError:  # meshes are not read

@@ -11,6 +11,7 @@ from urdfcheck.core import Edit, Finding, Located, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 from urdfcheck.model import Inertial, Link, Model
+from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.parts import TENSOR_NAMES
 
 # A number that is written anew has the digits of a double, less the two that turning it costs.
@@ -56,7 +57,7 @@ def _measure_rotation_effect(link: Link, rel_tol: float) -> _RotatedInertial | N
 
 
 def _has_known_mistake(model: Model, link: Link) -> bool:
-    judged = model.diagnoses.get(link.name)
+    judged = inertial_diagnoses(model).get(link.name)
     return judged is not None and judged.diagnosis.decided and judged.diagnosis.cause is not None
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Location, Rule
 from urdfcheck.facts.inertials.inertia_tensor import compute_equivalent_density
 from urdfcheck.model import Link, Model
+from urdfcheck.model.shapes.solids import measure_link_solid
 
 # kg/m³ of a part without a material -> the cause that names the programs.
 DEFAULTS = {1000.0: "unassigned", 7850.0: "steel"}
@@ -51,7 +52,7 @@ def _compute_mesh_density(model: Model, link: Link) -> float | None:
     assert link.inertial.mass is not None
     for role, shapes in (("visual", link.visuals), ("collision", link.collisions)):
         if any(shape.kind == "mesh" for shape in shapes):
-            solid = model.measure_link_solid(link, role)
+            solid = measure_link_solid(model, link, role)
             if solid is not None and solid.volume > 0:
                 return link.inertial.mass / solid.volume
     return None
@@ -68,7 +69,7 @@ def _match_solid_density(model: Model, link: Link, default: float, tolerance: fl
     shapes = (*link.visuals, *link.collisions)
     if inertial.tensor is None or any(shape.kind != "mesh" for shape in shapes):
         return None
-    if model.measure_link_solid(link) is not None or not _has_positive_moments(inertial.inertia_components):
+    if measure_link_solid(model, link) is not None or not _has_positive_moments(inertial.inertia_components):
         return None
     equivalent = compute_equivalent_density(inertial.mass, inertial.tensor)
     for density in (equivalent.box, equivalent.cylinder):

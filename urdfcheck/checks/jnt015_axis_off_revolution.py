@@ -14,8 +14,9 @@ from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_mass_covariance
 from urdfcheck.facts.likeness.revolution import RoundOutline, find_revolution_axis, measure_line_angle, measure_outline
 from urdfcheck.model import Joint, Link, Model
-from urdfcheck.model.ground.wheels import WHEEL_NAME, collect_shape_corners
+from urdfcheck.model.ground.wheels import WHEEL_NAME, collect_shape_corners, rolling_wheels
 from urdfcheck.model.parts import Inertial, Shape
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,7 +45,7 @@ class _AxisEvidence:
 
 
 def check(model: Model, rule: Rule, *, limit: float, eccentric: float) -> Iterator[Finding]:
-    rolls = {wheel.joint.name for wheel in model.wheels}
+    rolls = {wheel.joint.name for wheel in rolling_wheels(model)}
     wheels = [j for j in model.joints if j.name in model.axes and (j.name in rolls or _is_named_wheel(j))]
     upright = [joint for joint in wheels if abs(abs(float(model.axes[joint.name][2])) - 1) < _SQUARE]
     for joint in wheels:
@@ -167,7 +168,7 @@ def _compute_shape_axis(model: Model, shape: Shape) -> Array | None:
     if shape.kind != "mesh":
         along: Array = pose[:3, 2]
         return along
-    facts, scale = model.meshes.get_facts(shape), model.compute_drawn_scale(shape)
+    facts, scale = model.meshes.get_facts(shape), compute_drawn_scale(model, shape)
     if facts is None or scale is None:
         return None
     axis = find_revolution_axis(facts.surface_covariance * np.outer(scale, scale))

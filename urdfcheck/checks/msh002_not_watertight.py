@@ -14,6 +14,7 @@ from urdfcheck.facts.mesh.measure import Boundary
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.shapes.mesh_marks import round_significant, sample_for_drawing
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 # What a report can draw: the longest rims, each thinned to this many points.
 MAX_LOOPS, MAX_POINTS = 16, 64
@@ -84,7 +85,7 @@ def _collect_boundary_loops(model: Model, use: MeshUse) -> list[dict[str, Any]]:
 
 def _describe_boundary_loop(model: Model, use: MeshUse, boundary: Boundary) -> dict[str, Any]:
     """Sizes in metres, places in the mesh's own frame after scaling."""
-    scale = np.array(model.compute_drawn_scale(use.shape) or (1.0, 1.0, 1.0))
+    scale = np.array(compute_drawn_scale(model, use.shape) or (1.0, 1.0, 1.0))
     points = boundary.points * scale
     steps = np.diff(points, axis=0, append=points[:1] if boundary.closed else points[-1:])
     return {

@@ -12,6 +12,7 @@ from urdfcheck.core import Edit, FactUnavailableError, Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 # What CAD systems write files in, in metres per unit.
 UNITS = {"millimetres": 0.001, "inches": 0.0254, "centimetres": 0.01}
@@ -161,7 +162,7 @@ def _measure_reach(model: Model) -> float:
 
 def _measure_drawn_size(model: Model, use: MeshUse) -> float | None:
     """The longest edge (m) of the box around a mesh as RViz and Gazebo draw it; None when it is not known or not finite."""
-    facts, scale = model.meshes.get_facts(use.shape), model.compute_drawn_scale(use.shape)
+    facts, scale = model.meshes.get_facts(use.shape), compute_drawn_scale(model, use.shape)
     if facts is None or scale is None:
         return None
     with np.errstate(over="ignore", invalid="ignore"):

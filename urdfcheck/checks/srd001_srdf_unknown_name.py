@@ -10,6 +10,7 @@ from urdfcheck.core.text import find_only_near_name, format_name_hint
 from urdfcheck.model import Model
 from urdfcheck.model.likeness.sibling_robots import PackageNames
 from urdfcheck.model.motion.planning_limits import collect_group_joints
+from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.source.ros.srdf import Srdf, is_about_model, is_configured_for
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
@@ -46,7 +47,7 @@ class _NameUse:
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     elsewhere = PackageNames(model)
-    srdfs = [srdf for srdf in model.srdfs if is_about_model(srdf, model.source)]
+    srdfs = [srdf for srdf in semantic_descriptions(model) if is_about_model(srdf, model.source)]
     for srdf in srdfs:
         yield from _check_unknown_names(model, rule, srdf, elsewhere)
         yield from _check_groups(rule, srdf)

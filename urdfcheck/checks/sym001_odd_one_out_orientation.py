@@ -20,7 +20,8 @@ from urdfcheck.facts.likeness.symmetry import (
 )
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.likeness.sibling_joints import find_common_base, trace_fixed_chain
+from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
+from urdfcheck.model.likeness.sibling_joints import find_common_base, sibling_joints, trace_fixed_chain
 from urdfcheck.model.repairs.origin_edits import describe_definitions, list_definitions, locate_origin_attribute
 from urdfcheck.source.text.values import parse_number
 
@@ -62,7 +63,7 @@ class _OrientationOutlier:
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     odd: dict[str, _OrientationOutlier] = {}
     pairs: dict[str, tuple[Joint, Joint, SuspectFrames]] = {}
-    for group in model.siblings:
+    for group in sibling_joints(model):
         name = find_common_base(model, group)
         base = model.frames[name]
         frames = np.linalg.inv(base) @ np.array([model.frames[joint.child] for joint in group])
@@ -102,7 +103,7 @@ def _has_consistent_bases(model: Model, group: Sequence[Joint], found: SuspectFr
 def _is_reported_as_mirror(model: Model, group: Sequence[Joint], found: SuspectFrames) -> bool:
     """Whether SYM004 tells it: the axes of left and right."""
     names = {group[i].child for i in found.members}
-    return found.kind == "axis_tilt" and any(names == {pair.one, pair.other} for pair in model.pairs)
+    return found.kind == "axis_tilt" and any(names == {pair.one, pair.other} for pair in mirror_pairs(model))
 
 
 def _pick_outlier_by_angles(model: Model, group: Sequence[Joint], found: SuspectFrames) -> _OrientationOutlier | None:

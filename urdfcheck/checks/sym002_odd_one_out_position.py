@@ -14,7 +14,7 @@ from urdfcheck.facts.likeness.layout import MisplacedPosition, find_misplaced_po
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
 from urdfcheck.model.ground.wheels import WHEEL_NAME
-from urdfcheck.model.likeness.sibling_joints import find_common_base, trace_fixed_chain
+from urdfcheck.model.likeness.sibling_joints import find_common_base, sibling_joints, trace_fixed_chain
 from urdfcheck.model.repairs.origin_edits import describe_definitions, list_definitions, locate_origin_attribute
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.text.tokens import tokenize_attribute
@@ -48,7 +48,7 @@ class _PositionCorrection:
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     odd: dict[str, tuple[tuple[Joint, ...], MisplacedPosition]] = {}
     rises = _compute_wheel_offsets(model)
-    for group in model.siblings:
+    for group in sibling_joints(model):
         base = model.frames[find_common_base(model, group)]
         places = [
             _transform_to_frame(base, model.frames[joint.child][:3, 3] - rises.get(joint.name, 0.0)) for joint in group

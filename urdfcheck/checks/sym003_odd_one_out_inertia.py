@@ -11,8 +11,10 @@ from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.likeness.mirror import measure_deviation
 from urdfcheck.model import Model
+from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
 from urdfcheck.model.likeness.identical_parts import CopyComparison, find_differing_pairs, find_odd_copies
+from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.repairs.inertial_edits import build_inertial_repair
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
@@ -24,13 +26,13 @@ MAX_FIT_DEVIATION, MIN_DEVIATION_RATIO = 0.1, 3.0
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
     for opinion in find_odd_copies(model, note):
-        judged = model.diagnoses.get(opinion.link.name)
+        judged = inertial_diagnoses(model).get(opinion.link.name)
         if judged is not None and judged.diagnosis.by == "twin" and not judged.diagnosis.decided:
             continue  # its own numbers are those of what it draws: the others may be wrong alike
         count = len(opinion.by)
         why = f"{count} like links that draw the same part ({join_names(link.name for link in opinion.by)}) agree on theirs"
         yield _build_outlier_finding(rule, opinion, why, differ, note)
-    sides = {frozenset((pair.one, pair.other)) for pair in model.pairs}
+    sides = {frozenset((pair.one, pair.other)) for pair in mirror_pairs(model)}
     for pair in find_differing_pairs(model, note, excluded=sides):
         wrong = _pick_wrong_inertial(model, pair)
         if wrong is None:
@@ -93,7 +95,7 @@ def _pick_wrong_inertial(model: Model, pair: Sequence[CopyComparison]) -> CopyCo
     ):
         return None
     wrong = pair[known.index(max(known))]
-    judged = model.diagnoses.get(wrong.link.name)
+    judged = inertial_diagnoses(model).get(wrong.link.name)
     mistaken = judged is not None and judged.diagnosis.cause is not None
     return wrong if mistaken and wrong.deviation.worst > wrong.deviation.mass else None
 

@@ -13,6 +13,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
 from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs, measure_principal_deviation
 from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
 from urdfcheck.model.inertials.mirrored_inertials import (
     CONTRADICTIONS,
@@ -23,7 +24,7 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     get_comparable_inertial,
     list_inertial_changes,
 )
-from urdfcheck.model.likeness.mirror_pairs import MirrorPair
+from urdfcheck.model.likeness.mirror_pairs import MirrorPair, mirror_pairs
 from urdfcheck.model.likeness.mirrored_joints import (
     MismatchedLimit,
     find_mismatched_limit,
@@ -57,7 +58,7 @@ BOTH_SIDES_RELATIONS = {
 
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
-    found = model.pairs
+    found = mirror_pairs(model)
     wrong = [
         one
         for pair in _skip_repeated_pairs(found)
@@ -146,7 +147,7 @@ def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
     """Whether one link's numbers have a mistake of their own, which INR009 names: then the pair differs for that."""
     causes = []
     for name in (pair.one, pair.other):
-        judged = model.diagnoses.get(name)
+        judged = inertial_diagnoses(model).get(name)
         found = None if judged is None or not judged.diagnosis.decided else judged.diagnosis.cause
         causes.append(None if found == UNMIRRORED else found)
     return causes[0] != causes[1]

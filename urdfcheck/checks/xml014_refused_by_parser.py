@@ -6,13 +6,14 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
+from urdfcheck.model.motion.pinocchio_model import parser_verdict
 
 # Every loader of a model whose root is `world`, or whose root has an inertia, hears about it; rules of their own say more.
 _EXPLAINED = ("root link", "has an inertia specified in the URDF")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    verdict = model.verdict
+    verdict = parser_verdict(model)
     said = [m for m in verdict.messages if not any(known in m for known in _EXPLAINED)]
     text = "; ".join(said) or "it gives no reason"
     if verdict.refused_by == "urdfdom":

@@ -54,6 +54,7 @@ def compute_link_pairs(model: Model) -> LinkPairs:
 
     :raises Unavailable: when its collisions are not known.
     """
+    from urdfcheck.model.motion.collisions import self_collisions  # loads numpy
     from urdfcheck.model.motion.moveit_pairs import classify_link_pairs
 
     pairs = [
@@ -62,7 +63,7 @@ def compute_link_pairs(model: Model) -> LinkPairs:
         )
         for j in classify_link_pairs(model)
     ]
-    samples = model.collisions.sample_count
+    samples = self_collisions(model).sample_count
     return LinkPairs(model.name, samples, tuple(sorted(pairs, key=lambda pair: pair.links)))
 
 

@@ -21,7 +21,10 @@ from urdfcheck.core.scene import (
     SceneShape,
 )
 from urdfcheck.model import Joint, Link, Model, Shape
+from urdfcheck.model.ground.wheels import rolling_wheels
+from urdfcheck.model.motion.collisions import self_collisions
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Pose
+from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_link_solid
 from urdfcheck.source.launch.launch_file import Launch, StaticTransform
 from urdfcheck.source.launch.node_graph import build_launch_scene
 from urdfcheck.source.package.finder import format_path
@@ -87,7 +90,7 @@ def _build_link(model: Model, link: Link, files: dict[Path, int]) -> SceneLink:
     from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments, compute_solid_inertia
 
     inertial = None if link.inertial is None else _build_inertia(link.inertial)
-    solid = model.measure_link_solid(link) if model.tier != "source" else None
+    solid = measure_link_solid(model, link) if model.tier != "source" else None
     mass = None if inertial is None else inertial.mass
     filled = None if solid is None or mass is None or not solid.volume > 0 else compute_solid_inertia(solid, mass)
     return SceneLink(
@@ -151,7 +154,7 @@ def _build_shape(model: Model, shape: Shape, files: dict[Path, int]) -> SceneSha
     return SceneShape(
         role=shape.role,
         kind=shape.kind or "",
-        size=model.compute_drawn_scale(shape) or shape.size or (),
+        size=compute_drawn_scale(model, shape) or shape.size or (),
         pose=() if pose is None else _flatten_matrix(pose),
         mesh=shape.mesh_filename.value if shape.mesh_filename is not None else "",
         file=None if use is None or use.resource.path is None else files.get(use.resource.path),
@@ -300,7 +303,7 @@ def _find_overlaps(model: Model) -> Iterator[SceneOverlap]:
     if model.tier != "full":
         return
     try:
-        pairs = model.collisions.pairs
+        pairs = self_collisions(model).pairs
     except FactUnavailableError:
         return
     for pair in pairs:
@@ -326,7 +329,7 @@ def _build_ground(model: Model) -> SceneGround | None:
         weights = list_link_masses(model)
         if not weights or not is_free_standing(model):
             return None
-        points, owners = collect_robot_corners(model, {wheel.joint.child: wheel for wheel in model.wheels})
+        points, owners = collect_robot_corners(model, {wheel.joint.child: wheel for wheel in rolling_wheels(model)})
     except FactUnavailableError:
         return None
     if not len(points):

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-
-_Fact = TypeVar("_Fact")
 
 # A body whose radius of gyration is below a micrometre is a point: its tensor is zero or the residue of an export
 # (published files hold 1e-20 kg m² for 0.1 kg). The lightest part of a watch has 1e-4 m.
@@ -63,21 +61,18 @@ def is_point_mass(inertial: Inertial) -> bool:
     return six is not None and mass is not None and mass > 0 and max(map(abs, six)) <= mass * POINT_RADIUS**2
 
 
-def compute_body_mass(model: Model, links: Sequence[str]) -> float | None:
+@fact
+def compute_body_mass(model: Model, links: tuple[str, ...]) -> float | None:
     """Total mass in kg of these links, those without ``<inertial>`` counting nothing; None when one is malformed.
 
     :raises Unavailable: when the tree is broken.
     """
-    return _memoize_by_body(model, "mass", links, _sum_masses)
-
-
-def _sum_masses(model: Model, links: Sequence[str]) -> float | None:
     masses = [model.link_by_name[name].inertial for name in links]
     known = [inertial.mass for inertial in masses if inertial is not None]
     return None if any(m is None for m in known) else sum(m for m in known if m is not None)
 
 
-def compute_body_tensor(model: Model, links: Sequence[str]) -> NDArray[np.float64] | None:
+def compute_body_tensor(model: Model, links: tuple[str, ...]) -> NDArray[np.float64] | None:
     """Inertia tensor (3, 3) in kg m² of these links together, about their common COM, in root coordinates.
 
     None when an inertial is malformed or the links have no mass together.
@@ -88,19 +83,14 @@ def compute_body_tensor(model: Model, links: Sequence[str]) -> NDArray[np.float6
     return None if found is None else found[2]
 
 
+@fact
 def compute_body_inertia(
-    model: Model, links: Sequence[str]
+    model: Model, links: tuple[str, ...]
 ) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
     """Mass in kg, COM (3,) in m and inertia tensor as `compute_body_tensor`, in root coordinates; None as there.
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
     """
-    return _memoize_by_body(model, "inertia", links, _merge_inertias)
-
-
-def _merge_inertias(
-    model: Model, links: Sequence[str]
-) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
     import numpy as np
 
     inertials = [(model.frames[name], i) for name in links if (i := model.link_by_name[name].inertial) is not None]
@@ -126,15 +116,10 @@ def find_merged_body(model: Model, link: Link) -> MergedBody | None:
     """The body that a link with an inertial is part of; None when nothing else in it has mass, or that is not known."""
     try:
         names = model.tree.list_body_links(link.name)
-        moments, total = (
-            _memoize_by_body(model, "moments", names, _compute_body_moments),
-            compute_body_mass(model, names),
-        )
+        moments, total = _compute_body_moments(model, names), compute_body_mass(model, names)
     except FactUnavailableError:
         return None
-    heaviest = next(
-        (name for name in _memoize_by_body(model, "heaviest", names, _find_two_heaviest) if name != link.name), ""
-    )
+    heaviest = next((name for name in _find_two_heaviest(model, names) if name != link.name), "")
     if moments is None or total is None or not heaviest or not _get_link_mass(model, heaviest) > 0:
         return None
     assert link.inertial is not None
@@ -143,7 +128,8 @@ def find_merged_body(model: Model, link: Link) -> MergedBody | None:
     return MergedBody(heaviest, moments, negligible)
 
 
-def _compute_body_moments(model: Model, links: Sequence[str]) -> tuple[float, float, float] | None:
+@fact
+def _compute_body_moments(model: Model, links: tuple[str, ...]) -> tuple[float, float, float] | None:
     """The principal moments (kg m²) of these links together, ascending; None as `compute_body_tensor`."""
     from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 
@@ -154,7 +140,8 @@ def _compute_body_moments(model: Model, links: Sequence[str]) -> tuple[float, fl
     return first, second, third
 
 
-def _find_two_heaviest(model: Model, links: Sequence[str]) -> list[str]:
+@fact
+def _find_two_heaviest(model: Model, links: tuple[str, ...]) -> list[str]:
     """The two of these links that have the most mass."""
     known = [name for name in links if model.link_by_name[name].inertial is not None]
     return sorted(known, key=lambda name: -_get_link_mass(model, name))[:2]
@@ -163,16 +150,3 @@ def _find_two_heaviest(model: Model, links: Sequence[str]) -> list[str]:
 def _get_link_mass(model: Model, link: str) -> float:
     inertial = model.link_by_name[link].inertial
     return 0.0 if inertial is None else inertial.mass or 0.0
-
-
-def _memoize_by_body(
-    model: Model, what: str, links: Sequence[str], compute: Callable[[Model, Sequence[str]], _Fact]
-) -> _Fact:
-    """What is computed of some links, once where they are a whole body: every link of it asks."""
-    if links is not model.tree.list_body_links(links[0]):
-        return compute(model, links)
-    key = (what, links[0])
-    if key not in model.computed:
-        model.computed[key] = compute(model, links)
-    found: _Fact = model.computed[key]
-    return found

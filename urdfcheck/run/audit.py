@@ -249,8 +249,10 @@ class _Audit:
             self.drop = self.guard("drop", lambda: self.dropped(model))
 
     def dropped(self, model: Model) -> DropTest | None:
+        from urdfcheck.model.motion.simulated_drop import run_drop_test  # loads numpy
+
         try:
-            return replace(model.drop, model=self.unit.id)
+            return replace(run_drop_test(model), model=self.unit.id)
         except FactUnavailableError:  # DYN005 tells why
             return None
 

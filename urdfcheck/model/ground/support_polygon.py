@@ -10,7 +10,7 @@ import numpy as np
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.motion.contact import GroundSupport
-from urdfcheck.model.ground.wheels import CASTER_NAME, Wheel, collect_shape_corners
+from urdfcheck.model.ground.wheels import CASTER_NAME, Wheel, collect_shape_corners, rolling_wheels
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
@@ -42,7 +42,9 @@ def is_free_standing(model: Model) -> bool:
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
     """
-    return model.tree.root not in _GROUND and bool(model.wheels or any(LEG.search(link.name) for link in model.links))
+    return model.tree.root not in _GROUND and bool(
+        rolling_wheels(model) or any(LEG.search(link.name) for link in model.links)
+    )
 
 
 def list_link_masses(model: Model) -> tuple[LinkMass, ...]:

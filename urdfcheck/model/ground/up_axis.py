@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.model.motion.collisions import CollisionSetup, SelfCollisions
+from urdfcheck.model.motion.collisions import CollisionSetup, SelfCollisions, self_collisions
 from urdfcheck.model.parts import Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import compute_bounding_box
@@ -44,7 +44,7 @@ def find_lying_meshes(model: Model) -> LyingMeshes | None:
 
     :raises Unavailable: when the collisions are not known.
     """
-    found = model.collisions
+    found = self_collisions(model)
     shapes = tuple(s for s, up in zip(found.setup.shapes, found.setup.non_z_up, strict=True) if up is not None)
     if not shapes:
         return None

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.facts.motion.contact import compute_rocking_gaps
-from urdfcheck.model.ground.wheels import Wheel, is_suspended
+from urdfcheck.model.ground.wheels import Wheel, is_suspended, rolling_wheels
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def find_uneven_wheels(model: Model, *, rel_tol: float, abs_tol: float) -> Uneve
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
     """
-    found = model.wheels
+    found = rolling_wheels(model)
     if len(found) < 4 or any(is_suspended(model, wheel.joint.child) for wheel in found):
         return None
     found = _select_grounded_wheels(found)

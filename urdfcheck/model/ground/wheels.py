@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.facts.likeness.revolution import measure_outline
+from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Joint, Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import compute_shape_corners
@@ -64,7 +65,7 @@ def find_driven_wheels(model: Model) -> tuple[DrivenWheel, ...]:
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
     """
-    known = model.wheels
+    known = rolling_wheels(model)
     driven = [
         w
         for w in known
@@ -75,6 +76,7 @@ def find_driven_wheels(model: Model) -> tuple[DrivenWheel, ...]:
     return (*standing, *_find_unseen_wheels(model))
 
 
+@fact
 def rolling_wheels(model: Model) -> tuple[Wheel, ...]:
     """All wheels that can stand on the ground, driven, steered or free.
 

@@ -12,8 +12,9 @@ import numpy as np
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.inertials.diagnosis import EXACT, DeclaredInertial, Diagnosis, VisualGeometry, diagnose_inertial
+from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness import identical_parts as copies
-from urdfcheck.model.likeness.mirror_pairs import estimate_from_twin, read_declared_inertial
+from urdfcheck.model.likeness.mirror_pairs import estimate_from_twin, mirror_pairs, read_declared_inertial
 from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.parts import Joint, Link, Pose
 from urdfcheck.model.robot import Model
@@ -65,6 +66,7 @@ class DiagnosedInertial:
     twins: tuple[str, ...]
 
 
+@fact
 def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
     """The verdict on every link that has a mass and a tensor, and draws something or has a twin, by name.
 
@@ -175,7 +177,7 @@ def _list_massless_covers(model: Model, link: Link) -> list[Link]:
 def _collect_references(model: Model) -> dict[str, InertialReference]:
     """What other links say that one's numbers should be, by name: those that draw the same part, else that on the other side."""
     try:
-        known = model.pairs
+        known = mirror_pairs(model)
         copied = copies.estimate_from_copies(model, excluded={frozenset((pair.one, pair.other)) for pair in known})
     except FactUnavailableError:
         return {}

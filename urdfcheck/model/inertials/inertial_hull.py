@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
+from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_rigid_bodies
 from urdfcheck.model.robot import Model
@@ -54,6 +55,7 @@ class EnclosedInertial:
         return "the drawn geometry" if self.is_single_link else "the drawn geometry of it and of the links fixed to it"
 
 
+@fact
 def enclosed_inertials(model: Model) -> Iterator[EnclosedInertial]:
     """The inertials of links that are bodies and not mere frames, where all that is drawn round them is known.
 

@@ -19,7 +19,13 @@ from urdfcheck.facts.likeness.mirror import (
     measure_deviation,
     measure_principal_deviation,
 )
-from urdfcheck.model.likeness.mirror_pairs import MirrorPair, copy_inertial, mirror_inertial, read_declared_inertial
+from urdfcheck.model.likeness.mirror_pairs import (
+    MirrorPair,
+    copy_inertial,
+    mirror_inertial,
+    mirror_pairs,
+    read_declared_inertial,
+)
 from urdfcheck.model.parts import TENSOR_NAMES, Link
 from urdfcheck.model.repairs.edits import AttributeChange
 from urdfcheck.model.rigid_bodies import is_point_mass
@@ -149,7 +155,7 @@ def find_contradicted_links(model: Model, threshold: float = 0.01) -> frozenset[
     none where the tree is broken."""
     found: set[str] = set()
     try:
-        known = model.pairs
+        known = mirror_pairs(model)
     except FactUnavailableError:
         return frozenset()
     for pair in known:

@@ -15,6 +15,7 @@ from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
 from urdfcheck.facts.likeness.mirror import InertialDeviation, PartOutline, measure_deviation, measure_outline_mismatch
 from urdfcheck.facts.likeness.revolution import find_revolution_axis
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
+from urdfcheck.model.fact import fact
 from urdfcheck.model.ground.wheels import NOT_DRIVEN_NAME
 from urdfcheck.model.likeness.mirror_pairs import read_declared_inertial
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Link, Shape
@@ -71,6 +72,7 @@ class _Symmetry:
     axis: Array | None
 
 
+@fact
 def part_copies(model: Model) -> tuple[tuple[PartCopy, ...], ...]:
     """Groups of two and more links that draw one part, wherever in their frames, with inertials that can be compared.
 
@@ -109,7 +111,7 @@ def find_odd_copies(model: Model, threshold: float = NOTABLE_SHARE) -> tuple[Cop
     :raises Unavailable: when the tree is broken.
     """
     found: list[CopyComparison] = []
-    for group in model.copies:
+    for group in part_copies(model):
         if len(group) < 3:
             continue
         members = _GroupComparison(model, group, threshold)
@@ -129,7 +131,7 @@ def find_differing_pairs(
     :raises Unavailable: when the tree is broken.
     """
     found = []
-    for group in model.copies:
+    for group in part_copies(model):
         if len(group) == 2 and frozenset(copy.link.name for copy in group) not in excluded:
             members = _GroupComparison(model, group, threshold)
             both = members.compare_members(0, 1), members.compare_members(1, 0)
@@ -145,7 +147,7 @@ def estimate_from_copies(model: Model, *, excluded: Collection[frozenset[str]] =
     :raises Unavailable: when the tree is broken.
     """
     found: dict[str, CopyComparison] = {}
-    for group in model.copies:
+    for group in part_copies(model):
         if frozenset(copy.link.name for copy in group) in excluded:
             continue
         members = _GroupComparison(model, group, NOTABLE_SHARE)

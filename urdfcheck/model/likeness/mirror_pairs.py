@@ -12,6 +12,7 @@ import numpy as np
 
 from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
 from urdfcheck.facts.likeness.mirror import MirrorPlane, find_mirror_plane, measure_deviation, measure_outline_mismatch
+from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.shape_signature import ALIKE, DIFFERENT, ShapeComparer
@@ -104,6 +105,7 @@ class MirrorPair:
         return bool(np.linalg.norm(self.shift) <= PLACE)
 
 
+@fact
 def mirror_pairs(model: Model) -> tuple[MirrorPair, ...]:
     """Left and right links, those nearest to the root first.
 

@@ -6,10 +6,12 @@ from collections.abc import Sequence
 
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 from urdfcheck.facts.likeness.symmetry import LinkSignature, build_link_signature, group_by_signature
+from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model
 
 
+@fact
 def sibling_joints(model: Model) -> list[tuple[Joint, ...]]:
     """Groups of moving joints that have the same type, the same number of moving joints before them, and like children.
 

@@ -24,12 +24,14 @@ from urdfcheck.facts.motion.collision import (
     list_all_pairs,
 )
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
+from urdfcheck.model.fact import fact
 from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.poses import JointConfigurations
 from urdfcheck.model.parts import Joint, Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 from urdfcheck.system.array_cache import origin_of, version_of
 
 if TYPE_CHECKING:
@@ -293,6 +295,7 @@ class SelfCollisions:
         return found
 
 
+@fact
 def self_collisions(model: Model) -> SelfCollisions:
     """Compare all pairs of links at the neutral pose, or recall the result of an earlier run.
 
@@ -392,7 +395,7 @@ class CollisionSetup:
         placed = []
         for one, shape, up in zip(self.colliders.placed, self.shapes, self.non_z_up, strict=True):
             if up is not None:
-                facts, scale = self.model.meshes.get_facts(shape), self.model.compute_drawn_scale(shape)
+                facts, scale = self.model.meshes.get_facts(shape), compute_drawn_scale(self.model, shape)
                 assert facts is not None
                 vertices = facts.vertices @ Z_UP_ROTATIONS[up].T * np.array(scale)
                 one = replace(one, geometry=replace(one.geometry, vertices=vertices))
@@ -462,7 +465,7 @@ class CollisionSetup:
             if use is None or use.resource.path is None
             else self.model.meshes.compute_content_key(use.resource.path)
         )
-        return f"{shape.kind} {self.model.compute_drawn_scale(shape) if shape.kind == 'mesh' else shape.size} {file}"
+        return f"{shape.kind} {compute_drawn_scale(self.model, shape) if shape.kind == 'mesh' else shape.size} {file}"
 
 
 def _make_colliders(placed: Sequence[PlacedGeometry]) -> Colliders:
@@ -491,7 +494,7 @@ _CODE_MODULES = (
 
 def _is_usable_shape(model: Model, shape: Shape) -> bool:
     """Whether it is known where a shape is and what it looks like."""
-    size = model.compute_drawn_scale(shape) if shape.kind == "mesh" else shape.size
+    size = compute_drawn_scale(model, shape) if shape.kind == "mesh" else shape.size
     if size is None or shape.origin.matrix is None or shape.kind is None:
         return False
     return all(size) if shape.kind == "mesh" else min(size) > 0
@@ -500,7 +503,7 @@ def _is_usable_shape(model: Model, shape: Shape) -> bool:
 def _make_geometry(model: Model, shape: Shape) -> CollisionGeometry:
     if shape.kind != "mesh":
         return CollisionGeometry(shape.kind or "", shape.size or ())
-    facts, scale = model.meshes.get_facts(shape), model.compute_drawn_scale(shape)
+    facts, scale = model.meshes.get_facts(shape), compute_drawn_scale(model, shape)
     assert facts is not None
     assert scale is not None
     return CollisionGeometry("mesh", (), facts.vertices * np.array(scale), facts.faces, facts.closed)
@@ -595,7 +598,7 @@ def find_joint_collisions(model: Model) -> tuple[JointCollision, ...]:
     :raises Unavailable: when coal is not installed, when the tree, an origin or an axis is broken, or when more joints move
         than motion is computed for.
     """
-    found = model.collisions
+    found = self_collisions(model)
     rest = poses.make_neutral_configuration(model)
     poses.ensure_few_joints(rest.joints)
     try:

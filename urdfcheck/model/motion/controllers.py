@@ -14,6 +14,7 @@ import numpy as np
 from urdfcheck.core import Located
 from urdfcheck.facts.likeness.revolution import measure_outline
 from urdfcheck.model.ground.wheels import collect_shape_corners
+from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.robot import Model
 from urdfcheck.source.discover import CONFIG_FOLDERS
 from urdfcheck.source.launch.launch_file import Launch
@@ -69,7 +70,7 @@ def find_controller_configs(model: Model) -> list[AssociatedConfiguration]:
             _add_configuration(found, parameters.path, finder, parameters.element)
     known = frozenset(model.joint_by_name)
     package = model.package
-    srdfs = [srdf for srdf in model.srdfs if is_about_model(srdf, model.source)]
+    srdfs = [srdf for srdf in semantic_descriptions(model) if is_about_model(srdf, model.source)]
     folders = [] if package is None else [package.path / folder for folder in CONFIG_FOLDERS]
     for path in (*list_yaml_files([*folders, *list_srdf_folders(srdfs)]), *find_bringup_configs(model.source)):
         if os.path.realpath(path) not in found:

@@ -13,7 +13,7 @@ import numpy as np
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.motion import dynamics
-from urdfcheck.model.motion.pinocchio_model import write_without_geometry
+from urdfcheck.model.motion.pinocchio_model import pinocchio_model, write_without_geometry
 from urdfcheck.model.motion.poses import JointConfigurations, apply_mimics, get_sampling_range, sample_configurations
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_rigid_bodies
@@ -194,7 +194,7 @@ def _recall_or_compute(model: Model, group: str, compute: Callable[[], Arrays]) 
 
 
 def _get_pinocchio_model(model: Model) -> Any:
-    built = model.dynamics
+    built = pinocchio_model(model)
     if built.model is None:
         raise FactUnavailableError(f"{built.refused_by} refuses the model (XML014)")
     return built.model

@@ -24,6 +24,7 @@ from urdfcheck.model.parts import MOVING_TYPES, Joint, Link, Shape
 from urdfcheck.model.rigid_bodies import compute_body_inertia, compute_body_mass, is_point_mass, list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 from urdfcheck.source.text.values import read_attribute_number
 
 Array = NDArray[np.float64]
@@ -209,7 +210,7 @@ def _collect_contact_shapes(model: Model) -> tuple[list[tuple[Link, Shape]], boo
 
 
 def _is_usable_shape(model: Model, shape: Shape) -> bool:
-    size = model.compute_drawn_scale(shape) if shape.kind == "mesh" else shape.size
+    size = compute_drawn_scale(model, shape) if shape.kind == "mesh" else shape.size
     if shape.kind is None or size is None or shape.origin.matrix is None:
         return False
     return all(size) if shape.kind == "mesh" else min(size) > 0
@@ -217,7 +218,7 @@ def _is_usable_shape(model: Model, shape: Shape) -> bool:
 
 def _compute_hull_points(model: Model, shape: Shape) -> Array | None:
     """The corners (K, 3) of a mesh's convex hull, in m; of a flat one a plate."""
-    facts, scale = model.meshes.get_facts(shape), model.compute_drawn_scale(shape)
+    facts, scale = model.meshes.get_facts(shape), compute_drawn_scale(model, shape)
     if facts is None or scale is None:
         return None
     points: Array = facts.hull.vertices * np.array(scale)

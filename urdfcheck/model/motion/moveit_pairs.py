@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from urdfcheck.model.motion import poses
-from urdfcheck.model.motion.collisions import CollisionPair
+from urdfcheck.model.motion.collisions import CollisionPair, self_collisions
 from urdfcheck.model.motion.poses import JointConfigurations
 from urdfcheck.model.robot import Model
 from urdfcheck.source.ros.srdf import Srdf
@@ -46,7 +46,7 @@ def classify_link_pairs(model: Model) -> tuple[SetupAssistantPair, ...]:
     :raises Unavailable: when the collisions are not known.
     """
     adjacent = find_adjacent_links(model)
-    pairs = zip(model.collisions.pairs, _find_default_hits(model).tolist(), strict=True)
+    pairs = zip(self_collisions(model).pairs, _find_default_hits(model).tolist(), strict=True)
     return tuple(
         SetupAssistantPair(pair, _choose_reason(pair, frozenset(pair.links) in adjacent, met), met)
         for pair, met in pairs
@@ -70,7 +70,7 @@ def measure_default_depth(model: Model, pair: CollisionPair) -> float:
 
     :raises Unavailable: when the collisions are not known.
     """
-    bench = model.collisions.setup
+    bench = self_collisions(model).setup
     place = {link.name: i for i, link in enumerate(bench.links)}
     found = bench.colliders.find_deepest_overlap(
         bench.compute_placements(compute_default_state(model))[0], *(place[name] for name in pair.links)
@@ -80,7 +80,7 @@ def measure_default_depth(model: Model, pair: CollisionPair) -> float:
 
 def _find_default_hits(model: Model) -> NDArray[np.bool_]:
     """Whether each pair meets in MoveIt's default state (K,)."""
-    state, collisions = compute_default_state(model), model.collisions
+    state, collisions = compute_default_state(model), self_collisions(model)
     if np.array_equal(state.values, poses.make_neutral_configuration(model).values):
         return np.array([pair.meets_at_neutral for pair in collisions.pairs], dtype=bool)
     bench = collisions.setup

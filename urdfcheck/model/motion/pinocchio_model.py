@@ -19,6 +19,7 @@ from functools import lru_cache
 from typing import IO, TYPE_CHECKING, Any
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Joint
 from urdfcheck.source.text.grammar import (
     JOINT_TYPES,
@@ -65,6 +66,7 @@ class ParserVerdict:
     messages: tuple[str, ...]
 
 
+@fact
 def parser_verdict(model: Model) -> ParserVerdict:
     """What urdfdom and Pinocchio say about the model; kept, so that a model they have seen does not load them again.
 
@@ -74,12 +76,12 @@ def parser_verdict(model: Model) -> ParserVerdict:
 
     place = origin_of("pinocchio")
     if place is None:
-        return _make_verdict(model.dynamics)
+        return _make_verdict(pinocchio_model(model))
     _ensure_loadable(model)
     parts = (version_of(__name__, library=place), write_without_geometry(model.robot))
     entry = model.cache.entry("verdicts", hashlib.sha256("\0".join(parts).encode()).hexdigest())
     if "verdict" not in entry:
-        found = _make_verdict(model.dynamics)
+        found = _make_verdict(pinocchio_model(model))
         text = json.dumps([found.refused_by, found.messages])
         entry["verdict"] = {"text": np.frombuffer(text.encode(), dtype=np.uint8)}
     refused_by, messages = json.loads(entry["verdict"]["text"].tobytes())
@@ -90,6 +92,7 @@ def _make_verdict(dynamics: PinocchioModel) -> ParserVerdict:
     return ParserVerdict(dynamics.refused_by, dynamics.messages)
 
 
+@fact
 def pinocchio_model(model: Model) -> PinocchioModel:
     """Hand a sound tree to Pinocchio.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 from urdfcheck.source.ros.joint_limits import JointLimits, read_joint_limits
@@ -27,7 +28,7 @@ class PositionRange:
 
 def list_own_srdfs(model: Model) -> list[Srdf]:
     """The semantic descriptions of the model's name that cannot be another robot's."""
-    return [srdf for srdf in model.srdfs if is_configured_for(srdf, model.source)]
+    return [srdf for srdf in semantic_descriptions(model) if is_configured_for(srdf, model.source)]
 
 
 def load_joint_limits(model: Model, srdf: Srdf) -> tuple[JointLimits, ...]:

@@ -19,6 +19,7 @@ from urdfcheck.facts.motion.simulation import (
     SimulationRefusedError,
     compute_rest_depth,
 )
+from urdfcheck.model.fact import fact
 from urdfcheck.model.motion.mechanism import StandingRobot, build_standing_robot
 from urdfcheck.model.robot import Model
 
@@ -27,11 +28,14 @@ _HALVINGS = 4
 _BODY = re.compile(r"\bb(\d+)\b")
 
 
+@fact
 def run_drop_test(model: Model) -> DropTest:
     """Let go for two seconds, with zero and with holding torques, and with zero torques at other time steps.
 
     :raises Unavailable: when MuJoCo is not installed or refuses the model, or when the tree, a shape or a mass is not known.
     """
+    if not model.may_simulate:
+        raise FactUnavailableError("needs a simulator: urdfcheck drop")
     one = build_standing_robot(model)
     try:
         return _simulate_drop(one, Simulation(one.mechanism, one.ground))

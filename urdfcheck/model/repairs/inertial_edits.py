@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.core import Edit
+from urdfcheck.core import Edit, Span
 from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_solid_inertia
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy
+from urdfcheck.model.fact import fact
+from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Link
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
@@ -55,7 +57,7 @@ class InertialProposal:
 def propose_repair(model: Model, link: Link) -> InertialProposal:
     """The single edit that makes an inertial possible and that of the drawn part or of its twin, where there is one; else the
     inertia of the drawn part."""
-    judged = model.diagnoses.get(link.name)
+    judged = inertial_diagnoses(model).get(link.name)
     change = propose_undo(model, link)
     if judged is not None and change is not None and judged.diagnosis.mended is not None:
         diagnosis, possible = judged.diagnosis, check_inertia_validity(judged.diagnosis.mended.tensor, TRIANGLE_SLACK)
@@ -79,7 +81,7 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
 
     Without edits where a macro wrote the same text for other links, in which this mistake was not found.
     """
-    judged, inertial = model.diagnoses.get(link.name), link.inertial
+    judged, inertial = inertial_diagnoses(model).get(link.name), link.inertial
     if judged is None or inertial is None or judged.diagnosis.mended is None:
         return None
     change = build_inertial_repair(inertial, judged.diagnosis.mended)
@@ -111,16 +113,27 @@ def propose_from_geometry(model: Model, link: Link) -> InertialRepair | None:
 
 
 def _is_same_for_all(model: Model, inertial: Inertial, describe: Callable[[Model, Link], Hashable]) -> bool:
-    """Whether the same is told of all links whose inertials are one text."""
-    place = inertial.element.span
-    key = (describe.__name__, place)
-    if key not in model.computed:
-        model.computed[key] = {describe(model, link) for link in model.links_by_inertial_span[place]}
-    return len(model.computed[key]) == 1
+    """Whether ``describe`` returns the same for all links whose inertials are one text."""
+    return len(_describe_all(model, inertial.element.span, describe)) == 1
+
+
+@fact
+def _describe_all(model: Model, text: Span | None, describe: Callable[[Model, Link], Hashable]) -> frozenset[Hashable]:
+    return frozenset(describe(model, link) for link in _links_by_inertial_text(model)[text])
+
+
+@fact
+def _links_by_inertial_text(model: Model) -> Mapping[Span | None, Sequence[Link]]:
+    """The links whose inertials are one text, as a macro makes them."""
+    found: dict[Span | None, list[Link]] = {}
+    for link in model.links:
+        if link.inertial is not None:
+            found.setdefault(link.inertial.element.span, []).append(link)
+    return found
 
 
 def _identify_mistake(model: Model, link: Link) -> Hashable:
-    judged = model.diagnoses.get(link.name)
+    judged = inertial_diagnoses(model).get(link.name)
     return None if judged is None else (judged.diagnosis.cause, judged.diagnosis.detail)
 
 

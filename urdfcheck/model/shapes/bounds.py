@@ -10,6 +10,7 @@ import numpy as np
 from urdfcheck.facts.mesh.topology import compute_bounds
 from urdfcheck.model.parts import Shape
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -61,7 +62,7 @@ def _compute_shape_box(
     turn, place = placed[:3, :3], placed[:3, 3]
     if shape.kind == "mesh":
         facts = model.meshes.get_facts(shape)
-        scale = model.compute_drawn_scale(shape) if apply_unit else size
+        scale = compute_drawn_scale(model, shape) if apply_unit else size
         if facts is None or scale is None:
             return None
         turned = Z_UP_ROTATIONS.get(facts.up_axis or "", np.eye(3)) if apply_up_axis else np.eye(3)

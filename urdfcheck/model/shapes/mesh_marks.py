@@ -8,6 +8,7 @@ import numpy as np
 
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,7 +23,7 @@ def sample_for_drawing(model: Model, use: MeshUse, places: NDArray[np.float64], 
 
     ``places`` are points (n, 3), lines (n, 2, 3) or triangles (n, 3, 3).
     """
-    scale = np.array(model.compute_drawn_scale(use.shape) or (1.0, 1.0, 1.0))
+    scale = np.array(compute_drawn_scale(model, use.shape) or (1.0, 1.0, 1.0))
     picked = places[:: max(1, -(-len(places) // most))] * scale
     rounded: list[Any] = np.reshape([round_significant(v) for v in picked.ravel()], picked.shape).tolist()
     return rounded

@@ -12,6 +12,7 @@ from urdfcheck.facts.likeness.mirror import PartOutline
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
+from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_solid
 from urdfcheck.model.shapes.visual_solid import compute_shape_corners
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ def _compute_outline(model: Model, link: Link) -> PartOutline | None:
         if corners is None or pose is None:
             return None
         if shape.kind == "mesh":
-            facts, scale = model.meshes.get_facts(shape), model.compute_drawn_scale(shape)
+            facts, scale = model.meshes.get_facts(shape), compute_drawn_scale(model, shape)
             assert facts is not None
             assert scale is not None
             factors = np.array(scale)
@@ -112,7 +113,7 @@ def _compute_outline(model: Model, link: Link) -> PartOutline | None:
             turn, place = pose[:3, :3], pose[:3, 3]
             centre, covariance = turn @ centre + place, turn @ covariance @ turn.T
         else:
-            solid = model.measure_shape_solid(shape)
+            solid = measure_shape_solid(model, shape)
             if solid is None:
                 return None
             weight, centre, covariance = solid.volume ** (2 / 3), solid.com, solid.covariance

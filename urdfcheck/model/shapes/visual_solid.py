@@ -14,9 +14,11 @@ from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids, make
 from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid
 from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.facts.mesh.topology import label_components
+from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS, compute_bounding_box, is_dummy_shape
+from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_solid
 
 Array = NDArray[np.float64]
 
@@ -27,6 +29,7 @@ _NEARER = 0.5
 _MOST_PIECES = 40
 
 
+@fact
 def measure_link_geometry(
     model: Model, link: Link, *, apply_unit: bool = True, apply_up_axis: bool = False
 ) -> VisualGeometry | None:
@@ -35,13 +38,6 @@ def measure_link_geometry(
 
     ``unit`` and ``upright``: whether COLLADA's ``<unit>`` and ``<up_axis>`` are followed; RViz follows the unit alone.
     """
-    known, key = model.geometries, (id(link.element), apply_unit, apply_up_axis)
-    if key not in known:
-        known[key] = _choose_geometry(model, link, apply_unit, apply_up_axis)
-    return known[key]
-
-
-def _choose_geometry(model: Model, link: Link, apply_unit: bool, apply_up_axis: bool) -> VisualGeometry | None:
     drawn = _measure_shapes(model, link.visuals, apply_unit, apply_up_axis)
     if drawn is not None and drawn.closed:
         return drawn
@@ -162,7 +158,7 @@ def measure_shape_volume(model: Model, shape: Shape) -> float | None:
     """What a shape fills (m³), or its convex hull where it is not closed; None when that is not known."""
     facts, scale = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, True)
     if facts is None or scale is None:
-        solid = model.measure_shape_solid(shape)
+        solid = measure_shape_solid(model, shape)
         return None if solid is None else solid.volume
     return abs(float(scale.prod()) * (facts.volume if facts.closed else facts.hull.volume))
 
@@ -264,7 +260,7 @@ def _measure_shape(model: Model, shape: Shape, apply_unit: bool, apply_up_axis: 
     turn, place = pose[:3, :3], pose[:3, 3]
     facts, scale = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, apply_unit)
     if facts is None or scale is None:
-        solid = model.measure_shape_solid(shape)
+        solid = measure_shape_solid(model, shape)
         return None if solid is None else VisualGeometry(solid, True, points, hull=solid)
     stood = _get_up_axis_rotation(facts, apply_up_axis)
     turn, scale = turn @ stood, np.abs(stood.T) @ scale
@@ -327,5 +323,5 @@ def _get_up_axis_rotation(facts: MeshFacts, apply_up_axis: bool) -> Array:
 
 def _get_mesh_scale(model: Model, shape: Shape, apply_unit: bool) -> Array | None:
     """Metres per file unit along a mesh's axes; None when it is no mesh that could be read."""
-    scale = model.compute_drawn_scale(shape) if apply_unit or model.compute_drawn_scale(shape) is None else shape.size
+    scale = compute_drawn_scale(model, shape) if apply_unit or compute_drawn_scale(model, shape) is None else shape.size
     return None if scale is None or shape.kind != "mesh" else np.array(scale)

@@ -1,0 +1,45 @@
+"""The one memo: a fact of a model is a function, computed when it is first asked for and remembered on the model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from functools import wraps
+from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
+
+from urdfcheck.core.errors import FactUnavailableError
+
+
+class Remembering(Protocol):
+    """What holds a memo: a model."""
+
+    @property
+    def memo(self) -> dict[Hashable, Any]: ...
+
+
+M = TypeVar("M", bound=Remembering)
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+def fact(compute: Callable[Concatenate[M, P], T]) -> Callable[Concatenate[M, P], T]:
+    """Compute a fact once per model, and per set of (hashable) arguments after the model.
+
+    A `FactUnavailableError` is remembered as well and raised again: every link asks for the tree of a model that has none.
+    """
+
+    @wraps(compute)
+    def get(model: M, /, *args: P.args, **kwargs: P.kwargs) -> T:
+        key = (compute, args, tuple(kwargs.items()))
+        memo = model.memo
+        if key not in memo:
+            try:
+                memo[key] = compute(model, *args, **kwargs)
+            except FactUnavailableError as reason:
+                memo[key] = reason
+        known = memo[key]
+        if isinstance(known, FactUnavailableError):
+            raise known.with_traceback(None)
+        value: T = known
+        return value
+
+    return get
