@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: audit test reports clean
+.PHONY: audit test test-fast rule reports clean
 
 # The main job: audit the car-3 robot and write its report. Findings do not fail the command, a failure of urdfcheck does.
 # SOURCE_DATE_EPOCH leaves the time out of the report, which is committed as a sample.
@@ -14,6 +14,14 @@ audit: $(VENV)/.installed
 # Everything: formatting, types, rule pages, goldens, browser.
 test: $(VENV)/.tested
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal
+
+# The inner loop: all but the modules that start many processes or a browser (marked slow), in less than a minute.
+test-fast: $(VENV)/.tested
+	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m "not slow"
+
+# One rule alone: make rule CODE=NAM008 tests its page, its style and its types in seconds.
+rule: $(VENV)/.tested
+	@$(BIN)/python -m urdfcheck.dev rule $(CODE)
 
 # The index of the rules, the table of the hostile files and the committed sample reports; tests say when they are stale.
 reports: $(VENV)/.installed

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from functools import wraps
+from inspect import isgeneratorfunction
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
 from urdfcheck.core.errors import FactUnavailableError
@@ -26,6 +27,9 @@ def fact(compute: Callable[Concatenate[M, P], T]) -> Callable[Concatenate[M, P],
 
     A `FactUnavailableError` is remembered as well and raised again: every link asks for the tree of a model that has none.
     """
+
+    if isgeneratorfunction(compute):
+        raise TypeError(f"{compute.__qualname__} is a generator: only its first caller would see what it yields")
 
     @wraps(compute)
     def get(model: M, /, *args: P.args, **kwargs: P.kwargs) -> T:
