@@ -34,6 +34,8 @@ from urdfcheck.run.pipeline import Request
 from urdfcheck.system import sandbox
 from urdfcheck.system.process_pool import Worker
 
+pytestmark = pytest.mark.slow
+
 INERTIA = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="{}"/></inertial>'
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import FIXTURES
+from real_robots import list_robots
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.model import Model
@@ -66,7 +66,7 @@ def test_all_wheels_of_car_3_turn_about_plus_y() -> None:
 
 def test_frames_of_the_corpus(corpus: Path, tmp_path: Path) -> None:
     compared = 0
-    for entry in json.loads((corpus / "corpus.json").read_text()):
+    for entry in list_robots(corpus):
         if not entry["expands"]:
             continue
         roots = tuple(corpus / r for r in entry["package_roots"])
@@ -79,4 +79,4 @@ def test_frames_of_the_corpus(corpus: Path, tmp_path: Path) -> None:
             continue
         assert sound.model is not None, (entry["id"], sound.messages)
         compared += same_frames_as_pinocchio(model) > 0
-    assert compared > 80
+    assert compared > 0.75 * len(list_robots(corpus))
