@@ -23,9 +23,10 @@ test-fast: $(VENV)/.tested
 rule: $(VENV)/.tested
 	@$(BIN)/python -m urdfcheck.dev rule $(CODE)
 
-# The index of the rules, the table of the hostile files and the committed sample reports; tests say when they are stale.
+# The index of the rules, the page about the model, the table of the hostile files and the sample reports; tests say when they are stale.
 reports: $(VENV)/.installed
 	$(BIN)/python tools/make_rules_index.py
+	$(BIN)/python tools/make_model_page.py
 	$(BIN)/python tools/make_hostile_table.py
 	$(BIN)/python tools/make_reports.py
 

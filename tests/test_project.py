@@ -45,6 +45,16 @@ def test_rules_index_is_current() -> None:
     assert current, "rules/README.md is stale: make reports"
 
 
+def test_the_page_about_the_model_is_current() -> None:
+    sys.path.insert(0, str(REPOSITORY / "tools"))
+    try:
+        import make_model_page
+    finally:
+        sys.path.pop(0)
+    current = make_model_page.PAGE.read_text(encoding="utf-8") == make_model_page.render_page()
+    assert current, f"{make_model_page.PAGE.name} is stale: make reports"
+
+
 def test_the_rules_index_lists_every_page_once() -> None:
     """Does not ask the generator of the index: what it forgets is missing here."""
     index = (REPOSITORY / "rules" / "README.md").read_text(encoding="utf-8")
