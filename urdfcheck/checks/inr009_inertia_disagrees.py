@@ -27,11 +27,9 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.text.xml import Attribute
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from urdfcheck.facts.arrays import Array
     from urdfcheck.facts.inertials.diagnosis import VisualGeometry
 
-    Array = NDArray[np.float64]
 
 # A part of a rigid body that is lighter than this share of it decides nothing about how the body moves.
 LIGHT = 0.05

@@ -18,9 +18,8 @@ from urdfcheck.model.ground.wheels import WHEEL_NAME, collect_shape_corners
 from urdfcheck.model.parts import Inertial, Shape
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # What carries a wheel is called after it and turns about another axis.
 _CARRIER = re.compile(

@@ -36,9 +36,8 @@ from urdfcheck.model.repairs.edits import AttributeChange, describe_remedy, make
 from urdfcheck.source.text.values import read_attribute_number
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # A mistake that INR009 leaves to this rule.
 UNMIRRORED = "unmirrored"

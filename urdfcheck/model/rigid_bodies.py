@@ -11,8 +11,7 @@ from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 _Fact = TypeVar("_Fact")
 
@@ -77,7 +76,7 @@ def _sum_masses(model: Model, links: Sequence[str]) -> float | None:
     return None if any(m is None for m in known) else sum(m for m in known if m is not None)
 
 
-def compute_body_tensor(model: Model, links: Sequence[str]) -> NDArray[np.float64] | None:
+def compute_body_tensor(model: Model, links: Sequence[str]) -> Array | None:
     """Inertia tensor (3, 3) in kg m² of these links together, about their common COM, in root coordinates.
 
     None when an inertial is malformed or the links have no mass together.
@@ -88,9 +87,7 @@ def compute_body_tensor(model: Model, links: Sequence[str]) -> NDArray[np.float6
     return None if found is None else found[2]
 
 
-def compute_body_inertia(
-    model: Model, links: Sequence[str]
-) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
+def compute_body_inertia(model: Model, links: Sequence[str]) -> tuple[float, Array, Array] | None:
     """Mass in kg, COM (3,) in m and inertia tensor as `compute_body_tensor`, in root coordinates; None as there.
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
@@ -98,13 +95,11 @@ def compute_body_inertia(
     return _memoize_by_body(model, "inertia", links, _merge_inertias)
 
 
-def _merge_inertias(
-    model: Model, links: Sequence[str]
-) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
+def _merge_inertias(model: Model, links: Sequence[str]) -> tuple[float, Array, Array] | None:
     import numpy as np
 
     inertials = [(model.frames[name], i) for name in links if (i := model.link_by_name[name].inertial) is not None]
-    parts: list[tuple[float, NDArray[np.float64], NDArray[np.float64]]] = []
+    parts: list[tuple[float, Array, Array]] = []
     for frame, inertial in inertials:
         matrix, tensor = inertial.origin.matrix, inertial.tensor_in_link
         if inertial.mass is None or matrix is None or tensor is None:

@@ -17,10 +17,8 @@ from urdfcheck.source.text.xml import Element
 from urdfcheck.system.array_cache import Cache
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from urdfcheck.core.drop_test import DropTest
+    from urdfcheck.facts.arrays import Array
     from urdfcheck.facts.inertials.diagnosis import VisualGeometry
     from urdfcheck.facts.inertials.inertia_tensor import Solid
     from urdfcheck.model.ground.wheels import Wheel
@@ -102,7 +100,7 @@ class Model:
             return reason
 
     @property
-    def frames(self) -> Mapping[str, NDArray[np.float64]]:
+    def frames(self) -> Mapping[str, Array]:
         """4x4 placement of each link's frame in the root link's frame, all joints at zero.
 
         :raises Unavailable: when the tree is broken or an origin is malformed.
@@ -112,7 +110,7 @@ class Model:
         return self._frames
 
     @cached_property
-    def _frames(self) -> Mapping[str, NDArray[np.float64]] | FactUnavailableError:
+    def _frames(self) -> Mapping[str, Array] | FactUnavailableError:
         from urdfcheck.facts.motion.kinematics import compute_forward_kinematics
 
         if isinstance(self._tree, FactUnavailableError):
@@ -134,11 +132,11 @@ class Model:
         return dict(zip(order, world, strict=True))
 
     @cached_property
-    def axes(self) -> Mapping[str, NDArray[np.float64]]:
+    def axes(self) -> Mapping[str, Array]:
         """Unit axis in root coordinates of each joint that has one, by joint name, all joints at zero."""
         import numpy as np
 
-        found: dict[str, NDArray[np.float64]] = {}
+        found: dict[str, Array] = {}
         for joint in self.joints:
             axis = joint.axis
             if not joint.has_axis or axis is None:

@@ -22,7 +22,8 @@ from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_mass_covaria
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Bools, Indices
+
 
 # The ids of the mistakes that can be named.
 HYPOTHESES = (
@@ -303,13 +304,13 @@ class _InertialBatch:
         turned: Array = self.rotation @ self.tensor @ self.rotation.transpose(0, 2, 1)
         return turned
 
-    def find_equal_rows(self, i: int) -> NDArray[np.bool_]:
+    def find_equal_rows(self, i: int) -> Bools:
         """(N,): which are the same as one of them to within 1 %: of the mass, of the greatest entry of the tensor, and of the
         COM's distance from the origin or the radius of gyration."""
         inertia = self.inertia
         radius = math.sqrt(abs(float(np.trace(inertia[i])) / (2.0 * self.mass[i])))
         reach = max(float(np.abs(self.com[i]).max()), radius)
-        alike: NDArray[np.bool_] = (
+        alike: Bools = (
             (np.abs(self.mass - self.mass[i]) <= 0.01 * self.mass[i])
             & (np.abs(inertia - inertia[i]).max(axis=(1, 2)) <= 0.01 * np.abs(inertia[i]).max())
             & (np.abs(self.com - self.com[i]).max(axis=1) <= 0.01 * reach)
@@ -327,7 +328,7 @@ class _Ranking:
     tensor_mismatches: Array
     com_mismatches: Array
     numbers: _InertialBatch
-    possible: NDArray[np.bool_]
+    possible: Bools
 
     @property
     def no_mistake_index(self) -> int:
@@ -395,10 +396,10 @@ def _compute_whitening(covariance: Array) -> Array:
     return white
 
 
-def _is_possible_spread(ratios: NDArray[np.floating[Any]]) -> NDArray[np.bool_]:
+def _is_possible_spread(ratios: NDArray[np.floating[Any]]) -> Bools:
     """Whether second moments (..., 3), ascending and relative to a reference's, are those of a mass: one that rounding makes a
     little negative is that of a flat part, -0.1 of the reference's is nobody's."""
-    spread: NDArray[np.bool_] = ratios[..., 0] > -SLACK * np.maximum(1.0, ratios[..., 2])
+    spread: Bools = ratios[..., 0] > -SLACK * np.maximum(1.0, ratios[..., 2])
     return spread
 
 
@@ -629,9 +630,9 @@ def _compute_log_likelihood(
     shapes: Array,
     places: Array,
     sizes: Array,
-    possible: NDArray[np.bool_],
-    fitted: NDArray[np.float64] | NDArray[np.int64],
-    separate: NDArray[np.bool_],
+    possible: Bools,
+    fitted: Array | Indices,
+    separate: Bools,
 ) -> Array:
     """Logarithm (N,) of how likely a part of this shape has such numbers.
 
@@ -673,7 +674,7 @@ def _compute_log_likelihood(
 
 def _measure_distances(
     reference: _Reference, numbers: _InertialBatch, factor: Array
-) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+) -> tuple[Array, Array, Array, Bools]:
     """Mismatch (N,) of second moments and of the COM, logarithm (N,) of mass over size, and (N,) whether the drawn geometry can
     hold such a mass. ``factor`` (N,): how many times as large as the reference the part is."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -697,7 +698,7 @@ def _measure_distances(
     return shapes, places, sizes, possible
 
 
-def _can_hold_mass(points: Array, place: Array, variances: Array, axes: Array) -> NDArray[np.bool_]:
+def _can_hold_mass(points: Array, place: Array, variances: Array, axes: Array) -> Bools:
     """Whether (N,) a mass within the convex hull of ``points`` (K, 3) can have the COM ``place`` (N, 3) and the ``variances``
     (N, 3) along ``axes`` (N, 3, 3): along each, ``(max - c)(c - min)`` is the most (Bhatia and Davis, *A better bound on the
     variance*, 2000)."""
@@ -706,7 +707,7 @@ def _can_hold_mass(points: Array, place: Array, variances: Array, axes: Array) -
     high, low = along.max(axis=0) - com, along.min(axis=0) - com
     slack = SLACK * (high - low)
     bound = (1.0 + SLACK) * (high + slack) * (slack - low)
-    inside: NDArray[np.bool_] = ((high > -slack) & (low < slack) & (variances <= bound)).all(axis=1)
+    inside: Bools = ((high > -slack) & (low < slack) & (variances <= bound)).all(axis=1)
     return inside
 
 

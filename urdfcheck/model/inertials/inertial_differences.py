@@ -14,9 +14,7 @@ from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array
 
 
 def describe_differences(

@@ -28,9 +28,8 @@ from urdfcheck.model.shapes.shape_signature import DIFFERENT
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # Causes that only the drawings of both sides together tell.
 CONTRADICTIONS = frozenset({"copied", "mirrored"})

@@ -23,9 +23,8 @@ from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # Inertials are one when they differ by less than this share: what three typed digits leave, and a screw.
 NOTABLE_SHARE = 0.01

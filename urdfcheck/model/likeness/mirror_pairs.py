@@ -17,9 +17,8 @@ from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.shape_signature import ALIKE, DIFFERENT, ShapeComparer
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # Origins are mirror images to within a careful hand measurement, or this share of the group's size.
 PLACE, PLACE_SHARE = 1e-3, 2e-3

@@ -20,7 +20,7 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.text.xml import Attribute, Element
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 # A flat part's tensor that was typed with three digits may miss the triangle inequality by so much of its largest moment.
 TRIANGLE_SLACK = 5e-3
@@ -197,7 +197,7 @@ def _make_edit(attribute: Attribute | Element | None, text: str) -> Edit | None:
     return Edit(attribute.span, attribute.typed, text)
 
 
-def _format_numbers(typed: Sequence[str], values: Sequence[float] | NDArray[np.float64]) -> str:
+def _format_numbers(typed: Sequence[str], values: Sequence[float] | Array) -> str:
     words = typed if len(typed) == len(values) else [""] * len(values)
     return " ".join(_format_like_typed(word, float(value), words) for word, value in zip(words, values, strict=True))
 

@@ -7,8 +7,8 @@ from functools import cache
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
+from urdfcheck.facts.arrays import Array
 from urdfcheck.facts.inertials.diagnosis import VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids, make_box_solid, transform_solid
 from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid
@@ -17,8 +17,6 @@ from urdfcheck.facts.mesh.topology import label_components
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS, compute_bounding_box, is_dummy_shape
-
-Array = NDArray[np.float64]
 
 _CUBE = np.array(list(product((-0.5, 0.5), repeat=3)))
 # A shape settles which way up a mesh is meant when its box is that much nearer to one way's than to the other's.
