@@ -10,7 +10,7 @@ import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.inertials.diagnosis import VisualGeometry
+from urdfcheck.facts.inertials.declared_and_drawn import VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import Link, Model

@@ -19,7 +19,7 @@ from urdfcheck.system.array_cache import Cache
 if TYPE_CHECKING:
     from urdfcheck.core.drop_test import DropTest
     from urdfcheck.facts.arrays import Array
-    from urdfcheck.facts.inertials.diagnosis import VisualGeometry
+    from urdfcheck.facts.inertials.declared_and_drawn import VisualGeometry
     from urdfcheck.facts.inertials.inertia_tensor import Solid
     from urdfcheck.model.ground.wheels import Wheel
     from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from urdfcheck.facts.arrays import Array
-    from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+    from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 
 
 # What an inertial says beside its mass: the COM, and the inertia in URDF's order.

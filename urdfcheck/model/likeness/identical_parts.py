@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.likeness.mirror import InertialDeviation, PartOutline, measure_deviation, measure_outline_mismatch
 from urdfcheck.facts.likeness.revolution import find_revolution_axis
 from urdfcheck.facts.motion.kinematics import compute_joint_motions

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.likeness.mirror import MirrorPlane, find_mirror_plane, measure_deviation, measure_outline_mismatch
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import Edit
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_solid_inertia
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Link
@@ -60,7 +60,9 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     if judged is not None and change is not None and judged.diagnosis.mended is not None:
         diagnosis, possible = judged.diagnosis, check_inertia_validity(judged.diagnosis.mended.tensor, TRIANGLE_SLACK)
         if possible.positive_definite and possible.triangle_inequality:
-            reference = "the part that is drawn" if diagnosis.by == "mesh" else f"its twin {', '.join(judged.twins)}"
+            reference = (
+                "the part that is drawn" if diagnosis.judged_by == "mesh" else f"its twin {', '.join(judged.twins)}"
+            )
             mistake = (diagnosis.cause or "").replace("_", " ")
             found = f"undoing one mistake ({mistake}) makes it possible and brings it near to that of {reference}"
             if diagnosis.unique:
