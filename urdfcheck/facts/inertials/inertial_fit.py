@@ -326,9 +326,9 @@ def _compute_log_size_likelihood(reference: Reference, fit: InertialFit) -> Arra
     densities are log-normal about `TYPICAL_DENSITY` with heavy tails (Student's t with 8 degrees of freedom)."""
     if reference.twin is not None:
         squared = fit.log_size**2
-        return np.logaddexp(
-            math.log(0.95) - np.log(1e-3) - squared / 2e-6, math.log(0.05) - np.log(3.0) - squared / 18.0
-        )
+        same = math.log(0.95) - np.log(1e-3) - squared / 2e-6
+        other: Array = np.logaddexp(same, math.log(0.05) - np.log(3.0) - squared / 18.0)
+        return other
     z = (fit.log_size - math.log(TYPICAL_DENSITY)) / 0.9
     likelihood: Array = -4.5 * np.log1p(z * z / 8.0)
     return likelihood
