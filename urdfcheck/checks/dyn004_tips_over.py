@@ -23,9 +23,8 @@ from urdfcheck.model.ground.support_polygon import (
 from urdfcheck.model.ground.wheels import is_suspended, rolling_wheels
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array, Indices
 
-    Array = NDArray[np.float64]
 
 _SIDES = ("+x (ahead)", "+y (to the left)", "-x (to the rear)", "-y (to the right)")
 # Beyond this it lies on its side.
@@ -82,7 +81,7 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
     )
 
 
-def _find_ground_links(model: Model, points: Array, owners: NDArray[np.int64], com: Array, rest: float) -> list[str]:
+def _find_ground_links(model: Model, points: Array, owners: Indices, com: Array, rest: float) -> list[str]:
     """The links that touch the ground, or do when the robot is tilted by ``rest`` (rad)."""
     heights = points[:, 2] - points[:, 2].min()
     reach = np.linalg.norm(points[:, :2] - com[:2], axis=1)
@@ -110,7 +109,7 @@ def _find_tipping_link(weights: Sequence[LinkMass], now: GroundSupport) -> LinkM
     return max(weights, key=lambda w: w.mass * float((w.com - now.nearest) @ now.outwards))
 
 
-def _describe_outcome(model: Model, end: TipOver, owners: NDArray[np.int64]) -> str:
+def _describe_outcome(model: Model, end: TipOver, owners: Indices) -> str:
     if end.last_contact is None or not math.isfinite(end.tilt):
         return "it falls over"
     return f"it comes to rest tilted by {math.degrees(end.tilt):.0f}°, on {model.tree.order[owners[end.last_contact]]}"

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.facts.arrays import Array
 from urdfcheck.facts.inertials.inertia_tensor import (
     Solid,
     compute_principal_moments,
@@ -73,9 +74,7 @@ def _fit_primitive(model: Model, use: MeshUse) -> str | None:
     return _fit_cylinder(solid, axes, extent) or _fit_box(solid, axes, extent)
 
 
-def _fit_cylinder(
-    solid: Solid, axes: np.typing.NDArray[np.float64], extent: np.typing.NDArray[np.float64]
-) -> str | None:
+def _fit_cylinder(solid: Solid, axes: Array, extent: Array) -> str | None:
     axis, radius, length = fit_equivalent_cylinder(solid.volume, compute_solid_inertia(solid, solid.volume))
     along = None if axis is None else _find_nearest_axis(axes[:, axis])
     if along is None or abs(np.pi * radius**2 * length / solid.volume - 1) > 0.02:
@@ -86,7 +85,7 @@ def _fit_cylinder(
     return f'<cylinder radius="{radius:.3f}" length="{length:.3f}"/> along {"xyz"[along]}'
 
 
-def _fit_box(solid: Solid, axes: np.typing.NDArray[np.float64], extent: np.typing.NDArray[np.float64]) -> str | None:
+def _fit_box(solid: Solid, axes: Array, extent: Array) -> str | None:
     edges = fit_equivalent_box(solid.volume, compute_solid_inertia(solid, solid.volume))
     places = [_find_nearest_axis(axes[:, i]) for i in range(3)]
     if None in places or abs(np.prod(edges) / solid.volume - 1) > 0.02:
@@ -97,7 +96,7 @@ def _fit_box(solid: Solid, axes: np.typing.NDArray[np.float64], extent: np.typin
     return '<box size="' + " ".join(f"{edge:.3f}" for edge in size) + '"/>'
 
 
-def _find_nearest_axis(direction: np.typing.NDArray[np.float64]) -> int | None:
+def _find_nearest_axis(direction: Array) -> int | None:
     """The coordinate axis that a direction is within 3° of."""
     best = int(np.argmax(np.abs(direction)))
     return best if abs(direction[best]) > 0.9986 else None

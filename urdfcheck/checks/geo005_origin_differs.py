@@ -12,7 +12,7 @@ from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model import Link, Model, Shape
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 
 def check(model: Model, rule: Rule, *, distance: float, angle: float) -> Iterator[Finding]:
@@ -63,7 +63,7 @@ def _measure_pose_difference(one: Shape, other: Shape) -> tuple[float, float]:
     return float(np.linalg.norm(a[:3, 3] - b[:3, 3])), 2 * math.asin(min(1.0, chord))
 
 
-def _get_origin_matrix(shape: Shape) -> NDArray[np.float64]:
+def _get_origin_matrix(shape: Shape) -> Array:
     assert shape.origin.matrix is not None
     return shape.origin.matrix
 

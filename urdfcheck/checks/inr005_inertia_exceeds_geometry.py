@@ -19,7 +19,7 @@ from urdfcheck.model.repairs.inertial_edits import propose_from_geometry
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 
 def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
@@ -53,9 +53,7 @@ def _check_each_link(model: Model, rule: Rule, ratio: float, margin: float) -> I
         )
 
 
-def _compute_excess(
-    part: EnclosedInertial, points: NDArray[np.float64], margin: float, ratio: float
-) -> tuple[float, float]:
+def _compute_excess(part: EnclosedInertial, points: Array, margin: float, ratio: float) -> tuple[float, float]:
     """How many times the greatest possible variance the inertial has along the axis where that is worst, and its root (m)
     there. Where the centre of mass is outside, so much more is taken to be drawn that it is not."""
     slack = margin * measure_extent(points)

@@ -10,7 +10,7 @@ import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.inertials.diagnosis import VisualGeometry
+from urdfcheck.facts.inertials.declared_and_drawn import VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import Link, Model
@@ -19,9 +19,8 @@ from urdfcheck.model.rigid_bodies import is_point_mass
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # Tensors that agree in this many digits are one number that was copied.
 _DIGITS = 9

@@ -25,7 +25,7 @@ from urdfcheck.model.shapes.visual_solid import (
 )
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class _PaddedHull:
     area: float
 
     @classmethod
-    def from_points(cls, points: NDArray[np.float64], margin: float) -> _PaddedHull:
+    def from_points(cls, points: Array, margin: float) -> _PaddedHull:
         with np.errstate(all="ignore"):  # numbers of no robot are for other rules
             hull = compute_convex_hull(points)
         return cls(hull.volume + hull.area * margin * measure_extent(points), hull.area)

@@ -58,7 +58,7 @@ def _measure_rotation_effect(link: Link, rel_tol: float) -> _RotatedInertial | N
 
 def _has_known_mistake(model: Model, link: Link) -> bool:
     judged = inertial_diagnoses(model).get(link.name)
-    return judged is not None and judged.diagnosis.decided and judged.diagnosis.cause is not None
+    return judged is not None and judged.diagnosis.at_fault and judged.diagnosis.cause is not None
 
 
 def _locate(turned: _RotatedInertial) -> Located:

@@ -19,9 +19,8 @@ from urdfcheck.model.parts import Inertial, Shape
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # What carries a wheel is called after it and turns about another axis.
 _CARRIER = re.compile(

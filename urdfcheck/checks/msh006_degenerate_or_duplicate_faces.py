@@ -15,7 +15,7 @@ from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.shapes.mesh_marks import sample_for_drawing
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 # Meshes whose triangles a report can draw, and triangles of each.
 MAX_MESHES, MAX_TRIANGLES = 8, 32
@@ -52,7 +52,7 @@ def _format_face_counts(facts: MeshFacts) -> str:
     return ", ".join(f"{n:,} {what}" for n, what in counts if n)
 
 
-def _find_bad_triangles(facts: MeshFacts) -> NDArray[np.float64]:
+def _find_bad_triangles(facts: MeshFacts) -> Array:
     """Corners (n, 3, 3) of those triangles without area, or repeated, that welding the mesh has not dropped."""
     corners = facts.vertices[facts.faces]
     sides = corners - np.roll(corners, 1, axis=1)
@@ -60,5 +60,5 @@ def _find_bad_triangles(facts: MeshFacts) -> NDArray[np.float64]:
     odd = area <= 1e-14 * (sides**2).sum(axis=2).max(axis=1)
     repeated = np.ones(len(odd), dtype=bool)
     repeated[np.unique(np.sort(facts.faces, axis=1), axis=0, return_index=True)[1]] = False
-    left: NDArray[np.float64] = corners[odd | repeated]
+    left: Array = corners[odd | repeated]
     return left

@@ -32,9 +32,7 @@ from urdfcheck.source.text.values import read_attribute_number, read_attribute_n
 from urdfcheck.source.text.xml import Element
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from urdfcheck.facts.arrays import Array, Indices
     from urdfcheck.facts.mesh.measure import MeshFacts
 
 # Triangles of one model that a report draws; more are made fewer. SO-101 has 320,000 and needs 1.4 MB.
@@ -271,10 +269,10 @@ def _build_drawings(facts: MeshFacts, share: float) -> Iterator[SceneDrawing]:
 
 def _build_drawing(
     facts: MeshFacts,
-    faces: NDArray[np.int64],
+    faces: Indices,
     color: tuple[float, ...] | None,
     share: float,
-    holes: NDArray[np.float64],
+    holes: Array,
 ) -> SceneDrawing:
     from urdfcheck.facts.mesh.codec import needs_wide_indices, pack_mesh
 
@@ -284,7 +282,7 @@ def _build_drawing(
     return SceneDrawing(*size, low, high, packed.data, color)
 
 
-def _select_hole_edges(facts: MeshFacts) -> NDArray[np.float64]:
+def _select_hole_edges(facts: MeshFacts) -> Array:
     """The ends (n, 2, 3) of its open edges, of the longest where there are many."""
     import numpy as np
 
@@ -367,5 +365,5 @@ def _build_previews(model: Model, findings: Iterable[Finding]) -> Iterator[Scene
                 yield ScenePreview(finding.code, finding.message_id, span, link=link.name, inertial=after)
 
 
-def _flatten_matrix(matrix: NDArray[np.float64]) -> tuple[float, ...]:
+def _flatten_matrix(matrix: Array) -> tuple[float, ...]:
     return tuple(float(v) for v in matrix.ravel())

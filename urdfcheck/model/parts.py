@@ -15,8 +15,7 @@ from urdfcheck.source.text.values import MAX_MAGNITUDE, is_computable, read_attr
 from urdfcheck.source.text.xml import Attribute, Element
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 MOVING_TYPES = frozenset({"revolute", "continuous", "prismatic", "floating", "planar"})
 _ZERO = (0.0, 0.0, 0.0)
@@ -42,7 +41,7 @@ class Pose:
         return None if self.element is None else self.element.attributes.get(name)
 
     @cached_property
-    def matrix(self) -> NDArray[np.float64] | None:
+    def matrix(self) -> Array | None:
         """4x4, child to parent; None when a number is malformed. ``quat_xyzw`` counts where the rpy is absent."""
         from urdfcheck.facts.motion.kinematics import build_origin_transform, quaternion_to_matrix
 
@@ -89,7 +88,7 @@ class Inertial:
         return None if any(v is None for v in values) else tuple(v for v in values if v is not None)
 
     @cached_property
-    def tensor(self) -> NDArray[np.float64] | None:
+    def tensor(self) -> Array | None:
         """3x3 about the COM in the axes of the inertial frame (before its rpy)."""
         import numpy as np
 
@@ -99,12 +98,12 @@ class Inertial:
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
     @cached_property
-    def tensor_in_link(self) -> NDArray[np.float64] | None:
+    def tensor_in_link(self) -> Array | None:
         """3x3 about the COM in the axes of the link frame (after the inertial frame's rpy)."""
         if self.tensor is None or self.origin.matrix is None:
             return None
         rotation = self.origin.matrix[:3, :3]
-        turned: NDArray[np.float64] = rotation @ self.tensor @ rotation.T
+        turned: Array = rotation @ self.tensor @ rotation.T
         return turned
 
     @property

@@ -11,8 +11,7 @@ from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 # A body whose radius of gyration is below a micrometre is a point: its tensor is zero or the residue of an export
 # (published files hold 1e-20 kg m² for 0.1 kg). The lightest part of a watch has 1e-4 m.
@@ -72,7 +71,7 @@ def compute_body_mass(model: Model, links: tuple[str, ...]) -> float | None:
     return None if any(m is None for m in known) else sum(m for m in known if m is not None)
 
 
-def compute_body_tensor(model: Model, links: tuple[str, ...]) -> NDArray[np.float64] | None:
+def compute_body_tensor(model: Model, links: tuple[str, ...]) -> Array | None:
     """Inertia tensor (3, 3) in kg m² of these links together, about their common COM, in root coordinates.
 
     None when an inertial is malformed or the links have no mass together.
@@ -84,9 +83,7 @@ def compute_body_tensor(model: Model, links: tuple[str, ...]) -> NDArray[np.floa
 
 
 @fact
-def compute_body_inertia(
-    model: Model, links: tuple[str, ...]
-) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
+def compute_body_inertia(model: Model, links: tuple[str, ...]) -> tuple[float, Array, Array] | None:
     """Mass in kg, COM (3,) in m and inertia tensor as `compute_body_tensor`, in root coordinates; None as there.
 
     :raises Unavailable: when the tree is broken or an origin is malformed.
@@ -94,7 +91,7 @@ def compute_body_inertia(
     import numpy as np
 
     inertials = [(model.frames[name], i) for name in links if (i := model.link_by_name[name].inertial) is not None]
-    parts: list[tuple[float, NDArray[np.float64], NDArray[np.float64]]] = []
+    parts: list[tuple[float, Array, Array]] = []
     for frame, inertial in inertials:
         matrix, tensor = inertial.origin.matrix, inertial.tensor_in_link
         if inertial.mass is None or matrix is None or tensor is None:

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Indices
+
 
 # How often each pixel is looked at along a side; how many pixels and rows of the triangles are filled at once, and at all: a
 # large robot has 5 million of them, and 50 million take two seconds.
@@ -183,7 +184,7 @@ def _shade_triangles(corners: Array, colours: Array) -> Array:
     return lit
 
 
-def _rasterize_triangles(seen: Array, columns: int, rows: int) -> NDArray[np.int64] | None:
+def _rasterize_triangles(seen: Array, columns: int, rows: int) -> Indices | None:
     """The triangle that is nearest to the eye at each pixel (rows, columns), -1 where none is; None where it would take too long.
 
     Each triangle is cut into the rows of pixels that it covers, each row into pixels: where the middle of a pixel lies inside.
@@ -223,7 +224,7 @@ def _rasterize_triangles(seen: Array, columns: int, rows: int) -> NDArray[np.int
     return np.where(none, -1, best & 0xFFFFFFFF).reshape(rows, columns)
 
 
-def _number_within_groups(counts: NDArray[np.int64]) -> NDArray[np.int64]:
+def _number_within_groups(counts: Indices) -> Indices:
     """0, 1, … below each count, one after the other."""
     import numpy as np
 

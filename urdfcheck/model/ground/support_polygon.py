@@ -18,9 +18,7 @@ from urdfcheck.model.shapes.bounds import is_dummy_shape
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Indices
 
 
 LEG = re.compile(r"leg|foot|feet|hip|knee|ankle|thigh|calf|shank|tibia|toe", re.IGNORECASE)
@@ -65,7 +63,7 @@ def list_link_masses(model: Model) -> tuple[LinkMass, ...]:
     return tuple(found)
 
 
-def collect_robot_corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Array, NDArray[np.int64]]:
+def collect_robot_corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Array, Indices]:
     """Points (n, 3) in root coordinates whose hull is that of the robot, and the place (n,) of each point's link in the tree's
     order.
 
@@ -93,9 +91,7 @@ def collect_robot_corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Ar
     return np.concatenate(parts), np.array(owners, dtype=np.int64)
 
 
-def compute_contact_points(
-    model: Model, points: Array, owners: NDArray[np.int64], stand: GroundSupport
-) -> dict[str, Array]:
+def compute_contact_points(model: Model, points: Array, owners: Indices, stand: GroundSupport) -> dict[str, Array]:
     """The middle (3,) of the points with which each link touches the ground, in root coordinates; arrays as of `collect_robot_corners`."""
     places, links = points[stand.touching], owners[stand.touching]
     return {model.tree.order[i]: places[links == i].mean(axis=0) for i in sorted(set(links.tolist()))}

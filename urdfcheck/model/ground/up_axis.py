@@ -17,9 +17,8 @@ from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Indices
 
-    Array = NDArray[np.float64]
 
 # Two boxes are mirror images where their corners differ by less than this fraction of the robot's diagonal: 5 mm of 1 m, for
 # typed digits and details of one side. It only counts on which side of a comparison a mesh falls, drawn or upright.
@@ -60,15 +59,15 @@ def find_lying_meshes(model: Model) -> LyingMeshes | None:
     return LyingMeshes(shapes, drawn, upright, freed) if upright > drawn and freed else None
 
 
-def _find_freed_pairs(found: SelfCollisions) -> NDArray[np.int64]:
+def _find_freed_pairs(found: SelfCollisions) -> Indices:
     """The places of the pairs that meet at the neutral pose and do not with the meshes upright."""
     bench, met = found.setup, found.rest_results["met"]
     still = bench.turned_upright.detect_collisions(bench.rest_placements[None], bench.pairs[met])[:, 0]
-    freed: NDArray[np.int64] = met[~still]
+    freed: Indices = met[~still]
     return freed
 
 
-def _count_mirrored_meshes(bench: CollisionSetup) -> NDArray[np.int64]:
+def _count_mirrored_meshes(bench: CollisionSetup) -> Indices:
     """How many of the meshes in question have a mirror image in the plane y = 0 of the root link (x ahead, y to the left),
     themselves among them, as drawn and upright."""
     counts = []

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.facts.motion.contact import compute_rocking_gaps
 from urdfcheck.model.ground.wheels import Wheel, is_suspended, rolling_wheels
 from urdfcheck.model.robot import Model
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 # A wheel whose lowest point is farther from the others' than this part of a radius was not typed wrongly but stands on nothing.
 _AWAY = 0.2

@@ -17,9 +17,8 @@ from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import compute_shape_corners
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # A wheel's axis is level to within its camber, and parallel axes are parallel to within its toe: 6°.
 LEVEL = 0.1

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
-from urdfcheck.facts.inertials.diagnosis import EXACT, DeclaredInertial, Diagnosis, VisualGeometry, diagnose_inertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
+from urdfcheck.facts.inertials.diagnosis import EXACT, Diagnosis, diagnose_inertial
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness import identical_parts as copies
 from urdfcheck.model.likeness.mirror_pairs import estimate_from_twin, mirror_pairs, read_declared_inertial

@@ -8,15 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import Located
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import list_inertia_components
 from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array
 
 
 def describe_differences(

@@ -21,9 +21,8 @@ from urdfcheck.model.shapes.visual_solid import (
 )
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # A link lighter than this that draws nothing is a frame: its mass is there for a program that wants one.
 FRAME_MASS = 1e-3

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial, diagnose_inertial, measure_inertial_mismatch
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, list_inertia_components
+from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
@@ -34,9 +36,8 @@ from urdfcheck.model.shapes.shape_signature import DIFFERENT
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # Causes that only the drawings of both sides together tell.
 CONTRADICTIONS = frozenset({"copied", "mirrored"})
@@ -128,8 +129,8 @@ def _is_misfit(model: Model, side: PairSide) -> bool:
     if (
         verdict is None
         or right is None
-        or verdict.by != "twin"
-        or not (verdict.cause and verdict.decided and right.sound)
+        or verdict.judged_by != "twin"
+        or not (verdict.cause and verdict.at_fault and right.sound)
     ):
         return False
     fits = [measure_inertial_mismatch(n, drawn.solid.com, drawn.solid.covariance) for n in (side.actual, side.expected)]

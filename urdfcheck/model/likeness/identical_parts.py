@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.likeness.mirror import InertialDeviation, PartOutline, measure_deviation, measure_outline_mismatch
 from urdfcheck.facts.likeness.revolution import find_revolution_axis
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
@@ -24,9 +24,8 @@ from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # Inertials are one when they differ by less than this share: what three typed digits leave, and a screw.
 NOTABLE_SHARE = 0.01

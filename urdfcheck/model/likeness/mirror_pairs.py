@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.likeness.mirror import MirrorPlane, find_mirror_plane, measure_deviation, measure_outline_mismatch
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link
@@ -18,9 +18,8 @@ from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.shape_signature import ALIKE, DIFFERENT, ShapeComparer
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # Origins are mirror images to within a careful hand measurement, or this share of the group's size.
 PLACE, PLACE_SHARE = 1e-3, 2e-3

@@ -15,9 +15,8 @@ from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # So many like joints elsewhere that agree with one side, and none with the other, say which one is wrong.
 VOTES = 2

@@ -37,7 +37,8 @@ from urdfcheck.system.array_cache import origin_of, version_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Bools, Indices
+
     Arrays = Mapping[str, NDArray[Any]]
 
 Relation = Literal["fixed", "adjacent", "far"]
@@ -88,7 +89,7 @@ class CollisionPair:
     _collisions: SelfCollisions
 
     @property
-    def hits(self) -> NDArray[np.bool_]:
+    def hits(self) -> Bools:
         """Whether they meet in each of the sampled configurations of `Collisions.poses` (N,), of which the first is the
         neutral one; faces in one plane may count.
 
@@ -202,17 +203,17 @@ class SelfCollisions:
             for k, ((a, b), relation) in enumerate(zip(bench.pairs.tolist(), bench.relations, strict=True))
         )
 
-    def get_hits(self, pair_index: int) -> NDArray[np.bool_]:
+    def get_hits(self, pair_index: int) -> Bools:
         """Whether the pair at this place meets in each configuration (N,), see `Pair.detect_collisions`."""
         row = np.flatnonzero(self._far_overlaps == pair_index)
-        hits: NDArray[np.bool_] = self._far_hits[row[0]] if len(row) else self._all_hits[pair_index]
+        hits: Bools = self._far_hits[row[0]] if len(row) else self._all_hits[pair_index]
         return hits
 
     @cached_property
-    def proven_apart(self) -> NDArray[np.bool_]:
+    def proven_apart(self) -> Bools:
         """For each pair, whether it is proven that they meet in no configuration (K,), see `Pair.is_proven_apart`."""
         try:
-            known: NDArray[np.bool_] = self.cache_entry["never"]["proven"]
+            known: Bools = self.cache_entry["never"]["proven"]
             return known
         except KeyError:
             proven = _prove_apart(self.setup)
@@ -222,7 +223,7 @@ class SelfCollisions:
             return proven
 
     @cached_property
-    def _fixed_mask(self) -> NDArray[np.bool_]:
+    def _fixed_mask(self) -> Bools:
         return np.array([relation == "fixed" for relation, _ in self.setup.relations], dtype=bool)
 
     def compute_range_share(self, pair_index: int) -> float:
@@ -230,28 +231,28 @@ class SelfCollisions:
         (row,) = np.flatnonzero(self._find_overlapping_pairs("adjacent") == pair_index)
         return float(self._neighbour_hits[row].mean())
 
-    def _find_overlapping_pairs(self, relation: Relation) -> NDArray[np.int64]:
+    def _find_overlapping_pairs(self, relation: Relation) -> Indices:
         """The places of the pairs of this relation that overlap at the neutral pose."""
-        places: NDArray[np.int64] = self.rest_results["contacts"][self.rest_results["depth"] > 0]
-        wanted: NDArray[np.int64] = places[[self.setup.relations[k][0] == relation for k in places.tolist()]]
+        places: Indices = self.rest_results["contacts"][self.rest_results["depth"] > 0]
+        wanted: Indices = places[[self.setup.relations[k][0] == relation for k in places.tolist()]]
         return wanted
 
     @cached_property
-    def _neighbour_hits(self) -> NDArray[np.bool_]:
+    def _neighbour_hits(self) -> Bools:
         return self._recall_or_compute_hits(
             "neighbours", self._find_overlapping_pairs("adjacent"), lambda: self.spread_poses
         )
 
     @cached_property
-    def _far_overlaps(self) -> NDArray[np.int64]:
+    def _far_overlaps(self) -> Indices:
         return self._find_overlapping_pairs("far")
 
     @cached_property
-    def _far_hits(self) -> NDArray[np.bool_]:
+    def _far_hits(self) -> Bools:
         return self._recall_or_compute_hits("far", self._far_overlaps, lambda: self.poses)
 
     @cached_property
-    def _all_hits(self) -> NDArray[np.bool_]:
+    def _all_hits(self) -> Bools:
         """(K, N)."""
         _ = self.poses  # too many joints are told before anything is computed
         found = np.zeros((len(self._fixed_mask), self.sample_count), dtype=bool)
@@ -263,8 +264,8 @@ class SelfCollisions:
         return found
 
     def _recall_or_compute_hits(
-        self, name: str, places: NDArray[np.int64], looked_at: Callable[[], JointConfigurations]
-    ) -> NDArray[np.bool_]:
+        self, name: str, places: Indices, looked_at: Callable[[], JointConfigurations]
+    ) -> Bools:
         """Whether the pairs at these places meet in each of some configurations, looked up or computed."""
         if not len(places):
             return np.zeros((0, self.sample_count), dtype=bool)
@@ -340,7 +341,7 @@ class CollisionSetup:
     shapes: tuple[Shape, ...]
     owners: tuple[int, ...]
     unusable_shapes: tuple[tuple[str, Shape], ...]
-    pairs: NDArray[np.int64]
+    pairs: Indices
     relations: tuple[tuple[Relation, str | None], ...]
 
     @classmethod
@@ -509,9 +510,7 @@ def _make_geometry(model: Model, shape: Shape) -> CollisionGeometry:
     return CollisionGeometry("mesh", (), facts.vertices * np.array(scale), facts.faces, facts.closed)
 
 
-def _classify_pairs(
-    model: Model, links: Sequence[Link], pairs: NDArray[np.int64]
-) -> Iterator[tuple[Relation, str | None]]:
+def _classify_pairs(model: Model, links: Sequence[Link], pairs: Indices) -> Iterator[tuple[Relation, str | None]]:
     """How the bodies of each pair of links are joined, and by which joint adjacent ones."""
     # A shape that cannot be read still makes its body a solid one.
     solid = frozenset(
@@ -661,8 +660,8 @@ def _search_joint_collisions(found: SelfCollisions, rest: JointConfigurations) -
 
 
 def _find_touching_pairs(
-    bench: CollisionSetup, joint: Joint, start: float, move: Callable[[Array], Array], pairs: NDArray[np.int64]
-) -> NDArray[np.bool_]:
+    bench: CollisionSetup, joint: Joint, start: float, move: Callable[[Array], Array], pairs: Indices
+) -> Bools:
     """Whether the shapes of some pairs touch at rest (n,): they meet as soon as one joint turns, whichever way."""
     lower, upper = poses.get_sampling_range(joint)
     least = _compute_range_width(joint) / STEPS / 2**_HALVINGS
@@ -671,7 +670,7 @@ def _find_touching_pairs(
     back, forth = (
         np.repeat(frame[None], len(pairs), axis=0) for frame in move(np.array([start - least, start + least]))
     )
-    either: NDArray[np.bool_] = bench.colliders.detect_collisions_per_pair(back, bench.pairs[pairs])
+    either: Bools = bench.colliders.detect_collisions_per_pair(back, bench.pairs[pairs])
     return either & bench.colliders.detect_collisions_per_pair(forth, bench.pairs[pairs])
 
 
@@ -680,9 +679,7 @@ def _place_joint_alone(bench: CollisionSetup, rest: JointConfigurations, joint: 
     return bench.compute_placements(_set_joints_alone(rest, np.full(len(values), joint), values))
 
 
-def _move_links_below(
-    bench: CollisionSetup, joint: Joint, below: NDArray[np.bool_], start: float, values: Array
-) -> Array:
+def _move_links_below(bench: CollisionSetup, joint: Joint, below: Bools, start: float, values: Array) -> Array:
     """Placements (N, L, 4, 4) of the links where one joint, which nothing follows and on which those ``below`` (L,) hang,
     stands at some values (N,) and not at ``start``."""
     frame = bench.rest_frames[joint.child][0]
@@ -692,9 +689,7 @@ def _move_links_below(
     return placed
 
 
-def _find_reachable_pairs(
-    bench: CollisionSetup, joint: Joint, below: NDArray[np.bool_], start: float, pairs: NDArray[np.int64]
-) -> NDArray[np.bool_]:
+def _find_reachable_pairs(bench: CollisionSetup, joint: Joint, below: Bools, start: float, pairs: Indices) -> Bools:
     """Whether spheres about the links of some pairs come to meet (n,) where one joint, which nothing follows and on which
     those ``below`` (L,) hang, is moved alone from its value ``start`` at rest."""
     frame = bench.rest_frames[joint.child][0]
@@ -710,7 +705,7 @@ def _find_reachable_pairs(
         upper,
         rotates=joint.type != "prismatic",
     )
-    reached: NDArray[np.bool_] = gap <= (radii[moving] + radii[staying]) * (1 + ROUNDING)
+    reached: Bools = gap <= (radii[moving] + radii[staying]) * (1 + ROUNDING)
     return reached
 
 
@@ -728,9 +723,7 @@ def _sample_way_to_limit(rest: JointConfigurations, joint: int, limit: float) ->
     )
 
 
-def _find_first_collision(
-    bench: CollisionSetup, frames: Array, pairs: NDArray[np.int64], close: NDArray[np.bool_]
-) -> tuple[int, int] | None:
+def _find_first_collision(bench: CollisionSetup, frames: Array, pairs: Indices, close: Bools) -> tuple[int, int] | None:
     """The first of some pairs that meet on a way, and in which of its configurations; None when none does.
 
     Pairs that are ``close`` have to meet from there on up to the end of the way: they are followed from its end inwards,
@@ -759,20 +752,20 @@ def _find_first_collision(
     return int(pairs[k]), at
 
 
-def _set_joints_alone(rest: JointConfigurations, joints: NDArray[np.int64], values: Array) -> JointConfigurations:
+def _set_joints_alone(rest: JointConfigurations, joints: Indices, values: Array) -> JointConfigurations:
     """The neutral pose n times, each with one of its joints (n,), and what follows it, at a value (n,)."""
     everything = np.repeat(rest.values, len(values), axis=0)
     everything[np.arange(len(values)), joints] = values
     return poses.apply_mimics(JointConfigurations(rest.joints, everything))
 
 
-def _compute_links_below(bench: CollisionSetup, joints: Sequence[Joint]) -> NDArray[np.bool_]:
+def _compute_links_below(bench: CollisionSetup, joints: Sequence[Joint]) -> Bools:
     """Whether each of the links hangs on each joint (J, L)."""
     below = [[joint.name in names for names in bench.joints_above] for joint in joints]
     return np.array(below, dtype=bool).reshape(len(joints), len(bench.links))
 
 
-def _find_affected_pairs(bench: CollisionSetup, below: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _find_affected_pairs(bench: CollisionSetup, below: Bools) -> Bools:
     """The pairs (K,) whose links some joints that move together move against each other, ``below`` (n, L) as for each."""
     affected = np.zeros(len(bench.pairs), dtype=bool)
     for links in below:
@@ -811,7 +804,7 @@ def _find_leader(joint: Joint, joints: Sequence[Joint]) -> int | None:
 _ENDLESS = 1e9
 
 
-def _prove_apart(bench: CollisionSetup) -> NDArray[np.bool_]:
+def _prove_apart(bench: CollisionSetup) -> Bools:
     """For each pair, whether spheres about the shapes of the two links, swept over the ranges of all joints between them and
     the same link, do not reach each other there, for some link (K,).
 

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from urdfcheck.core import Located
 from urdfcheck.facts.likeness.revolution import measure_outline
 from urdfcheck.model.ground.wheels import collect_shape_corners
@@ -32,9 +30,8 @@ from urdfcheck.source.text.xml import Element
 from urdfcheck.source.text.yaml import YamlValue
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 _CONTROL_PLUGIN = re.compile(r"ros2?_control")
 _FIND = re.compile(r"\$\((?:find|find-pkg-share)\s+([^\s()]+)\s*\)")

@@ -24,9 +24,9 @@ from urdfcheck.system.array_cache import origin_of, version_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from urdfcheck.facts.arrays import Array, Bools
     from urdfcheck.system.array_cache import Arrays
 
-    Array = NDArray[np.float64]
 
 # Eigenvalues of all mass matrices would cost more than everything else, and a median settles soon.
 _MATRIX_SAMPLES = 32
@@ -313,7 +313,7 @@ def _collect_chain_names(model: Model, joint: Joint) -> frozenset[str]:
     return frozenset(other.name for other in (*tree.find_path_to(joint.parent), *behind))
 
 
-def _find_involved_joints(model: Model, poses: JointConfigurations, moved: Array, place: int) -> NDArray[np.bool_]:
+def _find_involved_joints(model: Model, poses: JointConfigurations, moved: Array, place: int) -> Bools:
     """(J,): which joints decide what a joint holds, with all that follow it."""
     names = [joint.name for joint in poses.joints]
     chains = [_collect_chain_names(model, poses.joints[k]) for k in np.flatnonzero(moved[:, place])]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.facts.arrays import Array
 from urdfcheck.facts.motion.simulation import (
     Follower,
     Geom,
@@ -26,8 +26,6 @@ from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 from urdfcheck.source.text.values import read_attribute_number
-
-Array = NDArray[np.float64]
 
 # Shapes that are simulated. Published robots have up to a few hundred.
 MOST_SHAPES = 2_000

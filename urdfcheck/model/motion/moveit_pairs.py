@@ -16,7 +16,7 @@ from urdfcheck.source.ros.srdf import Srdf
 from urdfcheck.source.text.xml import Element
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Bools
 
 Reason = Literal["Adjacent", "Default", "Always", "Never"]
 
@@ -78,14 +78,14 @@ def measure_default_depth(model: Model, pair: CollisionPair) -> float:
     return 0.0 if found is None else found.depth
 
 
-def _find_default_hits(model: Model) -> NDArray[np.bool_]:
+def _find_default_hits(model: Model) -> Bools:
     """Whether each pair meets in MoveIt's default state (K,)."""
     state, collisions = compute_default_state(model), self_collisions(model)
     if np.array_equal(state.values, poses.make_neutral_configuration(model).values):
         return np.array([pair.meets_at_neutral for pair in collisions.pairs], dtype=bool)
     bench = collisions.setup
     try:
-        known: NDArray[np.bool_] = collisions.cache_entry["default"]["hits"]
+        known: Bools = collisions.cache_entry["default"]["hits"]
         return known
     except KeyError:
         hits = bench.colliders.detect_collisions(bench.compute_placements(state), bench.pairs)[:, 0]

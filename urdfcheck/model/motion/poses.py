@@ -16,9 +16,8 @@ from urdfcheck.model.robot import Model
 from urdfcheck.source.text.values import read_attribute_number
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 ONE_DEGREE_OF_FREEDOM = frozenset({"revolute", "continuous", "prismatic"})
 # A revolute joint whose range is wider than a turn to either side passes through every angle within one.

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import Edit, Span
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_solid_inertia
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy
 from urdfcheck.model.fact import fact
@@ -22,7 +22,7 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.text.xml import Attribute, Element
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 # A flat part's tensor that was typed with three digits may miss the triangle inequality by so much of its largest moment.
 TRIANGLE_SLACK = 5e-3
@@ -62,7 +62,9 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     if judged is not None and change is not None and judged.diagnosis.mended is not None:
         diagnosis, possible = judged.diagnosis, check_inertia_validity(judged.diagnosis.mended.tensor, TRIANGLE_SLACK)
         if possible.positive_definite and possible.triangle_inequality:
-            reference = "the part that is drawn" if diagnosis.by == "mesh" else f"its twin {', '.join(judged.twins)}"
+            reference = (
+                "the part that is drawn" if diagnosis.judged_by == "mesh" else f"its twin {', '.join(judged.twins)}"
+            )
             mistake = (diagnosis.cause or "").replace("_", " ")
             found = f"undoing one mistake ({mistake}) makes it possible and brings it near to that of {reference}"
             if diagnosis.unique:
@@ -210,7 +212,7 @@ def _make_edit(attribute: Attribute | Element | None, text: str) -> Edit | None:
     return Edit(attribute.span, attribute.typed, text)
 
 
-def _format_numbers(typed: Sequence[str], values: Sequence[float] | NDArray[np.float64]) -> str:
+def _format_numbers(typed: Sequence[str], values: Sequence[float] | Array) -> str:
     words = typed if len(typed) == len(values) else [""] * len(values)
     return " ".join(_format_like_typed(word, float(value), words) for word, value in zip(words, values, strict=True))
 

@@ -13,11 +13,9 @@ from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from urdfcheck.facts.arrays import Array
     from urdfcheck.facts.mesh.measure import MeshFacts
 
-    Array = NDArray[np.float64]
 
 # A primitive that measures at most 5 mm stands for nothing: published models write one where some parser wants a shape
 # (boxes of 1 mm in PR2 and the Shadow hand, of 5 mm in RotorS).

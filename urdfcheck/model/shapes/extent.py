@@ -10,8 +10,7 @@ from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 
 def find_lowest_point(model: Model, frame: str) -> tuple[float, str] | None:
@@ -56,7 +55,7 @@ def measure_link_size(model: Model, link: Link) -> tuple[float, float, float] | 
     return sizes[0], sizes[1], sizes[2]
 
 
-def _compute_shape_bottom(model: Model, shape: Shape, link_pose: NDArray[np.float64]) -> float | None:
+def _compute_shape_bottom(model: Model, shape: Shape, link_pose: Array) -> float | None:
     import numpy as np
 
     pose, size = shape.origin.matrix, shape.size

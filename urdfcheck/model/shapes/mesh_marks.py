@@ -11,14 +11,14 @@ from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 # Points, lines or triangles of one mesh: more are not told apart on a screen, and a finding stays below 50 kB.
 MAX_DRAWN = 256
 DIGITS = 6
 
 
-def sample_for_drawing(model: Model, use: MeshUse, places: NDArray[np.float64], most: int = MAX_DRAWN) -> list[Any]:
+def sample_for_drawing(model: Model, use: MeshUse, places: Array, most: int = MAX_DRAWN) -> list[Any]:
     """At most ``most`` of ``places`` in file units, evenly picked, as nested lists in metres as RViz draws the mesh.
 
     ``places`` are points (n, 3), lines (n, 2, 3) or triangles (n, 3, 3).

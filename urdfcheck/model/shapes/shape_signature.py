@@ -16,9 +16,8 @@ from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_sol
 from urdfcheck.model.shapes.visual_solid import compute_shape_corners
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # Drawn parts are alike to within this share of their radius (tessellations of two sides differ), and certainly different
 # beyond the other.

@@ -7,9 +7,9 @@ from functools import cache
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-from urdfcheck.facts.inertials.diagnosis import VisualGeometry
+from urdfcheck.facts.arrays import Array
+from urdfcheck.facts.inertials.declared_and_drawn import VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids, make_box_solid, transform_solid
 from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid
 from urdfcheck.facts.mesh.moments import compute_mesh_moments
@@ -19,8 +19,6 @@ from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS, compute_bounding_box, is_dummy_shape
 from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_solid
-
-Array = NDArray[np.float64]
 
 _CUBE = np.array(list(product((-0.5, 0.5), repeat=3)))
 # A shape settles which way up a mesh is meant when its box is that much nearer to one way's than to the other's.
@@ -81,12 +79,16 @@ def merge_geometry(model: Model, link: Link, others: Iterable[Link]) -> VisualGe
         found.append(_transform_geometry(drawn, to_link @ model.frames[one.name]))
     points = np.concatenate([drawn.points for drawn in found])
     closed = all(drawn.closed for drawn in found)
-    return VisualGeometry(combine_solids([drawn.solid for drawn in found]), closed, points)
+    return VisualGeometry(solid=combine_solids([drawn.solid for drawn in found]), closed=closed, points=points)
 
 
 def _transform_geometry(drawn: VisualGeometry, placement: Array) -> VisualGeometry:
     turn, place = placement[:3, :3], placement[:3, 3]
-    return VisualGeometry(transform_solid(drawn.solid, turn, place), drawn.closed, drawn.points @ turn.T + place)
+    return VisualGeometry(
+        solid=transform_solid(drawn.solid, turn, place),
+        closed=drawn.closed,
+        points=drawn.points @ turn.T + place,
+    )
 
 
 def collect_rigid_corners(model: Model, link: Link, *, apply_unit: bool = True) -> Array | None:
@@ -261,7 +263,7 @@ def _measure_shape(model: Model, shape: Shape, apply_unit: bool, apply_up_axis: 
     facts, scale = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, apply_unit)
     if facts is None or scale is None:
         solid = measure_shape_solid(model, shape)
-        return None if solid is None else VisualGeometry(solid, True, points, hull=solid)
+        return None if solid is None else VisualGeometry(solid=solid, closed=True, points=points, hull=solid)
     stood = _get_up_axis_rotation(facts, apply_up_axis)
     turn, scale = turn @ stood, np.abs(stood.T) @ scale
     integrals = compute_mesh_moments(facts.hull.vertices, facts.hull.faces)
@@ -271,7 +273,13 @@ def _measure_shape(model: Model, shape: Shape, apply_unit: bool, apply_up_axis: 
     closed = facts.closed and bool(np.isfinite(facts.com).all()) and not _has_mixed_orientation(facts)
     solid = compute_mesh_solid(facts, scale.tolist(), turn, place) if closed else hull
     # Flat drawings have no volume to be wrong about.
-    return VisualGeometry(solid, closed or hull.volume == 0.0, points, hull, _measure_shell(facts, scale, turn, place))
+    return VisualGeometry(
+        solid=solid,
+        closed=closed or hull.volume == 0.0,
+        points=points,
+        hull=hull,
+        shell=_measure_shell(facts, scale, turn, place),
+    )
 
 
 def _has_mixed_orientation(facts: MeshFacts) -> bool:
