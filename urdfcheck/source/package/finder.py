@@ -35,7 +35,7 @@ def format_path(path: Path) -> str:
         return path.as_posix()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Package:
     """A folder with a package.xml: ``name`` as the manifest states it, else the folder's. ``root`` is the manifest's XML,
     None when ``problems`` says why it could not be read. ``finder`` finds the packages around it and says what may be opened;
@@ -57,7 +57,7 @@ class Package:
         return frozenset(e.text.strip() for e in self.root.children if e.tag.endswith("depend"))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Resource:
     """A path as a model writes it, taken apart and looked up.
 
@@ -269,7 +269,7 @@ class PackageFinder:
         if scheme and scheme.group(1) == "file":
             return self._look_up_file(text, "file", None, Path(unquote(scheme.group(2))))
         if scheme:
-            return Resource(text, "other", None, None, False)
+            return Resource(text=text, kind="other", package=None, path=None, exists=False)
         if text.startswith("~"):
             return self._look_up_file(text, "home", None, Path(os.path.expanduser(text)))
         if os.path.isabs(text) or re.match(r"^[A-Za-z]:[\\/]", text):
@@ -278,17 +278,24 @@ class PackageFinder:
 
     def _look_up_file(self, text: str, kind: str, package: str | None, path: Path | None) -> Resource:
         if path is None:
-            return Resource(text, kind, package, None, False)
+            return Resource(text=text, kind=kind, package=package, path=None, exists=False)
         if not self.can_open(path):
-            return Resource(text, kind, package, path, False, allowed=False)
+            return Resource(text=text, kind=kind, package=package, path=path, exists=False, allowed=False)
         note_lookup(path)
         try:
             exists = path.is_file()
         except (OSError, ValueError):  # a name too long, or with a NUL
-            return Resource(text, kind, package, None, False)
+            return Resource(text=text, kind=kind, package=package, path=None, exists=False)
         actual = _find_actual_spelling(path)
         # On a file system that ignores case the file opens, but its name is still another one.
-        return Resource(text, kind, package, path, exists and (actual is None or actual == path.name), actual)
+        return Resource(
+            text=text,
+            kind=kind,
+            package=package,
+            path=path,
+            exists=exists and (actual is None or actual == path.name),
+            actual_spelling=actual,
+        )
 
 
 def load_package(folder: Path) -> Package | None:
@@ -303,13 +310,15 @@ def load_package(folder: Path) -> Package | None:
         root = parse_xml(file)
     except OSError as error:
         start = Location("package", Span(shown, 1, 1, 1, 1, 0, 0))
-        problem = Problem("unreadable", error.strerror or str(error), start)
-        return Package(folder.name, folder, None, None, (problem,))
+        problem = Problem(kind="unreadable", message=error.strerror or str(error), location=start)
+        return Package(name=folder.name, path=folder, root=None, file=None, problems=(problem,))
     except XmlError as error:
-        problem = Problem(error.reason, str(error), Location("package", error.span), error.data)
-        return Package(folder.name, folder, None, file, (problem,))
+        problem = Problem(
+            kind=error.reason, message=str(error), location=Location("package", error.span), data=error.data
+        )
+        return Package(name=folder.name, path=folder, root=None, file=file, problems=(problem,))
     name = root.find_child("name")
-    return Package(name.text.strip() if name is not None else folder.name, folder, root, file)
+    return Package(name=name.text.strip() if name is not None else folder.name, path=folder, root=root, file=file)
 
 
 def has_dependency_entry(folder: Path, package: str) -> bool:

@@ -27,7 +27,7 @@ _MOST_VALUES = 1_000
 _SETS = frozenset({"set", "foreach", "list", "project", "message", "find_package", "cmake_minimum_required"})
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class InstallRules:
     """What a package installs. ``everything``: all of it, or nobody can tell; ``names``: every part of a path that a command
     names which may install. ``at``: where a folder that is missing has to be named, ``form`` how, and ``insertion`` what
@@ -80,7 +80,7 @@ def _read_file(package: Package, path: Path) -> SourceFile | None:
 # -- CMakeLists.txt ----------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class _CmakeCommand:
     """A command of CMake with its arguments as typed and where each of them stands."""
 
@@ -118,15 +118,29 @@ def _locate_insertion(
         if folders is not None:
             end = command.ends[folders]
             at = Location("install", file.make_span(command.start, command.end))
-            return InstallRules(everything, names, at, "cmake", file.make_span(end, end), (" ", ""))
+            return InstallRules(
+                installs_all=everything,
+                path_parts=names,
+                at=at,
+                build_form="cmake",
+                insertion_point=file.make_span(end, end),
+                insertion=(" ", ""),
+            )
     last = next((c for c in reversed(commands) if c.name == "ament_package"), None)
     if last is None:
         start = commands[-1] if commands else None
         span = file.make_span(0, 0) if start is None else file.make_span(start.start, start.end)
-        return InstallRules(everything, names, Location("install", span), "cmake")
+        return InstallRules(installs_all=everything, path_parts=names, at=Location("install", span), build_form="cmake")
     at = Location("install", file.make_span(last.start, last.end))
     insertion = ("install(DIRECTORY ", " DESTINATION share/${PROJECT_NAME})\n\n")
-    return InstallRules(everything, names, at, "cmake", file.make_span(last.start, last.start), insertion)
+    return InstallRules(
+        installs_all=everything,
+        path_parts=names,
+        at=at,
+        build_form="cmake",
+        insertion_point=file.make_span(last.start, last.start),
+        insertion=insertion,
+    )
 
 
 def _find_share_folder(command: _CmakeCommand, package: str) -> int | None:
@@ -156,7 +170,7 @@ def _parse_commands(text: str) -> Iterator[_CmakeCommand]:
         elif token == ")":
             depth = max(depth - 1, 0)
             if depth == 0 and name:
-                yield _CmakeCommand(name, start, match.end(), tuple(words), tuple(ends))
+                yield _CmakeCommand(name=name, start=start, end=match.end(), words=tuple(words), ends=tuple(ends))
                 name, words, ends = "", [], []
         elif depth == 0:
             name, start, words, ends = token.lower(), match.start(), [], []
@@ -213,4 +227,9 @@ def _parse_setup_py(file: SourceFile, package: Package) -> InstallRules | None:
     begin = starts[min(line, len(starts)) - 1]
     begin += len(file.text[begin:]) - len(file.text[begin:].lstrip(" \t"))
     end = begin + len("data_files") if keyword is not None else begin
-    return InstallRules(everything, names, Location("install", file.make_span(begin, end)), "python")
+    return InstallRules(
+        installs_all=everything,
+        path_parts=names,
+        at=Location("install", file.make_span(begin, end)),
+        build_form="python",
+    )

@@ -10,11 +10,11 @@ from functools import lru_cache
 from pathlib import Path
 
 from urdfcheck.core import Location
+from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import BUILD_FOLDERS, Package, format_path, has_dependency_entry
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import read_regular, walk
 
-MESH_SUFFIXES = (".stl", ".dae", ".obj", ".ply", ".off", ".glb", ".gltf")
 # Where paths of meshes are written down, beside build files.
 _TEXT_SUFFIXES = frozenset({
     ".xacro", ".urdf", ".xml", ".srdf", ".sdf", ".gazebo", ".launch", ".world", ".yaml", ".yml", ".json", ".rviz", ".py", ".cpp",

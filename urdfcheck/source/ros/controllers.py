@@ -13,11 +13,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from urdfcheck.source.discover import CONFIG_FOLDERS, is_launch
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.ros.srdf import has_dependency
-from urdfcheck.source.text.yaml import YamlReadError, YamlValue, read_located_yaml
+from urdfcheck.source.ros.yaml_files import read_located_yaml
+from urdfcheck.source.text.yaml import YamlReadError, YamlValue
 from urdfcheck.system.files import read_regular
 
 # The parameters of the controllers of ros_controllers and ros2_controllers that name joints.
@@ -36,7 +37,7 @@ _CONTROLLER_NAME = re.compile(r"controller(?!_manager)|broadcaster")
 _TEMPLATE = re.compile(r"[$<>{}%]")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Controller:
     """One controller. ``dialect``: ros1 | ros2 | moveit; ``type`` is empty where the file does not say it; ``key`` is where
     its name stands, ``parameters`` its parameters, ``joints`` the names in them."""
@@ -145,13 +146,17 @@ def _parse_controllers(root: YamlValue) -> Iterator[Controller]:
         if inside == "ros2" and name is not None:
             last = name.text.rpartition("/")[2]
             if joints and (last in types or _CONTROLLER_NAME.search(last)):
-                yield Controller(last, types.get(last, ""), "ros2", name, mapping, joints)
+                yield Controller(
+                    name=last, type=types.get(last, ""), dialect="ros2", key=name, parameters=mapping, joints=joints
+                )
         elif kind in _ACTIONS and joints:
             called = mapping.get("name") or name
             if called is not None:
-                yield Controller(called.text, kind, "moveit", called, mapping, joints)
+                yield Controller(
+                    name=called.text, type=kind, dialect="moveit", key=called, parameters=mapping, joints=joints
+                )
         elif inside == "" and "/" in kind and joints and name is not None:
-            yield Controller(name.text, kind, "ros1", name, mapping, joints)
+            yield Controller(name=name.text, type=kind, dialect="ros1", key=name, parameters=mapping, joints=joints)
 
 
 def _walk_mappings(root: YamlValue) -> Iterator[tuple[YamlValue | None, YamlValue, str]]:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.text.yaml import YamlReadError, YamlValue, read_located_yaml
+from urdfcheck.source.ros.yaml_files import read_located_yaml
+from urdfcheck.source.text.yaml import YamlReadError, YamlValue
 
 # Above joint_limits stand the names of parameters' owners only: /**, ros__parameters, robot_description_planning.
 _MOST_LEVELS = 4

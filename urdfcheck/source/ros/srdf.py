@@ -11,11 +11,12 @@ from pathlib import Path
 
 from urdfcheck.core import Location, Span
 from urdfcheck.core.errors import ModelTimeout
-from urdfcheck.source.discover import has_only_macros, is_srdf
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.file_kinds import is_srdf
 from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path, list_subfolders, load_package
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.xacro.file_contents import has_only_macros
 
 # Where a semantic description lies in a MoveIt configuration. A description package of several robots may hold one beside
 # each of them (robots/panda_description/srdf): the model's own package is looked through, to a depth and a number of folders.
@@ -207,9 +208,15 @@ def find_broken_srdfs(package: Path) -> Iterator[tuple[Problem, SourceFile | Non
             parse_xml(file)
         except OSError as error:
             start = Span(name, 1, 1, 1, 1, 0, 0)
-            yield Problem("unreadable", error.strerror or str(error), Location("robot", start)), None
+            yield (
+                Problem(kind="unreadable", message=error.strerror or str(error), location=Location("robot", start)),
+                None,
+            )
         except XmlError as error:
-            yield Problem(error.reason, str(error), Location("robot", error.span), error.data), file
+            yield (
+                Problem(kind=error.reason, message=str(error), location=Location("robot", error.span), data=error.data),
+                file,
+            )
 
 
 def _find_srdf_files(source: Source) -> Iterator[Path]:

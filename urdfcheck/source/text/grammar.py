@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 
 from urdfcheck.source.text.xml import Element
@@ -166,44 +166,6 @@ def iter_misspelt_contents(robot: Element) -> Iterator[tuple[Element, Element]]:
             if near is not None:
                 known = (inner for inner in child.children if inner.tag in CHILDREN.get(near, frozenset()))
                 yield from ((child, element) for inner in known for element in iter_urdf_elements(inner))
-
-
-def describe_loss(element: Element) -> str:
-    """What urdfdom does when an element cannot be read, as it does it today (checked with urdfdom 6).
-
-    It stops reading a link at the first part that fails: inertial, then visuals, then collisions.
-    """
-    if element.tag in {"color", "texture"}:
-        return "ignores the colour"
-    while element.parent is not None and element.parent.tag not in {"robot", "link"}:
-        element = element.parent
-    return {
-        "inertial": "drops the inertial, and with it every visual and collision of the link",
-        "visual": "drops every visual and collision of the link",
-        "collision": "drops every collision of the link",
-        "material": "ignores the material",
-    }.get(element.tag, "refuses the whole file")
-
-
-# What engines with a parser of their own load without its required attributes, found by leaving out one after the other.
-_LENIENT_TAGS: Mapping[str, frozenset[str]] = {
-    "mujoco": frozenset({"limit", "material", "safety_controller"}),
-    "drake": frozenset({"mass", "inertia", "limit", "material", "axis", "safety_controller"}),
-    "bullet": frozenset({"limit", "mimic", "color", "axis", "safety_controller"}),
-}
-
-
-def describe_engine_reactions(element: Element, names: Iterable[str]) -> dict[str, str]:
-    """What MuJoCo, Drake and Bullet do with an element that lacks these required attributes."""
-    parts = [element]
-    while parts[-1].parent is not None:
-        parts.append(parts[-1].parent)
-    lenient = {engine for engine, tags in _LENIENT_TAGS.items() if element.tag in tags}
-    if element.tag in CHILDREN["geometry"] and any(part.tag == "visual" for part in parts):
-        lenient.add("mujoco")  # it does not read them
-    if element.tag == "inertia" and not {"ixx", "iyy", "izz"} & set(names):
-        lenient.add("bullet")
-    return {engine: "loads it with a default" if engine in lenient else "refuses the file" for engine in _LENIENT_TAGS}
 
 
 def is_unexpanded(text: str) -> bool:

@@ -19,7 +19,7 @@ _IGNORE = re.compile(r"ignore\s*\[([^\]]*)\]\s*(.*)", re.DOTALL)
 _HASH = re.compile(r"#[ \t]*(urdfcheck:[^\r\n]*)")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class IgnoreComment:
     """One such comment. ``span`` is the comment, ``words`` what it names (codes, prefixes, names, tags), empty where it cannot
     be understood; ``start`` and ``end`` are the offsets between which the text lies that it covers."""
@@ -80,6 +80,6 @@ def _iter_hash_comments(file: SourceFile) -> Iterator[IgnoreComment]:
 def _parse_ignore_comment(text: str, span: Span, start: int, end: int) -> IgnoreComment:
     match = _IGNORE.match(text.removeprefix(MARK).strip())
     if match is None:
-        return IgnoreComment(span, (), "", start, end)
+        return IgnoreComment(span=span, selectors=(), reason="", start=start, end=end)
     words = tuple(word.strip() for word in match.group(1).split(",") if word.strip())
-    return IgnoreComment(span, words, " ".join(match.group(2).split()), start, end)
+    return IgnoreComment(span=span, selectors=words, reason=" ".join(match.group(2).split()), start=start, end=end)

@@ -75,7 +75,7 @@ def flatten_definitions(reads: Iterable[Definition]) -> list[Definition]:
     return list(places.values())
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(slots=True, eq=False, kw_only=True)
 class Attribute:
     """An attribute of the (expanded) model. ``span`` covers the value as typed, without quotes.
 
@@ -100,7 +100,7 @@ class Attribute:
         return tuple(d for d in flatten_definitions(self.reads) if d.span is not None)
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(slots=True, eq=False, kw_only=True)
 class Element:
     """An element with its attributes, child elements and position. ``span`` covers the start tag."""
 
@@ -326,7 +326,7 @@ def parse_xml(source: SourceFile) -> Element:
                 "attributes", MAX_ATTRIBUTES, len(values), message, source.make_span(begin, begin + 1)
             )
         end, typed = _read_tag(text, begin)
-        element = Element(tag, source.make_span(begin, end), stack[-1] if stack else None)
+        element = Element(tag=tag, span=source.make_span(begin, end), parent=stack[-1] if stack else None)
         if end - begin > MAX_VALUE:
             longest = max(map(len, (tag, *values, *values.values())))
             if longest > MAX_VALUE:
@@ -337,7 +337,9 @@ def parse_xml(source: SourceFile) -> Element:
             at = None if span is None else source.make_span(*span)
             plain = raw == value or _BREAK.sub(" ", raw) == value
             literal = plain and not ("$" in raw and _SUBSTITUTION.search(raw))
-            element.attributes[name] = Attribute(name, value, element, at, raw, literal)
+            element.attributes[name] = Attribute(
+                name=name, value=value, owner=element, span=at, typed=raw, literal=literal
+            )
         if stack:
             stack[-1].children.append(element)
         elif root is None:

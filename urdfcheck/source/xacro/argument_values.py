@@ -16,6 +16,7 @@ from pathlib import Path
 
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
 from urdfcheck.source.xacro.usage import EXPRESSION
 
 # Up to here every combination is a variant; beyond it each value by itself, and each pair of values in one of them.
@@ -41,9 +42,7 @@ _OPTIONAL = re.compile(r"\$\(optenv\s+\S+\s*([^)]*)\)")
 _FIND = re.compile(r"\$\(find\s+([^)\s]+)\s*\)")
 # Where paths are written that the expansion reads.
 _PATH_ATTRIBUTES = {"xacro:include": ("filename",), "xacro:arg": ("default",), "xacro:property": ("value", "default")}
-_BUILT_IN_TAGS = frozenset(
-    {"if", "unless", "macro", "property", "include", "arg", "insert_block", "attribute", "element"}
-)
+_NOT_CALLS = BUILT_IN_TAGS - {"call"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,7 +253,7 @@ def _read_expressions(
                 if kind == "property":
                     for name in _find_passed_arguments(element.get("value"), here):
                         aliases.setdefault(scope, {}).setdefault(element.get("name"), set()).add(name)
-                elif element.tag.startswith("xacro:") and kind not in _BUILT_IN_TAGS:
+                elif element.tag.startswith("xacro:") and kind not in _NOT_CALLS:
                     for attribute in element.attributes.values():
                         for name in _find_passed_arguments(attribute.value, here):
                             aliases.setdefault(kind, {}).setdefault(attribute.name, set()).add(name)

@@ -73,7 +73,7 @@ class Origin:
     added: dict[str, Attribute] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Expansion:
     """The outcome: ``root`` is None when it failed, and ``problems`` says why."""
 
@@ -147,12 +147,12 @@ def expand_xacro(
         except Exception as error:  # whatever a stranger's expression raises is a finding, not a crash
             tracer.report_failure(tracer.format_error(error), error)
     return Expansion(
-        root,
-        document if root is not None else None,
-        tracer.files,
-        tracer.trees,
-        tuple(tracer.problems),
-        frozenset(tracer.arguments_read),
+        root=root,
+        document=document if root is not None else None,
+        files=tracer.files,
+        trees=tracer.trees,
+        problems=tuple(tracer.problems),
+        arguments_read=frozenset(tracer.arguments_read),
     )
 
 
@@ -210,7 +210,7 @@ class _Tracer:
 
     def report_problem(self, kind: str, message: str, location: Location, **data: Any) -> None:
         related = tuple(d.location for d in flatten_definitions(self.failed_reads) if d.span is not None)
-        self.problems.append(Problem(kind, message, location, data, related))
+        self.problems.append(Problem(kind=kind, message=message, location=location, data=data, related=related))
 
     def list_call_spans(self) -> tuple[Span, ...]:
         return tuple(c.span for c in self.calls if c.span is not None)
@@ -454,7 +454,8 @@ class _Tracer:
     def load_yaml(self, filename: str) -> Any:
         """A yaml file's content in xacro's wrappers, which report what is read of it."""
 
-        from urdfcheck.source.text.yaml import YamlReadError, read_yaml
+        from urdfcheck.source.text.yaml import YamlReadError
+        from urdfcheck.source.xacro.yaml_values import read_yaml
 
         path = Path(self._xacro.abs_filename_spec(filename))
         self.count_nodes(_NODES_OF_FILE)
@@ -603,7 +604,13 @@ class _Tracer:
             return
         typed = raw.raw.attributes["value"]
         parent.added[values[0]] = Attribute(
-            values[0], values[1], parent.raw, typed.span, typed.typed, typed.literal, self.last_reads
+            name=values[0],
+            value=values[1],
+            owner=parent.raw,
+            span=typed.span,
+            typed=typed.typed,
+            literal=typed.literal,
+            reads=self.last_reads,
         )
 
     def eval_extension(self, original: Callable[..., Any]) -> Callable[..., Any]:
@@ -1042,7 +1049,7 @@ def _convert_node(node: minidom.Element, parent: Element | None) -> Element:
     origin = _get_origin(node)
     raw = None if origin is None else origin.raw
     via = (origin.via or ()) if origin is not None else ()
-    element = Element(node.tagName, None if raw is None else raw.span, parent, via=via)
+    element = Element(tag=node.tagName, span=None if raw is None else raw.span, parent=parent, via=via)
     for name in (node.tagName, *node.attributes.keys()):
         if _INVALID_NAME.search(name) or not name:  # of xacro:element and xacro:attribute, which take any text
             place = Location("robot" if parent is None else parent.subject, element.span, via)
@@ -1057,10 +1064,14 @@ def _convert_node(node: minidom.Element, parent: Element | None) -> Element:
         if origin is not None and name in origin.added:
             typed, reads = origin.added[name], origin.added[name].reads
         if typed is None:
-            element.attributes[name] = Attribute(name, value, element, None, "", False, reads)
+            element.attributes[name] = Attribute(
+                name=name, value=value, owner=element, span=None, typed="", literal=False, reads=reads
+            )
         else:
             literal = typed.literal and typed.value == value
-            element.attributes[name] = Attribute(name, value, element, typed.span, typed.typed, literal, reads)
+            element.attributes[name] = Attribute(
+                name=name, value=value, owner=element, span=typed.span, typed=typed.typed, literal=literal, reads=reads
+            )
     for child in node.childNodes:
         if child.nodeType == child.ELEMENT_NODE:
             element.children.append(_convert_node(child, element))
