@@ -467,7 +467,7 @@ def _read_tag(text: str, begin: int) -> tuple[int, dict[str, tuple[tuple[int, in
 
 
 def find_unbound_prefix(root: Element) -> tuple[Element, str] | None:
-    """Return the first element with a prefix (its own or an attribute's) that no ``xmlns:`` around it declares, and the prefix."""
+    """Return the first element with a prefix (its own or an attribute's) that no ``xmlns:`` around declares, and the prefix."""
     bound: set[tuple[int, str]] = set()  # id of an element, and a prefix that is declared in or around it
     for element in root.walk():
         for name in (element.tag, *element.attributes):
