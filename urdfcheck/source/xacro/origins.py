@@ -40,7 +40,7 @@ class InvalidOutputError(Exception):
 class _OriginCopier(UserDataHandler):
     """Copies an origin to a clone, so that each use of a macro's body keeps its own chain of calls."""
 
-    def handle(self, operation: int, key: str, data: Origin, src: Any, dst: Any) -> None:  # noqa: ARG002 - minidom's interface
+    def handle(self, operation: int, key: str, data: Origin, _src: Any, dst: Any) -> None:
         # Cloning a node below one that an include brought in counts as an import from the other document.
         if operation in (self.NODE_CLONED, self.NODE_IMPORTED):
             clone = Origin(data.raw, data.via, dict(data.reads), dict(data.added))
