@@ -22,7 +22,8 @@ from urdfcheck.model.motion.controllers import (
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.ros.controllers import Controller
-from urdfcheck.source.text.yaml import YamlValue, find_yaml_error
+from urdfcheck.source.ros.yaml_files import find_yaml_error
+from urdfcheck.source.text.yaml import YamlValue
 
 # Each suggestion looks at all names.
 MOST_HINTS = 100

@@ -9,7 +9,7 @@ from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import ResourceUse, is_misspelt, list_resource_uses
-from urdfcheck.source.text.shape_roles import describe_missing_mesh
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import locate_text
 
 # Files that are looked for in other packages, to see which one is meant.

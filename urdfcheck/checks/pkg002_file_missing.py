@@ -12,7 +12,7 @@ from urdfcheck.core.text import find_nearest_name, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.resources import ResourceUse, find_machine_path, is_misspelt, list_resource_uses
-from urdfcheck.source.text.shape_roles import describe_missing_mesh
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.system.files import walk
 
 # Files beyond this many are not looked through for one of the same name: a suggestion is not worth seconds.

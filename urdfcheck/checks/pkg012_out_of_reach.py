@@ -7,10 +7,9 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.source.launch.launch_file import Launch
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.resources import ResourceUse, find_machine_path, is_misspelt, list_resource_uses
 from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.xacro.usage import locate_expression
 
 
 def check(subject: Source | Launch, rule: Rule) -> Iterator[Finding]:

@@ -20,7 +20,7 @@ from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output.shared.inert import escape_one_line
 from urdfcheck.policy.config import OWN, PROJECT
 from urdfcheck.run.pipeline import Audited, Request, audited
-from urdfcheck.source.discover import is_launch
+from urdfcheck.source.package.file_kinds import is_launch
 from urdfcheck.source.package.finder import BUILD_FOLDERS, format_path
 from urdfcheck.system.files import Stamp, read_stamp, walk
 

@@ -14,8 +14,8 @@ from urdfcheck.facts.likeness.revolution import measure_outline
 from urdfcheck.model.ground.wheels import collect_shape_corners
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.robot import Model
-from urdfcheck.source.discover import CONFIG_FOLDERS
 from urdfcheck.source.launch.launch_file import Launch
+from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.ros.controllers import (
     Controller,
