@@ -40,8 +40,8 @@ from urdfcheck.core import (
 )
 from urdfcheck.output import FORMATS, render
 from urdfcheck.output.markdown import COMMENT_LIMIT, MARKER, render_job_summary
-from urdfcheck.output.mermaid import MOST_CHARACTERS, MOST_EDGES, build_mermaid_chart, format_label
 from urdfcheck.output.shared import inert
+from urdfcheck.output.shared.mermaid_chart import MOST_CHARACTERS, MOST_EDGES, build_mermaid_chart, format_label
 
 # -- validators --------------------------------------------------------------------------------------------------------
 
@@ -237,7 +237,7 @@ def test_each_reader_refuses_what_is_broken(output_format: str, good: str, bad: 
 
 def judged(run: Run) -> Run:
     """The run, with what it says that ran on its model."""
-    return replace(run, judged={MODEL: frozenset(run.rules)}, ids=frozenset({MODEL}), units=1)
+    return replace(run, complete_rules={MODEL: frozenset(run.rules)}, unit_ids=frozenset({MODEL}), units=1)
 
 
 KNOWN = finding(suppressed=Suppression("source", "it is a dummy"))

@@ -15,8 +15,8 @@ from urdfcheck.cli.options import names_folder
 from urdfcheck.cli.terminal import write_report
 from urdfcheck.core import Severity
 from urdfcheck.output.html import iter_report_pages, make_unique_file_names
-from urdfcheck.output.html.index import iter_audit_page
-from urdfcheck.output.shared.lines import AuditSummary, UnitRow
+from urdfcheck.output.html.index_page import iter_audit_page
+from urdfcheck.output.shared.audit.unit_lines import AuditSummary, UnitRow
 
 
 def row(name: str, errors: int, status: str = "checked", *more: str, mass: float | None = 2.0) -> UnitRow:

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
 from urdfcheck.core.scene import Scene
-from urdfcheck.output.mermaid import build_mermaid_chart
 from urdfcheck.output.shared.diffs import iter_diff_lines
 from urdfcheck.output.shared.inert import (
     escape_for_log,
@@ -19,6 +18,7 @@ from urdfcheck.output.shared.inert import (
     escape_one_line,
     format_code_span,
 )
+from urdfcheck.output.shared.mermaid_chart import build_mermaid_chart
 from urdfcheck.output.shared.wording import (
     PROGRAM_NAMES,
     SEVERITY_ORDER,

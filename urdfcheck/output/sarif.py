@@ -11,18 +11,16 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
-from html import unescape
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 from urdfcheck.core import NEWLINE, Confidence, Finding, Fix, Location, Rule, Run, Severity, Span, Suppression
-from urdfcheck.output.html.appendix import SHOWN_SECTIONS
-from urdfcheck.output.html.text import get_base_name, join_first, render_inline, split_sections
-from urdfcheck.output.json import build_subject_object
 from urdfcheck.output.shared.inert import escape_for_json, escape_invisible, escape_one_line
+from urdfcheck.output.shared.json_objects import build_subject_object
 from urdfcheck.output.shared.positions import to_utf16_region
-from urdfcheck.output.shared.wording import PROGRAM_NAMES, format_count, group_by_effect
+from urdfcheck.output.shared.rule_page import SHOWN_SECTIONS, iter_inline_pieces, split_sections
+from urdfcheck.output.shared.wording import PROGRAM_NAMES, format_count, get_base_name, group_by_effect, join_first
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 BASE = "%SRCROOT%"
@@ -40,7 +38,6 @@ PROBLEMS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO:
 PRECISIONS = {Confidence.PROOF: "very-high", Confidence.STRONG: "high", Confidence.HEURISTIC: "medium"}
 RANKS = {Confidence.PROOF: 100, Confidence.STRONG: 75, Confidence.HEURISTIC: 50}
 
-_TAG = re.compile(r"</?(?:code|em|strong)>")
 _FENCE = re.compile(r"^(?:```|~~~).*\n?", re.MULTILINE)
 _CODE = re.compile(r"`([^`\n]+)`")
 _PLACEHOLDER = re.compile(r"\{\d+\}")
@@ -130,8 +127,8 @@ def _build_rule_descriptor(rule: Rule) -> Json:
 
 
 def _strip_markdown(markdown: str) -> str:
-    """Markdown without its marks."""
-    return unescape(_TAG.sub("", render_inline(markdown)))
+    """Return Markdown as plain text, without the marks of inline code, emphasis and links."""
+    return "".join(escape_invisible(text) for _, text in iter_inline_pieces(markdown))
 
 
 def _truncate_text(text: str) -> str:

@@ -10,10 +10,14 @@ from typing import TYPE_CHECKING, cast
 from rich.text import Text
 
 from urdfcheck.core import Applicability, Finding, Fix, ModelInfo, Run, Severity, Span
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
 from urdfcheck.output.shared.code_frames import extract_code_frame
-from urdfcheck.output.shared.drops import iter_drop_test_lines as drop_lines
+from urdfcheck.output.shared.drop_test_lines import iter_drop_test_lines
 from urdfcheck.output.shared.inert import escape_invisible, escape_one_line, find_ci_command
-from urdfcheck.output.shared.summary import count_by_rule, format_table
+from urdfcheck.output.shared.rule_statistics import count_by_rule, format_table
 from urdfcheck.output.shared.wording import (
     GLYPHS,
     PROGRAM_NAMES,
@@ -22,9 +26,6 @@ from urdfcheck.output.shared.wording import (
     format_count,
     group_by_effect,
 )
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "bold yellow", Severity.INFO: "bold cyan"}
 # The options that apply a fix.
@@ -96,7 +97,7 @@ def _iter_report(run: Run, width: int, detail: DetailLevel, fail_on: str) -> Ite
     brief = [] if detail is DetailLevel.QUIET else [f for f in run.active_findings if id(f) not in chosen]
     for drop in run.drops:
         yield _format_separator(_format_model_heading(infos.get(drop.model), drop.model, width), width)
-        yield from (piece for line in drop_lines(drop) for piece in _wrap_text(line, width, Text("  ")))
+        yield from (piece for line in iter_drop_test_lines(drop) for piece in _wrap_text(line, width, Text("  ")))
     # What matters stands first for each model, in the order of the run.
     shown = (f for f in run.active_findings if id(f) in chosen or detail is not DetailLevel.QUIET)
     for model, group in groupby(shown, key=lambda f: f.model):

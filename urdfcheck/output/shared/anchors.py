@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Severity, Span
 from urdfcheck.core.scene import SceneFrame
-from urdfcheck.output.html.text import escape_html
 
 _ELEMENT = re.compile(r"(link|joint)\[(.*?)\](?=[/@]|$)", re.DOTALL)
 
@@ -49,15 +48,6 @@ def parse_element_key(subject: str) -> ElementKey | None:
     """``("link", "wheel_1")`` of ``link[wheel_1]/inertial@…``; None when the subject lies in neither link nor joint."""
     match = _ELEMENT.match(subject)
     return (match[1], match[2]) if match else None
-
-
-def render_data_attribute(element_key: ElementKey | None) -> str:
-    """The attribute by which the page's script knows that something is about a link or a joint; empty for anything else."""
-    return (
-        f' data-{element_key[0]}="{escape_html(element_key[1])}"'
-        if element_key is not None and len(element_key) == 2
-        else ""
-    )
 
 
 def make_frame_key(parent: str, child: str) -> ElementKey:

@@ -87,3 +87,13 @@ def iter_details(run: Run, finding: Finding) -> Iterator[tuple[str, str]]:
 def find_finding_file(run: Run, finding: Finding) -> str:
     """The file to name for a finding without a place: its model's, or what its id says of a package or a launch file."""
     return next((info.path for info in run.models if info.id == finding.model), finding.model)
+
+
+def get_base_name(path: str) -> str:
+    return path.replace("\\", "/").rsplit("/", 1)[-1]
+
+
+def join_first(words: list[str], most: int) -> str:
+    """The first ``most`` words, and how many more there are."""
+    rest = len(words) - most
+    return ", ".join(words[:most]) + (f" and {rest} more" if rest > 0 else "")

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from urdfcheck.core import Severity
+from urdfcheck.output.html.file_groups import group_cards_by_file, select_active_cards
 from urdfcheck.output.html.glyphs import render_glyph
-from urdfcheck.output.html.groups import group_cards_by_file, select_active_cards
-from urdfcheck.output.html.text import escape_html, get_base_name, shorten_message
+from urdfcheck.output.html.html_text import escape_html, shorten_message
 from urdfcheck.output.shared.anchors import FindingCard
+from urdfcheck.output.shared.wording import get_base_name
 
 MOST_LINES = 12
 

@@ -7,26 +7,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cache
-from importlib.resources import files
 from types import MappingProxyType
 
 from urdfcheck.core import Rule, Run, Severity
-from urdfcheck.output.html import read_style_sheet, render_document_head
+from urdfcheck.output.html.file_groups import LAUNCH_FILE, classify_file
 from urdfcheck.output.html.glyphs import SYMBOLS, pluralize_severity, render_glyph
-from urdfcheck.output.html.groups import LAUNCH_FILE, classify_file
-from urdfcheck.output.html.model import ReportPart
-from urdfcheck.output.html.text import (
-    NO_VALUE,
-    escape_html,
-    format_number,
-    format_whole_number,
-    get_base_name,
-    render_inline,
-)
+from urdfcheck.output.html.html_text import NO_VALUE, escape_html, format_number, format_whole_number
+from urdfcheck.output.html.page_frame import read_asset, read_style_sheet, render_document_head
+from urdfcheck.output.html.report_parts import ReportPart
+from urdfcheck.output.html.rule_markdown import render_inline
+from urdfcheck.output.shared.audit.unit_lines import AuditSummary, RuleCount, UnitRow, build_unit_line, parse_unit_line
 from urdfcheck.output.shared.inert import escape_for_html
-from urdfcheck.output.shared.lines import AuditSummary, RuleCount, UnitRow, build_unit_line, parse_unit_line
-from urdfcheck.output.shared.wording import SEVERITY_ORDER
+from urdfcheck.output.shared.wording import SEVERITY_ORDER, get_base_name
 
 # So many rules are named in a model's row; all of them are found by the filter.
 MOST_CODES = 6
@@ -79,7 +71,7 @@ def _iter_page_pieces(
     summary: AuditSummary, rows: Iterable[UnitRow], rules: Mapping[str, Rule], version: str, links: Mapping[str, str]
 ) -> Iterator[str]:
     title = f"{format_whole_number(summary.kinds['model'])} model{'' if summary.kinds['model'] == 1 else 's'}"
-    style, script = read_style_sheet() + _read_asset("index.css"), _read_asset("index.js")
+    style, script = read_style_sheet() + read_asset("index.css"), read_asset("index.js")
     yield f"""{render_document_head(title, style, [script])}<body class="index">
 {SYMBOLS}
 <a class="skip" href="#models">Skip to the models</a>
@@ -95,11 +87,6 @@ def _iter_page_pieces(
     if links:
         yield _render_rules_table(summary, rules)
     yield f"</main>\n</div>\n<script>{script}</script>\n</body>\n</html>\n"
-
-
-@cache
-def _read_asset(name: str) -> str:
-    return files(__package__).joinpath(name).read_text(encoding="utf-8")
 
 
 # -- head --------------------------------------------------------------------------------------------------------------

@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterable
 
 from urdfcheck.core import Finding, Verdict
 from urdfcheck.output.html.glyphs import render_glyph
-from urdfcheck.output.html.tables import render_table
-from urdfcheck.output.html.text import NO_VALUE, escape_html
+from urdfcheck.output.html.html_text import NO_VALUE, escape_html
+from urdfcheck.output.html.tables.html_table import render_table
 from urdfcheck.output.shared.wording import PROGRAM_NAMES
 from urdfcheck.policy.consumers import Outcome, outcomes
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from urdfcheck.core import Rule, Run
-from urdfcheck.output.html.tables import render_rules_table, render_skipped_table
-from urdfcheck.output.html.text import escape_html, render_markdown, split_sections
+from urdfcheck.output.html.html_text import escape_html
+from urdfcheck.output.html.rule_markdown import render_markdown
+from urdfcheck.output.html.tables.checks_tables import render_rules_table, render_skipped_table
+from urdfcheck.output.shared.rule_page import SHOWN_SECTIONS, split_sections
 from urdfcheck.output.shared.wording import format_count
-
-SHOWN_SECTIONS = ("What it checks", "Why it matters", "How to fix", "When to ignore")
 
 
 def list_fired_rules(run: Run) -> list[Rule]:

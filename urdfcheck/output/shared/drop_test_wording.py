@@ -1,45 +1,12 @@
-"""A drop test for a terminal and for other programs."""
+"""A drop test in words and numbers, the same in every format."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict
-from typing import Any
+from collections.abc import Sequence
 
-from rich.text import Text
-
-from urdfcheck.core.drop_test import LATE_SECONDS, SECONDS, STEP, DropTest, GroundContact, ReleaseResult, StabilityCurve
+from urdfcheck.core.drop_test import LATE_SECONDS, DropTest, GroundContact, ReleaseResult, StabilityCurve
 from urdfcheck.output.shared.inert import escape_one_line
-
-# Links that are told of in one table.
-MOST_LINKS = 12
-
-
-def iter_drop_test_lines(drop_test: DropTest) -> Iterator[Text]:
-    """What came of it, as lines that are not wrapped yet."""
-    yield Text(
-        f"let go for {SECONDS:g} s at a step of {1e3 * STEP:g} ms in {escape_one_line(drop_test.simulator)}", "bold"
-    )
-    for line in describe_drop_setup(drop_test):
-        yield Text(line)
-    yield Text()
-    runs = (drop_test.free, drop_test.held)
-    rows = [
-        ("", *map(format_release_heading, runs)),
-        *((name, *(word(release) for release in runs)) for name, word in OUTCOMES),
-    ]
-    widths = [max(len(row[i]) for row in rows) for i in range(3)]
-    for number, row in enumerate(rows):
-        line = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        yield Text(line.rstrip(), "dim" if not number else "")
-    yield Text(describe_reference_scales(drop_test), "dim")
-    both = has_equal_contacts(drop_test)
-    for release in (drop_test.held,) if both else runs:
-        yield from _iter_contact_lines(drop_test, release, both)
-    for curve in drop_test.curves:
-        yield from _iter_stability_lines(curve)
-    yield Text()
 
 
 def describe_drop_setup(drop_test: DropTest) -> list[str]:
@@ -160,27 +127,6 @@ def format_contact_cells(touching: GroundContact) -> tuple[str, ...]:
 CONTACT_HEAD = ("points", "x, m", "y, m", "z, m", "deep, mm", "load, N")
 
 
-def _iter_contact_lines(drop_test: DropTest, release: ReleaseResult, is_shared: bool) -> Iterator[Text]:
-    if not release.touching:
-        return
-    yield Text()
-    yield Text(
-        f"on the ground at the end, {'with and without torques' if is_shared else format_release_heading(release)}",
-        "bold",
-    )
-    shown = release.touching[:MOST_LINKS]
-    rows = [("link", *CONTACT_HEAD), *((escape_one_line(t.link), *format_contact_cells(t)) for t in shown)]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for number, row in enumerate(rows):
-        cells = [row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))]
-        yield Text("  ".join(cells), "dim" if not number else "")
-    if len(release.touching) > len(shown):
-        yield Text(f"… and {len(release.touching) - len(shown)} more links")
-    yield Text(
-        f"together {sum(t.load for t in release.touching):.4g} N of {drop_test.mass * 9.81:.4g} N, the robot's weight"
-    )
-
-
 def has_equal_contacts(drop_test: DropTest) -> bool:
     """Whether the tables of both would say the same."""
     free, held = (
@@ -189,39 +135,10 @@ def has_equal_contacts(drop_test: DropTest) -> bool:
     return free == held
 
 
-def _iter_stability_lines(curve: StabilityCurve) -> Iterator[Text]:
-    yield Text()
-    yield Text.assemble(
-        f"{describe_damping_scheme(curve)}: ", (f"largest stable step {format_largest_stable_step(curve)}", "bold")
-    )
-    shown = [k for k in range(len(curve.steps)) if is_doubled_step(curve, k)]
-    rows = (
-        ("step, ms", *(f"{1e3 * curve.steps[k]:g}" for k in shown)),
-        ("fastest, m/s", *(format_peak_speed(curve.speeds[k]) for k in shown)),
-    )
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row, style in zip(rows, ("dim", ""), strict=True):
-        cells = [row[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(row[1:], widths[1:], strict=True))]
-        yield Text("  ".join(cells), style)
-
-
 def format_peak_speed(speed: float | None) -> str:
     return "burst" if speed is None else f"{speed:.2g}"
-
-
-def is_doubled_step(curve: StabilityCurve, index: int) -> bool:
-    """Whether a step is one of those that were tried first, not one between two of them."""
-    return math.log2(curve.steps[index] / curve.steps[0]).is_integer()
 
 
 def _join_names(names: Sequence[str], most: int = 4) -> str:
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(map(escape_one_line, names[:most])) + more
-
-
-def build_drop_test_object(drop_test: DropTest) -> dict[str, Any]:
-    """A drop test as the schema describes it."""
-    curves = [
-        {**asdict(curve), "largest": curve.largest_step, "all_stable": curve.all_stable} for curve in drop_test.curves
-    ]
-    return {**asdict(drop_test), "seconds": SECONDS, "step": STEP, "curves": curves}

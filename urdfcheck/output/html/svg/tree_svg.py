@@ -1,121 +1,21 @@
-"""The kinematic tree as an inline SVG, and as nested lists for those who do not see it."""
+"""The kinematic tree as an inline SVG."""
 
 from __future__ import annotations
 
-import unicodedata
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
-from urdfcheck.core.scene import Scene
-from urdfcheck.output.html.glyphs import render_glyph
-from urdfcheck.output.html.text import escape_html
-from urdfcheck.output.shared.anchors import ElementKey, SeverityMark, render_data_attribute
-from urdfcheck.output.shared.graph import LAUNCH, LINK, MISSING, REPEATED, TreeEdge, TreeNode, build_forest
+from urdfcheck.output.html.element_names import render_data_attribute
+from urdfcheck.output.html.html_text import escape_html
+from urdfcheck.output.html.svg.label_text import SMALL, count_columns, shorten_name
+from urdfcheck.output.html.svg.tree_layout import BOX, GAP, PAD, ROW, TreeBox, lay_out_tree
+from urdfcheck.output.shared.anchors import ElementKey, SeverityMark
+from urdfcheck.output.shared.kinematic_forest import LAUNCH, LINK, MISSING, REPEATED, TreeEdge, TreeNode
 from urdfcheck.output.shared.wording import format_count
 
-# The names are set in a monospaced face at 12 px, whose advance is 0.6 em in all common ones (DejaVu 0.602).
-ADVANCE = 7.3
-SMALL = 6.7  # the same at 11 px
-BOX, PAD, ROW, LINE, INDENT, GAP = 28, 10, 44, 37, 30, 18
-LONGEST_NAME = 36
-# A drawing wider than this would have to be scrolled on a laptop: then names go below one another.
-WIDEST = 820
-# Chrome stops nesting elements at 512 levels; a list as deep as that helps nobody either.
-DEEPEST_LIST = 24
 NOTES = {LAUNCH: "frame of a launch file", MISSING: "no link of this name", REPEATED: "drawn elsewhere too"}
 
 
-@dataclass(frozen=True, slots=True)
-class TreeBox:
-    """A placed node: its left edge, the middle of its height and its width, in px."""
-
-    x: float
-    y: float
-    width: float
-
-
-def render_tree(scene: Scene, marks: Mapping[ElementKey, SeverityMark], title: str) -> str:
-    """The drawing with its legend and its text form."""
-    nodes = build_forest(scene)
-    if not nodes:
-        return "<p>The model has no links.</p>"
-    return (
-        f'<figure class="tree"><div class="scroll" role="group" tabindex="0" aria-label="{escape_html(title)}">'
-        f"{_draw_tree(nodes, marks)}</div>{_render_legend(nodes)}</figure>"
-        f"<details><summary>The tree as a list</summary>{_render_list(nodes, marks)}</details>"
-    )
-
-
-# -- layout ------------------------------------------------------------------------------------------------------------
-
-
-def lay_out_tree(nodes: Sequence[TreeNode]) -> tuple[list[TreeBox], bool]:
-    """Where the boxes go, and whether they are layered (left to right) or indented (one below the other)."""
-    layered = _lay_out_layered(nodes)
-    if max(box.x + box.width for box in layered) <= WIDEST:
-        return layered, True
-    return _lay_out_indented(nodes), False
-
-
-def _lay_out_layered(nodes: Sequence[TreeNode]) -> list[TreeBox]:
-    """A column per depth, a row per leaf, each parent in the middle of its children."""
-    deepest = max(node.depth for node in nodes)
-    widths, gaps = [0.0] * (deepest + 1), [0.0] * (deepest + 1)
-    for node in nodes:
-        widths[node.depth] = max(widths[node.depth], _measure_node_width(node))
-        if node.edge is not None:
-            gaps[node.depth] = max(gaps[node.depth], 2 * GAP + 14 + _measure_label_width(node.edge))
-    lefts = [0.0]
-    for depth in range(1, deepest + 1):
-        lefts.append(lefts[-1] + widths[depth - 1] + gaps[depth])
-    rows = iter(range(len(nodes)))
-    middles = [next(rows) * ROW + ROW / 2 if not node.children else 0.0 for node in nodes]
-    first: dict[int, int] = {}
-    last: dict[int, int] = {}
-    for index, node in reversed(list(enumerate(nodes))):
-        if node.children:
-            middles[index] = (middles[first[index]] + middles[last[index]]) / 2
-        first[node.parent] = index
-        last.setdefault(node.parent, index)
-    return [TreeBox(lefts[n.depth] + 1, y, _measure_node_width(n)) for n, y in zip(nodes, middles, strict=True)]
-
-
-def _lay_out_indented(nodes: Sequence[TreeNode]) -> list[TreeBox]:
-    """A row per node. An only child stays below its parent, so that a long chain does not run out of the page."""
-    lefts: list[float] = []
-    for node in nodes:
-        if node.parent < 0:
-            lefts.append(1.0)
-        else:
-            lefts.append(lefts[node.parent] + (0 if nodes[node.parent].children == 1 else INDENT))
-    return [
-        TreeBox(x, i * LINE + ROW / 2, _measure_node_width(n))
-        for i, (n, x) in enumerate(zip(nodes, lefts, strict=True))
-    ]
-
-
-def _measure_node_width(node: TreeNode) -> float:
-    return round(count_columns(shorten_name(node.name)) * ADVANCE + 2 * PAD + 20, 1)
-
-
-def _measure_label_width(edge: TreeEdge) -> float:
-    return max(count_columns(shorten_name(edge.name)), count_columns(edge.kind)) * SMALL + 18
-
-
-def count_columns(text: str) -> int:
-    return sum(2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in text)
-
-
-def shorten_name(name: str) -> str:
-    """A name that fits: the middle goes, because robots tell their links apart at both ends."""
-    half = LONGEST_NAME // 2
-    return name if len(name) <= LONGEST_NAME else f"{name[: half - 1]}…{name[-half:]}"
-
-
-# -- drawing -----------------------------------------------------------------------------------------------------------
-
-
-def _draw_tree(nodes: Sequence[TreeNode], marks: Mapping[ElementKey, SeverityMark]) -> str:
+def draw_tree(nodes: Sequence[TreeNode], marks: Mapping[ElementKey, SeverityMark]) -> str:
     boxes, is_layered = lay_out_tree(nodes)
     right = max(box.x + box.width for box in boxes)
     if not is_layered:
@@ -145,13 +45,13 @@ def _draw_tree(nodes: Sequence[TreeNode], marks: Mapping[ElementKey, SeverityMar
     )
 
 
-def _get_link_key(node: TreeNode) -> ElementKey | None:
+def get_link_key(node: TreeNode) -> ElementKey | None:
     """The link that a box stands for, none where no link has its name."""
     return ("link", node.name) if node.kind in (LINK, REPEATED) else None
 
 
 def _find_node_mark(node: TreeNode, marks: Mapping[ElementKey, SeverityMark]) -> SeverityMark | None:
-    link = _get_link_key(node)
+    link = get_link_key(node)
     if link is not None:
         return marks.get(link)
     # A frame that a launch file makes is as good as the transform that makes it.
@@ -232,7 +132,7 @@ def _draw_box(node: TreeNode, box: TreeBox, mark: SeverityMark | None) -> str:
     )
     left = box.x + (PAD + 18 if mark else PAD + 10)
     drawn = (
-        f'<g class="{kind}"{render_data_attribute(_get_link_key(node))}><title>{escape_html(_format_tooltip(what, mark))}</title>'
+        f'<g class="{kind}"{render_data_attribute(get_link_key(node))}><title>{escape_html(_format_tooltip(what, mark))}</title>'
         f'<rect x="{box.x:g}" y="{top:g}" width="{box.width:g}" '
         f'height="{BOX}" rx="6" stroke="currentColor"{dashes}/><g fill="currentColor">{sign}'
         f'<text x="{left:g}" y="{box.y + 4:g}">{escape_html(shorten_name(node.name)) or "(no name)"}</text></g></g>'
@@ -246,7 +146,7 @@ def _format_tooltip(description: str, mark: SeverityMark | None) -> str:
     return f"{description}: {mark.severity}" + (f", the worst of {mark.count} findings" if mark.count > 1 else "")
 
 
-def _render_legend(nodes: Sequence[TreeNode]) -> str:
+def render_tree_legend(nodes: Sequence[TreeNode]) -> str:
     kinds = {_get_edge_class(n.edge, None): n.edge for n in nodes if n.edge is not None}
     names = {"edge moving": "moving joint", "edge fixed": "fixed joint", "edge launch": "launch file"}
     items = "".join(
@@ -256,38 +156,3 @@ def _render_legend(nodes: Sequence[TreeNode]) -> str:
         if kind in kinds
     )
     return f'<figcaption><ul class="legend">{items}</ul></figcaption>' if items else ""
-
-
-# -- text form ---------------------------------------------------------------------------------------------------------
-
-
-def _render_list(nodes: Sequence[TreeNode], marks: Mapping[ElementKey, SeverityMark]) -> str:
-    """Nested lists; each line names its parent, so that the cut at :data:`DEEPEST_LIST` loses nothing."""
-    parts: list[str] = []
-    level = -1
-    for node in nodes:
-        depth = min(node.depth, DEEPEST_LIST)
-        parts.append("<ul>" * (depth - level) if depth > level else "</li>" + "</ul></li>" * (level - depth))
-        parts.append(f"<li>{_render_list_item(node, nodes, marks)}")
-        level = depth
-    return "".join(parts) + "</li></ul>" * (level + 1)
-
-
-def _render_list_item(node: TreeNode, nodes: Sequence[TreeNode], marks: Mapping[ElementKey, SeverityMark]) -> str:
-    text = f"<code{render_data_attribute(_get_link_key(node))}>{escape_html(node.name)}</code>"
-    if node.kind != LINK:
-        text += f" ({NOTES[node.kind]})"
-    text += _render_mark_link(marks.get(("link", node.name)) if node.kind == LINK else None)
-    if node.edge is None:
-        return text
-    parent = f"<code>{escape_html(nodes[node.parent].name)}</code>"
-    if not node.edge.is_joint:
-        return f"{text}, placed on {parent} by a launch file" + _render_mark_link(marks.get(node.edge.element))
-    joint = f"<code{render_data_attribute(node.edge.element)}>{escape_html(node.edge.name)}</code> ({escape_html(node.edge.kind)})"
-    return f"{text}, on {parent} by joint {joint}" + _render_mark_link(marks.get(node.edge.element))
-
-
-def _render_mark_link(mark: SeverityMark | None) -> str:
-    if mark is None:
-        return ""
-    return f' <a class="{mark.severity}" href="#{mark.anchor}">{render_glyph(mark.severity)} {mark.severity}</a>'

@@ -9,7 +9,8 @@ from __future__ import annotations
 import base64
 import zlib
 from functools import cache
-from importlib.resources import files
+
+from urdfcheck.output.html.page_frame import read_asset
 
 # The meshes are packed for deflate already: more effort than this takes half a second and saves a hundredth.
 _EFFORT = 6
@@ -34,26 +35,21 @@ def render_viewer_scripts(data_json: str, geometry: bytes) -> tuple[str, list[st
     blocks = f"""<script type="application/json" id="uc-data">{data}</script>
 <script type="text/plain" id="uc-geom">{_pack_to_base64(geometry, _EFFORT)}</script>
 <script type="text/plain" id="uc-app">{_pack_app_script()}</script>
-<script>{_read_asset("bootstrap.js")}</script>
+<script>{read_asset("bootstrap.js")}</script>
 """
-    return blocks, [_read_asset("bootstrap.js"), _read_asset("app.js")]
+    return blocks, [read_asset("bootstrap.js"), read_asset("app.js")]
 
 
 def read_viewer_style() -> str:
     """What the view adds to the style of the page."""
-    return _read_asset("viewer.css")
+    return read_asset("viewer.css")
 
 
 @cache
 def _pack_app_script() -> str:
-    return _pack_to_base64(_read_asset("app.js").encode(), 9)
+    return _pack_to_base64(read_asset("app.js").encode(), 9)
 
 
 def _pack_to_base64(data: bytes, effort: int) -> str:
     packer = zlib.compressobj(effort, zlib.DEFLATED, -zlib.MAX_WBITS)
     return base64.b64encode(packer.compress(data) + packer.flush()).decode()
-
-
-@cache
-def _read_asset(name: str) -> str:
-    return files(__package__).joinpath(name).read_text(encoding="utf-8")

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from urdfcheck.core import Finding, Severity
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.shared.anchors import ElementKey, SeverityMark, build_finding_cards, compute_severity_marks
-from urdfcheck.output.shared.graph import LAUNCH, REPEATED, TreeEdge, TreeNode, build_forest
 from urdfcheck.output.shared.inert import escape_one_line
+from urdfcheck.output.shared.kinematic_forest import LAUNCH, REPEATED, TreeEdge, TreeNode, build_forest
 
 # What Mermaid draws unless a site allows it more: characters, and edges.
 MOST_CHARACTERS = 50_000

@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 import base64
-from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from types import MappingProxyType
+from collections.abc import Sequence
 
-from urdfcheck.core import ModelInfo, Run, Severity
-from urdfcheck.core.drop_test import DropTest
-from urdfcheck.core.scene import Scene
-from urdfcheck.output.html.consumers import render_consumers_table
-from urdfcheck.output.html.contents import render_contents
-from urdfcheck.output.html.drop import render_drop_test
-from urdfcheck.output.html.findings import render_notes, render_problems
-from urdfcheck.output.html.svg.launch import render_launch_files
-from urdfcheck.output.html.svg.tree import render_tree
-from urdfcheck.output.html.tables import render_joints_table, render_meshes_table, render_physics_table
-from urdfcheck.output.html.text import escape_html, format_number, get_base_name
-from urdfcheck.output.png import render_scene
-from urdfcheck.output.shared.anchors import FindingCard, build_finding_cards, compute_severity_marks
+from urdfcheck.core import Run, Severity
+from urdfcheck.output.html.html_text import escape_html, format_number, render_path
+from urdfcheck.output.html.report_parts import ReportPart
+from urdfcheck.output.html.sections.drop_test_section import render_drop_test
+from urdfcheck.output.html.sections.finding_groups import render_notes, render_problems
+from urdfcheck.output.html.sections.findings_contents import render_contents
+from urdfcheck.output.html.sections.launch_section import render_launch_files
+from urdfcheck.output.html.sections.tree_section import render_tree
+from urdfcheck.output.html.tables.consumers_table import render_consumers_table
+from urdfcheck.output.html.tables.joints_table import render_joints_table
+from urdfcheck.output.html.tables.meshes_table import render_meshes_table
+from urdfcheck.output.html.tables.physics_table import render_physics_table
+from urdfcheck.output.shared.anchors import compute_severity_marks
+from urdfcheck.output.shared.robot_picture import render_scene
 from urdfcheck.output.shared.wording import format_count
 
-MOST_VARIANTS = 6
 # Width and height of the picture, in px.
 STILL_SIZE = (960, 640)
 PROBLEMS = (Severity.ERROR, Severity.WARNING)
@@ -31,70 +28,6 @@ STATUS_TEXTS = {
     "needs-arguments": "Not checked: the model cannot be expanded without arguments.",
     "failed": "Not checked: the model could not be expanded. The findings say why.",
 }
-
-
-@dataclass(frozen=True, slots=True)
-class ReportPart:
-    """A section of the report: a model, or the findings of a launch file or a package that belong to no model."""
-
-    id: str
-    title: str
-    path: str
-    info: ModelInfo | None
-    cards: tuple[FindingCard, ...]
-    scene: Scene | None
-    counts: Mapping[Severity, int]
-    drop: DropTest | None = None
-
-    @property
-    def file_label(self) -> str:
-        """What tells it from another part of the same title."""
-        if self.info is None:
-            return self.path
-        given = [f"{name}:={value}" for name, value in sorted(self.info.args.items())]
-        return " ".join((get_base_name(self.path), *given))
-
-    @property
-    def sections(self) -> list[tuple[str, str]]:
-        """Anchor and name of each section inside; none where there are only findings."""
-        if self.scene is None:
-            return []
-        found = [(f"{self.id}-findings", "Findings"), (f"{self.id}-tree", "Tree")]
-        found += [(f"{self.id}-drop", "Drop test")] if self.drop is not None else []
-        found += [(f"{self.id}-consumers", "Programs"), (f"{self.id}-physics", "Physics")]
-        found += [(f"{self.id}-meshes", "Meshes")]
-        found += [(f"{self.id}-joints", "Joints")] if self.scene.joints else []
-        found += [(f"{self.id}-launch", "Launch")] if self.scene.launches else []
-        found += [(f"{self.id}-info", "Information")] if self.counts.get(Severity.INFO) else []
-        return found
-
-
-def collect_report_parts(run: Run) -> list[ReportPart]:
-    """The models in the run's order, then whatever else has findings; of many variants of a model the first, and those of which
-    there is something to tell."""
-    first = {info.path: info.id for info in reversed(run.models)}
-    variants = Counter(info.path for info in run.models)
-    told = {finding.model for finding in run.findings}
-    models = [i for i in run.models if variants[i.path] <= MOST_VARIANTS or i.id in told or first[i.path] == i.id]
-    groups: dict[str, list[FindingCard]] = {info.id: [] for info in models}
-    for card in build_finding_cards(run.findings):
-        groups.setdefault(card.finding.model, []).append(card)
-    infos = {info.id: info for info in run.models}
-    scenes = {scene.model: scene for scene in run.scenes}
-    drops = {drop.model: drop for drop in run.drops}
-    parts = []
-    for number_, (name, group) in enumerate(groups.items(), 1):
-        info = infos.get(name)
-        path = info.path if info else name
-        title = (info.robot if info else "") or get_base_name(path) or "This run"
-        counts: dict[Severity, int] = {}
-        for card in group:
-            if card.finding.suppressed is None:
-                counts[card.finding.severity] = counts.get(card.finding.severity, 0) + 1
-        parts.append(
-            ReportPart(f"m{number_}", title, path, info, tuple(group), scenes.get(name), counts, drops.get(name))
-        )
-    return parts
 
 
 def render_model(run: Run, part: ReportPart, *, is_only_model: bool) -> str:
@@ -134,12 +67,6 @@ def _render_still_image(part: ReportPart) -> str:
     told = f"{part.title} with all joints at zero, seen from the front, right and above"
     source = base64.b64encode(picture).decode()
     return f'<img class="still" width="{STILL_SIZE[0]}" height="{STILL_SIZE[1]}" alt="{escape_html(told)}" src="data:image/png;base64,{source}">'
-
-
-def render_path(path: str, args: Mapping[str, str] = MappingProxyType({})) -> str:
-    """A file, with the arguments that it was expanded with; it is broken between its folders where it is too long."""
-    given = "".join(f" <code>{escape_html(k)}:={escape_html(v)}</code>" for k, v in args.items())
-    return f'<p class="path"><code>{escape_html(path).replace("/", "/<wbr>")}</code>{given}</p>'
 
 
 def _render_section_links(part: ReportPart) -> str:

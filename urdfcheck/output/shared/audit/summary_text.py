@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
 
-from urdfcheck.core import Applicability, Finding, Rule, Severity
+from urdfcheck.core import Rule
+from urdfcheck.output.shared.audit.unit_lines import AuditSummary, UnitRow
 from urdfcheck.output.shared.inert import escape_for_log, escape_one_line
-from urdfcheck.output.shared.lines import AuditSummary, UnitRow
+from urdfcheck.output.shared.rule_statistics import format_table
 from urdfcheck.output.shared.wording import SEVERITY_ORDER
 
 # So many of the worst models: the page beside the lines has them all.
 MOST_WORST = 10
 
 
-def render(summary: AuditSummary, rules: Mapping[str, Rule]) -> str:
+def render_audit_summary(summary: AuditSummary, rules: Mapping[str, Rule]) -> str:
     """The summary as text, with a newline at the end."""
     return "".join(f"{escape_for_log(line).rstrip()}\n" for line in _iter_lines(summary, rules))
 
@@ -64,42 +64,6 @@ def _format_totals(summary: AuditSummary) -> str:
         f"; errors in {_format_count(summary.models_with_errors, 'model')}" if summary.models_with_errors else ""
     )
     return f"{counts} in {_format_count(summary.kinds['model'], 'model')}{states}{also}{with_errors}"
-
-
-@dataclass(slots=True)
-class RuleSeverityCount:
-    """What the findings of one rule and severity come to. ``models``: the ids of those that show one; ``fixable``: how many of
-    them urdfcheck can repair, with or without --unsafe-fixes."""
-
-    code: str
-    name: str
-    severity: Severity
-    findings: int = 0
-    models: set[str] = field(default_factory=set)
-    fixable: int = 0
-
-
-def count_by_rule(findings: Iterable[Finding]) -> list[RuleSeverityCount]:
-    """The findings by rule and severity, the worst and then the most common first."""
-    counts: dict[tuple[str, Severity], RuleSeverityCount] = {}
-    for finding in findings:
-        key = finding.code, finding.severity
-        count = counts.setdefault(key, RuleSeverityCount(finding.code, finding.name, finding.severity))
-        count.findings += 1
-        count.models.update(finding.variants or (finding.model,))
-        count.fixable += (
-            finding.fix is not None and bool(finding.fix.edits) and finding.fix.applicability != Applicability.DISPLAY
-        )
-    return sorted(counts.values(), key=lambda c: (-c.severity, -c.findings, -len(c.models), c.code))
-
-
-def format_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """Columns as wide as they must be: words to the left, numbers to the right."""
-    widths = [max(len(row[column]) for row in (head, *rows)) for column in range(len(head))]
-    numbers = [all(row[column].replace(",", "").isdigit() for row in rows) for column in range(len(head))]
-    for row in (head, *rows):
-        cells = zip(row, widths, numbers, strict=True)
-        yield "  ".join(cell.rjust(width) if number else cell.ljust(width) for cell, width, number in cells)
 
 
 def _format_count(count: int, word: str) -> str:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 
 from urdfcheck.core import Edit, Span
-from urdfcheck.output.html.text import escape_html
+from urdfcheck.output.html.html_text import escape_html
 from urdfcheck.output.shared.code_frames import FrameLine, extract_code_frame
 from urdfcheck.output.shared.diffs import iter_diff_lines
 
