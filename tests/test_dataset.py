@@ -602,7 +602,16 @@ def test_a_summary_holds_no_more_rows_than_it_shows() -> None:
     def row(number: int) -> unit_lines.UnitRow:
         codes = (("INR003", Severity.ERROR, number % 7), ("KIN008", Severity.INFO, 1))
         counts = (number % 7, 0, 1)
-        return unit_lines.UnitRow("model", f"{number}", "", "", "failed", 1, 0, None, counts, codes, ("it broke",))
+        return unit_lines.UnitRow(
+            kind="model",
+            id=f"{number}",
+            path="",
+            status="failed",
+            links=1,
+            counts=counts,
+            codes=codes,
+            failures=("it broke",),
+        )
 
     summary = unit_lines.AuditSummary.from_rows(map(row, range(1000)))
     assert len(summary.worst) == len(summary.failures) == len(summary.unchecked) == unit_lines.MOST_NAMED

@@ -123,7 +123,15 @@ def line_of(unit: Unit, report: Report) -> bytes:
     if info is not None and "SOURCE_DATE_EPOCH" in os.environ:
         info = replace(info, seconds=0.0)
     path = format_path(Path(unit.path))
-    return unit_lines.build_unit_line(unit.kind, unit.id, path, info, report.findings, report.skipped, report.failures)
+    return unit_lines.build_unit_line(
+        unit.kind,
+        unit.id,
+        path,
+        info=info,
+        findings=report.findings,
+        skipped=report.skipped,
+        failures=report.failures,
+    )
 
 
 def write(folder: Path, texts: Callable[[], Iterable[bytes]]) -> unit_lines.AuditSummary:
@@ -131,9 +139,8 @@ def write(folder: Path, texts: Callable[[], Iterable[bytes]]) -> unit_lines.Audi
     with saying(folder):
         _replace(folder / LINES, (text + b"\n" for text in texts()))
         summary = unit_lines.AuditSummary.from_rows(map(unit_lines.parse_unit_line, texts()))
-        page = index_page.iter_audit_page(
-            summary, map(unit_lines.parse_unit_line, texts()), catalogue.load_rules(), __version__
-        )
+        rows = map(unit_lines.parse_unit_line, texts())
+        page = index_page.iter_audit_page(summary, rows, rules=catalogue.load_rules(), version=__version__)
         _replace(folder / INDEX, (part.encode() for part in page))
     return summary
 
@@ -167,7 +174,7 @@ def _of_the_run(request: Request, found: Plan) -> bytes:
         if rule.scopes == ("run",) and code in request.codes and catalogue.has_check(rule)
     ]
     failures = [f"{path}: {reason}" for path, reason in found.missing]
-    return unit_lines.build_unit_line("run", "", "", None, findings, skipped, failures)
+    return unit_lines.build_unit_line("run", "", "", findings=findings, skipped=skipped, failures=failures)
 
 
 def _about(request: Request, settings: Settings) -> dict[str, Any]:

@@ -20,7 +20,7 @@ SCHEMA = "urdfcheck/1"
 
 
 def render(run: Run) -> str:
-    """Two-space indented JSON with a newline at the end. Only ``seconds`` differs between equal runs."""
+    """Render JSON, indented by two spaces, with a newline at the end. Only ``seconds`` differs between equal runs."""
     report = {
         "schema": SCHEMA,
         "version": run.versions["urdfcheck"],
@@ -42,5 +42,5 @@ def render(run: Run) -> str:
 
 
 def _build_consumer_outcomes(run: Run, info: ModelInfo) -> dict[str, Any]:
-    found = outcomes(f for f in run.findings if f.model == info.id)
-    return {name: {"verdict": str(o.verdict), "codes": list(o.codes)} for name, o in found.items()}
+    by_consumer = outcomes(f for f in run.findings if f.model == info.id)
+    return {name: {"verdict": str(o.verdict), "codes": list(o.codes)} for name, o in by_consumer.items()}

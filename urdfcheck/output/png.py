@@ -16,7 +16,7 @@ from urdfcheck.output.shared.robot_picture import render_scene
 
 
 def render(run: Run) -> bytes:
-    """The picture of the one model of a run.
+    """Render the picture of the one model of a run.
 
     :raises UrdfcheckError: when there are several models, or none that can be drawn.
     """

@@ -1,4 +1,4 @@
-"""The report for people: one HTML file that opens from a disk, loads nothing and needs no script."""
+"""The whole HTML report as one document."""
 
 from __future__ import annotations
 
@@ -31,11 +31,12 @@ KEYS = (
 
 
 def render(run: Run) -> str:
-    """The whole document. Only what stands in ``class="seconds"`` differs between equal runs."""
-    return render_document(run, collect_report_parts(run), make_report_title(run))
+    """Render the whole document. Only the text of ``class="seconds"`` differs between equal runs."""
+    return render_document(run, collect_report_parts(run), title=make_report_title(run))
 
 
-def render_document(run: Run, parts: Sequence[ReportPart], title: str, index_file: str = "") -> str:
+def render_document(run: Run, parts: Sequence[ReportPart], *, title: str, index_file: str = "") -> str:
+    """Render the document for the parts of a run; ``index_file``: the page with all models, for a page of a folder."""
     drawn = [part for part in parts if part.scene is not None]
     models = "\n".join(render_model(run, part, is_only_model=len(drawn) == 1) for part in parts)
     body = escape_for_html(f"""{SYMBOLS}
@@ -63,7 +64,7 @@ def render_document(run: Run, parts: Sequence[ReportPart], title: str, index_fil
 
 
 def _render_stage_scripts(drawn: Sequence[ReportPart]) -> tuple[str, list[str]]:
-    """What draws the robots, and the texts of its scripts. JSON that is ASCII and inert needs nothing spelled in HTML."""
+    """Render what draws the robots; return it and the texts of its scripts. ASCII JSON needs no escaping in HTML."""
     titles = Counter(part.title for part in drawn)
     names = (part.title if titles[part.title] == 1 else f"{part.title} ({part.file_label})" for part in drawn)
     models = [(p.id, name, p.scene, p.cards) for p, name in zip(drawn, names, strict=True) if p.scene is not None]
@@ -72,7 +73,7 @@ def _render_stage_scripts(drawn: Sequence[ReportPart]) -> tuple[str, list[str]]:
 
 
 def _render_key_help() -> str:
-    """What the page's script does for whoever types, and where it says what it did."""
+    """Render the list of keyboard shortcuts, and the status line in which the page's script reports."""
     rows = "".join(f"<div><dt><kbd>{key}</kbd></dt><dd>{what}</dd></div>" for key, what in KEYS)
     return (
         f'<dialog id="keys" aria-labelledby="keys-title"><h2 id="keys-title">Keys</h2><dl>{rows}</dl>'

@@ -8,20 +8,20 @@ from urdfcheck.output.shared.anchors import ElementKey, SeverityMark
 
 
 def render_data_attribute(element_key: ElementKey | None) -> str:
-    """The attribute by which the page's script knows that something is about a link or a joint; empty for anything else."""
-    return (
-        f' data-{element_key[0]}="{escape_html(element_key[1])}"'
-        if element_key is not None and len(element_key) == 2
-        else ""
-    )
+    """Render the attribute that tells the page's script which link or joint a tag is about; empty for anything else."""
+    if element_key is None or len(element_key) != 2:
+        return ""
+    kind, name = element_key
+    return f' data-{kind}="{escape_html(name)}"'
 
 
 def render_element_name(element_key: ElementKey) -> str:
-    """The name of a link or a joint, by which the page's script finds it in the 3D view."""
+    """Render the name of a link or a joint, which the page's script links with the 3D view."""
     return f"<code{render_data_attribute(element_key)}>{escape_html(element_key[1])}</code>"
 
 
 def render_mark_link(mark: SeverityMark | None) -> str:
+    """Render a link to the card of an element's worst finding; empty without one."""
     if mark is None:
         return ""
     return f' <a class="{mark.severity}" href="#{mark.anchor}">{render_glyph(mark.severity)} {mark.severity}</a>'

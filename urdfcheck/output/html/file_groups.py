@@ -1,4 +1,4 @@
-"""The order in which findings are shown: by severity, then by file; and what each file is to the model."""
+"""The order of the findings in a report, by severity and then by file, and the relation of each file to the model."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _LAUNCH = re.compile(r"\.launch(?:\.\w+)?$|[._]launch\.(?:py|xml|ya?ml)$", re.IG
 
 @dataclass(frozen=True, slots=True)
 class FileGroup:
-    """The cards of one file; ``file`` is empty for findings without a place."""
+    """The cards of one file; ``file`` is empty for findings without a span."""
 
     file: str
     kind: str
@@ -23,12 +23,12 @@ class FileGroup:
 
 
 def select_active_cards(cards: Iterable[FindingCard], severity: Severity) -> list[FindingCard]:
-    """The cards of a severity that are not suppressed."""
+    """Select the cards of a severity that are not suppressed."""
     return [c for c in cards if c.finding.suppressed is None and c.finding.severity == severity]
 
 
 def group_cards_by_file(cards: Sequence[FindingCard], model_file: str) -> list[FileGroup]:
-    """The model's own file ``own`` first, launch files last: who reads about a robot looks at the robot first."""
+    """Group cards by file: the model's own file first, because readers begin with the robot, and launch files last."""
     files: dict[str, list[FindingCard]] = {}
     for card in cards:
         span = card.finding.location.span
@@ -38,7 +38,7 @@ def group_cards_by_file(cards: Sequence[FindingCard], model_file: str) -> list[F
 
 
 def classify_file(file: str, model_file: str) -> str:
-    """What a file is, in words; empty for no file."""
+    """Return what a file is to the model, in words; empty for no file."""
     if not file:
         return ""
     if _LAUNCH.search(file):

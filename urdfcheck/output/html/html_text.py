@@ -16,17 +16,17 @@ _CODE = re.compile(r"`([^`\n]+)`")
 
 
 def escape_html(text: str) -> str:
-    """``text`` safe between tags and in quoted attributes; control and direction-changing characters spelled out."""
+    """Make ``text`` safe between tags and in quoted attributes; control and invisible characters are escaped too."""
     return html.escape(escape_invisible(text))
 
 
 def render_prose(text: str) -> str:
-    """A message of a rule: plain text but for what stands in backticks."""
+    """Render the message of a rule: plain text, except that text in backticks is code."""
     return _CODE.sub(r"<code>\1</code>", escape_html(text))
 
 
 def shorten_message(text: str, most: int = 80) -> str:
-    """How a message begins: whole words of its first line, without code marks."""
+    """Shorten a message to the first whole words of its first line, without backticks."""
     line = " ".join(text.split("\n")[0].replace("`", "").split())
     if len(line) <= most:
         return line
@@ -34,7 +34,7 @@ def shorten_message(text: str, most: int = 80) -> str:
 
 
 def format_number(value: float | None, digits: int = 4) -> str:
-    """``digits`` significant digits with a true minus sign; powers of ten below 1e-4 and from 1e6 on."""
+    """Format ``digits`` significant digits with a true minus sign; powers of ten below 1e-4 and from 1e6 on."""
     if value is None:
         return NO_VALUE
     if not math.isfinite(value):
@@ -49,12 +49,12 @@ def format_number(value: float | None, digits: int = 4) -> str:
 
 
 def format_whole_number(value: float) -> str:
-    """A whole number with thin spaces between thousands."""
+    """Format a whole number with thin spaces between thousands."""
     return f"{value:,.0f}".replace(",", "\u202f").replace("-", "−")
 
 
 def format_millimetres(metres: float) -> str:
-    """Three decimals of a millimetre; what rounds to nothing is a plain 0."""
+    """Format a length in m as millimetres with three decimals; what rounds to zero is a plain 0."""
     if not math.isfinite(metres):
         return str(metres)
     text = _format_fixed(metres * 1000, 3)
@@ -62,13 +62,13 @@ def format_millimetres(metres: float) -> str:
 
 
 def _format_fixed(value: float, decimals: int) -> str:
-    """No minus sign on what rounds to zero."""
+    """Format decimals without a minus sign on what rounds to zero."""
     text = f"{value:.{decimals}f}"
     return text.replace("-", "" if float(text) == 0 else "−")
 
 
 def format_scaled(values: tuple[float, ...], digits: int = 4) -> tuple[list[str], str]:
-    """Values that share one power of ten (a multiple of three), so that they can be compared down to a digit."""
+    """Format values with one power of ten (a multiple of three) for all, so that their digits can be compared."""
     largest = max((abs(v) for v in values if math.isfinite(v)), default=0.0)
     power = 0 if largest == 0 or 0.1 <= largest < 1e4 else 3 * math.floor(math.log10(largest) / 3)
     decimals = max(0, digits - 1 - math.floor(math.log10(largest * 10.0**-power))) if largest > 0 else 0
@@ -77,6 +77,6 @@ def format_scaled(values: tuple[float, ...], digits: int = 4) -> tuple[list[str]
 
 
 def render_path(path: str, args: Mapping[str, str] = MappingProxyType({})) -> str:
-    """A file, with the arguments that it was expanded with; it is broken between its folders where it is too long."""
-    given = "".join(f" <code>{escape_html(k)}:={escape_html(v)}</code>" for k, v in args.items())
-    return f'<p class="path"><code>{escape_html(path).replace("/", "/<wbr>")}</code>{given}</p>'
+    """Render a file and the arguments that it was expanded with; a long path may break between its folders."""
+    arguments = "".join(f" <code>{escape_html(name)}:={escape_html(value)}</code>" for name, value in args.items())
+    return f'<p class="path"><code>{escape_html(path).replace("/", "/<wbr>")}</code>{arguments}</p>'

@@ -1,6 +1,7 @@
-"""The page about an audit of many models: numbers, a table of the rules, and a row for each model.
+"""The index page of many models: numbers, a table of the rules, and a row for each model.
 
-It is written piece by piece, so that no more than a row is held. Without its script, which sorts and filters, it says the same.
+It is written piece by piece, so that memory holds one row at a time. Its script sorts and filters; without it the page has the
+same content.
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ from urdfcheck.output.shared.audit.unit_lines import AuditSummary, RuleCount, Un
 from urdfcheck.output.shared.inert import escape_for_html
 from urdfcheck.output.shared.wording import SEVERITY_ORDER, get_base_name
 
-# So many rules are named in a model's row; all of them are found by the filter.
+# Rules named in a model's row; the filter finds all of them.
 MOST_CODES = 6
-# So many models stand in a table of the worst, if there are more than these at all.
+# Rows of the table of the worst models, which only an audit of more models has.
 MOST_WORST = 10
 _SENTENCE = re.compile(r".{40,}?[.:](?=\s+[A-Z])", re.DOTALL)
 _KINDS = (("model", "Models"), ("launch", "Launch files"), ("package", "Packages"))
@@ -31,36 +32,38 @@ _KINDS = (("model", "Models"), ("launch", "Launch files"), ("package", "Packages
 def iter_audit_page(
     summary: AuditSummary,
     rows: Iterable[UnitRow],
+    *,
     rules: Mapping[str, Rule],
     version: str,
     links: Mapping[str, str] = MappingProxyType({}),
 ) -> Iterator[str]:
-    """The document in pieces of whole lines. It is the same for equal summaries and rows. ``links``: the files with the pages
-    about single units, by their ids."""
-    return map(escape_for_html, _iter_page_pieces(summary, rows, rules, version, links))
+    """Yield the document in pieces of whole lines, which are the same for equal summaries and rows.
+
+    ``links``: the files with the pages about single units, by the id of the unit."""
+    return map(escape_for_html, _iter_page_pieces(summary, rows, rules=rules, version=version, links=links))
 
 
 def render_run_index(run: Run, parts: Sequence[ReportPart], file_names: Sequence[str]) -> str:
-    """The document for the parts of a run that have pages of these names."""
-    rows = [*map(_build_unit_row, parts), parse_unit_line(build_unit_line("run", "", "", None, (), (), run.failures))]
+    """Render the index of the parts of a run, which have pages of these names."""
+    run_row = parse_unit_line(build_unit_line("run", "", "", failures=run.failures))
+    rows = [*map(_build_unit_row, parts), run_row]
     links = {_identify_part(part): name for part, name in zip(parts, file_names, strict=True)}
-    return "".join(
-        iter_audit_page(AuditSummary.from_rows(rows), rows, run.rules, run.versions.get("urdfcheck", ""), links)
-    )
+    version = run.versions.get("urdfcheck", "")
+    return "".join(iter_audit_page(AuditSummary.from_rows(rows), rows, rules=run.rules, version=version, links=links))
 
 
 def _build_unit_row(part: ReportPart) -> UnitRow:
-    kind = (
-        "model"
-        if part.info
-        else "launch"
-        if classify_file(part.path, "") == LAUNCH_FILE
-        else "package"
-        if part.path
-        else "other"
-    )
     findings = [card.finding for card in part.cards]
-    return parse_unit_line(build_unit_line(kind, _identify_part(part), part.path, part.info, findings, (), ()))
+    line = build_unit_line(_classify_part(part), _identify_part(part), part.path, info=part.info, findings=findings)
+    return parse_unit_line(line)
+
+
+def _classify_part(part: ReportPart) -> str:
+    if part.info:
+        return "model"
+    if classify_file(part.path, "") == LAUNCH_FILE:
+        return "launch"
+    return "package" if part.path else "other"
 
 
 def _identify_part(part: ReportPart) -> str:
@@ -68,7 +71,12 @@ def _identify_part(part: ReportPart) -> str:
 
 
 def _iter_page_pieces(
-    summary: AuditSummary, rows: Iterable[UnitRow], rules: Mapping[str, Rule], version: str, links: Mapping[str, str]
+    summary: AuditSummary,
+    rows: Iterable[UnitRow],
+    *,
+    rules: Mapping[str, Rule],
+    version: str,
+    links: Mapping[str, str],
 ) -> Iterator[str]:
     title = f"{format_whole_number(summary.kinds['model'])} model{'' if summary.kinds['model'] == 1 else 's'}"
     style, script = read_style_sheet() + read_asset("index.css"), read_asset("index.js")
@@ -80,7 +88,7 @@ def _iter_page_pieces(
 <main id="content">
 {_render_failures(summary)}{_render_unchecked(summary)}{_render_worst_models(summary, links)}
 """
-    # Who has pages to go to looks for them first; who has thousands of models, for what is common to them.
+    # With pages to open, the models come first; an audit of thousands of models begins with what they have in common.
     if not links:
         yield _render_rules_table(summary, rules)
     yield from _iter_models_table(summary, rows, links)
@@ -94,11 +102,7 @@ def _iter_page_pieces(
 
 def _render_header(summary: AuditSummary, title: str, version: str) -> str:
     kind, verdict = _summarize_verdict(summary)
-    tiles = "".join(
-        f'<li class="tile {s}{"" if summary.counts[s] else " none"}">{render_glyph(s)} <b>{format_whole_number(summary.counts[s])}</b> '
-        f"{pluralize_severity(summary.counts[s], s)}</li>"
-        for s in SEVERITY_ORDER
-    )
+    tiles = "".join(_render_severity_tile(severity, summary.counts[severity]) for severity in SEVERITY_ORDER)
     facts = [(name, format_whole_number(summary.kinds[kind])) for kind, name in _KINDS if summary.kinds[kind]]
     facts += [
         (escape_html(status.capitalize()), format_whole_number(n)) for status, n in sorted(summary.statuses.items())
@@ -112,7 +116,15 @@ def _render_header(summary: AuditSummary, title: str, version: str) -> str:
     )
 
 
+def _render_severity_tile(severity: Severity, count: int) -> str:
+    return (
+        f'<li class="tile {severity}{"" if count else " none"}">{render_glyph(severity)} '
+        f"<b>{format_whole_number(count)}</b> {pluralize_severity(count, severity)}</li>"
+    )
+
+
 def _summarize_verdict(summary: AuditSummary) -> tuple[str, str]:
+    """Return the verdict on an audit: error | warning | ok, and a sentence without its full stop."""
     unread = summary.kinds["model"] - summary.statuses["checked"]
     if summary.failure_count:
         return "error", "Not finished: a part of urdfcheck itself failed, so this verdict is incomplete"
@@ -156,30 +168,30 @@ def _render_worst_models(summary: AuditSummary, links: Mapping[str, str]) -> str
     if len(summary.worst) < 2 or summary.unit_count <= MOST_WORST:
         return ""
     rows = (_render_model_row(row, links) for row in summary.worst[:MOST_WORST])
-    return "".join(_iter_table("worst", "Worst models", _MODEL_HEAD, rows))
+    return "".join(_iter_table("worst", "Worst models", head=_MODEL_HEAD, rows=rows))
 
 
 def _render_rules_table(summary: AuditSummary, rules: Mapping[str, Rule]) -> str:
     if not summary.rules:
         return ""
-    head = _render_table_head(
-        ("Rule", ""), ("Severity", ""), ("Findings", "num"), ("Models", "num"), ("What it checks", "")
-    )
-    known = (_render_rule_row(rules[code], count) for code, count in summary.rank_rules() if code in rules)
-    return "".join(_iter_table("rules", "Rules", head, known, "sortable"))
+    rows = (_render_rule_row(rules[code], count) for code, count in summary.rank_rules() if code in rules)
+    return "".join(_iter_table("rules", "Rules", head=_RULE_HEAD, rows=rows, css_class="sortable"))
 
 
 def _render_rule_row(rule: Rule, count: RuleCount) -> str:
     severity = count.severity
+    code = escape_html(rule.code)
+    summary = render_inline(_extract_first_sentence(rule.summary))
     return (
-        f'<tr class="{severity}"><th scope="row"><a href="#models" data-find="{escape_html(rule.code)}"><code>{escape_html(rule.code)}</code>'
-        f'</a> {escape_html(rule.name)}</th><td class="mark" data-v="{int(severity)}">{render_glyph(severity)} {severity}</td>'
-        f"{_render_count_cell(count.findings)}{_render_count_cell(count.units)}<td>{render_inline(_extract_first_sentence(rule.summary))}</td></tr>\n"
+        f'<tr class="{severity}"><th scope="row"><a href="#models" data-find="{code}"><code>{code}</code></a> '
+        f"{escape_html(rule.name)}</th>"
+        f'<td class="mark" data-v="{int(severity)}">{render_glyph(severity)} {severity}</td>'
+        f"{_render_count_cell(count.findings)}{_render_count_cell(count.units)}<td>{summary}</td></tr>\n"
     )
 
 
 def _extract_first_sentence(text: str) -> str:
-    """The first one, where that says enough to be one."""
+    """Return the first sentence if it is long enough to stand alone, else the whole text."""
     return text[: match.end()].rstrip() if (match := _SENTENCE.match(text)) else text
 
 
@@ -191,7 +203,7 @@ def _iter_models_table(summary: AuditSummary, rows: Iterable[UnitRow], links: Ma
         '<p role="status" id="shown"></p></div>'
     )
     shown = (_render_model_row(row, links) for row in rows if row.kind != "run")
-    yield from _iter_table("models", "Models", _MODEL_HEAD, shown, "sortable", tools)
+    yield from _iter_table("models", "Models", head=_MODEL_HEAD, rows=shown, css_class="sortable", tools=tools)
 
 
 def _render_model_row(row: UnitRow, links: Mapping[str, str]) -> str:
@@ -223,23 +235,36 @@ def _render_count_cell(value: int, severity: str = "") -> str:
     return f'<td class="num{tone}" data-v="{value}">{format_whole_number(value) if value else "0"}</td>'
 
 
-def _render_table_head(*columns: tuple[str, str]) -> str:
-    cells = "".join(f'<th scope="col"{f" class={kind}" if kind else ""}>{name}</th>' for name, kind in columns)
+def _render_table_head(columns: Mapping[str, str]) -> str:
+    """Render the head of a table; ``columns``: the class of each column by its title."""
+    cells = "".join(
+        f'<th scope="col"{f" class={css_class}" if css_class else ""}>{title}</th>'
+        for title, css_class in columns.items()
+    )
     return f"<tr>{cells}</tr>"
 
 
+_RULE_HEAD = _render_table_head({"Rule": "", "Severity": "", "Findings": "num", "Models": "num", "What it checks": ""})
 _MODEL_HEAD = _render_table_head(
-    *(("Model", ""), ("Errors", "num"), ("Warnings", "num"), ("Info", "num"), ("Rules", "")),
-    *(("Status", ""), ("Links", "num"), ("Mass <small>kg</small>", "num")),
+    {
+        "Model": "",
+        "Errors": "num",
+        "Warnings": "num",
+        "Info": "num",
+        "Rules": "",
+        "Status": "",
+        "Links": "num",
+        "Mass <small>kg</small>": "num",
+    }
 )
 
 
 def _iter_table(
-    name: str, title: str, head: str, rows: Iterable[str], kind: str = "", tools: str = ""
+    name: str, title: str, *, head: str, rows: Iterable[str], css_class: str = "", tools: str = ""
 ) -> Iterator[str]:
     yield (
         f'<section id="{name}"><h2>{title}</h2>{tools}<div class="scroll" role="group" tabindex="0" aria-label="{title}">'
-        f'<table class="{kind}"><thead>{head}</thead><tbody>\n'
+        f'<table class="{css_class}"><thead>{head}</thead><tbody>\n'
     )
     yield from rows
     yield "</tbody></table></div></section>\n"

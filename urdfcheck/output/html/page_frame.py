@@ -1,4 +1,4 @@
-"""What every HTML page begins with: its head, security policy, style and scripts."""
+"""The head of every HTML page with its security policy, and the style and scripts of the package."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from urdfcheck.output.shared.inert import escape_for_html
 
 
 def render_document_head(title: str, style: str, scripts: Sequence[str] = ()) -> str:
-    """The beginning of a document up to its body; ``scripts`` are those that stand in it."""
+    """Render the beginning of a document up to its body; ``scripts``: the texts of all scripts in it."""
     return f"""<!doctype html>
 <html lang="en">
 <head>
@@ -29,9 +29,10 @@ def render_document_head(title: str, style: str, scripts: Sequence[str] = ()) ->
 
 
 def build_security_policy(style: str, scripts: Sequence[str] = ()) -> str:
-    """Nothing but this one style and these scripts: names from a file cannot bring scripts, pictures, styles or forms."""
+    """Build a policy that allows only this style and these scripts, so that names from a file cannot add any."""
     allowed = f" script-src {' '.join(map(_hash_for_policy, scripts))};" if scripts else ""
-    return f"default-src 'none'; style-src {_hash_for_policy(style)};{allowed} img-src data:; base-uri 'none'; form-action 'none'"
+    style_source = _hash_for_policy(style)
+    return f"default-src 'none'; style-src {style_source};{allowed} img-src data:; base-uri 'none'; form-action 'none'"
 
 
 def _hash_for_policy(text: str) -> str:
@@ -40,15 +41,16 @@ def _hash_for_policy(text: str) -> str:
 
 @cache
 def read_style_sheet() -> str:
-    """The style of every page."""
+    """Read the style of every page."""
     return read_asset("style.css")
 
 
 @cache
 def read_page_script() -> str:
-    """Searches, filters and groups what is there."""
+    """Read the script that searches, filters and groups the findings."""
     return read_asset("page.js")
 
 
 def read_asset(name: str) -> str:
+    """Read a style or a script that stands beside the modules of this package."""
     return files("urdfcheck.output.html").joinpath(name).read_text(encoding="utf-8")

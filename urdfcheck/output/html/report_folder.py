@@ -19,18 +19,20 @@ _DEVICE = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\.|$)", re.IGNORECASE)
 
 
 def iter_report_pages(run: Run) -> Iterator[tuple[str, str]]:
-    """A report as files of one folder, each with its name: a page for each model and for what belongs to none, each with all
-    that concerns it, and last :data:`INDEX` with a row for each of them."""
+    """Yield the name and text of each file of a report in one folder.
+
+    There is a complete page for each part of the run, and last :data:`INDEX` with a row for each of them."""
     parts = collect_report_parts(run)
     names = make_unique_file_names(part.title for part in parts)
     for part, name in zip(parts, names, strict=True):
-        own = _restrict_run_to_part(run, part)
-        yield name, render_document(own, collect_report_parts(own), part.title, INDEX)
+        run_of_part = _restrict_run_to_part(run, part)
+        document = render_document(run_of_part, collect_report_parts(run_of_part), title=part.title, index_file=INDEX)
+        yield name, document
     yield INDEX, render_run_index(run, parts, names)
 
 
 def _restrict_run_to_part(run: Run, part: ReportPart) -> Run:
-    """What a run has found of one part."""
+    """Return the run with only the models, findings and drawings of one part."""
     name = part.path if part.info is None else part.info.id
     return replace(
         run,
@@ -43,7 +45,7 @@ def _restrict_run_to_part(run: Run, part: ReportPart) -> Run:
 
 
 def make_unique_file_names(titles: Iterable[str]) -> list[str]:
-    """A name for each, one that every file system takes: they differ in more than case, and none is a device of Windows."""
+    """Make a file name for each title that every file system accepts: unique ignoring case, and not a Windows device."""
     taken = {INDEX}
     used: Counter[str] = Counter()
     names = []

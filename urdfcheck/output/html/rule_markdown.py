@@ -12,7 +12,7 @@ _ITEM = re.compile(r"^(?:[-*+]|\d+[.)])\s+")
 
 
 def render_markdown(text: str) -> str:
-    """Paragraphs, lists, code blocks, tables as typed, inline code, emphasis; a link becomes its text and address."""
+    """Render paragraphs, lists, code blocks, tables as typed, inline code and emphasis; a link becomes its text and address."""
     return "\n".join(_render_block(block) for block in _split_blocks(text))
 
 
@@ -29,9 +29,8 @@ def _split_blocks(text: str) -> list[list[str]]:
         blocks[-1].append(line)
         if _FENCE.match(line) and not fenced:
             blocks.append([])
-    return [
-        kept for block in blocks if (kept := block if block and _FENCE.match(block[0]) else _drop_blank_lines(block))
-    ]
+    stripped = (block if block and _FENCE.match(block[0]) else _drop_blank_lines(block) for block in blocks)
+    return [block for block in stripped if block]
 
 
 def _drop_blank_lines(block: list[str]) -> list[str]:

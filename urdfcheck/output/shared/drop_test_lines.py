@@ -22,12 +22,12 @@ from urdfcheck.output.shared.drop_test_wording import (
 )
 from urdfcheck.output.shared.inert import escape_one_line
 
-# Links that are told of in one table.
+# Rows of a contact table.
 MOST_LINKS = 12
 
 
 def iter_drop_test_lines(drop_test: DropTest) -> Iterator[Text]:
-    """What came of it, as lines that are not wrapped yet."""
+    """Yield the setup and the outcome of a drop test, as lines that are not wrapped yet."""
     yield Text(
         f"let go for {SECONDS:g} s at a step of {1e3 * STEP:g} ms in {escape_one_line(drop_test.simulator)}", "bold"
     )
@@ -90,5 +90,5 @@ def _iter_stability_lines(curve: StabilityCurve) -> Iterator[Text]:
 
 
 def is_doubled_step(curve: StabilityCurve, index: int) -> bool:
-    """Whether a step is one of those that were tried first, not one between two of them."""
+    """Whether a step is a power of two times the smallest, and not one tried later between two of them."""
     return math.log2(curve.steps[index] / curve.steps[0]).is_integer()

@@ -10,24 +10,23 @@ from urdfcheck.output.shared.inert import escape_one_line
 
 
 def describe_drop_setup(drop_test: DropTest) -> list[str]:
-    """How it was set down, a sentence a line."""
+    """Describe how the robot was set down, a sentence a line."""
     shapes = "what it draws, for it collides with nothing" if drop_test.drawn else "its collision geometry"
     moving = " can move" if drop_test.fixed else ""
     root = f"root fixed ({escape_one_line(drop_test.fixed)})" if drop_test.fixed else "root free"
-    told = [
-        f"{drop_test.mass:.4g} kg{moving}, {root}; ground at z = {_format_metres(drop_test.ground)} m, the lowest point of {shapes}"
-    ]
+    ground = f"ground at z = {_format_metres(drop_test.ground)} m, the lowest point of {shapes}"
+    sentences = [f"{drop_test.mass:.4g} kg{moving}, {root}; {ground}"]
     if drop_test.unlimited:
-        told.append(f"held without limit, because the effort is 0 (JNT007): {_join_names(drop_test.unlimited)}")
+        sentences.append(f"held without limit, because the effort is 0 (JNT007): {_join_names(drop_test.unlimited)}")
     if drop_test.later is not None:
-        told.append(f"held for {LATE_SECONDS:g} s: {_describe_outcome(drop_test.later)}")
+        sentences.append(f"held for {LATE_SECONDS:g} s: {_describe_outcome(drop_test.later)}")
     if drop_test.held.saturated:
-        told.append(f"held with all their effort at the end: {_join_names(drop_test.held.saturated)}")
-    return told
+        sentences.append(f"held with all their effort at the end: {_join_names(drop_test.held.saturated)}")
+    return sentences
 
 
 def describe_reference_scales(drop_test: DropTest) -> str:
-    """What the numbers are measured by."""
+    """Describe the scales of the numbers: speed at rest, depth of a soft contact, energy."""
     return (
         f"At rest: below {_format_speed(drop_test.slow)}. Soft contacts sink in by about {1e3 * drop_test.soft:.2f} mm. "
         f"100 % is weight × size: {_format_energy(drop_test.mass * 9.81 * drop_test.size)} J."
@@ -35,7 +34,7 @@ def describe_reference_scales(drop_test: DropTest) -> str:
 
 
 def format_release_heading(release: ReleaseResult) -> str:
-    """What holds the joints."""
+    """Return what holds the joints in a release."""
     return "holding torques" if release.held else "no torques"
 
 
@@ -91,7 +90,7 @@ def _format_joint_sag(release: ReleaseResult) -> str:
     return f"{release.sag:.2g}" + (f" ({escape_one_line(release.sagging)})" if release.sag > 1e-3 else "")
 
 
-# Name of each outcome and how it is told.
+# Name of each outcome and how it is formatted.
 OUTCOMES = (
     ("outcome", _describe_outcome),
     ("speed at the end", _format_end_speed),
@@ -104,7 +103,7 @@ OUTCOMES = (
 
 
 def format_largest_stable_step(curve: StabilityCurve) -> str:
-    """The largest step, in words."""
+    """Return the largest stable time step in words."""
     if curve.largest_step is None:
         return f"below {1e3 * curve.steps[0]:g} ms"
     if curve.all_stable:
@@ -113,12 +112,12 @@ def format_largest_stable_step(curve: StabilityCurve) -> str:
 
 
 def describe_damping_scheme(curve: StabilityCurve) -> str:
-    """How damping is integrated."""
+    """Return how damping is integrated."""
     return "as MuJoCo steps" if curve.implicit else "as Bullet steps, damping taken before the step"
 
 
 def format_contact_cells(touching: GroundContact) -> tuple[str, ...]:
-    """Number of points, x, y and z in the root's frame, depth and load."""
+    """Return the number of points, x, y and z (m) in the root's frame, depth (mm) and load (N)."""
     x, y, _ = touching.place
     places = map(_format_metres, (x, y, touching.lowest))
     return str(touching.points), *places, f"{1e3 * touching.depth:.2f}", f"{touching.load:.4g}"
@@ -128,7 +127,7 @@ CONTACT_HEAD = ("points", "x, m", "y, m", "z, m", "deep, mm", "load, N")
 
 
 def has_equal_contacts(drop_test: DropTest) -> bool:
-    """Whether the tables of both would say the same."""
+    """Whether the contact tables of both releases would be equal."""
     free, held = (
         [(t.link, t.points, round(t.lowest, 4)) for t in r.touching] for r in (drop_test.free, drop_test.held)
     )

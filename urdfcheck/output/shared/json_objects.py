@@ -16,7 +16,7 @@ _SUBJECT = re.compile(r"^(?P<kind>[^/\[@]+)\[(?P<name>.*?)\](?=[/@]|$)", re.DOTA
 
 
 def build_model_object(info: ModelInfo) -> dict[str, Any]:
-    """A model as the schema describes it."""
+    """Build the schema's object of a model."""
     return {
         "path": info.path,
         "robot": info.robot,
@@ -31,12 +31,12 @@ def build_model_object(info: ModelInfo) -> dict[str, Any]:
 
 
 def build_skip_object(skip: SkippedCheck) -> dict[str, Any]:
-    """A skipped check as the schema describes it."""
+    """Build the schema's object of a skipped check."""
     return {"code": skip.code, "model": skip.model, "reason": skip.reason}
 
 
 def build_finding_object(finding: Finding, arguments: Mapping[str, str] = _NO_ARGUMENTS) -> dict[str, Any]:
-    """A finding as the schema describes it. ``arguments``: those that it takes to see it."""
+    """Build the schema's object of a finding. ``arguments``: the xacro arguments with which it appears."""
     location = None
     if finding.location.span is not None:
         location = {**_build_start(finding.location.span), **_build_end(finding.location.span)}
@@ -68,7 +68,7 @@ def build_finding_object(finding: Finding, arguments: Mapping[str, str] = _NO_AR
 
 
 def build_subject_object(subject: str) -> dict[str, str]:
-    """What a subject names, as the schema describes it."""
+    """Build the schema's object of a subject: the kind and name of its element, and its path."""
     match = _SUBJECT.match(subject)
     kind, name = (match["kind"], match["name"]) if match else (subject.split("/")[0].split("@")[0], "")
     return {"kind": kind, "name": name, "path": subject}
@@ -93,7 +93,7 @@ def _build_fix(fix: Fix) -> dict[str, Any]:
 
 
 def to_json_value(value: Any) -> Any:
-    """Numbers that JSON cannot hold become null; everything that is no JSON value becomes its text."""
+    """Convert to a JSON value: numbers that JSON cannot hold become null, and other objects become their text."""
     if isinstance(value, Mapping):
         return {str(k): to_json_value(v) for k, v in value.items()}
     if isinstance(value, (list, tuple, set, frozenset)):
@@ -106,7 +106,7 @@ def to_json_value(value: Any) -> Any:
 
 
 def build_drop_test_object(drop_test: DropTest) -> dict[str, Any]:
-    """A drop test as the schema describes it."""
+    """Build the schema's object of a drop test."""
     curves = [
         {**asdict(curve), "largest": curve.largest_step, "all_stable": curve.all_stable} for curve in drop_test.curves
     ]

@@ -1,4 +1,4 @@
-"""The kinematic tree as a Mermaid flowchart, as GitHub and GitLab draw it from Markdown."""
+"""The kinematic tree as a Mermaid flowchart, which GitHub and GitLab draw from Markdown."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from urdfcheck.output.shared.anchors import ElementKey, SeverityMark, build_find
 from urdfcheck.output.shared.inert import escape_one_line
 from urdfcheck.output.shared.kinematic_forest import LAUNCH, REPEATED, TreeEdge, TreeNode, build_forest
 
-# What Mermaid draws unless a site allows it more: characters, and edges.
+# Mermaid's default limits: characters of a chart, and edges.
 MOST_CHARACTERS = 50_000
 MOST_EDGES = 500
 LONGEST_NAME = 40
@@ -23,13 +23,13 @@ COLORS = {
     Severity.WARNING: ("#fff1c2", "#9a6700"),
     Severity.INFO: ("#ddf4ff", "#0969da"),
 }
-# Between quotes these stand for themselves; of anything else Mermaid might make more than a character.
+# Everything except these is written as a character code: Mermaid might interpret it even between quotes.
 _SPELLED = re.compile(r"[^\w ./,()-]", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
 class MermaidChart:
-    """A flowchart, and how many frames of the tree it has; ``of`` counts them all."""
+    """A flowchart with ``shown`` of the ``total`` frames of the tree."""
 
     text: str
     shown: int
@@ -37,8 +37,7 @@ class MermaidChart:
 
 
 def build_mermaid_chart(scene: Scene, findings: Iterable[Finding]) -> MermaidChart:
-    """The links and frames of a scene, each in the colour of its worst finding. Of a tree that is too large the frames next to
-    the root are drawn."""
+    """Draw the links and frames of a scene in the colours of their worst findings; of a large tree, those next to the root."""
     nodes = build_forest(scene)
     worst = compute_severity_marks(build_finding_cards(findings), scene.frames)
     styles = [
@@ -48,12 +47,12 @@ def build_mermaid_chart(scene: Scene, findings: Iterable[Finding]) -> MermaidCha
     left = MOST_CHARACTERS - sum(len(line) + 1 for line in lines)
     ids: dict[str, str] = {}
     edges = 0
-    for shown, place in enumerate(sorted(range(len(nodes)), key=lambda i: nodes[i].depth)):
-        added = _draw_node(nodes, place, ids, worst, edges)
+    for shown, index in enumerate(sorted(range(len(nodes)), key=lambda i: nodes[i].depth)):
+        added = _draw_node(nodes, index, ids=ids, worst=worst, edge_count=edges)
         left -= sum(len(line) + 1 for line in added)
-        if left < 0 or edges + (nodes[place].edge is not None) > MOST_EDGES:
+        if left < 0 or edges + (nodes[index].edge is not None) > MOST_EDGES:
             return MermaidChart(_join_lines(lines), shown, len(nodes))
-        edges += nodes[place].edge is not None
+        edges += nodes[index].edge is not None
         lines += added
     return MermaidChart(_join_lines(lines), len(nodes), len(nodes))
 
@@ -63,30 +62,35 @@ def _join_lines(lines: Sequence[str]) -> str:
 
 
 def _choose_direction(nodes: Sequence[TreeNode]) -> str:
-    """Downwards where the tree is deeper than it is wide: a page is as long as it must be."""
+    """Choose downwards for a tree that is deeper than it is wide: a page can grow in height, not in width."""
     leaves = sum(not node.children for node in nodes)
     return "TD" if leaves <= max((node.depth for node in nodes), default=0) + 1 else "LR"
 
 
 def _draw_node(
-    nodes: Sequence[TreeNode], index: int, ids: dict[str, str], worst: Mapping[ElementKey, SeverityMark], edges: int
+    nodes: Sequence[TreeNode],
+    index: int,
+    *,
+    ids: dict[str, str],
+    worst: Mapping[ElementKey, SeverityMark],
+    edge_count: int,
 ) -> list[str]:
-    """The lines of a node and of what leads to it. A link that is drawn already gets one more arrow, and no box."""
+    """Return the lines of a node and of the edge to it. A link drawn already gets another arrow and no second box."""
     node = nodes[index]
     lines = []
     if node.kind != REPEATED or node.name not in ids:
         ids.setdefault(node.name, f"n{index}")
-        element = node.edge.element if node.kind == LAUNCH and node.edge is not None else ("link", node.name)
+        element = node.edge.element_key if node.kind == LAUNCH and node.edge is not None else ("link", node.name)
         mark = worst.get(element)
         style = "" if mark is None else f":::{mark.severity}"
         lines.append(f'  {ids[node.name]}["{_format_sign(mark)}{format_label(node.name)}"]{style}')
     if node.edge is not None:
-        mark = worst.get(node.edge.element)
+        mark = worst.get(node.edge.element_key)
         arrow = "-->" if node.edge.is_joint else "-.->"
         parent = ids[nodes[node.parent].name]
         lines.append(f'  {parent} {arrow}|"{_format_sign(mark)}{_format_edge_label(node.edge)}"| {ids[node.name]}')
         if mark is not None:
-            lines.append(f"  linkStyle {edges} stroke:{COLORS[mark.severity][1]}")
+            lines.append(f"  linkStyle {edge_count} stroke:{COLORS[mark.severity][1]}")
     return lines
 
 
@@ -99,7 +103,7 @@ def _format_edge_label(edge: TreeEdge) -> str:
 
 
 def format_label(name: str) -> str:
-    """A name between quotes; the middle of a long one goes, because robots tell their links apart at both ends."""
+    """Format a name for use between quotes; a long one loses its middle, because names of links differ at both ends."""
     half = LONGEST_NAME // 2
     shown = name if len(name) <= LONGEST_NAME else f"{name[: half - 1]}…{name[-half:]}"
     return _SPELLED.sub(

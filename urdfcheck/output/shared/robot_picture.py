@@ -1,4 +1,4 @@
-"""The robot as a PNG, from its scene and without a browser: seen from the front, right and above, on a transparent ground."""
+"""A picture of the robot, drawn from its scene without a browser: front, right and above, on a transparent background."""
 
 from __future__ import annotations
 
@@ -17,50 +17,50 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-# How often each pixel is looked at along a side; how many pixels and rows of the triangles are filled at once, and at all: a
-# large robot has 5 million of them, and 50 million take two seconds.
+# Samples per pixel along each side; pixels and rows of triangles filled in one batch, and in all: a large robot has 5 million
+# of them, and 50 million take two seconds.
 _SUPERSAMPLING, _AT_ONCE, _MOST = 2, 2_000_000, 50_000_000
-# More triangles than any robot has, for a shape may be drawn many times.
+# More triangles than any robot has: a scene may draw one shape many times.
 _MOST_TRIANGLES = 1_000_000
-# Nothing is that large, and its square is still a number.
+# No robot is larger (m), and the square of this is still finite.
 _LARGEST = 1e60
 _DEFAULT_COLOR = (0.67, 0.71, 0.76)
-# Where the eye and the lamp are from the robot, which looks along x.
+# Directions from the robot, which faces along x, to the eye and the lamp.
 _EYE, _LAMP = (1.0, -0.9, 0.75), (0.35, -0.75, 1.0)
-# How bright a face is that no lamp reaches, and how much darker a line where one link ends before another.
+# Brightness of a face that the lamp does not reach, and of the outline where one link ends in front of another.
 _SHADE, _LINE_BRIGHTNESS = 0.42, 0.45
 _CORNERS = 32
 
 
 def render_scene(scene: Scene, width: int = 1200, height: int = 900) -> bytes:
-    """A robot with all joints at zero as ``width`` times ``height`` pixels; empty where nothing of it can be drawn."""
+    """Draw a robot with all joints at zero as a PNG of ``width`` x ``height`` pixels; empty if nothing of it can be drawn."""
     import numpy as np
 
-    found, left = [], _MOST_TRIANGLES
+    parts, left = [], _MOST_TRIANGLES
     for part in _iter_triangles(scene):
-        found.append(part)
+        parts.append(part)
         left -= len(part[0])
         if left < 0:
             return b""
-    if not found:
+    if not parts:
         return b""
-    corners = np.concatenate([triangles for triangles, _, _ in found])
-    sizes = [len(triangles) for triangles, _, _ in found]
-    colours = np.repeat([colour for _, colour, _ in found], sizes, axis=0)
-    links = np.repeat([link for _, _, link in found], sizes)
+    corners = np.concatenate([triangles for triangles, _, _ in parts])
+    sizes = [len(triangles) for triangles, _, _ in parts]
+    colours = np.repeat([colour for _, colour, _ in parts], sizes, axis=0)
+    links = np.repeat([link for _, _, link in parts], sizes)
     columns, rows = width * _SUPERSAMPLING, height * _SUPERSAMPLING
     if not len(corners) or not (np.abs(corners) < _LARGEST).all():
         return b""
     nearest = _rasterize_triangles(_project_to_view(corners, columns, rows), columns, rows)
     if nearest is None:
         return b""
-    # By the number of the triangle its colour, then the same in a line, and nothing at the end, which is number -1.
+    # Colours by the number of the triangle, then the same darker for outlines, and transparent for number -1 at the end.
     lit = np.column_stack((_shade_triangles(corners, colours) * 255, np.full(len(corners), 255)))
     table = np.concatenate(
         (lit, lit * (_LINE_BRIGHTNESS, _LINE_BRIGHTNESS, _LINE_BRIGHTNESS, 1), np.zeros((1, 4)))
     ).astype(np.uint8)
     link = np.append(links, -1).astype(np.int32)[nearest]
-    ends = np.zeros(link.shape, dtype=bool)  # where a link ends before another one or the ground
+    ends = np.zeros(link.shape, dtype=bool)  # where a link ends in front of another one or the background
     ends[1:] = link[1:] != link[:-1]
     ends[:, 1:] |= link[:, 1:] != link[:, :-1]
     nearest[ends & (nearest >= 0)] += len(corners)
@@ -68,7 +68,7 @@ def render_scene(scene: Scene, width: int = 1200, height: int = 900) -> bytes:
 
 
 def _downsample_pixels(fine: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Each pixel as the mean of those looked at, with as much opacity as there are robot among them."""
+    """Average the samples of each pixel; its opacity is the share of samples that hit the robot."""
     import numpy as np
 
     total = sum(
@@ -83,7 +83,7 @@ def _downsample_pixels(fine: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _iter_triangles(scene: Scene) -> Iterator[tuple[Array, tuple[float, ...], int]]:
-    """Corners (n, 3, 3) in the base frame, colour and the number of the link of each shape that is drawn."""
+    """Yield corners (n, 3, 3) in the base frame (m), colour and number of the link for each shape that is drawn."""
     import numpy as np
 
     roles = {shape.role for link in scene.links for shape in link.shapes}
@@ -92,7 +92,7 @@ def _iter_triangles(scene: Scene) -> Iterator[tuple[Array, tuple[float, ...], in
             continue
         world = np.array(link.world).reshape(4, 4)
         for shape in link.shapes:
-            # What collides is shown where nothing is drawn at all.
+            # Collision shapes are drawn only if the robot has no visual shape.
             if len(shape.pose) != 16 or not shape.size or (shape.role != "visual" and "visual" in roles):
                 continue
             pose = world @ np.array(shape.pose).reshape(4, 4)
@@ -108,21 +108,17 @@ def _iter_shape_triangles(scene: Scene, shape: SceneShape) -> Iterator[tuple[Arr
     if shape.file is not None:
         for part in scene.meshes[shape.file].drawings:
             low, high = np.array(part.low), np.array(part.high)
-            points, faces, _ = unpack_mesh(PackedMesh(part.data, part.vertices, part.faces, part.holes, low, high))
+            packed = PackedMesh(part.data, part.vertices, part.faces, part.holes, low, high)
+            points, faces, _ = unpack_mesh(packed)
             yield (points * shape.size)[faces], part.color
     elif shape.kind == "box":
-        yield (
-            _revolve_outline(4, [(0.0, 0.5), (math.sqrt(0.5), 0.5), (math.sqrt(0.5), -0.5), (0.0, -0.5)]) * shape.size,
-            None,
-        )
+        half_diagonal = math.sqrt(0.5)
+        outline = [(0.0, 0.5), (half_diagonal, 0.5), (half_diagonal, -0.5), (0.0, -0.5)]
+        yield _revolve_outline(4, outline) * shape.size, None
     elif shape.kind == "cylinder":
         radius, length = shape.size
-        yield (
-            _revolve_outline(
-                _CORNERS, [(0, length / 2), (radius, length / 2), (radius, -length / 2), (0, -length / 2)]
-            ),
-            None,
-        )
+        outline = [(0, length / 2), (radius, length / 2), (radius, -length / 2), (0, -length / 2)]
+        yield _revolve_outline(_CORNERS, outline), None
     elif shape.kind in ("sphere", "capsule"):
         radius, length = shape.size[0], shape.size[1] if shape.kind == "capsule" else 0.0
         turns = [math.pi * k / 16 for k in range(17)]
@@ -132,7 +128,7 @@ def _iter_shape_triangles(scene: Scene, shape: SceneShape) -> Iterator[tuple[Arr
 
 
 def _revolve_outline(corners: int, outline: list[tuple[float, float]]) -> Array:
-    """The triangles of an outline of (radius, z) turned about z in so many steps."""
+    """Return the triangles (n, 3, 3) of an outline of (radius, z), turned about z in ``corners`` steps."""
     import numpy as np
 
     angles = (np.arange(corners) + 0.5) * 2 * np.pi / corners
@@ -143,22 +139,22 @@ def _revolve_outline(corners: int, outline: list[tuple[float, float]]) -> Array:
 
 
 def _project_to_view(corners: Array, columns: int, rows: int) -> Array:
-    """Corners as column, row and depth from the eye, so that the robot fills the picture."""
+    """Project corners (n, 3, 3) to column, row and depth from the eye, so that the robot fills the picture."""
     import numpy as np
 
     towards = np.array(_EYE) / np.linalg.norm(_EYE)
     right = np.cross((0, 0, 1), towards)
     right /= np.linalg.norm(right)
-    seen = corners @ np.column_stack((right, -np.cross(towards, right), -towards))
-    low, high = seen.reshape(-1, 3).min(axis=0), seen.reshape(-1, 3).max(axis=0)
+    in_view = corners @ np.column_stack((right, -np.cross(towards, right), -towards))
+    low, high = in_view.reshape(-1, 3).min(axis=0), in_view.reshape(-1, 3).max(axis=0)
     scale = 0.94 * min(columns / max(high[0] - low[0], 1e-9), rows / max(high[1] - low[1], 1e-9))
-    moved: Array = (seen - (low + high) / 2) * scale
+    moved: Array = (in_view - (low + high) / 2) * scale
     moved[..., :2] += (columns / 2, rows / 2)
     return moved
 
 
 def _shade_triangles(corners: Array, colours: Array) -> Array:
-    """The colour of each triangle under the lamp, lit as if it were turned to the eye: a mesh may be inside out."""
+    """Compute the colour of each triangle under the lamp, as if it faced the eye: a mesh may be inside out."""
     import numpy as np
 
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -169,31 +165,31 @@ def _shade_triangles(corners: Array, colours: Array) -> Array:
     return lit
 
 
-def _rasterize_triangles(seen: Array, columns: int, rows: int) -> NDArray[np.int64] | None:
-    """The triangle that is nearest to the eye at each pixel (rows, columns), -1 where none is; None where it would take too long.
+def _rasterize_triangles(view: Array, columns: int, rows: int) -> NDArray[np.int64] | None:
+    """Find the triangle nearest to the eye at each pixel (rows, columns), -1 for none; None if it would take too long.
 
-    Each triangle is cut into the rows of pixels that it covers, each row into pixels: where the middle of a pixel lies inside.
+    Each triangle is cut into the rows of pixels that it covers, and each row into the pixels whose middle lies inside.
     """
     import numpy as np
 
-    a, b, c = np.moveaxis(seen, 1, 0)
+    a, b, c = np.moveaxis(view, 1, 0)
     normal = np.cross(b - a, c - a)
     flat = np.abs(normal[:, 2]) < 1e-9
     # Depth is linear over a triangle.
     slope = -normal[:, :2] / np.where(flat, 1, normal[:, 2])[:, None]
-    top, end = (np.ceil(f(seen[..., 1], axis=1) - 0.5).astype(np.int64).clip(0, rows) for f in (np.min, np.max))
+    top, end = (np.ceil(f(view[..., 1], axis=1) - 0.5).astype(np.int64).clip(0, rows) for f in (np.min, np.max))
     heights = np.where(flat, 0, end - top)
-    depth_low, depth_high = seen[..., 2].min(), seen[..., 2].max()
+    depth_low, depth_high = view[..., 2].min(), view[..., 2].max()
     unit = (2**30 - 1) / max(depth_high - depth_low, 1e-9)
     best = np.full(rows * columns, np.iinfo(np.int64).max)
     covered = np.cumsum(np.where(flat, 0, np.abs(normal[:, 2]) / 2 + heights))
     if covered[-1] > _MOST:
         return None
     groups = np.searchsorted(covered, np.arange(0, covered[-1] + _AT_ONCE, _AT_ONCE))
-    for first, last in zip(groups, [*groups[1:], len(seen)], strict=True):
+    for first, last in zip(groups, [*groups[1:], len(view)], strict=True):
         number = np.repeat(np.arange(first, last), heights[first:last])
         row = _number_within_groups(heights[first:last]) + top[number]
-        ends = _intersect_scanlines(seen[number], row + 0.5)
+        ends = _intersect_scanlines(view[number], row + 0.5)
         left, right = (np.ceil(e - 0.5).astype(np.int64).clip(0, columns) for e in ends)
         widths = np.maximum(right - left, 0)
         column = _number_within_groups(widths) + np.repeat(left, widths)
@@ -210,14 +206,14 @@ def _rasterize_triangles(seen: Array, columns: int, rows: int) -> NDArray[np.int
 
 
 def _number_within_groups(counts: NDArray[np.int64]) -> NDArray[np.int64]:
-    """0, 1, … below each count, one after the other."""
+    """Return 0, 1, … up to each count, one group after the other."""
     import numpy as np
 
     return np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
 def _intersect_scanlines(corners: Array, y: Array) -> tuple[Array, Array]:
-    """Where lines at ``y`` enter and leave the triangles."""
+    """Return the x at which the lines at ``y`` enter and leave the triangles; 0 and 0 if they miss."""
     import numpy as np
 
     left, right = np.full(len(y), np.inf), np.full(len(y), -np.inf)
@@ -230,7 +226,7 @@ def _intersect_scanlines(corners: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _encode_png(pixels: NDArray[np.uint8]) -> bytes:
-    """A PNG (ISO/IEC 15948) of red, green, blue and opacity, each row as the differences to the row above."""
+    """Encode a PNG (ISO/IEC 15948) of red, green, blue and opacity, each row as the differences to the row above."""
     import numpy as np
 
     height, width, _ = pixels.shape

@@ -8,25 +8,27 @@ from dataclasses import dataclass, field
 from urdfcheck.core import Applicability, Finding, Severity
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, kw_only=True)
 class RuleSeverityCount:
-    """What the findings of one rule and severity come to. ``models``: the ids of those that show one; ``fixable``: how many of
-    them urdfcheck can repair, with or without --unsafe-fixes."""
+    """The findings of one rule and severity, counted."""
 
     code: str
     name: str
     severity: Severity
     findings: int = 0
     models: set[str] = field(default_factory=set)
+    """Ids of the models that show a finding."""
     fixable: int = 0
+    """Number of findings that urdfcheck can repair, with or without --unsafe-fixes."""
 
 
 def count_by_rule(findings: Iterable[Finding]) -> list[RuleSeverityCount]:
-    """The findings by rule and severity, the worst and then the most common first."""
+    """Count the findings by rule and severity, the worst and then the most common first."""
     counts: dict[tuple[str, Severity], RuleSeverityCount] = {}
     for finding in findings:
         key = finding.code, finding.severity
-        count = counts.setdefault(key, RuleSeverityCount(finding.code, finding.name, finding.severity))
+        new_count = RuleSeverityCount(code=finding.code, name=finding.name, severity=finding.severity)
+        count = counts.setdefault(key, new_count)
         count.findings += 1
         count.models.update(finding.variants or (finding.model,))
         count.fixable += (
@@ -36,7 +38,7 @@ def count_by_rule(findings: Iterable[Finding]) -> list[RuleSeverityCount]:
 
 
 def format_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """Columns as wide as they must be: words to the left, numbers to the right."""
+    """Yield the lines of a table whose columns fit their cells: words to the left, numbers to the right."""
     widths = [max(len(row[column]) for row in (head, *rows)) for column in range(len(head))]
     numbers = [all(row[column].replace(",", "").isdigit() for row in rows) for column in range(len(head))]
     for row in (head, *rows):

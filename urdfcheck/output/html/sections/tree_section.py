@@ -48,6 +48,6 @@ def _render_list_item(node: TreeNode, nodes: Sequence[TreeNode], marks: Mapping[
         return text
     parent = f"<code>{escape_html(nodes[node.parent].name)}</code>"
     if not node.edge.is_joint:
-        return f"{text}, placed on {parent} by a launch file" + render_mark_link(marks.get(node.edge.element))
-    joint = f"<code{render_data_attribute(node.edge.element)}>{escape_html(node.edge.name)}</code> ({escape_html(node.edge.kind)})"
-    return f"{text}, on {parent} by joint {joint}" + render_mark_link(marks.get(node.edge.element))
+        return f"{text}, placed on {parent} by a launch file" + render_mark_link(marks.get(node.edge.element_key))
+    joint = f"<code{render_data_attribute(node.edge.element_key)}>{escape_html(node.edge.name)}</code> ({escape_html(node.edge.kind)})"
+    return f"{text}, on {parent} by joint {joint}" + render_mark_link(marks.get(node.edge.element_key))

@@ -29,7 +29,7 @@ def draw_tree(nodes: Sequence[TreeNode], marks: Mapping[ElementKey, SeverityMark
     for node, box in zip(nodes, boxes, strict=True):
         if node.edge is not None:
             parent = boxes[node.parent]
-            mark = marks.get(node.edge.element)
+            mark = marks.get(node.edge.element_key)
             order = mark.severity if mark is not None else 0 if node.edge.is_joint else -1
             edges.append((order, _draw_edge(node.edge, parent, box, is_layered, mark)))
             items.append(_draw_label(node.edge, parent, box, is_layered, mark))
@@ -55,7 +55,7 @@ def _find_node_mark(node: TreeNode, marks: Mapping[ElementKey, SeverityMark]) ->
     if link is not None:
         return marks.get(link)
     # A frame that a launch file makes is as good as the transform that makes it.
-    return marks.get(node.edge.element) if node.kind == LAUNCH and node.edge is not None else None
+    return marks.get(node.edge.element_key) if node.kind == LAUNCH and node.edge is not None else None
 
 
 def _draw_edge(edge: TreeEdge, parent: TreeBox, child: TreeBox, is_layered: bool, mark: SeverityMark | None) -> str:
@@ -110,7 +110,7 @@ def _draw_label(edge: TreeEdge, parent: TreeBox, box: TreeBox, is_layered: bool,
     what = f"joint {edge.name}, {edge.kind}" if edge.is_joint else "static transform of a launch file"
     kind = _get_edge_class(edge, mark).replace("edge ", "label ")
     drawn = (
-        f'<g class="{kind}"{render_data_attribute(edge.element)} fill="currentColor" font-size="11">'
+        f'<g class="{kind}"{render_data_attribute(edge.element_key)} fill="currentColor" font-size="11">'
         f"<title>{escape_html(_format_tooltip(what, mark))}</title>{sign}{text}</g>"
     )
     return drawn if mark is None else f'<a href="#{mark.anchor}">{drawn}</a>'

@@ -1,4 +1,4 @@
-"""The outcome of an audit for a terminal: its rules, its worst models, and what could not be checked, a line each."""
+"""The summary of an audit for a terminal: rules, worst models, and what could not be checked, a line each."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from urdfcheck.output.shared.inert import escape_for_log, escape_one_line
 from urdfcheck.output.shared.rule_statistics import format_table
 from urdfcheck.output.shared.wording import SEVERITY_ORDER
 
-# So many of the worst models: the page beside the lines has them all.
+# Worst models shown; the index page shows all.
 MOST_WORST = 10
 
 
 def render_audit_summary(summary: AuditSummary, rules: Mapping[str, Rule]) -> str:
-    """The summary as text, with a newline at the end."""
+    """Render the summary as text, with a newline at the end."""
     return "".join(f"{escape_for_log(line).rstrip()}\n" for line in _iter_lines(summary, rules))
 
 

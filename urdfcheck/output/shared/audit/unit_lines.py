@@ -1,4 +1,4 @@
-"""One line of JSON for each unit of an audit: the object of ``audit.schema.json``, and what is counted over all of them."""
+"""One line of JSON for each unit of an audit, the object of ``audit.schema.json``, and the counts over all lines."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from urdfcheck.output.shared.inert import escape_for_json
 from urdfcheck.output.shared.json_objects import build_finding_object, build_model_object, build_skip_object
 
 SCHEMA = "urdfcheck-audit/1"
-# So many of the worst models, and of those that something went wrong with, are named.
+# Names kept of each list: the worst models, the models that could not be checked, the failures.
 MOST_NAMED = 20
 
 
@@ -21,13 +21,14 @@ def build_unit_line(
     kind: str,
     name: str,
     path: str,
-    info: ModelInfo | None,
-    findings: Sequence[Finding],
-    skipped: Sequence[SkippedCheck],
-    failures: Sequence[str],
+    *,
+    info: ModelInfo | None = None,
+    findings: Sequence[Finding] = (),
+    skipped: Sequence[SkippedCheck] = (),
+    failures: Sequence[str] = (),
 ) -> bytes:
-    """A unit's line, without a newline. ``kind``: model | launch | package, or run for what belongs to no unit."""
-    found = {
+    """Build the line of a unit, without a newline. ``kind``: model | launch | package, or run for what belongs to no unit."""
+    record = {
         "schema": SCHEMA,
         "unit": {"kind": kind, "id": name, "path": path},
         "model": None if info is None else build_model_object(info),
@@ -35,100 +36,111 @@ def build_unit_line(
         "skipped": [build_skip_object(skip) for skip in skipped],
         "failures": list(failures),
     }
-    return escape_for_json(json.dumps(found, ensure_ascii=False, allow_nan=False)).encode()
+    return escape_for_json(json.dumps(record, ensure_ascii=False, allow_nan=False)).encode()
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class UnitRow:
-    """What the summary tells of a unit. ``status``: checked | needs-arguments | failed | stopped; ``codes``: the rules that
-    fired with the worst severity and the number of findings of each, the worst first."""
+    """A unit of an audit, as the summary and the index page show it."""
 
     kind: str
+    """model | launch | package | run | other"""
     id: str
     path: str
-    robot: str
+    robot: str = ""
     status: str
-    links: int
-    joints: int
-    mass: float | None
-    counts: tuple[int, int, int]
-    codes: tuple[tuple[str, Severity, int], ...]
-    failures: tuple[str, ...]
+    """checked | needs-arguments | failed | stopped"""
+    links: int = 0
+    joints: int = 0
+    mass: float | None = None
+    """In kg; None if unknown."""
+    counts: tuple[int, int, int] = (0, 0, 0)
+    """Findings that are errors, warnings and information."""
+    codes: tuple[tuple[str, Severity, int], ...] = ()
+    """Each rule that fired with its worst severity and its number of findings, the worst first."""
+    failures: tuple[str, ...] = ()
+    """What failed in urdfcheck itself."""
 
 
 def parse_unit_line(text: bytes) -> UnitRow:
-    """A line's row."""
-    found = json.loads(text)
-    unit, model = found["unit"], found["model"] or {}
+    """Parse the line of a unit into its row."""
+    record = json.loads(text)
+    unit, model = record["unit"], record["model"] or {}
     rules: dict[str, tuple[Severity, int]] = {}
     counts: Counter[Severity] = Counter()
-    for finding in found["findings"]:
+    for finding in record["findings"]:
         if finding["suppressed"] is None:
             severity = Severity.parse(finding["severity"])
             worst, number = rules.get(finding["code"], (severity, 0))
             rules[finding["code"]] = max(worst, severity), number + 1
             counts[severity] += 1
-    codes = sorted(((code, *found) for code, found in rules.items()), key=lambda rule: (-rule[1], -rule[2], rule[0]))
+    codes = sorted(((code, *fired) for code, fired in rules.items()), key=lambda rule: (-rule[1], -rule[2], rule[0]))
+    default_status = "failed" if record["failures"] else "checked"
     return UnitRow(
-        unit["kind"],
-        unit["id"],
-        unit["path"],
-        model.get("robot", ""),
-        "stopped" if "URC906" in rules else model.get("status", "failed" if found["failures"] else "checked"),
-        model.get("links", 0),
-        model.get("joints", 0),
-        model.get("mass"),
-        (counts[Severity.ERROR], counts[Severity.WARNING], counts[Severity.INFO]),
-        tuple(codes),
-        tuple(found["failures"]),
+        kind=unit["kind"],
+        id=unit["id"],
+        path=unit["path"],
+        robot=model.get("robot", ""),
+        status="stopped" if "URC906" in rules else model.get("status", default_status),
+        links=model.get("links", 0),
+        joints=model.get("joints", 0),
+        mass=model.get("mass"),
+        counts=(counts[Severity.ERROR], counts[Severity.WARNING], counts[Severity.INFO]),
+        codes=tuple(codes),
+        failures=tuple(record["failures"]),
     )
 
 
 @dataclass(slots=True)
 class RuleCount:
-    """How often a rule fired, in how many units, and how bad it was at worst."""
+    """Number of findings of a rule, number of units with one, and the worst severity."""
 
     findings: int = 0
     units: int = 0
     severity: Severity = Severity.INFO
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, kw_only=True)
 class AuditSummary:
-    """All units of an audit in numbers; of names no more than `MOST_NAMED` of each list. ``erroneous`` counts the models with
-    errors, ``failed`` the failures of urdfcheck itself."""
+    """All units of an audit in numbers; each list holds at most `MOST_NAMED` entries."""
 
     kinds: Counter[str] = field(default_factory=Counter)
+    """Units by kind."""
     statuses: Counter[str] = field(default_factory=Counter)
+    """Models by status."""
     counts: Counter[Severity] = field(default_factory=Counter)
+    """Findings by severity."""
     rules: dict[str, RuleCount] = field(default_factory=dict)
+    """The rules that fired, by code."""
     worst: list[UnitRow] = field(default_factory=list)
+    """The units with the most errors and warnings, the worst first."""
     unchecked: list[tuple[str, str]] = field(default_factory=list)
+    """Id and status of models that could not be checked."""
     failures: list[str] = field(default_factory=list)
+    """What failed in urdfcheck itself."""
     models_with_errors: int = 0
     failure_count: int = 0
+    """Number of failures of urdfcheck itself, those not listed included."""
 
     @classmethod
     def from_rows(cls, rows: Iterable[UnitRow]) -> AuditSummary:
-        """Count the rows."""
+        """Count the rows in one pass."""
         summary = cls()
 
         def iter_counted_rows() -> Iterator[UnitRow]:
-            for found in rows:
-                summary._add_row(found)
-                if found.kind != "run":
-                    yield found
+            for row in rows:
+                summary._add_row(row)
+                if row.kind != "run":
+                    yield row
 
         # nsmallest holds no more rows than it returns.
-        worst = heapq.nsmallest(
-            MOST_NAMED, iter_counted_rows(), key=lambda found: (*(-n for n in found.counts), found.id)
-        )
-        summary.worst = [found for found in worst if any(found.counts[:2])]
+        worst = heapq.nsmallest(MOST_NAMED, iter_counted_rows(), key=lambda row: (*(-n for n in row.counts), row.id))
+        summary.worst = [row for row in worst if any(row.counts[:2])]
         return summary
 
     @property
     def unit_count(self) -> int:
-        """How many models, launch files and packages there are."""
+        """Number of models, launch files and packages."""
         return sum(self.kinds.values())
 
     def _add_row(self, row: UnitRow) -> None:
@@ -150,5 +162,5 @@ class AuditSummary:
         self.failures += row.failures[: max(0, MOST_NAMED - len(self.failures))]
 
     def rank_rules(self) -> list[tuple[str, RuleCount]]:
-        """The rules that fired, the worst and then the most common first."""
+        """Sort the rules that fired, the worst and then the most common first."""
         return sorted(self.rules.items(), key=lambda r: (-r[1].severity, -r[1].units, -r[1].findings, r[0]))
