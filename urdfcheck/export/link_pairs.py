@@ -54,7 +54,7 @@ def compute_link_pairs(model: Model) -> LinkPairs:
 
     :raises Unavailable: when its collisions are not known.
     """
-    from urdfcheck.model.motion.collisions import self_collisions  # loads numpy
+    from urdfcheck.model.motion.collisions.self_collisions import self_collisions  # loads numpy
     from urdfcheck.model.motion.moveit_pairs import classify_link_pairs
 
     pairs = [

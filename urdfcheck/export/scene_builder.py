@@ -22,7 +22,7 @@ from urdfcheck.core.scene import (
 )
 from urdfcheck.model import Joint, Link, Model, Shape
 from urdfcheck.model.ground.wheels import rolling_wheels
-from urdfcheck.model.motion.collisions import self_collisions
+from urdfcheck.model.motion.collisions.self_collisions import self_collisions
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Pose
 from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_link_solid
 from urdfcheck.source.launch.launch_file import Launch, StaticTransform

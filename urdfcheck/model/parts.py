@@ -162,6 +162,15 @@ class Shape:
         return self.element.location
 
 
+def locate_geometry(shape: Shape) -> Location:
+    """Where the geometry of a shape is typed: the name of its mesh, or the primitive."""
+    return (
+        shape.mesh_filename.location
+        if shape.mesh_filename is not None
+        else (shape.geometry_element or shape.element).location
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Link:
     """A ``<link>``."""

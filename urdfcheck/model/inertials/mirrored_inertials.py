@@ -26,11 +26,11 @@ from urdfcheck.model.likeness.mirror_pairs import (
     mirror_pairs,
     read_declared_inertial,
 )
+from urdfcheck.model.likeness.shape_comparison import DIFFERENT
 from urdfcheck.model.parts import TENSOR_NAMES, Link
 from urdfcheck.model.repairs.edits import AttributeChange
 from urdfcheck.model.rigid_bodies import is_point_mass
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.shape_signature import DIFFERENT
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 if TYPE_CHECKING:

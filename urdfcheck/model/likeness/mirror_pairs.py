@@ -13,9 +13,9 @@ import numpy as np
 from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
 from urdfcheck.facts.likeness.mirror import MirrorPlane, find_mirror_plane, measure_deviation, measure_outline_mismatch
 from urdfcheck.model.fact import fact
+from urdfcheck.model.likeness.shape_comparison import ALIKE, DIFFERENT, ShapeComparer
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.shape_signature import ALIKE, DIFFERENT, ShapeComparer
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -24,7 +24,7 @@ from urdfcheck.model.parts import MOVING_TYPES, Joint, Link, Shape
 from urdfcheck.model.rigid_bodies import compute_body_inertia, compute_body_mass, is_point_mass, list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
-from urdfcheck.model.shapes.solids import compute_drawn_scale
+from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
 from urdfcheck.source.text.values import read_attribute_number
 
 Array = NDArray[np.float64]
@@ -202,18 +202,11 @@ def _collect_contact_shapes(model: Model) -> tuple[list[tuple[Link, Shape]], boo
             f"{len(found):,} shapes may touch the ground, and {MOST_SHAPES:,} are simulated at most"
         )
     for link, shape in found:
-        if not _is_usable_shape(model, shape):
+        if not is_usable_shape(model, shape):
             raise FactUnavailableError(
                 f"a {shape.role} shape of link {link.name!r} could not be read, and nothing else would hold it up"
             )
     return found, drawn
-
-
-def _is_usable_shape(model: Model, shape: Shape) -> bool:
-    size = compute_drawn_scale(model, shape) if shape.kind == "mesh" else shape.size
-    if shape.kind is None or size is None or shape.origin.matrix is None:
-        return False
-    return all(size) if shape.kind == "mesh" else min(size) > 0
 
 
 def _compute_hull_points(model: Model, shape: Shape) -> Array | None:

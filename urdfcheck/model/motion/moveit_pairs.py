@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from urdfcheck.model.motion import poses
-from urdfcheck.model.motion.collisions import CollisionPair, self_collisions
+from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, self_collisions
 from urdfcheck.model.motion.poses import JointConfigurations
 from urdfcheck.model.robot import Model
 from urdfcheck.source.ros.srdf import Srdf

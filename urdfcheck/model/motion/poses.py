@@ -147,3 +147,9 @@ def apply_mimics(configurations: JointConfigurations) -> JointConfigurations:
             values[:, column[name]] = factor * values[:, column[leader]] + (offset or 0.0)
             done.append(name)
     return JointConfigurations(configurations.joints, values)
+
+
+def normalize_axis(joint: Joint) -> Array:
+    axis = np.array(joint.axis)
+    unit: Array = axis / np.linalg.norm(axis)
+    return unit

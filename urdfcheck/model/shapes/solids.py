@@ -23,6 +23,14 @@ def compute_drawn_scale(model: Model, shape: Shape) -> tuple[float, float, float
     return scale[0] * unit, scale[1] * unit, scale[2] * unit
 
 
+def is_usable_shape(model: Model, shape: Shape) -> bool:
+    """Whether it is known where a shape is and what it looks like."""
+    size = compute_drawn_scale(model, shape) if shape.kind == "mesh" else shape.size
+    if size is None or shape.origin.matrix is None or shape.kind is None:
+        return False
+    return all(size) if shape.kind == "mesh" else min(size) > 0
+
+
 def measure_link_solid(model: Model, link: Link, role: str = "visual") -> Solid | None:
     """Volume, COM and second moments of what a link draws (or collides with), in the link frame.
 
