@@ -10,10 +10,11 @@ import numpy as np
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.motion.contact import GroundSupport
-from urdfcheck.model.ground.wheels import CASTER_NAME, Wheel, collect_shape_corners, rolling_wheels
+from urdfcheck.model.ground.wheels import CASTER_NAME, Wheel, rolling_wheels
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
+from urdfcheck.model.shapes.corners import collect_shape_corners
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,9 +12,9 @@ import numpy as np
 
 from urdfcheck.facts.likeness.revolution import measure_outline
 from urdfcheck.model.fact import fact
-from urdfcheck.model.parts import Joint, Link, Shape
+from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.visual_solid import compute_shape_corners
+from urdfcheck.model.shapes.corners import collect_shape_corners, compute_shape_corners
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -102,15 +102,6 @@ def is_suspended(model: Model, link: str) -> bool:
     before = [joint for joint in model.tree.find_path_to(link)[:-1] if joint.is_movable]
     axes = [model.axes.get(joint.name) if joint.type in {"revolute", "continuous"} else None for joint in before]
     return any(axis is None or abs(float(axis[2])) < 1 - LEVEL for axis in axes)
-
-
-def collect_shape_corners(model: Model, shapes: Iterable[Shape]) -> Array | None:
-    """Points (n, 3) on these shapes, in their link's frame, whose hull is theirs; None when one of them is not known."""
-    parts = [compute_shape_corners(model, shape, circumscribed=False) for shape in shapes]
-    known = [part for part in parts if part is not None]
-    if len(known) != len(parts):
-        return None
-    return np.concatenate(known) if known else np.zeros((0, 3))
 
 
 def _measure_wheel(model: Model, joint: Joint) -> Wheel | None:

@@ -34,11 +34,11 @@ if TYPE_CHECKING:
 # What a verdict depends on beside the numbers and the drawing.
 _CODE_MODULES = (
     "urdfcheck.facts.inertials",
-    "urdfcheck.facts.likeness.mirror",
+    "urdfcheck.facts.likeness",
     "urdfcheck.facts.motion.kinematics",
+    "urdfcheck.model.ground.wheels",
     "urdfcheck.model.inertials.inertia_diagnosis",
-    "urdfcheck.model.likeness.identical_parts",
-    "urdfcheck.model.likeness.mirror_pairs",
+    "urdfcheck.model.likeness",
     "urdfcheck.model.parts",
     "urdfcheck.model.shapes",
     *MEASURING_MODULES,

@@ -12,8 +12,8 @@ from urdfcheck.facts.likeness.mirror import PartOutline
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
+from urdfcheck.model.shapes.corners import compute_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_solid
-from urdfcheck.model.shapes.visual_solid import compute_shape_corners
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -95,3 +95,8 @@ def _compute_half_extents(kind: str, size: Array, turn: Array) -> Array:
     across = np.sqrt(np.maximum(0.0, 1.0 - along**2)) if kind == "cylinder" else np.ones(3)
     reach: Array = along * length / 2 + radius * across
     return reach
+
+
+def get_up_axis_rotation(facts: MeshFacts, apply_up_axis: bool) -> Array:
+    """The turn that puts a mesh upright: a permutation of its axes."""
+    return Z_UP_ROTATIONS.get(facts.up_axis or "", np.eye(3)) if apply_up_axis else np.eye(3)

@@ -8,6 +8,9 @@ from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from urdfcheck.facts.inertials.inertia_tensor import Solid
 
 
@@ -68,3 +71,12 @@ def measure_shape_solid(model: Model, shape: Shape) -> Solid | None:
         "capsule": lambda: inertia.make_capsule_solid(*size),
     }[shape.kind or ""]()
     return inertia.transform_solid(made, pose[:3, :3], pose[:3, 3])
+
+
+def get_mesh_scale(model: Model, shape: Shape, apply_unit: bool) -> NDArray[np.float64] | None:
+    """Return metres per file unit along a mesh's axes (3,), with or without COLLADA's unit; None for no readable mesh."""
+    import numpy as np
+
+    drawn = compute_drawn_scale(model, shape)
+    scale = drawn if apply_unit or drawn is None else shape.size
+    return None if scale is None or shape.kind != "mesh" else np.array(scale)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import cache
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +15,12 @@ from urdfcheck.facts.mesh.topology import label_components
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS, compute_bounding_box, is_dummy_shape
-from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_solid
+from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS, compute_bounding_box, get_up_axis_rotation, is_dummy_shape
+from urdfcheck.model.shapes.corners import compute_shape_corners
+from urdfcheck.model.shapes.solids import get_mesh_scale, measure_shape_solid
 
 Array = NDArray[np.float64]
 
-_CUBE = np.array(list(product((-0.5, 0.5), repeat=3)))
 # A shape settles which way up a mesh is meant when its box is that much nearer to one way's than to the other's.
 _NEARER = 0.5
 # The bodies of an assembly whose inertias somebody may have added up.
@@ -52,7 +50,7 @@ def split_visual_bodies(model: Model, link: Link) -> tuple[Solid, ...]:
     """
     found: list[Solid] = []
     for shape in link.visuals:
-        facts, scale, pose = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, True), shape.origin.matrix
+        facts, scale, pose = model.meshes.get_facts(shape), get_mesh_scale(model, shape, True), shape.origin.matrix
         if facts is None or scale is None or pose is None or not facts.closed or len(facts.components) > _MOST_PIECES:
             return ()
         if len(link.visuals) == 1 and len(facts.components) < 2:
@@ -87,37 +85,6 @@ def merge_geometry(model: Model, link: Link, others: Iterable[Link]) -> VisualGe
 def _transform_geometry(drawn: VisualGeometry, placement: Array) -> VisualGeometry:
     turn, place = placement[:3, :3], placement[:3, 3]
     return VisualGeometry(transform_solid(drawn.solid, turn, place), drawn.closed, drawn.points @ turn.T + place)
-
-
-def collect_rigid_corners(model: Model, link: Link, *, apply_unit: bool = True) -> Array | None:
-    """Corners (K, 3), in the link's frame, whose convex hull holds all that the link and the links fixed to it draw or
-    collide with. None when there is nothing, or a shape is not known. ``unit`` as for `measure_link_geometry`.
-
-    :raises Unavailable: when the tree is broken or an origin is malformed.
-    """
-    points = collect_body_corners(model, model.tree.list_body_links(link.name), apply_unit=apply_unit)
-    if points is None:
-        return None
-    to_link = np.linalg.inv(model.frames[link.name])
-    in_link: Array = points @ to_link[:3, :3].T + to_link[:3, 3]
-    return in_link
-
-
-def collect_body_corners(
-    model: Model, links: Iterable[str], *, apply_unit: bool = True, apply_up_axis: bool = False
-) -> Array | None:
-    """Like `collect_rigid_corners`, in the root link's frame, of the links of one body."""
-    parts = []
-    for name in links:
-        link, frame = model.link_by_name[name], model.frames[name]
-        for shape in (*link.visuals, *link.collisions):
-            if is_dummy_shape(shape):
-                continue
-            points = compute_shape_corners(model, shape, apply_unit=apply_unit, apply_up_axis=apply_up_axis)
-            if points is None:
-                return None
-            parts.append(points @ frame[:3, :3].T + frame[:3, 3])
-    return np.concatenate(parts) if parts else None
 
 
 def has_drawn_shape(link: Link) -> bool:
@@ -156,7 +123,7 @@ def _measure_shape_box(model: Model, shape: Shape, apply_up_axis: bool) -> Array
 
 def measure_shape_volume(model: Model, shape: Shape) -> float | None:
     """What a shape fills (m³), or its convex hull where it is not closed; None when that is not known."""
-    facts, scale = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, True)
+    facts, scale = model.meshes.get_facts(shape), get_mesh_scale(model, shape, True)
     if facts is None or scale is None:
         solid = measure_shape_solid(model, shape)
         return None if solid is None else solid.volume
@@ -169,53 +136,6 @@ def measure_links_volume(model: Model, links: Iterable[Link]) -> float | None:
     volumes = [measure_shape_volume(model, shape) for shape in shapes]
     known = [v for v in volumes if v is not None]
     return sum(known) if known and len(known) == len(volumes) else None
-
-
-def compute_shape_corners(
-    model: Model, shape: Shape, *, apply_unit: bool = True, apply_up_axis: bool = False, circumscribed: bool = True
-) -> Array | None:
-    """Corners (K, 3), in the link's frame, whose convex hull is that of a shape, or holds a round one closely; without
-    ``around`` the corners of a round one lie on it. None when the shape is not known."""
-    size, pose = shape.size, shape.origin.matrix
-    if size is None or pose is None or shape.kind is None:
-        return None
-    if shape.kind == "mesh":
-        facts, scale = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, apply_unit)
-        if facts is None or scale is None:
-            return None
-        local = facts.hull.vertices @ _get_up_axis_rotation(facts, apply_up_axis).T * scale
-    elif min(size) <= 0:
-        return None
-    elif shape.kind == "box":
-        local = _CUBE * size
-    elif shape.kind == "sphere":
-        local = _make_sphere(circumscribed) * size[0]
-    else:
-        radius, length = size
-        end = (_make_sphere(circumscribed) if shape.kind == "capsule" else _make_circle(circumscribed)) * radius
-        half = np.array((0, 0, length / 2))
-        local = np.concatenate((end - half, end + half))
-    points: Array = local @ pose[:3, :3].T + pose[:3, 3]
-    return points
-
-
-@cache
-def _make_circle(circumscribed: bool) -> Array:
-    """The unit circle about z: the corners of a polygon in it, or of one round it, which need not be as fine."""
-    corners = 32 if circumscribed else 64
-    angles = np.arange(corners) * 2 * np.pi / corners
-    radius = 1 / np.cos(np.pi / corners) if circumscribed else 1.0
-    return np.column_stack((np.cos(angles), np.sin(angles), np.zeros(corners))) * radius
-
-
-@cache
-def _make_sphere(circumscribed: bool) -> Array:
-    """The unit sphere: its parallels, poles and equator among them."""
-    circle = _make_circle(circumscribed)
-    radius = float(np.linalg.norm(circle[0]))
-    parallels = np.linspace(-np.pi / 2, np.pi / 2, len(circle) // 2 + 1)
-    # Polygons round it both ways, along the parallels and along the meridians.
-    return np.concatenate([radius * (circle * np.cos(a) + (0, 0, np.sin(a))) for a in parallels])
 
 
 @np.errstate(all="ignore")  # numbers of no robot are for other rules
@@ -258,11 +178,11 @@ def _measure_shape(model: Model, shape: Shape, apply_unit: bool, apply_up_axis: 
     if points is None or pose is None:
         return None
     turn, place = pose[:3, :3], pose[:3, 3]
-    facts, scale = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, apply_unit)
+    facts, scale = model.meshes.get_facts(shape), get_mesh_scale(model, shape, apply_unit)
     if facts is None or scale is None:
         solid = measure_shape_solid(model, shape)
         return None if solid is None else VisualGeometry(solid, True, points, hull=solid)
-    stood = _get_up_axis_rotation(facts, apply_up_axis)
+    stood = get_up_axis_rotation(facts, apply_up_axis)
     turn, scale = turn @ stood, np.abs(stood.T) @ scale
     integrals = compute_mesh_moments(facts.hull.vertices, facts.hull.faces)
     hull = Solid(0.0, np.zeros(3), np.zeros((3, 3)))
@@ -314,14 +234,3 @@ def _measure_shell(facts: MeshFacts, scale: Array, turn: Array, place: Array) ->
 
 def _scale_solid(volume: float, com: Array, covariance: Array, scale: Array) -> Solid:
     return Solid(abs(volume * float(scale.prod())), scale * com, covariance * np.outer(scale, scale))
-
-
-def _get_up_axis_rotation(facts: MeshFacts, apply_up_axis: bool) -> Array:
-    """The turn that puts a mesh upright: a permutation of its axes."""
-    return Z_UP_ROTATIONS.get(facts.up_axis or "", np.eye(3)) if apply_up_axis else np.eye(3)
-
-
-def _get_mesh_scale(model: Model, shape: Shape, apply_unit: bool) -> Array | None:
-    """Metres per file unit along a mesh's axes; None when it is no mesh that could be read."""
-    scale = compute_drawn_scale(model, shape) if apply_unit or compute_drawn_scale(model, shape) is None else shape.size
-    return None if scale is None or shape.kind != "mesh" else np.array(scale)

@@ -1,0 +1,125 @@
+"""Which other numbers an ``<inertial>`` should have: its own without a mistake, or those of the drawn part."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from urdfcheck.core import Edit, Span
+from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_solid_inertia
+from urdfcheck.model.fact import fact
+from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
+from urdfcheck.model.parts import Inertial, Link
+from urdfcheck.model.repairs.inertial_edits import NEGLIGIBLE_DIFFERENCE, InertialRepair, build_inertial_repair
+from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+
+# A flat part's tensor that was typed with three digits may miss the triangle inequality by so much of its largest moment.
+TRIANGLE_SLACK = 5e-3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class InertialProposal:
+    """The repair of an inertial that cannot be right. ``found``: what a message says of it, from its semicolon on; ``remedy``:
+    how the advice begins. Both empty, and no ``edits``, where nothing is known."""
+
+    edits: tuple[Edit, ...] = ()
+    message: str = ""
+    remedy: str = ""
+
+
+def propose_repair(model: Model, link: Link) -> InertialProposal:
+    """The single edit that makes an inertial possible and that of the drawn part or of its twin, where there is one; else the
+    inertia of the drawn part."""
+    judged = inertial_diagnoses(model).get(link.name)
+    change = propose_undo(model, link)
+    if judged is not None and change is not None and judged.diagnosis.mended is not None:
+        diagnosis, possible = judged.diagnosis, check_inertia_validity(judged.diagnosis.mended.tensor, TRIANGLE_SLACK)
+        if possible.positive_definite and possible.triangle_inequality:
+            reference = "the part that is drawn" if diagnosis.by == "mesh" else f"its twin {', '.join(judged.twins)}"
+            mistake = (diagnosis.cause or "").replace("_", " ")
+            found = f"undoing one mistake ({mistake}) makes it possible and brings it near to that of {reference}"
+            if diagnosis.unique:
+                found = f"one edit ({mistake}) makes it that of {reference}, and no other single edit does"
+            return InertialProposal(change.edits, f"; {found}: {change.text}", f"write {change.text}; or ")
+    drawn = propose_from_geometry(model, link)
+    if drawn is None or not drawn.text:
+        return InertialProposal()
+    return InertialProposal(
+        drawn.edits, "", f"write {drawn.text}, which is the drawn part's at this mass and uniform density; or "
+    )
+
+
+def propose_undo(model: Model, link: Link) -> InertialRepair | None:
+    """What undoes the mistake that was found in a link's inertial; None where none is certain, or it is not in the inertial.
+
+    Without edits where a macro wrote the same text for other links, in which this mistake was not found.
+    """
+    judged, inertial = inertial_diagnoses(model).get(link.name), link.inertial
+    if judged is None or inertial is None or judged.diagnosis.mended is None:
+        return None
+    change = build_inertial_repair(inertial, judged.diagnosis.mended)
+    if not change.text:
+        return None
+    return change if _is_same_for_all(model, inertial, _identify_mistake) else replace(change, edits=())
+
+
+def propose_from_geometry(model: Model, link: Link) -> InertialRepair | None:
+    """The COM and the inertia tensor of what the link draws, at its declared mass and uniform density.
+
+    None when that is not known, or there is no mass. Without edits where a macro wrote the same text for links that draw or
+    weigh something else.
+    """
+    change = _compute_from_geometry(model, link)
+    if change is None or link.inertial is None:
+        return None
+    return change if _is_same_for_all(model, link.inertial, _format_drawn_inertial) else replace(change, edits=())
+
+
+def _is_same_for_all(model: Model, inertial: Inertial, describe: Callable[[Model, Link], Hashable]) -> bool:
+    """Whether ``describe`` returns the same for all links whose inertials are one text."""
+    return len(_describe_all(model, inertial.element.span, describe)) == 1
+
+
+@fact
+def _describe_all(model: Model, text: Span | None, describe: Callable[[Model, Link], Hashable]) -> frozenset[Hashable]:
+    return frozenset(describe(model, link) for link in _links_by_inertial_text(model)[text])
+
+
+@fact
+def _links_by_inertial_text(model: Model) -> Mapping[Span | None, Sequence[Link]]:
+    """The links whose inertials are one text, as a macro makes them."""
+    found: dict[Span | None, list[Link]] = {}
+    for link in model.links:
+        if link.inertial is not None:
+            found.setdefault(link.inertial.element.span, []).append(link)
+    return found
+
+
+def _identify_mistake(model: Model, link: Link) -> Hashable:
+    judged = inertial_diagnoses(model).get(link.name)
+    return None if judged is None else (judged.diagnosis.cause, judged.diagnosis.detail)
+
+
+def _format_drawn_inertial(model: Model, link: Link) -> str | None:
+    change = _compute_from_geometry(model, link)
+    return None if change is None else change.text
+
+
+def _compute_from_geometry(model: Model, link: Link) -> InertialRepair | None:
+    inertial, drawn = link.inertial, measure_link_geometry(model, link)
+    if inertial is None or drawn is None or inertial.mass is None or not inertial.mass > 0:
+        return None
+    size = float(np.trace(drawn.solid.covariance))
+    if not size > 0.0:  # a surface that is no solid, or numbers that no computer can square
+        return None
+    matrix = inertial.origin.matrix
+    rotation = np.eye(3) if matrix is None else matrix[:3, :3]  # the axes that the author chose are kept
+    tensor = rotation.T @ compute_solid_inertia(drawn.solid, inertial.mass) @ rotation
+    # What a mesh of single precision leaves of a zero is no number to write.
+    com = np.where(np.abs(drawn.solid.com) > NEGLIGIBLE_DIFFERENCE * size**0.5, drawn.solid.com, 0.0)
+    tensor = np.where(np.abs(tensor) > NEGLIGIBLE_DIFFERENCE * np.abs(tensor).max(), tensor, 0.0)
+    return build_inertial_repair(inertial, DeclaredInertial(inertial.mass, com, tensor, rotation))
