@@ -9,7 +9,7 @@ from urdfcheck.core import Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.ground.drive_wheels import list_drive_wheels, measure_wheel_radii, measure_wheel_separations
-from urdfcheck.model.likeness.sibling_robots import PackageNames
+from urdfcheck.model.likeness.sibling_robots import PackageNames, package_names
 from urdfcheck.model.motion.controllers import (
     AssociatedConfiguration,
     collect_command_interfaces,
@@ -34,7 +34,7 @@ def check(subject: Model | Launch, rule: Rule, *, rel_tol: float) -> Iterator[Fi
         yield from _check_parameter_files(subject, rule)
     if model is None or not found:
         return
-    elsewhere = PackageNames(model)
+    elsewhere = package_names(model)
     for associated in found:
         yield from _check_unknown_joints(model, rule, associated, elsewhere)
         if associated.named_at is not None:

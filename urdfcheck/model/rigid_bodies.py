@@ -141,10 +141,10 @@ def _compute_body_moments(model: Model, links: tuple[str, ...]) -> tuple[float, 
 
 
 @fact
-def _find_two_heaviest(model: Model, links: tuple[str, ...]) -> list[str]:
+def _find_two_heaviest(model: Model, links: tuple[str, ...]) -> tuple[str, ...]:
     """The two of these links that have the most mass."""
     known = [name for name in links if model.link_by_name[name].inertial is not None]
-    return sorted(known, key=lambda name: -_get_link_mass(model, name))[:2]
+    return tuple(sorted(known, key=lambda name: -_get_link_mass(model, name))[:2])
 
 
 def _get_link_mass(model: Model, link: str) -> float:

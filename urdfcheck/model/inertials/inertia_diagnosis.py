@@ -14,7 +14,8 @@ from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.inertials.diagnosis import EXACT, DeclaredInertial, Diagnosis, VisualGeometry, diagnose_inertial
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness import identical_parts as copies
-from urdfcheck.model.likeness.mirror_pairs import estimate_from_twin, mirror_pairs, read_declared_inertial
+from urdfcheck.model.likeness.declared_inertials import estimate_from_twin, read_declared_inertial
+from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.parts import Joint, Link, Pose
 from urdfcheck.model.robot import Model

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +12,7 @@ from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_solid_inertia
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
-from urdfcheck.model.parts import Inertial, Link
+from urdfcheck.model.parts import Link
 from urdfcheck.model.repairs.inertial_edits import NEGLIGIBLE_DIFFERENCE, InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
@@ -64,7 +64,7 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
     change = build_inertial_repair(inertial, judged.diagnosis.mended)
     if not change.text:
         return None
-    return change if _is_same_for_all(model, inertial, _identify_mistake) else replace(change, edits=())
+    return change if _has_same_mistake(model, inertial.element.span) else replace(change, edits=())
 
 
 def propose_from_geometry(model: Model, link: Link) -> InertialRepair | None:
@@ -76,17 +76,19 @@ def propose_from_geometry(model: Model, link: Link) -> InertialRepair | None:
     change = _compute_from_geometry(model, link)
     if change is None or link.inertial is None:
         return None
-    return change if _is_same_for_all(model, link.inertial, _format_drawn_inertial) else replace(change, edits=())
-
-
-def _is_same_for_all(model: Model, inertial: Inertial, describe: Callable[[Model, Link], Hashable]) -> bool:
-    """Whether ``describe`` returns the same for all links whose inertials are one text."""
-    return len(_describe_all(model, inertial.element.span, describe)) == 1
+    return change if _has_same_geometry(model, link.inertial.element.span) else replace(change, edits=())
 
 
 @fact
-def _describe_all(model: Model, text: Span | None, describe: Callable[[Model, Link], Hashable]) -> frozenset[Hashable]:
-    return frozenset(describe(model, link) for link in _links_by_inertial_text(model)[text])
+def _has_same_mistake(model: Model, text: Span | None) -> bool:
+    """Whether one mistake was found in all links whose inertials are one text."""
+    return len({_identify_mistake(model, link) for link in _links_by_inertial_text(model)[text]}) == 1
+
+
+@fact
+def _has_same_geometry(model: Model, text: Span | None) -> bool:
+    """Whether all links whose inertials are one text get the same numbers from what they draw."""
+    return len({_format_drawn_inertial(model, link) for link in _links_by_inertial_text(model)[text]}) == 1
 
 
 @fact

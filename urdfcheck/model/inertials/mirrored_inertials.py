@@ -19,12 +19,11 @@ from urdfcheck.facts.likeness.mirror import (
     measure_deviation,
     measure_principal_deviation,
 )
+from urdfcheck.model.likeness.declared_inertials import copy_inertial, mirror_inertial, read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import (
     MirrorPair,
-    copy_inertial,
-    mirror_inertial,
+    list_alike_links_elsewhere,
     mirror_pairs,
-    read_declared_inertial,
 )
 from urdfcheck.model.likeness.shape_comparison import DIFFERENT
 from urdfcheck.model.parts import TENSOR_NAMES, Link
@@ -106,7 +105,9 @@ def find_wrong_side(
     """The side that is wrong: like parts elsewhere, with their names, have its twin's numbers and none has its own; or where they
     do not decide, what it draws fits its twin's numbers much better. None where nothing decides."""
     numbers = [
-        (n, found) for n in pair.alike_links if (found := get_comparable_inertial(model.link_by_name[n])) is not None
+        (n, found)
+        for n in list_alike_links_elsewhere(model, pair)
+        if (found := get_comparable_inertial(model.link_by_name[n])) is not None
     ]
     one, other = (
         tuple(n for n, d in numbers if measure_principal_deviation(d, s.actual).worst <= threshold) for s in both

@@ -17,7 +17,7 @@ from urdfcheck.facts.likeness.revolution import find_revolution_axis
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
 from urdfcheck.model.fact import fact
 from urdfcheck.model.ground.wheels import NOT_DRIVEN_NAME
-from urdfcheck.model.likeness.mirror_pairs import read_declared_inertial
+from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
@@ -167,7 +167,6 @@ class _GroupComparison:
 
     def __init__(self, model: Model, group: Sequence[PartCopy], threshold: float) -> None:
         self._model, self._group, self._note = model, group, threshold
-        self._symmetries: dict[int, _Symmetry | None] = {}
 
     def find_majority(self) -> list[int]:
         """The most members that agree; those of a majority are found whichever of them is asked first."""
@@ -207,9 +206,7 @@ class _GroupComparison:
         return sum(share > self._note for share in (apart.mass, apart.com_offset, apart.spread))
 
     def _generate_images(self, index: int, wanted: DeclaredInertial) -> Iterator[DeclaredInertial]:
-        if index not in self._symmetries:
-            self._symmetries[index] = _find_symmetry(self._model, self._group[index].link)
-        symmetry = self._symmetries[index]
+        symmetry = _find_symmetry(self._model, self._group[index].link)
         if symmetry is None:
             return
         for linear in symmetry.linear:
@@ -332,6 +329,7 @@ def _compute_number_rounding(text: str) -> float:
     return 0.5 * 10.0**exponent if value and isinstance(exponent, int) and exponent < 0 else 0.0
 
 
+@fact
 def _find_symmetry(model: Model, link: Link) -> _Symmetry | None:
     """None when the part is not known, or has no extent."""
     drawn = measure_link_geometry(model, link)

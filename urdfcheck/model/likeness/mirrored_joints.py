@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.facts.likeness.mirror import mirror_range
-from urdfcheck.model.likeness.mirror_pairs import MirrorPair
+from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_alike_links_elsewhere
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 
@@ -194,7 +194,11 @@ def _get_bounds(joint: Joint) -> tuple[float, float]:
 
 def _list_agreeing_joints(model: Model, pair: MirrorPair, joint: Joint, threshold: float) -> tuple[str, ...]:
     """Joints outside the pair that carry parts like the pair's and have a joint's limits, mirrored or not."""
-    others = [model.tree.parent_joint[name] for name in pair.alike_links if name in model.tree.parent_joint]
+    others = [
+        model.tree.parent_joint[name]
+        for name in list_alike_links_elsewhere(model, pair)
+        if name in model.tree.parent_joint
+    ]
     return tuple(
         other.name for other in others if other.type == joint.type and _has_same_limits(other, joint, threshold)
     )

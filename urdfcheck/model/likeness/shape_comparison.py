@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 from urdfcheck.facts.likeness.mirror import PartOutline
+from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
@@ -25,67 +26,66 @@ if TYPE_CHECKING:
 ALIKE, DIFFERENT = 0.03, 0.10
 
 
-class ShapeComparer:
-    """The outlines of a model's links, each made when it is first asked for."""
+@fact
+def get_outline(model: Model, name: str) -> PartOutline | None:
+    """Return what a link draws, in its frame; None when it draws nothing, or a shape is not known."""
+    return _compute_outline(model, model.link_by_name[name])
 
-    def __init__(self, model: Model) -> None:
-        self._model = model
-        self._outlines: dict[str, PartOutline | None] = {}
-        self._moments: dict[str, Array | None] = {}
-        self._like: dict[str, tuple[str, ...]] = {}
-        self._kinds = {
-            name: sorted(str(s.kind) for s in _choose_shapes(link)) for name, link in model.link_by_name.items()
-        }
 
-    def get_outline(self, name: str) -> PartOutline | None:
-        """What a link draws, in its frame; None when it draws nothing, or a shape is not known."""
-        if name not in self._outlines:
-            self._outlines[name] = _compute_outline(self._model, self._model.link_by_name[name])
-        return self._outlines[name]
+def is_comparable(model: Model, one: str, other: str) -> bool:
+    """Whether two links draw shapes of the same kinds."""
+    kinds = _map_shape_kinds(model)
+    return kinds[one] == kinds[other]
 
-    def is_comparable(self, one: str, other: str) -> bool:
-        """Whether two links draw shapes of the same kinds."""
-        return self._kinds[one] == self._kinds[other]
 
-    def is_alike(self, one: str, other: str) -> bool | None:
-        """Whether two links draw parts of one shape, mirrored or not, wherever in their frames; None where that is not known."""
-        if not self.is_comparable(one, other):
-            return False
-        first, second = self._get_principal_moments(one), self._get_principal_moments(other)
-        if first is None or second is None:
-            return None
-        return bool(np.abs(first - second).max() <= 2.0 * ALIKE * second.max())
+def is_alike(model: Model, one: str, other: str) -> bool | None:
+    """Whether two links draw parts of one shape, mirrored or not, wherever in their frames; None where that is not known."""
+    if not is_comparable(model, one, other):
+        return False
+    first, second = _compute_outline_moments(model, one), _compute_outline_moments(model, other)
+    if first is None or second is None:
+        return None
+    return bool(np.abs(first - second).max() <= 2.0 * ALIKE * second.max())
 
-    def list_alike(self, name: str) -> tuple[str, ...]:
-        """The other links that draw parts of this one's shape."""
-        if name not in self._like:
-            others = (other for other in self._model.link_by_name if other != name)
-            self._like[name] = tuple(other for other in others if self.is_alike(name, other))
-        return self._like[name]
 
-    def propose_motions(self, one: str, other: str) -> Iterator[tuple[Array, Array]]:
-        """How a part may have been copied: with its link's frame, or with the frame of its first shape."""
-        yield np.eye(3), np.zeros(3)
-        first, second = (_choose_shapes(self._model.link_by_name[name])[0].origin.matrix for name in (one, other))
-        if first is not None and second is not None and np.abs(first - second).max() > 1e-9:
-            motion = second @ np.linalg.inv(first)
-            yield motion[:3, :3], motion[:3, 3]
+@fact
+def list_alike_links(model: Model, name: str) -> tuple[str, ...]:
+    """Return the other links that draw parts of a link's shape, see `is_alike`."""
+    kinds = _map_shape_kinds(model)
+    candidates = (other for other, kind in kinds.items() if other != name and kind == kinds[name])
+    return tuple(other for other in candidates if is_alike(model, name, other))
 
-    def compute_centroid(self, name: str) -> Array | None:
-        """The centroid of what a link draws, in root coordinates."""
-        outline = self.get_outline(name)
-        if outline is None:
-            return None
-        frame = self._model.frames[name]
-        place: Array = frame[:3, :3] @ outline.centroid + frame[:3, 3]
-        return place
 
-    def _get_principal_moments(self, name: str) -> Array | None:
-        """Principal second moments (m²) of what a link draws."""
-        if name not in self._moments:
-            outline = self.get_outline(name)
-            self._moments[name] = None if outline is None else compute_principal_moments(outline.covariance)[0]
-        return self._moments[name]
+def propose_motions(model: Model, one: str, other: str) -> Iterator[tuple[Array, Array]]:
+    """Yield rotation (3, 3) and translation (3,) of how a part may have been copied: with its link's frame, or its first shape's."""
+    yield np.eye(3), np.zeros(3)
+    first, second = (_choose_shapes(model.link_by_name[name])[0].origin.matrix for name in (one, other))
+    if first is not None and second is not None and np.abs(first - second).max() > 1e-9:
+        motion = second @ np.linalg.inv(first)
+        yield motion[:3, :3], motion[:3, 3]
+
+
+def compute_centroid(model: Model, name: str) -> Array | None:
+    """Compute the centroid (3,) of what a link draws, in root coordinates; None as for `get_outline`."""
+    outline = get_outline(model, name)
+    if outline is None:
+        return None
+    frame = model.frames[name]
+    centroid: Array = frame[:3, :3] @ outline.centroid + frame[:3, 3]
+    return centroid
+
+
+@fact
+def _map_shape_kinds(model: Model) -> Mapping[str, list[str]]:
+    """Return the sorted kinds of the shapes that each link draws, by its name."""
+    return {name: sorted(str(s.kind) for s in _choose_shapes(link)) for name, link in model.link_by_name.items()}
+
+
+@fact
+def _compute_outline_moments(model: Model, name: str) -> Array | None:
+    """Return the principal second moments (3,) in m² of what a link draws."""
+    outline = get_outline(model, name)
+    return None if outline is None else compute_principal_moments(outline.covariance)[0]
 
 
 def _choose_shapes(link: Link) -> tuple[Shape, ...]:

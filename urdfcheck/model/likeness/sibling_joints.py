@@ -12,7 +12,7 @@ from urdfcheck.model.robot import Model
 
 
 @fact
-def sibling_joints(model: Model) -> list[tuple[Joint, ...]]:
+def sibling_joints(model: Model) -> tuple[tuple[Joint, ...], ...]:
     """Groups of moving joints that have the same type, the same number of moving joints before them, and like children.
 
     Children are alike in mass, principal moments and the shape of what they draw, whatever they are called and however
@@ -32,7 +32,7 @@ def sibling_joints(model: Model) -> list[tuple[Joint, ...]]:
     for members in kinds.values():
         for indices in group_by_signature([s for _, s in members]):
             groups.append(tuple(members[i][0] for i in indices))
-    return [group for group in groups if len(group) > 1]
+    return tuple(group for group in groups if len(group) > 1)
 
 
 def find_common_base(model: Model, group: Sequence[Joint]) -> str:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
 from urdfcheck.source.package.finder import BUILD_FOLDERS, format_path
 from urdfcheck.system.files import read_regular, walk
@@ -103,6 +104,12 @@ class PackageNames:
                 except OSError:
                     continue
         return texts
+
+
+@fact
+def package_names(model: Model) -> PackageNames:
+    """Return the names in the files of a model and of its package, each file read once."""
+    return PackageNames(model)
 
 
 class _DeclaredNames:

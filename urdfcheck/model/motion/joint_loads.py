@@ -183,7 +183,7 @@ def _recall_or_compute(model: Model, group: str, compute: Callable[[], Arrays]) 
     asked = (" ".join(sorted(names)) for names in (find_supported_joints(model), list_implicit_joints(model)))
     parts = (
         version_of(*_CODE_MODULES, library=origin_of("pinocchio")),
-        write_without_geometry(model.robot),
+        write_without_geometry(model),
         str(model.samples),
         *asked,
     )

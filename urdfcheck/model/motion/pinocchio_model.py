@@ -15,7 +15,6 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import IO, TYPE_CHECKING, Any
 
 from urdfcheck.core import FactUnavailableError
@@ -78,7 +77,7 @@ def parser_verdict(model: Model) -> ParserVerdict:
     if place is None:
         return _make_verdict(pinocchio_model(model))
     _ensure_loadable(model)
-    parts = (version_of(__name__, library=place), write_without_geometry(model.robot))
+    parts = (version_of(__name__, library=place), write_without_geometry(model))
     entry = model.cache.entry("verdicts", hashlib.sha256("\0".join(parts).encode()).hexdigest())
     if "verdict" not in entry:
         found = _make_verdict(pinocchio_model(model))
@@ -110,7 +109,7 @@ def pinocchio_model(model: Model) -> PinocchioModel:
     said, refused_by = "", None
     with capture_stderr() as read:
         try:
-            built = pinocchio.buildModelFromXML(write_without_geometry(model.robot))
+            built = pinocchio.buildModelFromXML(write_without_geometry(model))
         except (ValueError, RuntimeError) as error:
             said = str(error)
             refused_by = "urdfdom" if _NO_MODEL in said else "pinocchio"
@@ -118,8 +117,8 @@ def pinocchio_model(model: Model) -> PinocchioModel:
     return PinocchioModel(built, refused_by, tuple(_clean_messages(said)))
 
 
-@lru_cache(maxsize=1)
-def write_without_geometry(robot: Element) -> str:
+@fact
+def write_without_geometry(model: Model) -> str:
     """The expanded model as URDF text with links, inertials and joints only."""
 
     def write_element(element: Element) -> Iterator[str]:
@@ -135,7 +134,7 @@ def write_without_geometry(robot: Element) -> str:
             yield from write_element(child)
         yield f"</{element.tag}>"
 
-    return '<?xml version="1.0"?>\n' + "".join(write_element(robot))
+    return '<?xml version="1.0"?>\n' + "".join(write_element(model.robot))
 
 
 def _ensure_loadable(model: Model) -> None:
