@@ -31,7 +31,7 @@ def list_drive_wheels(controller: Controller) -> tuple[list[YamlValue], list[Yam
 def measure_wheel_radii(model: Model, joint: str) -> list[float]:
     """The radii (m) about its axis of what the joint's child collides as and draws, where these are round and known.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     axis = model.axes.get(joint)
     if axis is None:
@@ -48,7 +48,7 @@ def measure_wheel_separations(model: Model, left: str, right: str) -> list[float
     """The distances (m) along their common axis between two wheels: of the joints, and of the middles of what is known of
     the wheels; none where the axes are not parallel.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     axes = model.axes
     if left not in axes or right not in axes or abs(float(axes[left] @ axes[right])) < 0.99:

@@ -41,7 +41,7 @@ class LinkMass:
 def is_free_standing(model: Model) -> bool:
     """Whether the robot has wheels or legs and is not fixed to the ground.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     return model.tree.root not in _GROUND and bool(
         rolling_wheels(model) or any(LEG.search(link.name) for link in model.links)
@@ -51,7 +51,7 @@ def is_free_standing(model: Model) -> bool:
 def list_link_masses(model: Model) -> tuple[LinkMass, ...]:
     """The links that have mass.
 
-    :raises Unavailable: when the tree is broken, or a mass or an origin is malformed or negative.
+    :raises FactUnavailableError: when the tree is broken, or a mass or an origin is malformed or negative.
     """
     found = []
     for link in model.links:
@@ -73,7 +73,7 @@ def collect_robot_corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Ar
     Collision shapes count where a link has them, what it draws otherwise; tokens do not, unless they are casters. ``wheels`` by
     link add the two lowest points of their treads, between which the corners of a mesh may hang in the air.
 
-    :raises Unavailable: when the tree is broken, or a shape is not known.
+    :raises FactUnavailableError: when the tree is broken, or a shape is not known.
     """
     parts: list[Array] = []
     owners: list[int] = []

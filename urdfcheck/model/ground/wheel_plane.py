@@ -52,7 +52,7 @@ def find_uneven_wheels(model: Model, *, rel_tol: float, abs_tol: float) -> Uneve
     """The wheels that rock by more than ``spread`` (parts of the least radius) and ``least`` (m); None when they do not, or one
     of them is suspended.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     found = rolling_wheels(model)
     if len(found) < 4 or any(is_suspended(model, wheel.joint.child) for wheel in found):

@@ -63,7 +63,7 @@ def find_driven_wheels(model: Model) -> tuple[DrivenWheel, ...]:
 
     One whose shapes are not known is taken for a wheel when it is called one.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     known = rolling_wheels(model)
     driven = [
@@ -83,7 +83,7 @@ def rolling_wheels(model: Model) -> tuple[Wheel, ...]:
     A wheel is the child of a continuous joint with a level axis, drawn round about it; it is called one or a caster, or is as
     low as anything of the robot.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     found = [wheel for joint in model.joints if (wheel := _measure_wheel(model, joint)) is not None]
     named = [

@@ -100,7 +100,7 @@ def compute_body_shares(model: Model, links: tuple[str, ...]) -> dict[str, tuple
     """What each of the ``links`` of a body with a positive mass and a tensor has of the body's mass and of its largest principal
     moment, which may be more than all of it where others are negative; all of it where that of the body is not known.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     known = {}
     for name in links:

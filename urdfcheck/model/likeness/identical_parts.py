@@ -80,7 +80,7 @@ def part_copies(model: Model) -> tuple[tuple[PartCopy, ...], ...]:
     joints of one type with equally many moving joints before them; wheels that roll freely are no copies of those that
     are driven. Primitives alone say less: links that draw nothing else are copies where four and more hang on moving joints.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     tree = model.tree
     kinds: dict[object, list[list[tuple[PartCopy, tuple[Array, ...]]]]] = {}
@@ -108,7 +108,7 @@ def find_odd_copies(model: Model, threshold: float = NOTABLE_SHARE) -> tuple[Cop
 
     At most one in four may differ (one of three): more are another kind of part.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     found: list[CopyComparison] = []
     for group in part_copies(model):
@@ -128,7 +128,7 @@ def find_differing_pairs(
 ) -> tuple[tuple[CopyComparison, CopyComparison], ...]:
     """Groups of two whose inertials differ, as `find_odd_copies`: what each says about the other. ``but``: links to leave out, by name.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     found = []
     for group in part_copies(model):
@@ -144,7 +144,7 @@ def estimate_from_copies(model: Model, *, excluded: Collection[frozenset[str]] =
     """For every link with copies what these say that its inertial should be, by name: the majority of a group of three and more,
     the other one of two. Several links in ``by`` agree among themselves. ``but``: groups of two to leave out, by name.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     found: dict[str, CopyComparison] = {}
     for group in part_copies(model):

@@ -112,7 +112,7 @@ def mirror_pairs(model: Model) -> tuple[MirrorPair, ...]:
     Pairs are told by their names; where names say nothing, by mirrored places and mirrored drawings. The planes are found
     for each group of pairs that hang on the same body.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     order = {name: i for i, name in enumerate(model.tree.order)}
     names = [(one, other) for one, other in pair_by_name(order) if not _is_in_line(model, one, other)]

@@ -18,7 +18,7 @@ def sibling_joints(model: Model) -> tuple[tuple[Joint, ...], ...]:
     Children are alike in mass, principal moments and the shape of what they draw, whatever they are called and however
     their frames are turned. A child with neither an inertial nor a mesh is in no group.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     tree = model.tree
     kinds: dict[tuple[str, int], list[tuple[Joint, LinkSignature]]] = {}
@@ -38,7 +38,7 @@ def sibling_joints(model: Model) -> tuple[tuple[Joint, ...], ...]:
 def find_common_base(model: Model, group: Sequence[Joint]) -> str:
     """The last link that all joints of a group hang on: in its axes their places and frames were thought of.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     paths = [[joint.parent for joint in model.tree.find_path_to(one.child)] for one in group]
     shared: list[str] = [names[0] for names in zip(*paths, strict=False) if len(set(names)) == 1]
@@ -48,7 +48,7 @@ def find_common_base(model: Model, group: Sequence[Joint]) -> str:
 def trace_fixed_chain(model: Model, joint: Joint, base: str) -> tuple[Joint, ...]:
     """The fixed joints between the link ``base``, or the moving joint before this one, and this one, and this one last.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     chain = [joint]
     before = model.tree.parent_joint.get(joint.parent)

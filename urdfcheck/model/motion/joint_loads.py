@@ -91,7 +91,7 @@ def find_overloads(model: Model) -> tuple[Overload, ...]:
 
     The torque on a follower counts for its leader, times the multiplier. Joints that are :func:`find_supported_joints` are left out.
 
-    :raises Unavailable: when Pinocchio has no model, or a mass is negative.
+    :raises FactUnavailableError: when Pinocchio has no model, or a mass is negative.
     """
     for link in model.links:
         if link.inertial is not None and (link.inertial.mass or 0.0) < 0:
@@ -116,7 +116,7 @@ def find_overloads(model: Model) -> tuple[Overload, ...]:
 def summarize_mass_matrix(model: Model) -> MassMatrixSummary | None:
     """How the joint-space inertia is spread, with every joint free, followers too; None where no joint moves.
 
-    :raises Unavailable: when Pinocchio has no model, or a body that moves has no mass or no inertia.
+    :raises FactUnavailableError: when Pinocchio has no model, or a body that moves has no mass or no inertia.
     """
     poses = sample_configurations(model, model.samples)
     if not poses.joints:
@@ -337,7 +337,7 @@ def _get_effort_limit(joint: Joint) -> float:
 
 
 def _ensure_inertias(model: Model) -> None:
-    """:raises Unavailable: when a body that moves has no mass, or its tensor is not that of a body."""
+    """:raises FactUnavailableError: when a body that moves has no mass, or its tensor is not that of a body."""
     for body in list_rigid_bodies(model):
         if not body.is_movable:
             continue

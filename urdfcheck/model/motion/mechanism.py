@@ -57,7 +57,7 @@ class StandingRobot:
 def build_standing_robot(model: Model) -> StandingRobot:
     """The robot at its neutral pose (every joint at zero, or at the limit nearest to it).
 
-    :raises Unavailable: when the tree is broken, a body that moves has no mass or no inertia, a shape is not known, or the
+    :raises FactUnavailableError: when the tree is broken, a body that moves has no mass or no inertia, a shape is not known, or the
         robot is too large.
     """
     tree = model.tree

@@ -43,7 +43,7 @@ class SetupAssistantPair:
 def classify_link_pairs(model: Model) -> tuple[SetupAssistantPair, ...]:
     """Every pair of links with collision geometry, as MoveIt's Setup Assistant would judge it.
 
-    :raises Unavailable: when the collisions are not known.
+    :raises FactUnavailableError: when the collisions are not known.
     """
     adjacent = find_adjacent_links(model)
     pairs = zip(self_collisions(model).pairs, _find_default_hits(model).tolist(), strict=True)
@@ -57,7 +57,7 @@ def compute_default_state(model: Model) -> JointConfigurations:
     """The one configuration that MoveIt begins with: every joint at zero, or in the middle of a range without zero
     (getVariableDefaultPositions of its joint models); followers where ``<mimic>`` puts them.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     joints = poses.make_neutral_configuration(model).joints
     bounds = [poses.get_sampling_range(joint) for joint in joints]
@@ -68,7 +68,7 @@ def compute_default_state(model: Model) -> JointConfigurations:
 def measure_default_depth(model: Model, pair: CollisionPair) -> float:
     """How deep (m) two links that meet in MoveIt's default state overlap there; 0 where they just touch.
 
-    :raises Unavailable: when the collisions are not known.
+    :raises FactUnavailableError: when the collisions are not known.
     """
     bench = self_collisions(model).setup
     place = {link.name: i for i, link in enumerate(bench.links)}
@@ -109,7 +109,7 @@ def find_adjacent_links(model: Model) -> frozenset[frozenset[str]]:
     """The pairs of links with collision geometry that are connected by a joint of any type, or by joints with only links
     without such geometry in between.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     solid = {link.name for link in model.links if any(shape.kind for shape in link.collisions)}
     found: set[frozenset[str]] = set()
@@ -135,7 +135,7 @@ def find_moved_links(model: Model, srdf: Srdf) -> frozenset[str]:
     """The links that a planning group of the semantic description moves: MoveIt checks a group's states only for
     collisions of these with each other and with the rest. All links where the description has no group.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     groups = srdf.root.find_children("group")
     if not groups:

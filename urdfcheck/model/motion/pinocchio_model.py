@@ -69,7 +69,7 @@ class ParserVerdict:
 def parser_verdict(model: Model) -> ParserVerdict:
     """What urdfdom and Pinocchio say about the model; kept, so that a model they have seen does not load them again.
 
-    :raises Unavailable: as :func:`pinocchio_model`.
+    :raises FactUnavailableError: as :func:`pinocchio_model`.
     """
     import numpy as np
 
@@ -95,7 +95,7 @@ def _make_verdict(dynamics: PinocchioModel) -> ParserVerdict:
 def pinocchio_model(model: Model) -> PinocchioModel:
     """Hand a sound tree to Pinocchio.
 
-    :raises Unavailable: when Pinocchio is not installed, or when the tree, an axis or a number would make it compute
+    :raises FactUnavailableError: when Pinocchio is not installed, or when the tree, an axis or a number would make it compute
         nonsense (it loads a zero axis and gives NaN accelerations), or when it is known to be refused.
     """
     try:
@@ -138,7 +138,7 @@ def write_without_geometry(model: Model) -> str:
 
 
 def _ensure_loadable(model: Model) -> None:
-    """:raises Unavailable: naming the rule, for every defect that is refused and that a rule of its own reports."""
+    """:raises FactUnavailableError: naming the rule, for every defect that is refused and that a rule of its own reports."""
     if "name" not in model.robot.attributes:
         raise FactUnavailableError("the robot has no name (XML002)")
     _ = model.tree
@@ -204,7 +204,7 @@ def _ensure_complete(joint: Joint) -> None:
 
 
 def _ensure_version(robot: Element) -> None:
-    """:raises Unavailable: when urdfdom reads no such version, or an orientation that is given twice in this one."""
+    """:raises FactUnavailableError: when urdfdom reads no such version, or an orientation that is given twice in this one."""
     version = parse_urdf_version(robot)
     if version is None:
         raise FactUnavailableError(f"there is no version {robot.get('version')!r} of URDF (XML010)")

@@ -40,7 +40,7 @@ def collect_group_joints(model: Model, srdf: Srdf) -> dict[str, frozenset[str]]:
     """The joints of each planning group with those of the groups in it: RobotModel::addJointModelGroup of MoveIt. Of groups
     that contain each other in a circle only some.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     found: dict[str, frozenset[str]] = {}
     begun: set[str] = set()

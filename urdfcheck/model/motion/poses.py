@@ -61,7 +61,7 @@ def get_sampling_range(joint: Joint) -> tuple[float, float]:
 def make_neutral_configuration(model: Model) -> JointConfigurations:
     """One configuration: every joint at zero, or at the limit nearest to it; followers where ``<mimic>`` puts them.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     joints = _list_one_dof_joints(model)
     bounds = np.array([get_sampling_range(joint) for joint in joints]).reshape(-1, 2)
@@ -71,7 +71,7 @@ def make_neutral_configuration(model: Model) -> JointConfigurations:
 def sample_configurations(model: Model, count: int) -> JointConfigurations:
     """``count`` configurations, the first of them neutral, the others uniform over the ranges; the same in every run.
 
-    :raises Unavailable: when the tree is broken, or more joints move than motion is computed for.
+    :raises FactUnavailableError: when the tree is broken, or more joints move than motion is computed for.
     """
     first = make_neutral_configuration(model)
     ensure_few_joints(first.joints)
@@ -85,7 +85,7 @@ def sample_configurations(model: Model, count: int) -> JointConfigurations:
 
 
 def ensure_few_joints(joints: Sequence[Joint]) -> None:
-    """:raises Unavailable: when more joints move than motion is computed for."""
+    """:raises FactUnavailableError: when more joints move than motion is computed for."""
     if len(joints) > MOST_MOVING:
         raise FactUnavailableError(f"{len(joints):,} joints move, and motion is computed for {MOST_MOVING:,} at most")
 
@@ -93,7 +93,7 @@ def ensure_few_joints(joints: Sequence[Joint]) -> None:
 def compute_frames(model: Model, configurations: JointConfigurations) -> Mapping[str, Array]:
     """Placement (N, 4, 4) of each link's frame in the root link's frame in each configuration.
 
-    :raises Unavailable: when the tree is broken, or an origin or an axis is malformed.
+    :raises FactUnavailableError: when the tree is broken, or an origin or an axis is malformed.
     """
     column = {joint.name: i for i, joint in enumerate(configurations.joints)}
     count = len(configurations.values)

@@ -32,7 +32,7 @@ _BODY = re.compile(r"\bb(\d+)\b")
 def run_drop_test(model: Model) -> DropTest:
     """Let go for two seconds, with zero and with holding torques, and with zero torques at other time steps.
 
-    :raises Unavailable: when MuJoCo is not installed or refuses the model, or when the tree, a shape or a mass is not known.
+    :raises FactUnavailableError: when MuJoCo is not installed or refuses the model, or when the tree, a shape or a mass is not known.
     """
     if not model.may_simulate:
         raise FactUnavailableError("needs a simulator: urdfcheck drop")

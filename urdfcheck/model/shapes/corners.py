@@ -23,7 +23,7 @@ def collect_rigid_corners(model: Model, link: Link, *, apply_unit: bool = True) 
     """Corners (K, 3), in the link's frame, whose convex hull holds all that the link and the links fixed to it draw or
     collide with. None when there is nothing, or a shape is not known. ``unit`` as for `measure_link_geometry`.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     points = collect_body_corners(model, model.tree.list_body_links(link.name), apply_unit=apply_unit)
     if points is None:

@@ -68,7 +68,7 @@ def split_visual_bodies(model: Model, link: Link) -> tuple[Solid, ...]:
 def merge_geometry(model: Model, link: Link, others: Iterable[Link]) -> VisualGeometry | None:
     """What a link draws together with links that are fixed to it, in its frame. None when a shape is not known.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     to_link = np.linalg.inv(model.frames[link.name])
     found = []
