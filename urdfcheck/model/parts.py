@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 MOVING_TYPES = frozenset({"revolute", "continuous", "prismatic", "floating", "planar"})
 _ZERO = (0.0, 0.0, 0.0)
 TENSOR_NAMES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+# A root of one of these names is the ground itself.
+GROUND_NAMES = frozenset({"world", "map"})
 GEOMETRY_TAGS = ("mesh", "box", "cylinder", "sphere", "capsule")
 
 

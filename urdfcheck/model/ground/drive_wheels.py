@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def list_drive_wheels(controller: Controller) -> tuple[list[YamlValue], list[YamlValue]]:
-    """The wheel joints that a differential drive names on its left and on its right."""
+    """Return the wheel joints that a differential drive names on its left and on its right."""
     kinds = ("left_wheel", "left_wheel_names"), ("right_wheel", "right_wheel_names")
     left, right = ([j for name in kind if (j := controller.parameters.get(name)) is not None] for kind in kinds)
     return [j for value in left for j in value.items or (value,)], [
@@ -29,7 +29,8 @@ def list_drive_wheels(controller: Controller) -> tuple[list[YamlValue], list[Yam
 
 
 def measure_wheel_radii(model: Model, joint: str) -> list[float]:
-    """The radii (m) about its axis of what the joint's child collides as and draws, where these are round and known.
+    """Measure the radii (m) about its axis of what the joint's child collides as and draws, where these are round and
+    known.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -38,15 +39,17 @@ def measure_wheel_radii(model: Model, joint: str) -> list[float]:
         return []
     link = model.link_by_name[model.joint_by_name[joint].child]
     return [
-        float(seen.radius)
+        float(outline.radius)
         for placed in _place_link_points(model, link.name)
-        if (seen := measure_outline(placed, axis, _locate_joint(model, joint))).is_round()
+        if (outline := measure_outline(placed, axis, _locate_joint(model, joint))).is_round()
     ]
 
 
 def measure_wheel_separations(model: Model, left: str, right: str) -> list[float]:
-    """The distances (m) along their common axis between two wheels: of the joints, and of the middles of what is known of
-    the wheels; none where the axes are not parallel.
+    """Measure the distances (m) along their common axis between two wheels.
+
+    The distance of the joints comes first, then those of the middles of what is known of the wheels; none where the axes
+    are not parallel.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -54,9 +57,9 @@ def measure_wheel_separations(model: Model, left: str, right: str) -> list[float
     if left not in axes or right not in axes or abs(float(axes[left] @ axes[right])) < 0.99:
         return []
     axis = axes[left]
-    found = [abs(float((_locate_joint(model, left) - _locate_joint(model, right)) @ axis))]
+    separations = [abs(float((_locate_joint(model, left) - _locate_joint(model, right)) @ axis))]
     one, other = _compute_wheel_middles(model, left, axis), _compute_wheel_middles(model, right, axis)
-    return [*found, *(abs(a - b) for a, b in zip(one, other, strict=False))]
+    return [*separations, *(abs(a - b) for a, b in zip(one, other, strict=False))]
 
 
 def _compute_wheel_middles(model: Model, joint: str, axis: Array) -> list[float]:
@@ -65,7 +68,7 @@ def _compute_wheel_middles(model: Model, joint: str, axis: Array) -> list[float]
 
 
 def _place_link_points(model: Model, name: str) -> Iterator[Array]:
-    """Points in root coordinates on what a link collides as, and on what it draws."""
+    """Yield points in root coordinates on what a link collides as, and on what it draws."""
     link, frame = model.link_by_name[name], model.frames[name]
     for shapes in (link.collisions, link.visuals):
         points = collect_shape_corners(model, shapes)
@@ -74,6 +77,6 @@ def _place_link_points(model: Model, name: str) -> Iterator[Array]:
 
 
 def _locate_joint(model: Model, joint: str) -> Array:
-    """Where a joint is (3,), in root coordinates."""
-    at: Array = model.frames[model.joint_by_name[joint].child][:3, 3]
-    return at
+    """Return where a joint is (3,), in root coordinates."""
+    origin: Array = model.frames[model.joint_by_name[joint].child][:3, 3]
+    return origin

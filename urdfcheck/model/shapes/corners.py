@@ -20,8 +20,10 @@ _CUBE = np.array(list(product((-0.5, 0.5), repeat=3)))
 
 
 def collect_rigid_corners(model: Model, link: Link, *, apply_unit: bool = True) -> Array | None:
-    """Corners (K, 3), in the link's frame, whose convex hull holds all that the link and the links fixed to it draw or
-    collide with. None when there is nothing, or a shape is not known. ``unit`` as for `measure_link_geometry`.
+    """Collect corners (K, 3), in the link's frame, whose convex hull holds all that the link and the links fixed to it draw
+    or collide with.
+
+    None when there is nothing, or a shape is not known. ``apply_unit``: whether COLLADA's ``<unit>`` is followed.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -36,7 +38,7 @@ def collect_rigid_corners(model: Model, link: Link, *, apply_unit: bool = True) 
 def collect_body_corners(
     model: Model, links: Iterable[str], *, apply_unit: bool = True, apply_up_axis: bool = False
 ) -> Array | None:
-    """Like `collect_rigid_corners`, in the root link's frame, of the links of one body."""
+    """Collect the corners of the links of one body in the root link's frame, like `collect_rigid_corners`."""
     parts = []
     for name in links:
         link, frame = model.link_by_name[name], model.frames[name]
@@ -53,8 +55,10 @@ def collect_body_corners(
 def compute_shape_corners(
     model: Model, shape: Shape, *, apply_unit: bool = True, apply_up_axis: bool = False, circumscribed: bool = True
 ) -> Array | None:
-    """Corners (K, 3), in the link's frame, whose convex hull is that of a shape, or holds a round one closely; without
-    ``around`` the corners of a round one lie on it. None when the shape is not known."""
+    """Compute corners (K, 3), in the link's frame, whose convex hull is that of a shape, or holds a round one closely.
+
+    Without ``circumscribed`` the corners of a round shape lie on it. None when the shape is not known.
+    """
     size, pose = shape.size, shape.origin.matrix
     if size is None or pose is None or shape.kind is None:
         return None
@@ -80,7 +84,7 @@ def compute_shape_corners(
 
 @cache
 def _make_circle(circumscribed: bool) -> Array:
-    """The unit circle about z: the corners of a polygon in it, or of one round it, which need not be as fine."""
+    """Make the unit circle about z (k, 3): a polygon with its corners on it, or one around it, which need not be as fine."""
     corners = 32 if circumscribed else 64
     angles = np.arange(corners) * 2 * np.pi / corners
     radius = 1 / np.cos(np.pi / corners) if circumscribed else 1.0
@@ -89,16 +93,18 @@ def _make_circle(circumscribed: bool) -> Array:
 
 @cache
 def _make_sphere(circumscribed: bool) -> Array:
-    """The unit sphere: its parallels, poles and equator among them."""
+    """Make the unit sphere (k, 3) from its parallels, poles and equator among them."""
     circle = _make_circle(circumscribed)
     radius = float(np.linalg.norm(circle[0]))
     parallels = np.linspace(-np.pi / 2, np.pi / 2, len(circle) // 2 + 1)
-    # Polygons round it both ways, along the parallels and along the meridians.
+    # Polygons around it both ways, along the parallels and along the meridians.
     return np.concatenate([radius * (circle * np.cos(a) + (0, 0, np.sin(a))) for a in parallels])
 
 
 def collect_shape_corners(model: Model, shapes: Iterable[Shape]) -> Array | None:
-    """Points (n, 3) on these shapes, in their link's frame, whose hull is theirs; None when one of them is not known."""
+    """Collect points (n, 3) on some shapes, in their link's frame, whose hull is that of the shapes; None when one is not
+    known.
+    """
     parts = [compute_shape_corners(model, shape, circumscribed=False) for shape in shapes]
     known = [part for part in parts if part is not None]
     if len(known) != len(parts):

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 
 def compute_drawn_scale(model: Model, shape: Shape) -> tuple[float, float, float] | None:
-    """Metres per file unit along the mesh's axes, as RViz and Gazebo draw it: the URDF scale times COLLADA's unit.
+    """Return metres per file unit along the mesh's axes, as RViz and Gazebo draw it: the URDF scale times COLLADA's unit.
 
-    None when the shape is no mesh that could be read, or its scale is malformed.
+    None when the shape is not a mesh that could be read, or its scale is malformed.
     """
     facts, scale = model.meshes.get_facts(shape), shape.size
     if facts is None or scale is None or len(scale) != 3:
@@ -35,7 +35,7 @@ def is_usable_shape(model: Model, shape: Shape) -> bool:
 
 
 def measure_link_solid(model: Model, link: Link, role: str = "visual") -> Solid | None:
-    """Volume, COM and second moments of what a link draws (or collides with), in the link frame.
+    """Measure volume, COM and second moments of what a link draws (or collides with), in the link frame.
 
     None when it has no such shape, or one whose volume is not known (an unread or open mesh).
     """
@@ -48,7 +48,7 @@ def measure_link_solid(model: Model, link: Link, role: str = "visual") -> Solid 
 
 
 def measure_shape_solid(model: Model, shape: Shape) -> Solid | None:
-    """Like `measure_link_solid` for one shape."""
+    """Measure one shape, like `measure_link_solid`."""
     import numpy as np
 
     from urdfcheck.facts.inertials import inertia_tensor as inertia
@@ -57,20 +57,22 @@ def measure_shape_solid(model: Model, shape: Shape) -> Solid | None:
     size, pose = shape.size, shape.origin.matrix
     if size is None or pose is None or any(s == 0 for s in size):
         return None
+    turn, place = pose[:3, :3], pose[:3, 3]
     if shape.kind == "mesh":
         facts = model.meshes.get_facts(shape)
         if facts is None or not facts.closed or not np.isfinite(facts.com).all():
             return None
-        return compute_mesh_solid(facts, size, pose[:3, :3], pose[:3, 3])
+        return compute_mesh_solid(facts, size, turn, place)
     if any(s < 0 for s in size):
         return None
-    made = {
+    makers = {
         "box": lambda: inertia.make_box_solid(size),
         "cylinder": lambda: inertia.make_cylinder_solid(*size),
         "sphere": lambda: inertia.make_sphere_solid(*size),
         "capsule": lambda: inertia.make_capsule_solid(*size),
-    }[shape.kind or ""]()
-    return inertia.transform_solid(made, pose[:3, :3], pose[:3, 3])
+    }
+    solid = makers[shape.kind or ""]()
+    return inertia.transform_solid(solid, turn, place)
 
 
 def get_mesh_scale(model: Model, shape: Shape, apply_unit: bool) -> NDArray[np.float64] | None:
