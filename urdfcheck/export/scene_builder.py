@@ -339,7 +339,8 @@ def _build_ground(model: Model) -> SceneGround | None:
     return SceneGround(
         height=float(points[:, 2].min()),
         contacts=tuple(
-            (name, tuple(map(float, at))) for name, at in compute_contact_points(model, points, owners, support=now).items()
+            (name, tuple(map(float, at)))
+            for name, at in compute_contact_points(model, points, owners, support=now).items()
         ),
         support=tuple(tuple(map(float, corner)) for corner in now.polygon),
         com=tuple(map(float, com)),

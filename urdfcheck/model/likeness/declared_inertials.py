@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from operator import itemgetter
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,53 +15,70 @@ from urdfcheck.model.likeness.shape_comparison import DIFFERENT
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
 
 def read_declared_inertial(link: Link) -> DeclaredInertial | None:
-    """What the link's ``<inertial>`` says; None when there is none, a number is malformed or the mass is not positive."""
+    """Read the link's ``<inertial>``; None when there is none, a number is malformed or the mass is not positive."""
     inertial = link.inertial
     if inertial is None or inertial.mass is None or not inertial.mass > 0 or inertial.tensor is None:
         return None
     matrix = inertial.origin.matrix
-    return None if matrix is None else DeclaredInertial(inertial.mass, matrix[:3, 3], inertial.tensor, matrix[:3, :3])
+    if matrix is None:
+        return None
+    return DeclaredInertial(mass=inertial.mass, com=matrix[:3, 3], tensor=inertial.tensor, rotation=matrix[:3, :3])
+
+
+def turn_inertial(numbers: DeclaredInertial, linear: Array, *, com: Array) -> DeclaredInertial:
+    """Turn (or mirror) an inertial by an orthogonal ``linear`` (3, 3), and put its COM at ``com`` (3,)."""
+    # -1 turns an improper rotation into a proper one, and leaves every tensor as it is.
+    proper = linear if np.linalg.det(linear) > 0 else -linear
+    return DeclaredInertial(mass=numbers.mass, com=com, tensor=numbers.tensor, rotation=proper @ numbers.rotation)
 
 
 def mirror_inertial(numbers: DeclaredInertial, pair: MirrorPair, *, inverse: bool = False) -> DeclaredInertial:
-    """The inertial of ``pair.one`` as that of ``pair.other`` should be; with ``back`` the other way round.
+    """Return what the inertial of ``pair.other`` should be by that of ``pair.one``; with ``inverse`` the other way round.
 
-    It keeps the tensor and mirrors its axes, which are turned over so that they stay right-handed.
+    The tensor stays, and its axes are mirrored and turned over, so that they stay right-handed.
     """
     linear = pair.linear.T if inverse else pair.linear
     shift = np.zeros(3)
     if pair.uses_shift:
         shift = -pair.linear.T @ pair.shift if inverse else pair.shift
-    # -1 turns an improper rotation into a proper one, and leaves every tensor as it is.
-    return DeclaredInertial(numbers.mass, linear @ numbers.com + shift, numbers.tensor, -linear @ numbers.rotation)
+    return turn_inertial(numbers, linear, com=linear @ numbers.com + shift)
 
 
 def copy_inertial(numbers: DeclaredInertial, copy: CopyTransform, *, inverse: bool = False) -> DeclaredInertial:
-    """The inertial of one link as that of another that holds the same part; with ``back`` the other way round."""
-    turn, move = (
-        (copy.rotation.T, -copy.rotation.T @ copy.translation) if inverse else (copy.rotation, copy.translation)
-    )
-    return DeclaredInertial(numbers.mass, turn @ numbers.com + move, numbers.tensor, turn @ numbers.rotation)
+    """Return the inertial of one link as that of another that holds the same part; with ``inverse`` the other way round."""
+    rotation, translation = copy.rotation, copy.translation
+    if inverse:
+        rotation, translation = rotation.T, -rotation.T @ translation
+    return turn_inertial(numbers, rotation, com=rotation @ numbers.com + translation)
 
 
 def estimate_from_twin(model: Model, link: Link, among: Iterable[MirrorPair] | None = None) -> DeclaredInertial | None:
-    """The inertial of the other side's link, mirrored and in the frame of this one. ``among``: the pairs, where they are known.
+    """Estimate an inertial from the other side's link, mirrored and in the frame of this one.
 
-    Only where what both draw says that the parts are mirror images, and their poses are. Of a symmetric part, which a copy
-    may stand for as well, it is the copy where that is nearer to what this link declares.
+    ``among``: the pairs, where they are known. Only where what both draw says that the parts are mirror images, and their poses
+    are. For a symmetric part, which a copy may represent as well, it is the copy where that is nearer to what this link declares.
     """
-    own = read_declared_inertial(link)
+    declared = read_declared_inertial(link)
     for pair in mirror_pairs(model) if among is None else among:
         if link.name not in {pair.one, pair.other} or pair.drawn_as not in {"mirrored", "both"}:
             continue
-        back = pair.one == link.name
-        other = read_declared_inertial(model.link_by_name[pair.other if back else pair.one])
-        if other is not None:
-            choices = [mirror_inertial(other, pair, inverse=back)]
-            choices += [
-                copy_inertial(other, copy, inverse=back) for copy in pair.copy_transforms if copy.mismatch < DIFFERENT
-            ]
-            return choices[0] if own is None else min(choices, key=lambda one: measure_deviation(own, one).worst)
+        inverse = pair.one == link.name
+        twin = read_declared_inertial(model.link_by_name[pair.other if inverse else pair.one])
+        if twin is None:
+            continue
+        mirrored = mirror_inertial(twin, pair, inverse=inverse)
+        if declared is None:
+            return mirrored
+        copies = [
+            copy_inertial(twin, copy, inverse=inverse) for copy in pair.copy_transforms if copy.mismatch < DIFFERENT
+        ]
+        choices = [(measure_deviation(declared, choice).worst, choice) for choice in (mirrored, *copies)]
+        return min(choices, key=itemgetter(0))[1]
     return None

@@ -31,47 +31,54 @@ if TYPE_CHECKING:
 
 # Origins are mirror images to within a careful hand measurement, or this share of the group's size.
 PLACE, PLACE_SHARE = 1e-3, 2e-3
-# The planes that are tried first: left and right, front and back, above and below.
+# The normals of planes that are tried first: left and right, front and back, above and below.
 NORMALS = tuple(np.eye(3)[[1, 0, 2]])
-# More joints of one kind than this that no name tells apart are a chain or a ring, and have no left and right.
+# More joints of one kind than this that no name distinguishes are a chain or a ring, without left and right.
 _MOST_ALIKE = 32
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CopyTransform:
-    """``x -> turn x + move`` takes what one link draws to where another draws the same part, but for ``mismatch`` (a share of
-    its size)."""
+    """``x -> rotation x + translation`` takes what one link draws to where another draws the same part."""
 
     rotation: Array
     translation: Array
     mismatch: float
+    """By how much the two differ then, as a share of the part's size."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class MirrorPair:
-    """Two links on either side of a mirror ``plane`` (root coordinates, all joints at zero).
-
-    ``linear`` (3, 3) and ``shift`` (3,) take coordinates in the frame of ``one`` to those of its mirror image in the frame of
-    ``other``. ``mirrored``: by how much what they draw differs from mirror images, as a share of its size, and ``copies``: how
-    one part may have been copied from ``one`` to ``other``: as it stands in both frames, or as its shapes are placed. None
-    and none where a shape is not known. ``slides``: it is mirrored with ``shift``, without which it is not: the frames lie
-    at other places of the same part. ``alike``: whether both draw parts of one shape wherever in their frames; None where a
-    shape of either is not known, or there is none. ``agreeing`` pairs of the group are mirrored in place. ``named``: the
-    names say that they are a pair. ``lines``: either link and all that it hangs on.
-    """
+    """Two links on either side of a mirror plane."""
 
     one: str
     other: str
     plane: MirrorPlane
+    """In root coordinates, all joints at zero."""
     linear: Array
+    """(3, 3). With ``shift`` it takes coordinates in the frame of ``one`` to those of its mirror image in the frame of
+    ``other``.
+    """
     shift: Array
+    """(3,), metres."""
     mirror_mismatch: float | None
+    """By how much what they draw differs from mirror images, as a share of its size; None where a shape is not known."""
     copy_transforms: tuple[CopyTransform, ...]
+    """How one part may have been copied from ``one`` to ``other``: as it is in both frames, or as its shapes are placed.
+    Empty where a shape is not known.
+    """
     uses_shift: bool
+    """Whether they are mirror images with ``shift`` but not without it: the frames are at other points of the same part."""
     is_alike: bool | None
+    """Whether both draw parts of one shape, wherever in their frames; None where a shape of either is not known, or there
+    is none.
+    """
     agreeing_pairs: int
+    """The number of pairs of the group that are mirrored in place."""
     is_named: bool
+    """Whether the names say that they are a pair."""
     ancestry: tuple[frozenset[str], frozenset[str]]
+    """Either link and all links on which it hangs."""
 
     @property
     def copy_mismatch(self) -> float | None:
@@ -90,7 +97,7 @@ class MirrorPair:
         return "neither"
 
     def is_attached_to(self, above: MirrorPair) -> bool:
-        """Whether the pair is another, or hangs on it."""
+        """Whether the pair is another one, or hangs on it."""
         one, other = self.ancestry
         return (above.one in one and above.other in other) or (above.one in other and above.other in one)
 
@@ -107,19 +114,19 @@ def list_alike_links_elsewhere(model: Model, pair: MirrorPair) -> tuple[str, ...
 
 @fact
 def mirror_pairs(model: Model) -> tuple[MirrorPair, ...]:
-    """Left and right links, those nearest to the root first.
+    """Find left and right links, those nearest to the root first.
 
-    Pairs are told by their names; where names say nothing, by mirrored places and mirrored drawings. The planes are found
-    for each group of pairs that hang on the same body.
+    Names reveal the pairs; where names say nothing, mirrored places and mirrored drawings do. The planes are fitted for
+    each group of pairs that hang on the same body.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     order = {name: i for i, name in enumerate(model.tree.order)}
     names = [(one, other) for one, other in pair_by_name(order) if not _is_in_line(model, one, other)]
-    found = [pair for group in _group_by_body(model, names) for pair in _match_group(model, group)]
-    known = {name for names_ in names for name in names_}
-    found += _pair_by_geometry(model, [name for name in model.tree.order if name not in known])
-    return tuple(sorted(found, key=lambda p: (order[p.one], order[p.other])))
+    pairs = [pair for group in _group_by_body(model, names) for pair in _match_group(model, group)]
+    paired = {name for names_ in names for name in names_}
+    pairs += _pair_by_geometry(model, [name for name in model.tree.order if name not in paired])
+    return tuple(sorted(pairs, key=lambda p: (order[p.one], order[p.other])))
 
 
 def _is_in_line(model: Model, one: str, other: str) -> bool:
@@ -128,7 +135,7 @@ def _is_in_line(model: Model, one: str, other: str) -> bool:
 
 
 def _group_by_body(model: Model, names: Iterable[tuple[str, str]]) -> list[list[tuple[str, str]]]:
-    """Pairs that part at the same body: the fingers of a hand, the arms of a torso."""
+    """Group the pairs that part at the same body: the fingers of a hand, the arms of a torso."""
     groups: dict[str, list[tuple[str, str]]] = {}
     for one, other in names:
         groups.setdefault(_find_common_body(model, one, other), []).append((one, other))
@@ -136,17 +143,17 @@ def _group_by_body(model: Model, names: Iterable[tuple[str, str]]) -> list[list[
 
 
 def _find_common_body(model: Model, one: str, other: str) -> str:
-    """The first link of the nearest body that both links hang on, or are fixed to."""
-    found = model.tree.root
+    """Return the first link of the nearest body on which both links hang, or to which they are fixed."""
+    body = model.tree.root
     for first, second in zip(model.tree.find_path_to(one), model.tree.find_path_to(other), strict=False):
         if first is not second:
             break
-        found = found if first.type == "fixed" else first.child
-    return found
+        body = body if first.type == "fixed" else first.child
+    return body
 
 
 def _match_group(model: Model, group: Sequence[tuple[str, str]]) -> Iterator[MirrorPair]:
-    """The pairs of a group that has a mirror plane; each link in one of them, with the partner that lies nearest."""
+    """Yield the pairs of a group that has a mirror plane; each link in one of them, with the partner that lies nearest."""
     counts: dict[str, int] = {}
     for name in (name for names in group for name in names):
         counts[name] = counts.get(name, 0) + 1
@@ -160,12 +167,12 @@ def _match_group(model: Model, group: Sequence[tuple[str, str]]) -> Iterator[Mir
     for names in sorted(group, key=lambda names: _measure_misplacement(model, plane, names)):
         if not taken & set(names):
             taken |= set(names)
-            yield _make_pair(model, plane, names, agreeing, named=True)
+            yield _make_pair(model, plane, names, agreeing=agreeing, named=True)
 
 
 def _measure_misplacement(model: Model, plane: MirrorPlane, names: tuple[str, str]) -> float:
     one, other = (model.frames[name][:3, 3] for name in names)
-    # In micrometres: rounding must not decide between partners at one place.
+    # In whole micrometres: rounding must not decide between partners at one place.
     return round(float(np.linalg.norm(plane.reflect_points(one) - other)) * 1e6)
 
 
@@ -174,29 +181,31 @@ def _fit_mirror_plane(
 ) -> tuple[MirrorPlane, int] | None:
     ones, others = (np.array([model.frames[names[side]][:3, 3] for names in group]) for side in (0, 1))
     size = float(np.linalg.norm(np.ptp(np.concatenate((ones, others)), axis=0)))
-    found = find_mirror_plane(ones, others, normals, max(PLACE, PLACE_SHARE * size))
-    if found is not None or size > PLACE:
-        return found
-    # All frames at one place, as those of a gripper that opens by sliding: the parts tell where the sides are.
+    fitted = find_mirror_plane(ones, others, normals=normals, tolerance=max(PLACE, PLACE_SHARE * size))
+    if fitted is not None or size > PLACE:
+        return fitted
+    # All frames are at one place, as those of a gripper that opens by sliding: the parts show where the sides are.
     drawn = [(compute_centroid(model, a), compute_centroid(model, b)) for a, b in group]
     known = [(a, b) for a, b in drawn if a is not None and b is not None]
-    return find_mirror_plane([a for a, _ in known], [b for _, b in known], normals, PLACE) if known else None
+    if not known:
+        return None
+    return find_mirror_plane([a for a, _ in known], [b for _, b in known], normals=normals, tolerance=PLACE)
 
 
-def _make_pair(model: Model, plane: MirrorPlane, names: tuple[str, str], agreeing: int, *, named: bool) -> MirrorPair:
+def _make_pair(model: Model, plane: MirrorPlane, names: tuple[str, str], *, agreeing: int, named: bool) -> MirrorPair:
     linear, shift = plane.relate_frames(*(model.frames[name] for name in names))
     one, other = (get_outline(model, name) for name in names)
-    mirrored: float | None = None
+    mirror_mismatch: float | None = None
     copies: tuple[CopyTransform, ...] = ()
     uses_shift = False
     if one is not None and other is not None and is_comparable(model, *names):
-        moved, still = (
-            measure_outline_mismatch(one, other, linear, shift),
-            measure_outline_mismatch(one, other, linear, np.zeros(3)),
+        with_shift, without_shift = (
+            measure_outline_mismatch(one, other, linear=linear, shift=shift),
+            measure_outline_mismatch(one, other, linear=linear, shift=np.zeros(3)),
         )
-        mirrored, uses_shift = min(moved, still), moved < ALIKE <= still
+        mirror_mismatch, uses_shift = min(with_shift, without_shift), with_shift < ALIKE <= without_shift
         copies = tuple(
-            CopyTransform(turn, move, measure_outline_mismatch(one, other, turn, move))
+            CopyTransform(turn, move, measure_outline_mismatch(one, other, linear=turn, shift=move))
             for turn, move in propose_motions(model, *names)
         )
     first, second = (frozenset((name, *(joint.child for joint in model.tree.find_path_to(name)))) for name in names)
@@ -206,7 +215,7 @@ def _make_pair(model: Model, plane: MirrorPlane, names: tuple[str, str], agreein
         plane=plane,
         linear=linear,
         shift=shift,
-        mirror_mismatch=mirrored,
+        mirror_mismatch=mirror_mismatch,
         copy_transforms=copies,
         uses_shift=uses_shift,
         is_alike=is_alike(model, *names),
@@ -217,7 +226,7 @@ def _make_pair(model: Model, plane: MirrorPlane, names: tuple[str, str], agreein
 
 
 def _pair_by_geometry(model: Model, names: Sequence[str]) -> list[MirrorPair]:
-    """Pairs among links whose names say nothing: like joints that carry like parts, mirrored in place and as drawn."""
+    """Pair links whose names say nothing: like joints that carry like parts, mirrored in place and as drawn."""
     kinds: dict[tuple[str, int], list[str]] = {}
     for name in names:
         joint = model.tree.parent_joint.get(name)
@@ -230,20 +239,22 @@ def _pair_by_geometry(model: Model, names: Sequence[str]) -> list[MirrorPair]:
         for one, other in combinations(members, 2)
         if is_alike(model, one, other)
     ]
-    found: list[MirrorPair] = []
+    pairs: list[MirrorPair] = []
     for group in _group_by_body(model, alike):
         best: list[MirrorPair] = []
         for normal in NORMALS:
             matched = _match_mirror_images(model, group, normal)
             if len(matched) > len(best):
                 best = matched
-        found += best
-    return found
+        pairs += best
+    return pairs
 
 
 def _match_mirror_images(model: Model, group: Sequence[tuple[str, str]], normal: Array) -> list[MirrorPair]:
-    """The pairs of the plane with this normal that mirrors most places of a group, where that is most of its links and most of
-    these are drawn mirrored as well."""
+    """Match the pairs of the plane with this normal that mirrors most places of a group.
+
+    None unless that is most of the group's links, and most of these are drawn mirrored as well.
+    """
     least = 0.6 * len({name for names in group for name in names}) / 2
     ones, others = (np.array([model.frames[names[side]][:3, 3] for names in group]) for side in (0, 1))
     apart = np.abs((others - ones) @ normal) > PLACE
@@ -261,6 +272,6 @@ def _match_mirror_images(model: Model, group: Sequence[tuple[str, str]], normal:
             chosen, best = list(dict.fromkeys(matched.values())), plane
     if len(chosen) < least:
         return []
-    found = [_make_pair(model, best, names, len(chosen), named=False) for names in chosen]
-    drawn = [pair for pair in found if pair.drawn_as in {"mirrored", "both"}]
+    pairs = [_make_pair(model, best, names, agreeing=len(chosen), named=False) for names in chosen]
+    drawn = [pair for pair in pairs if pair.drawn_as in {"mirrored", "both"}]
     return drawn if len(drawn) >= least else []

@@ -57,7 +57,7 @@ def list_alike_links(model: Model, name: str) -> tuple[str, ...]:
 
 
 def propose_motions(model: Model, one: str, other: str) -> Iterator[tuple[Array, Array]]:
-    """Yield rotation (3, 3) and translation (3,) of how a part may have been copied: with its link's frame, or its first shape's."""
+    """Yield the rotation (3, 3) and translation (3,) of each way to copy a part: with its link's frame, or its first shape's."""
     yield np.eye(3), np.zeros(3)
     first, second = (_choose_shapes(model.link_by_name[name])[0].origin.matrix for name in (one, other))
     if first is not None and second is not None and np.abs(first - second).max() > 1e-9:
@@ -89,7 +89,7 @@ def _compute_outline_moments(model: Model, name: str) -> Array | None:
 
 
 def _choose_shapes(link: Link) -> tuple[Shape, ...]:
-    """What the link shows: its visual shapes, or its collision shapes where it has no others."""
+    """Return what the link shows: its visual shapes, or its collision shapes where it has no others."""
     choices = [tuple(s for s in shapes if not is_dummy_shape(s)) for shapes in (link.visuals, link.collisions)]
     return next((shapes for shapes in choices if shapes), ())
 
@@ -100,23 +100,10 @@ def _compute_outline(model: Model, link: Link) -> PartOutline | None:
     covariances: list[Array] = []
     points: list[Array] = []
     for shape in _choose_shapes(link):
-        corners, pose = compute_shape_corners(model, shape), shape.origin.matrix
-        if corners is None or pose is None:
+        corners, surface = compute_shape_corners(model, shape), _measure_surface(model, shape)
+        if corners is None or surface is None:
             return None
-        if shape.kind == "mesh":
-            facts, scale = model.meshes.get_facts(shape), compute_drawn_scale(model, shape)
-            assert facts is not None
-            assert scale is not None
-            factors = np.array(scale)
-            weight = facts.area * float(np.abs(factors).prod()) ** (2 / 3)
-            centre, covariance = factors * facts.surface_centroid, facts.surface_covariance * np.outer(factors, factors)
-            turn, place = pose[:3, :3], pose[:3, 3]
-            centre, covariance = turn @ centre + place, turn @ covariance @ turn.T
-        else:
-            solid = measure_shape_solid(model, shape)
-            if solid is None:
-                return None
-            weight, centre, covariance = solid.volume ** (2 / 3), solid.com, solid.covariance
+        weight, centre, covariance = surface
         if not weight > 0.0:
             return None
         weights.append(weight)
@@ -130,3 +117,21 @@ def _compute_outline(model: Model, link: Link) -> PartOutline | None:
     offsets = np.array(centroids) - centroid
     spread = np.einsum("i,ijk->jk", share, np.array(covariances)) + np.einsum("i,ij,ik->jk", share, offsets, offsets)
     return PartOutline(centroid, spread, np.concatenate(points))
+
+
+def _measure_surface(model: Model, shape: Shape) -> tuple[float, Array, Array] | None:
+    """Return the weight (m²), centroid (3,) and second moments (3, 3) of a shape's surface, in its link's frame.
+
+    Of a primitive those of its volume, which serve as well where all links that are compared draw it as a primitive.
+    """
+    if shape.kind != "mesh":
+        solid = measure_shape_solid(model, shape)
+        return None if solid is None else (solid.volume ** (2 / 3), solid.com, solid.covariance)
+    facts, scale, pose = model.meshes.get_facts(shape), compute_drawn_scale(model, shape), shape.origin.matrix
+    if facts is None or scale is None or pose is None:
+        return None
+    factors = np.array(scale)
+    weight = facts.area * float(np.abs(factors).prod()) ** (2 / 3)
+    centre, covariance = factors * facts.surface_centroid, facts.surface_covariance * np.outer(factors, factors)
+    turn, place = pose[:3, :3], pose[:3, 3]
+    return weight, turn @ centre + place, turn @ covariance @ turn.T

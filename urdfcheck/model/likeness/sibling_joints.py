@@ -13,10 +13,10 @@ from urdfcheck.model.robot import Model
 
 @fact
 def sibling_joints(model: Model) -> tuple[tuple[Joint, ...], ...]:
-    """Groups of moving joints that have the same type, the same number of moving joints before them, and like children.
+    """Group moving joints that have the same type, the same number of moving joints before them, and like children.
 
-    Children are alike in mass, principal moments and the shape of what they draw, whatever they are called and however
-    their frames are turned. A child with neither an inertial nor a mesh is in no group.
+    Children are alike in mass, principal moments and the shape of what they draw, whatever their names and however their
+    frames are turned. A child with neither an inertial nor a mesh is in no group.
 
     :raises FactUnavailableError: when the tree is broken.
     """
@@ -24,10 +24,10 @@ def sibling_joints(model: Model) -> tuple[tuple[Joint, ...], ...]:
     kinds: dict[tuple[str, int], list[tuple[Joint, LinkSignature]]] = {}
     for name in tree.order[1:]:
         joint = tree.parent_joint[name]
-        found = _compute_signature(model, model.link_by_name[name]) if joint.has_axis else None
-        if found is not None:
+        signature = _compute_signature(model, model.link_by_name[name]) if joint.has_axis else None
+        if signature is not None:
             depth = sum(j.is_movable for j in tree.find_path_to(name))
-            kinds.setdefault((joint.type, depth), []).append((joint, found))
+            kinds.setdefault((joint.type, depth), []).append((joint, signature))
     groups = []
     for members in kinds.values():
         for indices in group_by_signature([s for _, s in members]):
@@ -36,7 +36,8 @@ def sibling_joints(model: Model) -> tuple[tuple[Joint, ...], ...]:
 
 
 def find_common_base(model: Model, group: Sequence[Joint]) -> str:
-    """The last link that all joints of a group hang on: in its axes their places and frames were thought of.
+    """Return the last link on which all joints of a group hang: in its axes their author thought of their places and
+    frames.
 
     :raises FactUnavailableError: when the tree is broken.
     """
@@ -46,7 +47,8 @@ def find_common_base(model: Model, group: Sequence[Joint]) -> str:
 
 
 def trace_fixed_chain(model: Model, joint: Joint, base: str) -> tuple[Joint, ...]:
-    """The fixed joints between the link ``base``, or the moving joint before this one, and this one, and this one last.
+    """Return the fixed joints between the link ``base``, or the moving joint before this one, and this one, with this one
+    last.
 
     :raises FactUnavailableError: when the tree is broken.
     """
@@ -69,7 +71,7 @@ def _compute_signature(model: Model, link: Link) -> LinkSignature | None:
 
 
 def _compute_surface_moments(model: Model, link: Link) -> Sequence[float]:
-    """Principal second moments (m²) of the surface of the first mesh that the link draws; empty when there is none.
+    """Compute the principal second moments (m²) of the surface of the first mesh that the link draws; empty without a mesh.
 
     A surface has them whether or not it is closed.
     """

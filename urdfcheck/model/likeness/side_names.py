@@ -3,30 +3,31 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
 from itertools import combinations
 
-# Words of a name: camel case, digits and punctuation part them.
+# Words of a name: camel case, digits and punctuation separate them.
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^A-Za-z\d]+")
 _SIDES = re.compile(r"left|right", re.IGNORECASE)
 _OTHER: Mapping[str, str] = {"left": "right", "right": "left", "l": "r", "r": "l"}
-# Names with more words that could tell a side than this are not names of a side.
+# A name with more words than this that could mean a side does not mean one.
 _MOST = 4
 
 
 def pair_by_name(names: Iterable[str]) -> Iterator[tuple[str, str]]:
-    """Names that differ in nothing but the side, each pair once, in the order of the names."""
-    known = list(names)
-    place = {name: i for i, name in enumerate(known)}
-    words = {word for name in known for word in _WORDS.findall(name)}
-    for name in known:
+    """Yield names that differ in nothing but the side, each pair once, in the order of the names."""
+    all_names = list(names)
+    index = {name: i for i, name in enumerate(all_names)}
+    words = {word for name in all_names for word in _WORDS.findall(name)}
+    for name in all_names:
         for other in dict.fromkeys(_list_other_side_names(name, words)):
-            if place.get(other, -1) > place[name]:
+            if index.get(other, -1) > index[name]:
                 yield name, other
 
 
-def _list_other_side_names(name: str, known: Set[str]) -> Iterator[str]:
-    """What a name may be on the other side: every choice of its words that tell a side, changed for one that is ``known``."""
+def _list_other_side_names(name: str, known: AbstractSet[str]) -> Iterator[str]:
+    """Yield what a name may be on the other side: every choice of its words for a side, each replaced by a ``known`` one."""
     words = _WORDS.findall(name)
     others = [[other for other in _list_other_side_words(word) if other in known] for word in words]
     places = [i for i, options in enumerate(others) if options]
@@ -42,7 +43,7 @@ def _list_other_side_names(name: str, known: Set[str]) -> Iterator[str]:
 
 
 def _list_other_side_words(word: str) -> Iterator[str]:
-    """A word of the other side: ``left``, ``l``, ``lf``, ``fl``, ``larm``. Whether that means anything, the other name tells."""
+    """Yield a word for the other side: ``left``, ``l``, ``lf``, ``fl``, ``larm``. The other name decides whether it means one."""
     if _SIDES.search(word):
         yield _SIDES.sub(lambda match: _match_case(_OTHER[match.group().lower()], match.group()), word)
         return
@@ -53,7 +54,7 @@ def _list_other_side_words(word: str) -> Iterator[str]:
 
 
 def _match_case(word: str, like: str) -> str:
-    """The word in capitals, or with a capital, like the other."""
+    """Return the word in capitals, or with a capital, like the other."""
     if like.isupper():
         return word.upper()
     return word.capitalize() if like[0].isupper() else word

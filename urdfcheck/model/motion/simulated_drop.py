@@ -7,8 +7,7 @@ import re
 
 import numpy as np
 
-from urdfcheck.core import FactUnavailableError
-from urdfcheck.core import drop_test
+from urdfcheck.core import FactUnavailableError, drop_test
 from urdfcheck.core.drop_test import DropTest, GroundContact, ReleaseResult, StabilityCurve
 from urdfcheck.facts.motion.simulation import (
     AVERAGING_WINDOW,
