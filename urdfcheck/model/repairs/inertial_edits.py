@@ -1,4 +1,4 @@
-"""Edits that put other numbers into an ``<inertial>``, as its author would write them."""
+"""Edits that write other numbers into an ``<inertial>``, as its author would."""
 
 from __future__ import annotations
 
@@ -19,63 +19,69 @@ from urdfcheck.source.text.xml import Attribute, Element
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-# Numbers are the same when they agree to what a file's digits can tell.
+# Numbers are the same when they agree to within this share, which a file's digits can express.
 NEGLIGIBLE_DIFFERENCE = 1e-6
 _DIGITS = 6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InertialRepair:
-    """``edits`` that change the numbers where they were typed, and ``text``, what they say, for a person: ``ixy="…" iyz="…"``;
-    ``places``: the attributes in question, or the elements that lack them.
-
-    Without edits where a number is computed, or an element to write it in is missing.
-    """
+    """Other numbers for an inertial."""
 
     edits: tuple[Edit, ...]
+    """What changes the numbers where they were typed; empty where a number is computed, or an element to write it in is
+    missing.
+    """
     text: str
+    """What the edits say, for a person: ``ixy="…" iyz="…"``."""
     places: tuple[Attribute | Element | None, ...] = ()
+    """The attributes in question, or the elements that lack them."""
 
 
 def build_inertial_repair(inertial: Inertial, expected: DeclaredInertial) -> InertialRepair:
-    """What to change for an inertial to say ``wanted``. Only what differs is changed; a sign or a power of ten keeps its
-    digits."""
+    """Build what to change for an inertial to say ``expected``.
+
+    Only what differs is changed; a sign or a power of ten keeps its digits.
+    """
     changes = [change for change in _list_changes(inertial, expected) if not _is_already_written(change[0], change[2])]
-    edits = [edit for attribute, _, text in changes if (edit := _make_edit(attribute, text)) is not None]
-    told = " ".join(f'{name}="{text}"' for _, name, text in changes)
+    edits = [edit for attribute, _, new in changes if (edit := _make_edit(attribute, new)) is not None]
+    text = " ".join(f'{name}="{new}"' for _, name, new in changes)
     places = tuple(place for place, _, _ in changes)
-    return InertialRepair(tuple(edits) if len(edits) == len(changes) else (), told, places)
+    return InertialRepair(tuple(edits) if len(edits) == len(changes) else (), text, places)
 
 
 def _list_changes(
-    inertial: Inertial, wanted: DeclaredInertial
+    inertial: Inertial, expected: DeclaredInertial
 ) -> Iterator[tuple[Attribute | Element | None, str, str]]:
-    """The attribute (or the element that lacks it), its name and its new text, for each that has to change."""
-    if inertial.mass is None or not math.isclose(inertial.mass, wanted.mass, rel_tol=NEGLIGIBLE_DIFFERENCE):
+    """Yield the attribute (or the element that lacks it), its name and its new text, for each that has to change."""
+    if inertial.mass is None or not math.isclose(inertial.mass, expected.mass, rel_tol=NEGLIGIBLE_DIFFERENCE):
         attribute = inertial.mass_attribute
-        yield attribute, "mass value", _format_numbers([] if attribute is None else [attribute.value], [wanted.mass])
+        yield attribute, "mass value", _format_numbers([] if attribute is None else [attribute.value], [expected.mass])
     xyz = inertial.origin.xyz
-    reach = max(float(np.abs(wanted.com).max()), *map(abs, xyz or ()), 1e-12)
-    if xyz is None or float(np.abs(np.array(xyz) - wanted.com).max()) > NEGLIGIBLE_DIFFERENCE * reach:
-        com = np.where(np.abs(wanted.com) > NEGLIGIBLE_DIFFERENCE * reach, wanted.com, 0.0)
+    reach = max(float(np.abs(expected.com).max()), *map(abs, xyz or ()), 1e-12)
+    if xyz is None or float(np.abs(np.array(xyz) - expected.com).max()) > NEGLIGIBLE_DIFFERENCE * reach:
+        com = np.where(np.abs(expected.com) > NEGLIGIBLE_DIFFERENCE * reach, expected.com, 0.0)
         yield _locate_attribute(inertial, "xyz"), "xyz", _format_numbers(_split_attribute(inertial, "xyz"), com)
     matrix = inertial.origin.matrix
-    if matrix is None or float(np.abs(matrix[:3, :3] - wanted.rotation).max()) > NEGLIGIBLE_DIFFERENCE:
-        angles = np.array(matrix_to_rpy(wanted.rotation))
+    if matrix is None or float(np.abs(matrix[:3, :3] - expected.rotation).max()) > NEGLIGIBLE_DIFFERENCE:
+        angles = np.array(matrix_to_rpy(expected.rotation))
         angles[np.abs(angles) < 1e-12] = 0.0
         yield _locate_attribute(inertial, "rpy"), "rpy", _format_numbers(_split_attribute(inertial, "rpy"), angles)
-    six = inertial.inertia_components or (math.nan,) * 6
-    values = [float(wanted.tensor[i, j]) for i in range(3) for j in range(i, 3)]
+    yield from _list_tensor_changes(inertial, expected)
+
+
+def _list_tensor_changes(
+    inertial: Inertial, expected: DeclaredInertial
+) -> Iterator[tuple[Attribute | Element | None, str, str]]:
+    components = inertial.inertia_components or (math.nan,) * 6
+    values = [float(expected.tensor[i, j]) for i in range(3) for j in range(i, 3)]
     largest = max(map(abs, values))
-    written = {} if inertial.tensor_element is None else inertial.tensor_element.attributes
-    typed = [written[name].value if name in written else "" for name in TENSOR_NAMES]
-    for i, (name, old, new) in enumerate(zip(TENSOR_NAMES, six, values, strict=True)):
+    attributes = {} if inertial.tensor_element is None else inertial.tensor_element.attributes
+    typed = [attributes[name].value if name in attributes else "" for name in TENSOR_NAMES]
+    for i, (name, old, new) in enumerate(zip(TENSOR_NAMES, components, values, strict=True)):
         if not abs(old - new) <= NEGLIGIBLE_DIFFERENCE * max(abs(new), 1e-3 * largest):
-            yield (
-                written.get(name),
-                name,
-                _format_like_typed(typed[i], new if abs(new) > 1e-9 * largest else 0.0, typed),
-            )
+            value = new if abs(new) > 1e-9 * largest else 0.0
+            yield attributes.get(name), name, _format_like_typed(typed[i], value, typed)
 
 
 def _is_already_written(attribute: Attribute | Element | None, text: str) -> bool:
@@ -105,8 +111,10 @@ def _format_numbers(typed: Sequence[str], values: Sequence[float] | NDArray[np.f
 
 
 def _format_like_typed(typed: str, value: float, others: Iterable[str] = ()) -> str:
-    """A number as it was typed where only its sign or a power of ten changes, or as one of its neighbours ``others`` where
-    they changed places; else with six digits."""
+    """Format a number as it was typed where only its sign or a power of ten changes, else with six digits.
+
+    ``others`` are its neighbours: a number that changed places with one is written as that one was typed.
+    """
     for word, powers in ((typed, True), *((other, False) for other in others)):
         try:
             old = Decimal(word.strip())
