@@ -24,7 +24,7 @@ def model_of(path: Path, arguments: dict[str, str] | None = None, roots: tuple[P
 def same_frames_as_yourdfpy(model: Model, folder: Path) -> int:
     yourdfpy = pytest.importorskip("yourdfpy")
     path = folder / "model.urdf"
-    path.write_text(write_without_geometry(model.robot), encoding="utf-8")
+    path.write_text(write_without_geometry(model), encoding="utf-8")
     other = yourdfpy.URDF.load(str(path), load_meshes=False, build_scene_graph=True, load_collision_meshes=False)
     other.update_cfg(np.zeros(other.num_dofs))
     for name, placed in model.frames.items():

@@ -8,16 +8,14 @@ from typing import Any
 from urdfcheck.core import Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
-from urdfcheck.model.likeness.sibling_robots import PackageNames
+from urdfcheck.model.ground.drive_wheels import list_drive_wheels, measure_wheel_radii, measure_wheel_separations
+from urdfcheck.model.likeness.sibling_robots import PackageNames, package_names
 from urdfcheck.model.motion.controllers import (
     AssociatedConfiguration,
     collect_command_interfaces,
     find_controller_configs,
     find_launched_configs,
-    list_drive_wheels,
     list_parameter_files,
-    measure_wheel_radii,
-    measure_wheel_separations,
 )
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.package.finder import format_path
@@ -37,7 +35,7 @@ def check(subject: Model | Launch, rule: Rule, *, rel_tol: float) -> Iterator[Fi
         yield from _check_parameter_files(subject, rule)
     if model is None or not found:
         return
-    elsewhere = PackageNames(model)
+    elsewhere = package_names(model)
     for associated in found:
         yield from _check_unknown_joints(model, rule, associated, elsewhere)
         if associated.named_at is not None:

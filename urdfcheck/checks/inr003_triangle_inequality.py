@@ -15,8 +15,8 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     measure_tensor_rounding,
 )
 from urdfcheck.model import Link, Model
+from urdfcheck.model.inertials.inertial_proposals import propose_repair
 from urdfcheck.model.parts import TENSOR_NAMES
-from urdfcheck.model.repairs.inertial_edits import propose_repair
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass
 from urdfcheck.source.text.xml import Element
 

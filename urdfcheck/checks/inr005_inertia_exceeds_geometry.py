@@ -14,8 +14,8 @@ from urdfcheck.facts.inertials.inertia_tensor import list_half_units
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
+from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
 from urdfcheck.model.parts import TENSOR_NAMES
-from urdfcheck.model.repairs.inertial_edits import propose_from_geometry
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round
 from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
+from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
 from urdfcheck.model.parts import Inertial
-from urdfcheck.model.repairs.inertial_edits import propose_from_geometry
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
 

@@ -19,9 +19,10 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
+from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry, propose_undo
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.parts import TENSOR_NAMES
-from urdfcheck.model.repairs.inertial_edits import InertialRepair, propose_from_geometry, propose_undo
+from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.rigid_bodies import compute_body_mass
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.text.xml import Attribute

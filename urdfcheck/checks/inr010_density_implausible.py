@@ -17,12 +17,8 @@ from urdfcheck.facts.mesh.measure import compute_convex_hull
 from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_rigid_bodies
-from urdfcheck.model.shapes.visual_solid import (
-    collect_body_corners,
-    has_drawn_shape,
-    has_unit_ambiguity,
-    measure_links_volume,
-)
+from urdfcheck.model.shapes.corners import collect_body_corners
+from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_links_volume
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array

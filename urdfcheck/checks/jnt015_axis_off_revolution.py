@@ -14,8 +14,9 @@ from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_mass_covariance
 from urdfcheck.facts.likeness.revolution import RoundOutline, find_revolution_axis, measure_line_angle, measure_outline
 from urdfcheck.model import Joint, Link, Model
-from urdfcheck.model.ground.wheels import WHEEL_NAME, collect_shape_corners, rolling_wheels
+from urdfcheck.model.ground.wheels import WHEEL_NAME, rolling_wheels
 from urdfcheck.model.parts import Inertial, Shape
+from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, format_name_hint
 from urdfcheck.model import Model
-from urdfcheck.model.likeness.sibling_robots import PackageNames
+from urdfcheck.model.likeness.sibling_robots import PackageNames, package_names
 from urdfcheck.model.motion.planning_limits import (
     LIMITS_FILE,
     compute_position_range,
@@ -25,7 +25,7 @@ _DOUBLES = ("min_position", "max_position", "max_velocity", "max_acceleration", 
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
-    elsewhere = PackageNames(model)
+    elsewhere = package_names(model)
     seen: set[str] = set()
     for srdf in list_own_srdfs(model):
         if str(srdf.path.parent) in seen:  # one file for several descriptions of the robot

@@ -22,7 +22,7 @@ from urdfcheck.core.scene import (
 )
 from urdfcheck.model import Joint, Link, Model, Shape
 from urdfcheck.model.ground.wheels import rolling_wheels
-from urdfcheck.model.motion.collisions import self_collisions
+from urdfcheck.model.motion.collisions.self_collisions import self_collisions
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Pose
 from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_link_solid
 from urdfcheck.source.launch.launch_file import Launch, StaticTransform
@@ -337,7 +337,8 @@ def _build_ground(model: Model) -> SceneGround | None:
     return SceneGround(
         height=float(points[:, 2].min()),
         contacts=tuple(
-            (name, tuple(map(float, at))) for name, at in compute_contact_points(model, points, owners, now).items()
+            (name, tuple(map(float, at)))
+            for name, at in compute_contact_points(model, points, owners, support=now).items()
         ),
         support=tuple(tuple(map(float, corner)) for corner in now.polygon),
         com=tuple(map(float, com)),

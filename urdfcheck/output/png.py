@@ -2,14 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from urdfcheck.core import Run, UrdfcheckError
-
-if TYPE_CHECKING:
-    pass
-
-
 from urdfcheck.output.shared.robot_picture import render_scene
 
 

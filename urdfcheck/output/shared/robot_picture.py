@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array, Indices
+
 import math
 import struct
 import zlib
@@ -13,8 +18,6 @@ from urdfcheck.core.scene import Scene, SceneShape
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 
 # Samples per pixel along each side; pixels and rows of triangles filled in one batch, and in all: a large robot has 5 million
@@ -165,7 +168,7 @@ def _shade_triangles(corners: Array, colours: Array) -> Array:
     return lit
 
 
-def _rasterize_triangles(view: Array, columns: int, rows: int) -> NDArray[np.int64] | None:
+def _rasterize_triangles(view: Array, columns: int, rows: int) -> Indices | None:
     """Find the triangle nearest to the eye at each pixel (rows, columns), -1 for none; None if it would take too long.
 
     Each triangle is cut into the rows of pixels that it covers, and each row into the pixels whose middle lies inside.
@@ -205,7 +208,7 @@ def _rasterize_triangles(view: Array, columns: int, rows: int) -> NDArray[np.int
     return np.where(none, -1, best & 0xFFFFFFFF).reshape(rows, columns)
 
 
-def _number_within_groups(counts: NDArray[np.int64]) -> NDArray[np.int64]:
+def _number_within_groups(counts: Indices) -> Indices:
     """Return 0, 1, … up to each count, one group after the other."""
     import numpy as np
 
