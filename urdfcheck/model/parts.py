@@ -195,6 +195,7 @@ class DeclaredMass:
     """The mass of a link that is typed as a number."""
 
     link: Link
+    inertial: Inertial
     mass: float
     """kg, possibly zero or negative."""
     attribute: Attribute
@@ -203,9 +204,10 @@ class DeclaredMass:
     @classmethod
     def from_link(cls, link: Link) -> DeclaredMass | None:
         """Return the mass of a link, or None if it is missing or malformed."""
-        mass = None if link.inertial is None else link.inertial.mass
-        attribute = None if link.inertial is None else link.inertial.mass_attribute
-        return None if mass is None or attribute is None else cls(link, mass, attribute)
+        inertial = link.inertial
+        if inertial is None or inertial.mass is None or inertial.mass_attribute is None:
+            return None
+        return cls(link=link, inertial=inertial, mass=inertial.mass, attribute=inertial.mass_attribute)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
