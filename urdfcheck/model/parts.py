@@ -311,6 +311,17 @@ class Joint:
         found = self.element.find_child("child")
         return "" if found is None else found.get("link")
 
+    @property
+    def child_attribute(self) -> Attribute | None:
+        """The ``link`` of ``<child>``."""
+        element = self.element.find_child("child")
+        return None if element is None else element.attributes.get("link")
+
+    @property
+    def child_location(self) -> Location:
+        """Where the child is named; the joint if it names none."""
+        return self.location if self.child_attribute is None else self.child_attribute.location
+
     @cached_property
     def origin(self) -> Pose:
         return Pose(self.element.find_child("origin"))
@@ -342,6 +353,19 @@ class Joint:
         if self.limit is not None and name not in self.limit.attributes and name in {"lower", "upper"}:
             return 0.0
         return read_attribute_number(self.limit, name)
+
+    @property
+    def position_range(self) -> tuple[float, float] | None:
+        """Lower and upper limit of a revolute (rad) or prismatic (m) joint; None if malformed, or if lower is not below upper."""
+        lower, upper = self.get_limit_value("lower"), self.get_limit_value("upper")
+        if self.type not in {"revolute", "prismatic"} or lower is None or upper is None or lower >= upper:
+            return None
+        return lower, upper
+
+    @property
+    def position_unit(self) -> str:
+        """The unit of the joint's position: ``m`` or ``rad``."""
+        return "m" if self.type == "prismatic" else "rad"
 
     @property
     def is_driven(self) -> bool:
