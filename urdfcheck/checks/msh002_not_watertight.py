@@ -10,7 +10,7 @@ import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.mesh.measure import Boundary
+from urdfcheck.facts.mesh.topology import Boundary
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.shapes.mesh_marks import round_significant, sample_for_drawing

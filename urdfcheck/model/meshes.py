@@ -16,7 +16,8 @@ from urdfcheck.system.array_cache import Cache, origin_of, version_of
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, read_regular
 
 if TYPE_CHECKING:
-    from urdfcheck.facts.mesh.measure import MeshError, MeshFacts
+    from urdfcheck.facts.mesh.decode_limits import MeshError
+    from urdfcheck.facts.mesh.measure import MeshFacts
     from urdfcheck.system.array_cache import Entry
 
 # What the measurements of a mesh depend on besides its content.
@@ -94,7 +95,8 @@ class ModelMeshes:
         return None if digest is None else f"{digest}-{_get_file_kind(path)}"
 
     def _read_files(self, cache: Cache) -> ModelMeshes:
-        from urdfcheck.facts.mesh.measure import MeshError, restore_mesh_facts
+        from urdfcheck.facts.mesh.decode_limits import MeshError
+        from urdfcheck.facts.mesh.measure import restore_mesh_facts
 
         facts: dict[Path, MeshFacts] = {}
         errors: dict[Path, MeshError] = {}
@@ -130,7 +132,7 @@ def _measure_mesh(path: Path, parts: Entry, data: bytes | None = None) -> MeshFa
 
 def _make_mesh_error(error: OSError | ImportError | MemoryError) -> MeshError:
     """Explain why a file could not be read at all; another run may be able to, so the cache does not keep it."""
-    from urdfcheck.facts.mesh.measure import MeshError
+    from urdfcheck.facts.mesh.decode_limits import MeshError
 
     if isinstance(error, FileTooLargeError):
         return MeshError("too-large", error.message.removeprefix("the file "))

@@ -201,6 +201,94 @@ class Link:
         return self.element.location
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class DeclaredMass:
+    """The mass of a link that is typed as a number."""
+
+    link: Link
+    inertial: Inertial
+    mass: float
+    """kg, possibly zero or negative."""
+    attribute: Attribute
+    """The ``value`` of ``<mass>``."""
+
+    @classmethod
+    def from_link(cls, link: Link) -> DeclaredMass | None:
+        """Return the mass of a link, or None if it is missing or malformed."""
+        inertial = link.inertial
+        if inertial is None or inertial.mass is None or inertial.mass_attribute is None:
+            return None
+        return cls(link=link, inertial=inertial, mass=inertial.mass, attribute=inertial.mass_attribute)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class DeclaredTensor:
+    """The inertia tensor of a link whose six components are typed as numbers."""
+
+    link: Link
+    inertial: Inertial
+    element: Element
+    """The ``<inertia>``."""
+    components: tuple[float, ...]
+    """ixx ixy ixz iyy iyz izz in kg m²."""
+    tensor: Array
+    """(3, 3) in kg m² about the COM, in the axes of the inertial frame."""
+
+    @property
+    def texts(self) -> list[str]:
+        """The six components as typed."""
+        return [self.element.get(name) for name in TENSOR_NAMES]
+
+    def get_attribute(self, index: int) -> Attribute:
+        """Return the attribute of a component."""
+        return self.element.attributes[TENSOR_NAMES[index]]
+
+    @classmethod
+    def from_link(cls, link: Link) -> DeclaredTensor | None:
+        """Return the tensor of a link, or None if a component is missing or malformed."""
+        inertial = link.inertial
+        if inertial is None or inertial.tensor_element is None:
+            return None
+        if inertial.inertia_components is None or inertial.tensor is None:
+            return None
+        return cls(
+            link=link,
+            inertial=inertial,
+            element=inertial.tensor_element,
+            components=inertial.inertia_components,
+            tensor=inertial.tensor,
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class CompleteInertial(DeclaredTensor):
+    """The inertial of a link whose mass, pose and tensor are all typed as numbers."""
+
+    mass: float
+    """kg, possibly zero or negative."""
+    pose: Array
+    """(4, 4) from the inertial frame to the link frame: the COM in m and the axes."""
+    tensor_in_link: Array
+    """(3, 3) in kg m² about the COM, in the axes of the link frame."""
+
+    @classmethod
+    def from_tensor(cls, declared: DeclaredTensor) -> CompleteInertial | None:
+        """Complete a tensor by mass and pose; None if one of them is missing or malformed."""
+        inertial = declared.inertial
+        if inertial.mass is None or inertial.origin.matrix is None or inertial.tensor_in_link is None:
+            return None
+        return cls(
+            link=declared.link,
+            inertial=inertial,
+            element=declared.element,
+            components=declared.components,
+            tensor=declared.tensor,
+            mass=inertial.mass,
+            pose=inertial.origin.matrix,
+            tensor_in_link=inertial.tensor_in_link,
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Joint:
     """A ``<joint>`` that is a child of ``<robot>``."""
@@ -234,6 +322,17 @@ class Joint:
         element = self.element.find_child("child")
         return "" if element is None else element.get("link")
 
+    @property
+    def child_attribute(self) -> Attribute | None:
+        """The ``link`` of ``<child>``."""
+        element = self.element.find_child("child")
+        return None if element is None else element.attributes.get("link")
+
+    @property
+    def child_location(self) -> Location:
+        """Where the child is named; the joint if it names none."""
+        return self.location if self.child_attribute is None else self.child_attribute.location
+
     @cached_property
     def origin(self) -> Pose:
         return Pose(self.element.find_child("origin"))
@@ -265,6 +364,19 @@ class Joint:
         if self.limit is not None and name not in self.limit.attributes and name in {"lower", "upper"}:
             return 0.0
         return read_attribute_number(self.limit, name)
+
+    @property
+    def position_range(self) -> tuple[float, float] | None:
+        """Lower and upper limit of a revolute (rad) or prismatic (m) joint; None if malformed, or if lower is not below upper."""
+        lower, upper = self.get_limit_value("lower"), self.get_limit_value("upper")
+        if self.type not in {"revolute", "prismatic"} or lower is None or upper is None or lower >= upper:
+            return None
+        return lower, upper
+
+    @property
+    def position_unit(self) -> str:
+        """The unit of the joint's position: ``m`` or ``rad``."""
+        return "m" if self.type == "prismatic" else "rad"
 
     @property
     def is_driven(self) -> bool:

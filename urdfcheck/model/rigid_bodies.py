@@ -58,6 +58,11 @@ def list_rigid_bodies(model: Model) -> tuple[RigidLinkGroup, ...]:
     return tuple(RigidLinkGroup(tree.list_body_links(name), name in tree.parent_joint) for name in heads)
 
 
+def has_collision_geometry(model: Model, body: RigidLinkGroup) -> bool:
+    """Whether a link of the body has a ``<collision>``."""
+    return any(model.link_by_name[name].collisions for name in body.links)
+
+
 def is_point_mass(inertial: Inertial) -> bool:
     """Whether the inertia tensor is zero as far as the mass can tell; False without mass."""
     components, mass = inertial.inertia_components, inertial.mass
