@@ -1,4 +1,4 @@
-"""COL001: links that are not neighbours are apart at the neutral pose."""
+"""COL001 reports links that overlap at rest although no joint connects them."""
 
 from __future__ import annotations
 

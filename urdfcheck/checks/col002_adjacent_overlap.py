@@ -1,4 +1,4 @@
-"""COL002: neighbouring links overlap in every configuration."""
+"""COL002 reports neighbouring links that overlap wherever the joint between them stands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""COL003: what an SRDF disables is there, is said once, and does not hide collisions."""
+"""COL003 reports `<disable_collisions>` of an SRDF that name unknown links, repeat a pair or hide a collision."""
 
 from __future__ import annotations
 

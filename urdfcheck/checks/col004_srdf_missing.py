@@ -1,4 +1,4 @@
-"""COL004: pairs of links that touch whatever the robot does are disabled in its SRDF."""
+"""COL004 reports pairs of links that always collide and that the SRDF does not disable."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""COL005: no joint, moved alone, drives a link into another."""
+"""COL005 reports joints that, moved alone, drive one link into another."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""CTL001: `<ros2_control>` and `<transmission>` name joints of the model."""
+"""CTL001 reports joints in `<ros2_control>` and `<transmission>` that the robot lacks."""
 
 from __future__ import annotations
 

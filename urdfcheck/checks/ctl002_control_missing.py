@@ -1,4 +1,4 @@
-"""CTL002: what can drive a joint, and what cannot be driven."""
+"""CTL002 reports joints that nothing drives, and commands to joints that cannot be driven."""
 
 from __future__ import annotations
 

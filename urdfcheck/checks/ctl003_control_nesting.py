@@ -1,4 +1,4 @@
-"""CTL003: control blocks stand where they are looked for, and transmissions are complete."""
+"""CTL003 reports control blocks where no parser looks for them, and incomplete transmissions."""
 
 from __future__ import annotations
 

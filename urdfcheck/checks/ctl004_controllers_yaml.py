@@ -1,4 +1,4 @@
-"""CTL004: controller configurations fit the model."""
+"""CTL004 reports controller configurations that do not fit the model."""
 
 from __future__ import annotations
 

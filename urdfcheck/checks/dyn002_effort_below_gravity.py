@@ -1,4 +1,4 @@
-"""DYN002: the effort limit of a joint is enough to hold what the joint carries."""
+"""DYN002 reports joints whose effort limit is too small to hold what they carry."""
 
 from __future__ import annotations
 

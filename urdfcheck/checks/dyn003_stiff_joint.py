@@ -1,4 +1,4 @@
-"""DYN003: the damping of a joint can be integrated explicitly at the simulator's time step."""
+"""DYN003 reports damping too strong for explicit integration at the simulator's time step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""DYN004: the robot stands on its wheels or feet."""
+"""DYN004 reports robots that tip over on their wheels or feet."""
 
 from __future__ import annotations
 

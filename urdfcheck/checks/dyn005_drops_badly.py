@@ -1,4 +1,4 @@
-"""DYN005: set on the ground in a simulator and let go, the robot stays in one piece, on the ground, and comes to rest."""
+"""DYN005 reports robots that, dropped in a simulator, burst, gain energy, sink in or never come to rest."""
 
 from __future__ import annotations
 

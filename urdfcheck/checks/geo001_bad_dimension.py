@@ -1,4 +1,4 @@
-"""GEO001: every dimension of a shape is greater than zero."""
+"""GEO001 reports dimensions of shapes that are zero or negative."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""GEO002: what a joint moves and the model draws can be touched."""
+"""GEO002 reports moving bodies that are drawn and have no collision geometry."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""GEO003: what a link collides with is where it is drawn, and about as large."""
+"""GEO003 reports collision geometry that is not where the link is drawn, or not about as large."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""GEO004: collision geometry is simpler than what is drawn."""
+"""GEO004 reports dense visual meshes that also serve as collision geometry."""
 
 from __future__ import annotations
 

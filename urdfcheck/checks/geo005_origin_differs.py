@@ -1,4 +1,4 @@
-"""GEO005: a mesh that is drawn and collided with stands in one place."""
+"""GEO005 reports meshes whose visual and collision have different origins."""
 
 from __future__ import annotations
 

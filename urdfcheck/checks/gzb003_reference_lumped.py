@@ -1,4 +1,4 @@
-"""GZB003: what a `<gazebo>` block sets is still there when Gazebo has merged the links that fixed joints hold together."""
+"""GZB003 reports settings of `<gazebo>` blocks that are lost when Gazebo merges links at fixed joints."""
 
 from __future__ import annotations
 

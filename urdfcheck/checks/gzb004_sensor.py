@@ -1,4 +1,4 @@
-"""GZB004: the sensors of `<gazebo>` blocks are of a kind that exists, and what they name exists as well."""
+"""GZB004 reports sensors of an unknown type, and frames, collisions and topics that are missing or used twice."""
 
 from __future__ import annotations
 

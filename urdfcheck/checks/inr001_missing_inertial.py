@@ -1,4 +1,4 @@
-"""INR001: what a joint moves has a mass."""
+"""INR001 reports moving bodies without an `<inertial>`."""
 
 from __future__ import annotations
 

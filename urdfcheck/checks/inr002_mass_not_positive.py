@@ -1,4 +1,4 @@
-"""INR002: masses are greater than zero."""
+"""INR002 reports masses that are not greater than zero."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""INR003: principal moments obey the triangle inequality."""
+"""INR003 reports inertia tensors whose principal moments break the triangle inequality."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""INR004: inertia tensors are positive definite."""
+"""INR004 reports inertia tensors that are not positive definite."""
 
 from __future__ import annotations
 

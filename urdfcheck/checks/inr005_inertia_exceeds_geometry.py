@@ -1,4 +1,4 @@
-"""INR005: no inertia tensor needs mass farther out than anything that is drawn."""
+"""INR005 reports inertia tensors that would need mass farther out than anything that is drawn."""
 
 from __future__ import annotations
 

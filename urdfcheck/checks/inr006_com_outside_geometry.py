@@ -1,4 +1,4 @@
-"""INR006: the centre of mass lies within what is drawn."""
+"""INR006 reports centres of mass outside the drawn geometry."""
 
 from __future__ import annotations
 

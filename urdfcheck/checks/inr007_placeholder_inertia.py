@@ -1,4 +1,4 @@
-"""INR007: masses and inertia tensors are those of the part, not the numbers that one types to make a program accept it."""
+"""INR007 reports placeholder masses and inertia tensors: round numbers that make a program accept the file."""
 
 from __future__ import annotations
 

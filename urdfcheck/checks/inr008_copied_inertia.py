@@ -1,4 +1,4 @@
-"""INR008: links of different shape have inertia tensors of their own."""
+"""INR008 reports links of different shape with the same inertia tensor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""INR009: an inertial agrees with the part that is drawn, and with its twin."""
+"""INR009 reports inertials that disagree with the drawn part or with its mirror image."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""INR010: no link is denser than any material, and none lighter than air."""
+"""INR010 reports links denser than any material, and bodies lighter than air."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""INR011: bodies that a joint connects have masses of one order."""
+"""INR011 reports joints between bodies of very different mass."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""INR012: moving bodies have masses and inertias that the programs' numbers can hold."""
+"""INR012 reports moving bodies whose mass or inertia is too small to be told from zero."""
 
 from __future__ import annotations
 

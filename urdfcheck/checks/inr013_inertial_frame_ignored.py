@@ -1,4 +1,4 @@
-"""INR013: inertia tensors are written in the link's axes, as some programs take them."""
+"""INR013 reports inertial frames whose rotation changes the tensor, because some programs ignore it."""
 
 from __future__ import annotations
 

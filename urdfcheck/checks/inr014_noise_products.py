@@ -1,4 +1,4 @@
-"""INR014: products of inertia are numbers or zero, not the residue of an export."""
+"""INR014 reports products of inertia that are only the rounding residue of an export."""
 
 from __future__ import annotations
 

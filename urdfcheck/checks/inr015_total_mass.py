@@ -1,4 +1,4 @@
-"""INR015: the robot's mass is that of a robot."""
+"""INR015 reports robots whose total mass is implausible."""
 
 from __future__ import annotations
 

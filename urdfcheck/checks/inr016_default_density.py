@@ -1,4 +1,4 @@
-"""INR016: the masses come from materials, not from a CAD program's default density."""
+"""INR016 reports robots whose links all have the default density of a CAD program."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT002: the axis of a joint has length 1."""
+"""JNT002 reports joint axes that are not unit vectors."""
 
 from __future__ import annotations
 

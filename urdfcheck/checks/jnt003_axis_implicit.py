@@ -1,4 +1,4 @@
-"""JNT003: a joint that moves says about which axis."""
+"""JNT003 reports joints that need an `<axis>` and have none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT004: revolute and prismatic joints say how far they go."""
+"""JNT004 reports revolute and prismatic joints without a range."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT005: the lower limit of a joint lies below the upper one."""
+"""JNT005 reports limits whose lower end is not below the upper one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT006: the limits of a joint that turns are radians, and radians per second."""
+"""JNT006 reports limits of revolute joints that are typed in degrees."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT007: effort and velocity limits are there and greater than zero."""
+"""JNT007 reports effort and velocity limits that are missing, zero or negative."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT008: limits that a joint of its type does not have, or never reaches."""
+"""JNT008 reports limits that a joint of its type lacks or never reaches."""
 
 from __future__ import annotations
 

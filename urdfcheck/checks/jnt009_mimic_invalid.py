@@ -1,4 +1,4 @@
-"""JNT009: a mimic joint follows a joint that can be followed, within its own limits."""
+"""JNT009 reports mimic joints whose leader is unusable, or whose motion exceeds their own limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT010: the soft limits of a safety controller lie inside of the joint's limits."""
+"""JNT010 reports soft limits of safety controllers outside the joint's limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT011: damping and friction take energy out of a joint."""
+"""JNT011 reports negative damping and friction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT012: the angles of an origin are radians."""
+"""JNT012 reports origins whose angles are typed in degrees."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT013: a fraction of π has all its digits, and one spelling in a file."""
+"""JNT013 reports fractions of π that are typed with too few digits or in several spellings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT015: a wheel turns about its own axis."""
+"""JNT015 reports wheels whose joint axis is not their axis of revolution."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT016: an origin turned about the joint's own axis shifts the joint's zero."""
+"""JNT016 reports origins turned about the joint's own axis, which shifts the joint's zero."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT017: the edge at which a joint is calibrated lies within its limits."""
+"""JNT017 reports calibration positions outside the joint's limits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""KIN001: two links, two joints, or a link and a joint of one name."""
+"""KIN001 reports links and joints that share a name."""
 
 from __future__ import annotations
 

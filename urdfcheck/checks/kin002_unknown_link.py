@@ -1,4 +1,4 @@
-"""KIN002: joints that name a link which does not exist."""
+"""KIN002 reports joints whose parent or child link does not exist."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""KIN003: a link that is the child of several joints."""
+"""KIN003 reports links that are the child of several joints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""KIN004: joints that lead back to where they began."""
+"""KIN004 reports joints that form a cycle."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""KIN005: links in pieces that no joint connects."""
+"""KIN005 reports groups of links that no joint connects to the rest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""KIN006: a joint whose parent is its child."""
+"""KIN006 reports joints whose parent is their child."""
 
 from __future__ import annotations
 

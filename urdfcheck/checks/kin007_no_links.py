@@ -1,4 +1,4 @@
-"""KIN007: a robot without links."""
+"""KIN007 reports robots without links."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""KIN008: the root link has an inertia, which some ignore and others need."""
+"""KIN008 reports root links with an inertia, which some programs ignore and others need."""
 
 from __future__ import annotations
 

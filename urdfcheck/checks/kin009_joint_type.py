@@ -1,4 +1,4 @@
-"""KIN009: every joint has a type that there is, and that the programs know."""
+"""KIN009 reports joint types that are missing, unknown, or unknown to some programs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""KIN010: what Gazebo makes of the model is not empty."""
+"""KIN010 reports models of which Gazebo keeps nothing."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterator
 from functools import wraps
 from inspect import isgeneratorfunction
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
@@ -37,13 +37,16 @@ def fact(compute: Callable[Concatenate[M, P], T]) -> Callable[Concatenate[M, P],
         memo = model.memo
         if key not in memo:
             try:
-                memo[key] = compute(model, *args, **kwargs)
+                value = compute(model, *args, **kwargs)
+                if isinstance(value, Iterator):  # the second reader would find it exhausted
+                    raise TypeError(f"the fact {compute.__name__} is an iterator; return a tuple")
+                memo[key] = value
             except FactUnavailableError as reason:
                 memo[key] = reason
         known = memo[key]
         if isinstance(known, FactUnavailableError):
             raise known.with_traceback(None)
-        value: T = known
-        return value
+        result: T = known
+        return result
 
     return get

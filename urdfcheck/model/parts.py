@@ -190,6 +190,92 @@ class Link:
         return self.element.location
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class DeclaredMass:
+    """The mass of a link that is typed as a number."""
+
+    link: Link
+    mass: float
+    """kg, possibly zero or negative."""
+    attribute: Attribute
+    """The ``value`` of ``<mass>``."""
+
+    @classmethod
+    def from_link(cls, link: Link) -> DeclaredMass | None:
+        """Return the mass of a link, or None if it is missing or malformed."""
+        mass = None if link.inertial is None else link.inertial.mass
+        attribute = None if link.inertial is None else link.inertial.mass_attribute
+        return None if mass is None or attribute is None else cls(link, mass, attribute)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class DeclaredTensor:
+    """The inertia tensor of a link whose six components are typed as numbers."""
+
+    link: Link
+    inertial: Inertial
+    element: Element
+    """The ``<inertia>``."""
+    components: tuple[float, ...]
+    """ixx ixy ixz iyy iyz izz in kg m²."""
+    tensor: NDArray[np.float64]
+    """(3, 3) in kg m² about the COM, in the axes of the inertial frame."""
+
+    @property
+    def texts(self) -> list[str]:
+        """The six components as typed."""
+        return [self.element.get(name) for name in TENSOR_NAMES]
+
+    def get_attribute(self, index: int) -> Attribute:
+        """Return the attribute of a component."""
+        return self.element.attributes[TENSOR_NAMES[index]]
+
+    @classmethod
+    def from_link(cls, link: Link) -> DeclaredTensor | None:
+        """Return the tensor of a link, or None if a component is missing or malformed."""
+        inertial = link.inertial
+        if inertial is None or inertial.tensor_element is None:
+            return None
+        if inertial.inertia_components is None or inertial.tensor is None:
+            return None
+        return cls(
+            link=link,
+            inertial=inertial,
+            element=inertial.tensor_element,
+            components=inertial.inertia_components,
+            tensor=inertial.tensor,
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class CompleteInertial(DeclaredTensor):
+    """The inertial of a link whose mass, pose and tensor are all typed as numbers."""
+
+    mass: float
+    """kg, possibly zero or negative."""
+    pose: NDArray[np.float64]
+    """(4, 4) from the inertial frame to the link frame: the COM in m and the axes."""
+    tensor_in_link: NDArray[np.float64]
+    """(3, 3) in kg m² about the COM, in the axes of the link frame."""
+
+    @classmethod
+    def from_tensor(cls, declared: DeclaredTensor) -> CompleteInertial | None:
+        """Complete a tensor by mass and pose; None if one of them is missing or malformed."""
+        inertial = declared.inertial
+        if inertial.mass is None or inertial.origin.matrix is None or inertial.tensor_in_link is None:
+            return None
+        return cls(
+            link=declared.link,
+            inertial=inertial,
+            element=declared.element,
+            components=declared.components,
+            tensor=declared.tensor,
+            mass=inertial.mass,
+            pose=inertial.origin.matrix,
+            tensor_in_link=inertial.tensor_in_link,
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Joint:
     """A ``<joint>`` that is a child of ``<robot>``."""

@@ -57,14 +57,14 @@ class EnclosedInertial:
 
 @fact
 def enclosed_inertials(model: Model) -> tuple[EnclosedInertial, ...]:
-    """The inertials of links that are bodies and not mere frames, where all that is drawn round them is known.
+    """Pair the inertials of links that are bodies, not mere frames, with all geometry around them, where that is known.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    return tuple(_iter_enclosed_inertials(model))
+    return tuple(_generate_enclosed_inertials(model))
 
 
-def _iter_enclosed_inertials(model: Model) -> Iterator[EnclosedInertial]:
+def _generate_enclosed_inertials(model: Model) -> Iterator[EnclosedInertial]:
     for body in list_rigid_bodies(model):
         readings = tuple(_list_corner_readings(model, body.links))
         if not readings:
