@@ -1,4 +1,4 @@
-"""MSH001: mesh files are whole and hold triangles."""
+"""MSH001 reports mesh files that cannot be read or hold no triangles."""
 
 from __future__ import annotations
 

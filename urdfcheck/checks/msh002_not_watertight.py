@@ -1,4 +1,4 @@
-"""MSH002: meshes are closed."""
+"""MSH002 reports meshes with open edges."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MSH003: neighbouring triangles of a mesh face the same side."""
+"""MSH003 reports meshes whose neighbouring triangles face opposite sides."""
 
 from __future__ import annotations
 

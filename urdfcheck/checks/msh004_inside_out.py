@@ -1,4 +1,4 @@
-"""MSH004: closed meshes enclose a positive volume."""
+"""MSH004 reports closed meshes whose triangles face inwards."""
 
 from __future__ import annotations
 

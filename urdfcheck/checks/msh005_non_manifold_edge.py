@@ -1,4 +1,4 @@
-"""MSH005: at most two triangles meet in an edge of a collision mesh."""
+"""MSH005 reports collision meshes in which more than two triangles meet in an edge."""
 
 from __future__ import annotations
 

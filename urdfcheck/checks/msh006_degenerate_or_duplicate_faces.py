@@ -1,4 +1,4 @@
-"""MSH006: collision meshes hold no triangle without area and none twice."""
+"""MSH006 reports triangles of collision meshes that have no area or occur twice."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MSH007: every corner of a mesh is somewhere."""
+"""MSH007 reports mesh corners with a coordinate that is NaN or infinite."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MSH008: meshes are as large as the robot that they belong to, in every program alike."""
+"""MSH008 reports meshes that are too large or too small for their robot, and COLLADA units that programs read differently."""
 
 from __future__ import annotations
 

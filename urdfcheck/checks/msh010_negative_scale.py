@@ -1,4 +1,4 @@
-"""MSH010: collision meshes are not mirrored by their scale."""
+"""MSH010 reports collision meshes that their scale mirrors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MSH011: the programs that the model is meant for can load its meshes."""
+"""MSH011 reports meshes that the target programs cannot load."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MSH012: STL files are binary, and do not look like text."""
+"""MSH012 reports STL files that are text, and binary ones that begin like text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MSH013: a collision mesh is one body."""
+"""MSH013 reports collision meshes of several separate pieces."""
 
 from __future__ import annotations
 

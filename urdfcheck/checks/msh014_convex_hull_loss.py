@@ -1,4 +1,4 @@
-"""MSH014: the convex hull of a collision mesh is nearly the mesh."""
+"""MSH014 reports collision meshes whose convex hull is much larger than the mesh."""
 
 from __future__ import annotations
 

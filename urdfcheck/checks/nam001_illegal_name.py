@@ -1,4 +1,4 @@
-"""NAM001: names of links and joints that some program refuses or changes."""
+"""NAM001 reports names of links and joints that a program refuses, changes or takes apart."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""NAM002: one robot spells its names in one way."""
+"""NAM002 reports names that are spelled in another style than the others of the robot."""
 
 from __future__ import annotations
 

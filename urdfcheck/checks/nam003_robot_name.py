@@ -1,4 +1,4 @@
-"""NAM003: one robot under several names."""
+"""NAM003 reports a robot name that disagrees with its file or its package."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""NAM004: frames with a standard name stand where the standard puts them."""
+"""NAM004 reports frames with a standard name that are not where the standard puts them."""
 
 from __future__ import annotations
 

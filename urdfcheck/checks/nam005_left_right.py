@@ -1,4 +1,4 @@
-"""NAM005: what is called left is on the left, as the rest of the robot has it."""
+"""NAM005 reports links called left that are on the right, and the reverse."""
 
 from __future__ import annotations
 

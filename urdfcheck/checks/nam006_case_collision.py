@@ -1,4 +1,4 @@
-"""NAM006: names that differ in nothing but upper and lower case."""
+"""NAM006 reports names that differ only in upper and lower case."""
 
 from __future__ import annotations
 

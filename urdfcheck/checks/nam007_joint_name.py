@@ -1,4 +1,4 @@
-"""NAM007: the name of a joint says what it joins."""
+"""NAM007 reports joint names that disagree with the links that the joint connects."""
 
 from __future__ import annotations
 

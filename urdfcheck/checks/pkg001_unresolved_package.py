@@ -1,4 +1,4 @@
-"""PKG001: every package that a model names is in reach."""
+"""PKG001 reports packages that a model names and that are not found."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""PKG002: every mesh file that a model names exists."""
+"""PKG002 reports mesh files that a model names and that do not exist."""
 
 from __future__ import annotations
 

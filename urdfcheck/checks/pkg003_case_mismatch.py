@@ -1,4 +1,4 @@
-"""PKG003: paths are spelled as the files are, in upper and lower case."""
+"""PKG003 reports paths that differ from the names on disk in upper and lower case."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""PKG004: paths of meshes and textures mean something on every machine."""
+"""PKG004 reports paths of meshes and textures that only one machine can open."""
 
 from __future__ import annotations
 

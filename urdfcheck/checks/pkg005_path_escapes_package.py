@@ -1,4 +1,4 @@
-"""PKG005: no path leads out of its package by ``..``."""
+"""PKG005 reports paths that lead out of their package by ``..``."""
 
 from __future__ import annotations
 

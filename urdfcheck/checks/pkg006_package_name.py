@@ -1,4 +1,4 @@
-"""PKG006: the package's name is one that all of ROS accepts."""
+"""PKG006 reports package names that not all of ROS accepts."""
 
 from __future__ import annotations
 

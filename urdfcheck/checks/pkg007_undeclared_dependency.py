@@ -1,4 +1,4 @@
-"""PKG007: a package depends on the packages that its files name."""
+"""PKG007 reports packages that a package names and does not declare as dependencies."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""PKG008: a ROS 2 package installs the folders that models and launch files look for in it."""
+"""PKG008 reports folders that models and launch files read and that a ROS 2 package does not install."""
 
 from __future__ import annotations
 

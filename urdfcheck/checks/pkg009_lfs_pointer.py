@@ -1,4 +1,4 @@
-"""PKG009: mesh files are the meshes, not the pointers that Git LFS leaves in their place."""
+"""PKG009 reports mesh files that are only the pointers of Git LFS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""PKG010: every mesh file of a package is named by something."""
+"""PKG010 reports mesh files of a package that nothing names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""PKG011: paths of meshes and textures are spelled so that every program and system reads them alike."""
+"""PKG011 reports spellings of mesh and texture paths that some programs or systems cannot read."""
 
 from __future__ import annotations
 

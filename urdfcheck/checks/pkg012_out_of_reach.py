@@ -1,4 +1,4 @@
-"""PKG012: nothing that a model names lies outside of what may be read."""
+"""PKG012 reports files that a model names outside of the folders that may be read."""
 
 from __future__ import annotations
 

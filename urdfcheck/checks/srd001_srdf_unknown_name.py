@@ -1,4 +1,4 @@
-"""SRD001: what an SRDF names is there, and its groups can be built."""
+"""SRD001 reports names in an SRDF that do not exist, and groups that cannot be built."""
 
 from __future__ import annotations
 

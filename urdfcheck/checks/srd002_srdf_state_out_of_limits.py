@@ -1,4 +1,4 @@
-"""SRD002: the named states of an SRDF are within the joints' limits."""
+"""SRD002 reports named states of an SRDF that exceed the limits of the joints."""
 
 from __future__ import annotations
 

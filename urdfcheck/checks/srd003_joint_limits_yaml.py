@@ -1,4 +1,4 @@
-"""SRD003: the joint_limits.yaml of a MoveIt configuration fits the model."""
+"""SRD003 reports entries in the joint_limits.yaml of a MoveIt configuration that do not fit the model."""
 
 from __future__ import annotations
 
