@@ -1,4 +1,4 @@
-"""SYM001: the frames of like joints follow one pattern."""
+"""SYM001 reports a joint whose frame breaks the pattern of like joints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""SYM002: the places of like joints follow one layout."""
+"""SYM002 reports a joint that is displaced from the layout of like joints."""
 
 from __future__ import annotations
 

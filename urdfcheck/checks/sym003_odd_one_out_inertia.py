@@ -1,4 +1,4 @@
-"""SYM003: links that draw one part have one inertial."""
+"""SYM003 reports links that draw the same part with different inertials."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""SYM004: what is left and right of a robot is each other's mirror image."""
+"""SYM004 reports left and right parts that are not mirror images of each other."""
 
 from __future__ import annotations
 
