@@ -24,7 +24,7 @@ from urdfcheck import rules as catalogue
 from urdfcheck.cli.preload import prepare
 from urdfcheck.core import Run
 from urdfcheck.run import pipeline as engine
-from urdfcheck.run.audit import audit
+from urdfcheck.run.audit import audit_unit
 from urdfcheck.run.pipeline import Request, run
 from urdfcheck.source.package.finder import LEVELS_UP
 from urdfcheck.system import process_pool as workers
@@ -46,7 +46,7 @@ def check(*paths: Path, codes: set[str] | None = None, **request: object) -> Run
     """Check paths in this process, with all rules or the given codes."""
     selected = frozenset(catalogue.load_rules()) if codes is None else frozenset(codes)
     root = paths[0] if paths[0].is_dir() else paths[0].parent
-    return run(Request(tuple(paths), root, selected, **request), audit=audit)  # type: ignore[arg-type]
+    return run(Request(tuple(paths), root, selected, **request), audit=audit_unit)  # type: ignore[arg-type]
 
 
 def check_text(folder: Path, text: str, name: str = "robot.urdf", **request: object) -> Run:

@@ -153,7 +153,7 @@ def test_without_the_libraries_it_is_said_what_to_install(
 
 def test_another_version_there_is_a_failure_of_each_model_and_no_verdict(models: Path) -> None:
     unit = worker.Unit("model", str(models / "000.urdf"), "000.urdf")
-    settings = worker.Settings(frozenset({"INR003"}), "source")
+    settings = worker.AuditSettings(frozenset({"INR003"}), "source")
     ((number, report),) = cluster.work([(7, unit)], settings, str(models), {}, "0.0.0")
     assert number == 7
     assert "0.0.0 here" in report.failures[0]

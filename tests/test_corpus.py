@@ -14,7 +14,7 @@ from conftest import REPOSITORY
 
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Run, Severity
-from urdfcheck.run.audit import audit
+from urdfcheck.run.audit import audit_unit
 from urdfcheck.run.pipeline import Request, run
 
 ACCEPTED = REPOSITORY / "tests" / "corpus_errors.json"
@@ -35,7 +35,7 @@ def runs(corpus: Path) -> dict[str, Run]:
                 arguments=entry["xacro_args"],
                 package_paths=tuple(corpus / r for r in entry["package_roots"]),
             ),
-            audit=audit,
+            audit=audit_unit,
         )
         for entry in entries
     }

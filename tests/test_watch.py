@@ -94,18 +94,18 @@ def test_each_save_is_checked_until_the_user_interrupts(tmp_path: Path) -> None:
 
 def test_only_reports_that_rest_on_files_that_changed_are_made_anew(tmp_path: Path) -> None:
     from urdfcheck import rules as catalogue
-    from urdfcheck.run.audit import audit
-    from urdfcheck.run.pipeline import Request, audited
+    from urdfcheck.run.audit import audit_unit
+    from urdfcheck.run.pipeline import Request, run_audit
 
     for name in ("a", "b"):
         (tmp_path / f"{name}.urdf").write_text(SOUND)
     request = Request((tmp_path,), tmp_path, frozenset(catalogue.load_rules()), tier="source")
-    before = audited(request, audit)
+    before = run_audit(request, audit_unit)
     (tmp_path / "a.urdf").write_text(BROKEN)
     kept = watch._still_true(before, request)
     assert kept is not None
     checked: list[str] = []
-    audited(request, lambda unit, settings: checked.append(unit.id) or audit(unit, settings), before=kept)
+    run_audit(request, lambda unit, settings: checked.append(unit.id) or audit_unit(unit, settings), previous=kept)
     assert checked == ["a.urdf"]
 
 

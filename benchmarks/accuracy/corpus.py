@@ -22,7 +22,7 @@ from pathlib import Path
 import urdfcheck
 from urdfcheck import rules as catalogue
 from urdfcheck.core import NEWLINE, Finding, Run, Severity
-from urdfcheck.run.audit import audit
+from urdfcheck.run.audit import audit_unit
 from urdfcheck.run.pipeline import Request, run
 
 LABELS = Path(__file__).parent / "labels.tsv"
@@ -98,7 +98,7 @@ def claims(corpus: Path) -> Iterator[Claim]:
         request = Request(
             (corpus / entry["entry"],), corpus, codes, arguments=entry["xacro_args"], package_paths=packages
         )
-        outcome = run(request, audit=audit)
+        outcome = run(request, audit=audit_unit)
         for finding in outcome.findings:
             if finding.code in judged and finding.severity >= Severity.WARNING:
                 yield Claim(entry["id"], finding, _lines(outcome, finding))

@@ -19,7 +19,7 @@ from scoring import LEAST_EFFECT, effect
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
-from urdfcheck.run.audit import audit
+from urdfcheck.run.audit import audit_unit
 from urdfcheck.run.pipeline import Request, run
 
 # The rules that a defect of a frame, of an inertial or of limits may be told by: one defect is one finding.
@@ -107,7 +107,7 @@ def _findings(robot: Robot, root: ET.Element) -> list[Finding]:
         urdf = folder / "robot.urdf"
         ET.ElementTree(root).write(urdf)
         codes = frozenset(c for c in catalogue.load_rules() if c.startswith(("INR", "SYM", "MSH")))
-        found = run(Request((urdf,), folder, codes), audit=audit)
+        found = run(Request((urdf,), folder, codes), audit=audit_unit)
     return [f for f in found.findings if f.code in _ALL]
 
 

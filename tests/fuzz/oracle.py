@@ -33,7 +33,7 @@ from urdfcheck.facts.mesh.decode import MeshError, decode_mesh
 from urdfcheck.output import html, text
 from urdfcheck.output.json import render as render_json
 from urdfcheck.policy.limits import ResourceLimits
-from urdfcheck.run.audit import audit
+from urdfcheck.run.audit import audit_unit
 from urdfcheck.run.pipeline import Request, run
 from urdfcheck.system import sandbox
 
@@ -122,7 +122,7 @@ def check(path: Path, tier: str, *, scene: bool = False, cache: Path | None = No
     codes, limits = frozenset(catalogue.load_rules()), ResourceLimits(seconds=SECONDS)
     request = Request((path,), root, codes, tier=tier, scene=scene, pairs=scene, samples=20, limits=limits, cache=cache)
     with mock.patch.dict(os.environ, FUZZ_SECRET=SECRET):
-        return run(request, audit=audit)
+        return run(request, audit=audit_unit)
 
 
 # -- of every report -------------------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -34,11 +34,17 @@ from urdfcheck.core.scene import Scene
 from urdfcheck.export.link_pairs import LinkPairs, compute_link_pairs
 from urdfcheck.export.outline import ModelOutline, build_outline
 from urdfcheck.model import Model
-from urdfcheck.policy.consumers import weighed
-from urdfcheck.policy.fix_safety import within
+from urdfcheck.policy.consumers import apply_severity_policy
+from urdfcheck.policy.fix_safety import mark_unsafe_in_model
 from urdfcheck.policy.limits import ResourceLimits
-from urdfcheck.policy.suppression import Entry, Judged, Known, judged, suppressed
-from urdfcheck.run.findings_cache import Recall, applies
+from urdfcheck.policy.suppression import (
+    BaselineEntries,
+    CommentUsage,
+    SuppressionEntry,
+    assess_comment,
+    mark_suppressed,
+)
+from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.source.launch.launch_file import Launch, load_launch
 from urdfcheck.source.load import Source, load_source
 from urdfcheck.source.package.finder import PackageFinder, load_package
@@ -51,9 +57,9 @@ from urdfcheck.system.array_cache import Cache
 from urdfcheck.system.files import Stamp, overlay_files, read_regular, record_reads
 
 # Of one rule in one model. The noisiest of 110 robots has 14.
-MOST_FINDINGS = 1_000
+MAX_FINDINGS = 1_000
 # Characters of a name or a message, and of the edits of a repair. Of a hundred real robots none has half of it.
-LONGEST, MOST_EDITED = 2_000, 100_000
+MAX_TEXT_LENGTH, MAX_EDIT_LENGTH = 2_000, 100_000
 TIERS = ("source", "mesh", "full")
 _TIER_OF_NEED = {
     **dict.fromkeys(("source", "package"), "source"),
@@ -76,19 +82,19 @@ class Unit:
     id: str
     arguments: Mapping[str, str] = field(default_factory=dict)
     launches: tuple[str, ...] = ()
-    explicit: bool = True
-    xacro: bool = False
-    known: Known = field(default_factory=dict)
-    home: tuple[str, str] | None = None
-    entry: str = ""
-    own: Mapping[str, Any] = field(default_factory=dict)
+    is_explicit: bool = True
+    is_xacro: bool = False
+    baseline_entries: BaselineEntries = field(default_factory=dict)
+    baseline_home: tuple[str, str] | None = None
+    baseline_name: str = ""
+    own_settings: Mapping[str, Any] = field(default_factory=dict)
     fail_on: str | None = None
-    varied: tuple[str, ...] = ()
-    reduced: bool = False
+    varied_arguments: tuple[str, ...] = ()
+    is_reduced: bool = False
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class AuditSettings:
     """What holds for every unit of a run: plain values, because they cross into the worker. ``cache``: the folder of results
     that are kept, None to keep nothing; ``samples``: in how many configurations motion is looked at. ``reach``: the folders
     below which files may be opened, None for all; ``around``: those that a worker process must see at all; ``environment``:
@@ -108,16 +114,16 @@ class Settings:
     pairs: bool = False
     drop: bool = False
     reach: tuple[str, ...] | None = None
-    around: tuple[str, ...] = ()
+    visible_folders: tuple[str, ...] = ()
     environment: tuple[str, ...] = ()
     limits: ResourceLimits = field(default_factory=ResourceLimits)
-    suppress: tuple[Entry, ...] = ()
+    suppress: tuple[SuppressionEntry, ...] = ()
     comments: bool = True
     texts: Mapping[str, bytes] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class UnitReport:
     """What a worker sends back. ``failures`` are urdfcheck's own: they make the exit code 2. ``scene`` and ``pairs`` are there
     where the settings ask for them. ``reads``: the files that the findings rest on, as they were. ``comments``: those that
     suppress findings, or would; ``files``: what a model is made of, as findings call them."""
@@ -132,44 +138,46 @@ class Report:
     sources: Mapping[str, str] = field(default_factory=dict)
     failures: tuple[str, ...] = ()
     reads: Mapping[str, Stamp] = field(default_factory=dict)
-    comments: tuple[Judged, ...] = ()
+    comments: tuple[CommentUsage, ...] = ()
     files: tuple[str, ...] = ()
 
 
-def audit(unit: Unit, settings: Settings) -> Report:
+def audit_unit(unit: Unit, settings: AuditSettings) -> UnitReport:
     """Audit one unit. A check that crashes is reported as a failure and as finding URC900; the others still run."""
     import numpy as np
 
     began = time.perf_counter()
-    run = _Audit(unit, replace(settings, **unit.own))
+    run = _UnitAudit(unit, replace(settings, **unit.own_settings))
     with record_reads() as reads, overlay_files(settings.texts), np.errstate(all="ignore"):  # such numbers are findings
         try:
             if unit.kind == "package":
-                run.package()
+                run.audit_package()
             elif unit.kind == "launch":
-                run.launches(None)
+                run.audit_launches(None)
             else:
-                run.model()
+                run.audit_model()
         except ModelTimeout:
-            run.stop("time")
+            run.stop_audit("time")
         except MemoryError:
-            run.stop("memory")
-    return replace(run.report(time.perf_counter() - began), reads=reads)
+            run.stop_audit("memory")
+    return replace(run.build_report(time.perf_counter() - began), reads=reads)
 
 
-def stopped(unit: Unit, limits: ResourceLimits, message: str, problem: Problem | None = None) -> Finding:
+def report_stopped_unit(unit: Unit, limits: ResourceLimits, message: str, problem: Problem | None = None) -> Finding:
     """That the check of a unit was stopped (``message``: time | memory | killed), or its expansion at a problem."""
-    at = Location("robot", Span(_display(unit.path), 1, 1, 1, 1, 0, 0)) if problem is None else problem.location
+    at = (
+        Location("robot", Span(_format_unit_path(unit.path), 1, 1, 1, 1, 0, 0)) if problem is None else problem.location
+    )
     related, reason = ((), "") if problem is None else (problem.related, problem.message)
     rule = catalogue.load_rules()["URC906"]
     finding = rule.finding(message, at=at, related=related, seconds=limits.seconds, memory=limits.memory, reason=reason)
     return replace(finding, model=unit.id)
 
 
-class _Audit:
+class _UnitAudit:
     """Collects what the checks of one unit find."""
 
-    def __init__(self, unit: Unit, settings: Settings) -> None:
+    def __init__(self, unit: Unit, settings: AuditSettings) -> None:
         self.unit = unit
         self.settings = settings
         self.findings: list[Finding] = []
@@ -181,11 +189,11 @@ class _Audit:
         self.pairs: LinkPairs | None = None
         self.drop: DropTest | None = None
         self.outline: ModelOutline | None = None
-        self.recall: Recall | None = None
+        self.findings_cache: FindingsCache | None = None
         self.source: Source | None = None
         self.rules = {c: r for c, r in catalogue.load_rules().items() if c in settings.codes and catalogue.has_check(r)}
 
-    def finder(self, start: Path) -> PackageFinder:
+    def make_finder(self, start: Path) -> PackageFinder:
         return PackageFinder(
             start.absolute(),
             {name: Path(folder) for name, folder in self.settings.packages.items()},
@@ -195,23 +203,23 @@ class _Audit:
 
     # -- kinds of units ----------------------------------------------------------------------------------------
 
-    def model(self) -> None:
+    def audit_model(self) -> None:
         path = Path(self.unit.path)
         unit = self.unit
         source = load_source(
             path,
             unit.arguments,
-            self.finder(path),
-            explicit=unit.explicit,
-            xacro=unit.xacro,
+            self.make_finder(path),
+            explicit=unit.is_explicit,
+            xacro=unit.is_xacro,
             environment=frozenset(self.settings.environment),
         )
         self.source = source
         self.texts.update({name: file.text for name, file in source.files.items()})
         for problem in source.find_problems("time-limit", "memory-limit"):
             message = f"expansion-{problem.kind.partition('-')[0]}"
-            self.findings.append(stopped(unit, self.settings.limits, message, problem))
-        self.run("file", source)
+            self.findings.append(report_stopped_unit(unit, self.settings.limits, message, problem))
+        self.run_checks("file", source)
         model: Model | None = None
         if source.root is not None and source.root.tag == "robot":
             folder = None if self.settings.cache is None else Path(self.settings.cache)
@@ -226,29 +234,29 @@ class _Audit:
                 may_simulate=self.settings.drop,
             )
             if folder is not None and tier != TIERS[0]:
-                self.recall = Recall(model)
-            self.run("model", model)
-            self.skip_meshes(source)
-            if self.recall is not None:
-                self.recall.keep()
+                self.findings_cache = FindingsCache(model)
+            self.run_checks("model", model)
+            self.skip_uninstalled_meshes(source)
+            if self.findings_cache is not None:
+                self.findings_cache.save()
             self.outline = build_outline(model)
         else:
             # Everything else is about a robot that could not be had: the findings so far say why.
             self.skip_scope("model", "the model could not be expanded")
-        self.launches(model)
-        self.info = _info(self.unit, source, model)
+        self.audit_launches(model)
+        self.info = _describe_model(self.unit, source, model)
         if self.settings.scene and model is not None:
             from urdfcheck.export.scene_builder import build_scene
 
-            self.scene = self.guard(
+            self.scene = self.run_guarded(
                 "scene", lambda: build_scene(model, self.unit.id, self.loaded_launches, self.findings)
             )
         if self.settings.pairs and model is not None:
-            self.pairs = self.guard("srdf", lambda: compute_link_pairs(model))
+            self.pairs = self.run_guarded("srdf", lambda: compute_link_pairs(model))
         if self.settings.drop and model is not None:
-            self.drop = self.guard("drop", lambda: self.dropped(model))
+            self.drop = self.run_guarded("drop", lambda: self.run_drop_test(model))
 
-    def dropped(self, model: Model) -> DropTest | None:
+    def run_drop_test(self, model: Model) -> DropTest | None:
         from urdfcheck.model.motion.simulated_drop import run_drop_test  # loads numpy
 
         try:
@@ -256,54 +264,56 @@ class _Audit:
         except FactUnavailableError:  # DYN005 tells why
             return None
 
-    def launches(self, model: Model | None) -> None:
+    def audit_launches(self, model: Model | None) -> None:
         paths = (self.unit.path,) if self.unit.kind == "launch" else self.unit.launches
         self.loaded_launches: list[Launch] = []
         for text in paths:
             path = Path(text)
-            launch = replace(load_launch(path, self.finder(path)), model=model)
+            launch = replace(load_launch(path, self.make_finder(path)), model=model)
             self.loaded_launches.append(launch)
             self.texts.update({name: file.text for name, file in launch.files.items()})
-            self.run("launch", launch)
+            self.run_checks("launch", launch)
 
-    def package(self) -> None:
+    def audit_package(self) -> None:
         folder = Path(self.unit.path)
         package = load_package(folder)
         if package is None:
             return
         if package.file is not None:
             self.texts[package.file.name] = package.file.text
-        self.run("package", replace(package, finder=self.finder(folder), is_fully_checked=self.unit.explicit))
+        self.run_checks(
+            "package", replace(package, finder=self.make_finder(folder), is_fully_checked=self.unit.is_explicit)
+        )
 
     # -- running checks ----------------------------------------------------------------------------------------
 
-    def run(self, scope: str, subject: Any) -> None:
+    def run_checks(self, scope: str, subject: Any) -> None:
         for rule in self.rules.values():
             if scope not in rule.scopes:
                 continue
-            missing = _missing_tier(rule, self.settings.tier)
+            missing = _find_missing_tier(rule, self.settings.tier)
             if missing:
-                self.skip(rule.code, f"needs --tier {missing}")
+                self.add_skip(rule.code, f"needs --tier {missing}")
                 continue
             options = {name: o.default for name, o in rule.options.items()}
             options.update(self.settings.options.get(rule.code, {}))
-            self.guard(rule.code, lambda rule=rule, options=options: self.collect(rule, subject, options))  # type: ignore[misc]
+            self.run_guarded(rule.code, partial(self.collect_findings, rule, subject, options))
 
-    def collect(self, rule: Rule, subject: Any, options: Mapping[str, Any]) -> None:
+    def collect_findings(self, rule: Rule, subject: Any, options: Mapping[str, Any]) -> None:
         def find() -> Iterable[Finding]:
             return catalogue.load_check(rule)(subject, rule, **options)
 
-        recall = self.recall if applies(rule) else None
-        for finding in find() if recall is None else recall.findings(rule, options, find):
-            found = weighed(finding, rule, self.settings.targets, self.settings.severities)
-            self.findings.append(clipped(replace(found, model=self.unit.id)))
+        recall = self.findings_cache if is_cacheable(rule) else None
+        for finding in find() if recall is None else recall.recall_findings(rule, options, find):
+            found = apply_severity_policy(finding, rule, self.settings.targets, self.settings.severities)
+            self.findings.append(truncate_texts(replace(found, model=self.unit.id)))
 
-    def guard(self, what: str, work: Callable[[], Any]) -> Any:
+    def run_guarded(self, what: str, work: Callable[[], Any]) -> Any:
         """Run a check; a fact that cannot be had is a skip, any other exception is our own failure."""
         try:
             return work()
         except FactUnavailableError as reason:
-            self.skip(what, str(reason))
+            self.add_skip(what, str(reason))
         except MemoryError:
             raise  # the model is too large, and no check at fault
         except Exception as error:
@@ -311,61 +321,61 @@ class _Audit:
             text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
             self.failures.append(f"{what} crashed on {self.unit.id}: {text}")
             crash = catalogue.load_rules()["URC900"]
-            start = Location("robot", Span(_display(self.unit.path), 1, 1, 1, 1, 0, 0))
+            start = Location("robot", Span(_format_unit_path(self.unit.path), 1, 1, 1, 1, 0, 0))
             self.findings.append(
                 replace(crash.finding("crashed", at=start, check=what, error=text), model=self.unit.id)
             )
         return None
 
-    def stop(self, message: str) -> None:
+    def stop_audit(self, message: str) -> None:
         """Give up: what was found stays, and everything else is unknown."""
-        self.findings.append(stopped(self.unit, self.settings.limits, message))
-        self.skip("ALL", "the check was stopped (URC906)")
+        self.findings.append(report_stopped_unit(self.unit, self.settings.limits, message))
+        self.add_skip("ALL", "the check was stopped (URC906)")
         if self.unit.kind == "model":
-            path, arguments = _display(self.unit.path), dict(self.unit.arguments)
+            path, arguments = _format_unit_path(self.unit.path), dict(self.unit.arguments)
             self.info = ModelInfo(path, "", arguments, 0, 0, None, "failed", self.unit.id)
 
-    def skip(self, code: str, reason: str) -> None:
+    def add_skip(self, code: str, reason: str) -> None:
         self.skipped.append(SkippedCheck(code, self.unit.id, reason))
 
-    def skip_meshes(self, source: Source) -> None:
+    def skip_uninstalled_meshes(self, source: Source) -> None:
         """Meshes of a package that is declared and only not installed here are nothing to complain of, and nothing is known
         of them."""
         for package, files in find_uninstalled_files(source).items():
             number = "a mesh" if len(files) == 1 else f"{len(files)} meshes"
             for rule in self.rules.values():
-                if "mesh" in rule.needs and not _missing_tier(rule, self.settings.tier):
-                    self.skip(
+                if "mesh" in rule.needs and not _find_missing_tier(rule, self.settings.tier):
+                    self.add_skip(
                         rule.code, f"nothing is known of {number} in package {package}, which is not installed here"
                     )
 
     def skip_scope(self, scope: str, reason: str) -> None:
         for rule in self.rules.values():
             if scope in rule.scopes:
-                self.skip(rule.code, reason)
+                self.add_skip(rule.code, reason)
 
     def read_text(self, path: Path) -> str | None:
         """The text of a file that a finding points into and that was not kept; None where it cannot or must not be read."""
-        if not self.finder(Path(self.unit.path)).can_open(path):
+        if not self.make_finder(Path(self.unit.path)).can_open(path):
             return None
         try:
             return read_regular(path).decode("utf-8", "replace")
         except OSError:
             return None
 
-    def first_of_each(self, findings: Iterable[Finding]) -> Iterator[Finding]:
+    def limit_number(self, findings: Iterable[Finding]) -> Iterator[Finding]:
         """All findings but those that nobody would read any more; how many these are is said."""
         number: Counter[tuple[str, Severity]] = Counter()
         for finding in findings:
             kind = finding.code, finding.severity  # a thousand warnings hide no error
             number[kind] += 1
-            if number[kind] <= MOST_FINDINGS:
+            if number[kind] <= MAX_FINDINGS:
                 yield finding
         for (code, severity), count in sorted(number.items()):
-            if count > MOST_FINDINGS:
-                self.skip(code, f"{count - MOST_FINDINGS:,} more findings ({severity}) are not listed")
+            if count > MAX_FINDINGS:
+                self.add_skip(code, f"{count - MAX_FINDINGS:,} more findings ({severity}) are not listed")
 
-    def report(self, seconds: float) -> Report:
+    def build_report(self, seconds: float) -> UnitReport:
         named = {f.location.span.file for f in self.findings if f.location.span is not None}
         named |= {s.file for f in self.findings for s in f.location.via}
         named |= {r.span.file for f in self.findings for r in f.related if r.span is not None}
@@ -373,12 +383,14 @@ class _Audit:
             text = self.read_text(Path(name))
             if text is not None:
                 self.texts[name] = text
-        found, comments = self.suppressed()
-        told = within(hide(merge(found), self.rules), None if self.source is None else self.source.root)
-        findings = tuple(self.first_of_each(sorted(told, key=order)))
+        found, comments = self.apply_suppressions()
+        told = mark_unsafe_in_model(
+            drop_superseded(merge_same_text(found), self.rules), None if self.source is None else self.source.root
+        )
+        findings = tuple(self.limit_number(sorted(told, key=get_sort_key)))
         info = None if self.info is None else replace(self.info, seconds=round(seconds, 3))
         named |= {judgement.comment.span.file for judgement in comments}
-        return Report(
+        return UnitReport(
             findings,
             tuple(self.skipped),
             info,
@@ -392,35 +404,37 @@ class _Audit:
             files=() if self.source is None else tuple(self.source.files),
         )
 
-    def suppressed(self) -> tuple[list[Finding], tuple[Judged, ...]]:
+    def apply_suppressions(self) -> tuple[list[Finding], tuple[CommentUsage, ...]]:
         """The findings, those marked that somebody knows, and what is known of the comments that say so."""
         comments = [
             c for name, text in self.texts.items() for c in find_ignore_comments(SourceFile(Path(name), name, text))
         ]
         heeded = comments if self.settings.comments else []
-        found, used = suppressed(self.findings, heeded, self.settings.suppress, self.unit.known)
+        found, used = mark_suppressed(self.findings, heeded, self.settings.suppress, self.unit.baseline_entries)
         skipped = {skip.code for skip in self.skipped}
         judgements = [
-            judged(c, self.texts[c.span.file], c.span in used, self.settings.codes, skipped, self.doubt(c))
+            assess_comment(
+                c, self.texts[c.span.file], c.span in used, self.settings.codes, skipped, self.explain_doubt(c)
+            )
             for c in heeded
         ]
         return found, tuple(judgements)
 
-    def doubt(self, comment: IgnoreComment) -> str:
+    def explain_doubt(self, comment: IgnoreComment) -> str:
         """Why a comment that this unit does not need may be needed all the same; empty where there is no reason to think so."""
         source = self.source
         if source is None or comment.span.file not in source.files:
             return ""
-        if self.unit.explicit and comment.span.file != source.name:
+        if self.unit.is_explicit and comment.span.file != source.name:
             return "other models may use the file"
         if not source.is_xacro or any(word.upper().startswith("XAC") for word in comment.selectors):
             return ""
-        places = self.reached.get(comment.span.file, [])
+        places = self.reached_places.get(comment.span.file, [])
         first = bisect_left(places, comment.start)
         return "" if first < len(places) and places[first] < comment.end else "these arguments do not reach it"
 
     @cached_property
-    def reached(self) -> Mapping[str, Sequence[int]]:
+    def reached_places(self) -> Mapping[str, Sequence[int]]:
         """By file the offsets of what the elements of the model were made from, in their order."""
         elements = () if self.source is None or self.source.root is None else self.source.root.walk()
         places: dict[str, set[int]] = {}
@@ -429,34 +443,34 @@ class _Audit:
         return {file: sorted(starts) for file, starts in places.items()}
 
 
-def clipped(finding: Finding) -> Finding:
+def truncate_texts(finding: Finding) -> Finding:
     """A finding without the middle of a name that is longer than anybody reads: a thousand findings about one link, each of
     which says its name of a million letters ten times, would be more than a report can hold."""
     fix = finding.fix
-    if fix is not None and sum(len(e.expected) + len(e.replacement) for e in fix.edits) > MOST_EDITED:
+    if fix is not None and sum(len(e.expected) + len(e.replacement) for e in fix.edits) > MAX_EDIT_LENGTH:
         fix = replace(fix, applicability=Applicability.DISPLAY, edits=())
     return replace(
         finding,
-        message=_short(finding.message),
-        location=replace(finding.location, subject=_short(finding.location.subject)),
-        subjects=tuple(map(_short, finding.subjects)),
-        related=tuple(replace(r, subject=_short(r.subject)) for r in finding.related),
-        cause=None if finding.cause is None else replace(finding.cause, text=_short(finding.cause.text)),
-        consequences=_short(finding.consequences),
-        data=_short(finding.data),
-        fix=None if fix is None else replace(fix, title=_short(fix.title)),
+        message=_truncate(finding.message),
+        location=replace(finding.location, subject=_truncate(finding.location.subject)),
+        subjects=tuple(map(_truncate, finding.subjects)),
+        related=tuple(replace(r, subject=_truncate(r.subject)) for r in finding.related),
+        cause=None if finding.cause is None else replace(finding.cause, text=_truncate(finding.cause.text)),
+        consequences=_truncate(finding.consequences),
+        data=_truncate(finding.data),
+        fix=None if fix is None else replace(fix, title=_truncate(fix.title)),
     )
 
 
-def _short(value: Any) -> Any:
-    if isinstance(value, str) and len(value) > LONGEST:
-        return f"{value[: LONGEST // 2]}…{value[-LONGEST // 2 :]}"
+def _truncate(value: Any) -> Any:
+    if isinstance(value, str) and len(value) > MAX_TEXT_LENGTH:
+        return f"{value[: MAX_TEXT_LENGTH // 2]}…{value[-MAX_TEXT_LENGTH // 2 :]}"
     if isinstance(value, dict):
-        return {_short(key): _short(inner) for key, inner in value.items()}
-    return type(value)(map(_short, value)) if type(value) in {list, tuple} else value
+        return {_truncate(key): _truncate(inner) for key, inner in value.items()}
+    return type(value)(map(_truncate, value)) if type(value) in {list, tuple} else value
 
 
-def merge(findings: Iterable[Finding]) -> list[Finding]:
+def merge_same_text(findings: Iterable[Finding]) -> list[Finding]:
     """Findings of one code, source text, message and measured values become one with several subjects: one typo, one
     finding. Where a macro line gives another value to each link that it makes, each value is told with its own call."""
     alike: dict[tuple[Any, ...], list[Finding]] = {}
@@ -476,7 +490,7 @@ def merge(findings: Iterable[Finding]) -> list[Finding]:
     ]
 
 
-def hide(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
+def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
     """Drop findings whose page yields to another rule that fired on the same element; the other one says so.
 
     The elements of a finding are those of its subjects, of which all have to be the other's, and for a difference of two of
@@ -486,13 +500,13 @@ def hide(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding
     fired: dict[tuple[str, str], int] = {}
     for index, finding in enumerate(findings):
         for subject in finding.subjects:
-            fired.setdefault((finding.code, _element(subject)), index)
+            fired.setdefault((finding.code, _get_element(subject)), index)
     hidden: set[int] = set()
     hides: dict[int, set[str]] = {}
     for index, finding in enumerate(findings):
         rule = rules.get(finding.code)
-        elements = set(map(_element, finding.subjects))
-        between = set(map(_element, finding.data.get("between", ())))
+        elements = set(map(_get_element, finding.subjects))
+        between = set(map(_get_element, finding.data.get("between", ())))
         stronger = rule.hidden_by if rule is not None else ()
         by = {e: fired[code, e] for e in elements | between for code in reversed(stronger) if (code, e) in fired}
         if elements <= by.keys() or between & by.keys():
@@ -506,33 +520,33 @@ def hide(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding
     ]
 
 
-def _element(subject: str) -> str:
+def _get_element(subject: str) -> str:
     """``link[wheel]`` of ``link[wheel]/inertial/inertia@izz``, whatever stands in the name."""
     named = re.match(r"[^/@\[]*\[.*?\](?=[/@]|$)", subject, re.DOTALL)
     return named[0] if named else subject.split("/")[0].split("@")[0]
 
 
-def order(finding: Finding) -> tuple[Any, ...]:
+def get_sort_key(finding: Finding) -> tuple[Any, ...]:
     """By file and position, the worse first on one place, so that output never depends on chance."""
     span = finding.location.span
     place = ("", 0, 0) if span is None else (span.file, span.line, span.col)
     return (finding.model, *place, -finding.severity, finding.code, finding.message_id, finding.subjects)
 
 
-def _missing_tier(rule: Rule, tier: str) -> str | None:
+def _find_missing_tier(rule: Rule, tier: str) -> str | None:
     wanted = max((TIERS.index(_TIER_OF_NEED[need]) for need in rule.needs), default=0)
     return TIERS[wanted] if wanted > TIERS.index(tier) else None
 
 
-def _info(unit: Unit, source: Source, model: Model | None) -> ModelInfo:
+def _describe_model(unit: Unit, source: Source, model: Model | None) -> ModelInfo:
     if model is None:
         waiting = bool(source.find_problems("argument-missing"))
         status = "needs-arguments" if waiting else "failed"
-        return ModelInfo(_display(unit.path), "", dict(unit.arguments), 0, 0, None, status, unit.id)
+        return ModelInfo(_format_unit_path(unit.path), "", dict(unit.arguments), 0, 0, None, status, unit.id)
     masses = [link.inertial.mass for link in model.links if link.inertial is not None]
     known = [m for m in masses if m is not None]
     return ModelInfo(
-        _display(unit.path),
+        _format_unit_path(unit.path),
         model.name,
         dict(unit.arguments),
         len(model.links),
@@ -543,7 +557,7 @@ def _info(unit: Unit, source: Source, model: Model | None) -> ModelInfo:
     )
 
 
-def _display(path: str) -> str:
+def _format_unit_path(path: str) -> str:
     from urdfcheck.source.package.finder import format_path
 
     return format_path(Path(path))

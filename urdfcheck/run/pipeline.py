@@ -21,7 +21,7 @@ from urdfcheck import rules as catalogue
 from urdfcheck.core import Run, UrdfcheckError
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.policy.limits import ResourceLimits
-from urdfcheck.run.variants import smaller, words
+from urdfcheck.run.variants import format_arguments, propose_smaller_variants
 from urdfcheck.source.discover import Plan, discover_targets
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.reach import FileReach
@@ -31,15 +31,15 @@ from urdfcheck.system.process_pool import Died, Overdue, Worker, in_workers
 
 if TYPE_CHECKING:
     from urdfcheck.policy.baseline import Baseline
-    from urdfcheck.policy.config import Config, Configurations
-    from urdfcheck.policy.suppression import Entry
-    from urdfcheck.run.audit import Report, Settings, Unit
+    from urdfcheck.policy.config import Config, ConfigResolver
+    from urdfcheck.policy.suppression import SuppressionEntry
+    from urdfcheck.run.audit import AuditSettings, Unit, UnitReport
 
 # Configurations of the joints that are looked at, and with --thorough.
 SAMPLES, THOROUGH = 200, 5_000
 # How many times longer than the check of one model the search for all of them may take, and how many seconds at least: a
 # model takes about a millisecond.
-PLANNING, LEAST_PLANNING = 10, 600.0
+PLANNING_TIME_RATIO, MIN_PLANNING_SECONDS = 10, 600.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,10 +74,10 @@ class Request:
     environment: tuple[str, ...] = ()
     limits: ResourceLimits = field(default_factory=ResourceLimits)
     baseline: Baseline | None = None
-    suppress: tuple[Entry, ...] = ()
-    comments: bool = True
+    suppress: tuple[SuppressionEntry, ...] = ()
+    heed_comments: bool = True
     texts: Mapping[str, bytes] = field(default_factory=dict)
-    configured: Configurations | None = None
+    config_resolver: ConfigResolver | None = None
     all_arguments: bool = False
 
     @property
@@ -87,21 +87,21 @@ class Request:
 
 
 @dataclass(frozen=True, slots=True)
-class Audited:
+class AuditedRun:
     """A run with what it was made of. ``reports``: by the places of their units."""
 
     request: Request
     units: Sequence[Unit]
-    reports: Mapping[int, Report]
+    reports: Mapping[int, UnitReport]
     outcome: Run
 
 
 def run(
     request: Request,
-    audit: Callable[[Unit, Settings], Report] | None = None,
-    first: Worker | None = None,
-    meanwhile: Callable[[], object] | None = None,
-    progress: Callable[[int, int], object] | None = None,
+    audit: Callable[[Unit, AuditSettings], UnitReport] | None = None,
+    warm_worker: Worker | None = None,
+    on_idle: Callable[[], object] | None = None,
+    on_progress: Callable[[int, int], object] | None = None,
 ) -> Run:
     """Check everything that the request's paths mean.
 
@@ -109,52 +109,54 @@ def run(
     that waits already; ``meanwhile`` is called once while the first workers are busy, ``progress`` whenever a model or file
     has been checked, with their number and how many there are. An interrupt ends the run with what was finished until then.
     """
-    return audited(request, audit, first, meanwhile, progress).outcome
+    return run_audit(request, audit, warm_worker, on_idle, on_progress).outcome
 
 
-def audited(
+def run_audit(
     request: Request,
-    audit: Callable[[Unit, Settings], Report] | None = None,
-    first: Worker | None = None,
-    meanwhile: Callable[[], object] | None = None,
-    progress: Callable[[int, int], object] | None = None,
-    before: Audited | None = None,
-) -> Audited:
+    audit: Callable[[Unit, AuditSettings], UnitReport] | None = None,
+    warm_worker: Worker | None = None,
+    on_idle: Callable[[], object] | None = None,
+    on_progress: Callable[[int, int], object] | None = None,
+    previous: AuditedRun | None = None,
+) -> AuditedRun:
     """As :func:`run`, for who goes on with it. ``before``: a run of the same request but for its ``texts``, whose reports hold
     where they rest on no text that differs."""
     began = time.perf_counter()
-    found, units = planned(request, here=audit is not None)
-    reports = {} if before is None else _still_true(before, units, request.texts)
-    with auditing(request, units, found.reach or request.reach) as settings:
+    found, units = plan_units(request, in_process=audit is not None)
+    reports = {} if previous is None else _reuse_reports(previous, units, request.texts)
+    with audit_session(request, units, found.reach or request.reach) as settings:
         while left := [index for index in range(len(units)) if index not in reports]:
-            done = stream([units[index] for index in left], settings, request.jobs, audit, first, meanwhile)
+            done = stream_reports([units[index] for index in left], settings, request.jobs, audit, warm_worker, on_idle)
             with contextlib.suppress(KeyboardInterrupt), contextlib.closing(done):
                 for place, report in done:
                     reports[left[place]] = report
-                    if progress is not None:
-                        progress(len(reports), len(units))
+                    if on_progress is not None:
+                        on_progress(len(reports), len(units))
             if len(reports) < len(units) or not request.all_arguments:
                 break
-            units += smaller(units, reports)
-            first = meanwhile = None
-    kept = [(u, reports[i]) for i, u in enumerate(units) if i in reports and not is_nothing(u, reports[i], found)]
-    from urdfcheck.run.summary import assemble  # loads what a worker has loaded meanwhile
+            units += propose_smaller_variants(units, reports)
+            warm_worker = on_idle = None
+    kept = [
+        (u, reports[i]) for i, u in enumerate(units) if i in reports and not is_empty_candidate(u, reports[i], found)
+    ]
+    from urdfcheck.run.summary import build_run  # loads what a worker has loaded meanwhile
 
-    outcome = assemble(request, found, kept, time.perf_counter() - began)
+    outcome = build_run(request, found, kept, time.perf_counter() - began)
     if len(reports) < len(units):
-        if progress is not None:
-            progress(len(units), len(units))  # nothing is on its way any more
+        if on_progress is not None:
+            on_progress(len(units), len(units))  # nothing is on its way any more
         reason = f"interrupted: {len(reports)} of {len(units)} models and files were checked, and nothing is known of the others"
         outcome = replace(outcome, partial=True, failures=(*outcome.failures, reason))
-    outcome = reproducible(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
-    return Audited(request, units, reports, outcome)
+    outcome = strip_volatile_values(outcome) if "SOURCE_DATE_EPOCH" in os.environ else outcome
+    return AuditedRun(request, units, reports, outcome)
 
 
-def _still_true(before: Audited, units: Sequence[Unit], texts: Mapping[str, bytes]) -> dict[int, Report]:
+def _reuse_reports(previous: AuditedRun, units: Sequence[Unit], texts: Mapping[str, bytes]) -> dict[int, UnitReport]:
     """The reports on units that have not changed, nor any file that was read for them."""
-    old = before.request.texts
+    old = previous.request.texts
     changed = {path for path in (*old, *texts) if old.get(path) != texts.get(path)}
-    known = {(unit.kind, unit.id): (unit, before.reports.get(place)) for place, unit in enumerate(before.units)}
+    known = {(unit.kind, unit.id): (unit, previous.reports.get(place)) for place, unit in enumerate(previous.units)}
     real = functools.cache(os.path.realpath)  # most units read the same files
     kept = {}
     for place, unit in enumerate(units):
@@ -164,64 +166,68 @@ def _still_true(before: Audited, units: Sequence[Unit], texts: Mapping[str, byte
     return kept
 
 
-def run_one(request: Request, audit: Callable[[Unit, Settings], Report] | None = None) -> Report:
+def audit_single_model(
+    request: Request, audit: Callable[[Unit, AuditSettings], UnitReport] | None = None
+) -> UnitReport:
     """The report on the one model that the request's paths mean; ``audit`` as for :func:`run`.
 
     :raises UrdfcheckError: when they mean none, or several.
     """
-    found, units = planned(request, here=audit is not None)
+    found, units = plan_units(request, in_process=audit is not None)
     for path, reason in (*found.missing, *found.unused):
         raise UrdfcheckError(f"{path}: {reason}")
     models = [unit for unit in units if unit.kind == "model"]
     if len(models) != 1:
         named = f"{len(models)} models, name one of them: {', '.join(m.id for m in models)}" if models else "no model"
         raise UrdfcheckError(f"{', '.join(map(str, request.paths))}: {named}")
-    with auditing(request, models, found.reach or request.reach) as settings:
-        ((_, report),) = stream(models, settings, 1, audit)
+    with audit_session(request, models, found.reach or request.reach) as settings:
+        ((_, report),) = stream_reports(models, settings, 1, audit)
     return report
 
 
-def planned(request: Request, *, here: bool = False) -> tuple[Plan, list[Unit]]:
+def plan_units(request: Request, *, in_process: bool = False) -> tuple[Plan, list[Unit]]:
     """What the request's paths mean, and as units of work in a stable order; worked out in a process of its own, for it reads
     the files of strangers, or ``here``.
 
     :raises UrdfcheckError: when that process died or did not end.
     """
-    configured = None if request.configured is None else request.configured.of
+    configured = None if request.config_resolver is None else request.config_resolver.for_path
     packages = (request.packages, request.package_paths)
     asked = (request.paths, request.arguments, *packages, request.reach, configured, request.all_arguments)
-    if here:
+    if in_process:
         with overlay_files(request.texts):
             found = discover_targets(*asked)
     else:
         seconds = request.limits.seconds
-        longest = max(PLANNING * seconds, LEAST_PLANNING) if seconds else None
-        ((_, found),) = in_workers(_plan, [(request.limits.memory, request.texts, *asked)], 1, longest=longest)
+        longest = max(PLANNING_TIME_RATIO * seconds, MIN_PLANNING_SECONDS) if seconds else None
+        ((_, found),) = in_workers(
+            _discover_bounded, [(request.limits.memory, request.texts, *asked)], 1, longest=longest
+        )
         if isinstance(found, Overdue):
             raise UrdfcheckError(f"looking for models took more than {longest:g} s (--timeout)")
         if isinstance(found, Died):
-            raise UrdfcheckError(f"the process that looks for models {_ending(found.exit_code)}")
+            raise UrdfcheckError(f"the process that looks for models {_describe_exit(found.exit_code)}")
         if isinstance(found, MemoryError):
             raise UrdfcheckError(f"looking for models takes more than {request.limits.memory} MiB (--memory)")
-    return found, _units(found, request)
+    return found, _build_units(found, request)
 
 
-def _plan(memory: int, texts: Mapping[str, bytes], *words: Any) -> Plan | MemoryError:
+def _discover_bounded(memory: int, texts: Mapping[str, bytes], *arguments: Any) -> Plan | MemoryError:
     sandbox.bound_memory(memory)
     try:
         with overlay_files(texts):
-            return discover_targets(*words)
+            return discover_targets(*arguments)
     except MemoryError as error:
         return error.with_traceback(None)
 
 
 @contextlib.contextmanager
-def auditing(request: Request, units: Sequence[Unit], reach: FileReach) -> Iterator[Settings]:
+def audit_session(request: Request, units: Sequence[Unit], reach: FileReach) -> Iterator[AuditSettings]:
     """What holds for the audit of these units, as long as the context lasts. ``reach``: what may be opened."""
-    from urdfcheck.run.audit import Settings
+    from urdfcheck.run.audit import AuditSettings
 
-    with _cache_for(request, units) as folder:
-        yield Settings(
+    with _open_cache_folder(request, units) as folder:
+        yield AuditSettings(
             codes=request.codes,
             tier=request.tier,
             options=request.options,
@@ -235,16 +241,16 @@ def auditing(request: Request, units: Sequence[Unit], reach: FileReach) -> Itera
             pairs=request.pairs,
             drop=request.drop,
             reach=reach.roots,
-            around=_around(request, reach, units),
+            visible_folders=_list_visible_folders(request, reach, units),
             environment=request.environment,
             limits=request.limits,
             suppress=request.suppress,
-            comments=request.comments,
+            comments=request.heed_comments,
             texts=request.texts,
         )
 
 
-def _around(request: Request, reach: FileReach, units: Sequence[Unit]) -> tuple[str, ...]:
+def _list_visible_folders(request: Request, reach: FileReach, units: Sequence[Unit]) -> tuple[str, ...]:
     """The folders that a worker must see: those in reach, those in which packages are looked for, and the rules."""
     folders = dict.fromkeys((*reach.roots, str(catalogue.find_pages_folder())))
     # A launch file may name a model anywhere: what is out of reach makes nothing around it visible.
@@ -261,7 +267,7 @@ def _around(request: Request, reach: FileReach, units: Sequence[Unit]) -> tuple[
 
 
 @contextlib.contextmanager
-def _cache_for(request: Request, units: Sequence[Unit]) -> Iterator[str | None]:
+def _open_cache_folder(request: Request, units: Sequence[Unit]) -> Iterator[str | None]:
     """The folder of kept results; where nothing is kept and there are several units, one that lasts as long as the run, so
     that a mesh of two models is read once all the same."""
     from urdfcheck.system.array_cache import Cache
@@ -278,7 +284,7 @@ def _cache_for(request: Request, units: Sequence[Unit]) -> Iterator[str | None]:
         yield None
 
 
-def reproducible(outcome: Run) -> Run:
+def strip_volatile_values(outcome: Run) -> Run:
     """Without what depends on the machine and the moment (reproducible-builds.org: SOURCE_DATE_EPOCH is set)."""
     return replace(
         outcome,
@@ -288,20 +294,20 @@ def reproducible(outcome: Run) -> Run:
     )
 
 
-def model_id(path: Path, arguments: Mapping[str, str], root: Path, name: str | None = None) -> str:
+def make_model_id(path: Path, arguments: Mapping[str, str], root: Path, name: str | None = None) -> str:
     """A model's name in reports and fingerprints: its path from the configuration's folder, and its arguments, or what the
     configuration calls these."""
     try:
         relative = Path(os.path.relpath(os.path.realpath(path), os.path.realpath(root))).as_posix()
     except ValueError:  # another drive
         relative = path.as_posix()
-    return relative + words({"named": name} if name else arguments)
+    return relative + format_arguments({"named": name} if name else arguments)
 
 
-def _units(found: Plan, request: Request) -> list[Unit]:
+def _build_units(found: Plan, request: Request) -> list[Unit]:
     from urdfcheck.run.audit import Unit
 
-    def root(path: Path) -> Path:
+    def find_root(path: Path) -> Path:
         config = found.configs.get(str(path))
         return request.root if config is None else config.root
 
@@ -309,21 +315,23 @@ def _units(found: Plan, request: Request) -> list[Unit]:
         Unit(
             "model",
             str(t.path),
-            model_id(t.path, t.arguments, root(t.path), t.name),
+            make_model_id(t.path, t.arguments, find_root(t.path), t.name),
             dict(t.arguments),
             tuple(map(str, t.launches)),
             t.explicit,
             t.xacro,
-            varied=t.varied,
+            varied_arguments=t.varied,
         )
         for t in found.models
     ]
-    units += [Unit("launch", str(p), model_id(p, {}, root(p))) for p in found.launches]
+    units += [Unit("launch", str(p), make_model_id(p, {}, find_root(p))) for p in found.launches]
     units += [
-        Unit("package", str(p), model_id(p / "package.xml", {}, root(p)), explicit=p in found.whole_packages)
+        Unit(
+            "package", str(p), make_model_id(p / "package.xml", {}, find_root(p)), is_explicit=p in found.whole_packages
+        )
         for p in found.packages
     ]
-    baseline = _baselines(request)
+    baseline = _make_baseline_lookup(request)
     number = Counter(unit.id for unit in units)
     configured = []
     for unit in units:
@@ -335,35 +343,42 @@ def _units(found: Plan, request: Request) -> list[Unit]:
         # The baseline of the run has the names of a run, and that of a folder those of the folder.
         home, known = baseline(config)
         entry = name if home is None else unit.id
-        entries = {} if known is None else known.known(entry)
-        unit = _configured(unit, config, request)
-        configured.append(replace(unit, id=name, known=entries, home=home, entry=entry))
+        entries = {} if known is None else known.get_entries(entry)
+        unit = _apply_config(unit, config, request)
+        configured.append(replace(unit, id=name, baseline_entries=entries, baseline_home=home, baseline_name=entry))
     return configured
 
 
-def _baselines(request: Request) -> Callable[[Config | None], tuple[tuple[str, str] | None, Baseline | None]]:
+def _make_baseline_lookup(
+    request: Request,
+) -> Callable[[Config | None], tuple[tuple[str, str] | None, Baseline | None]]:
     """The baseline for a configuration: the one that was named, or else its own, with the file and folder of the latter."""
     from urdfcheck.policy import baseline
 
     @functools.cache
     def read(file: Path, root: Path) -> Baseline | None:
-        return baseline.read(file, root) if file.is_file() else None
+        return baseline.read_baseline(file, root) if file.is_file() else None
 
-    def find(config: Config | None) -> tuple[tuple[str, str] | None, Baseline | None]:
-        configured = request.configured
-        if config is None or configured is None or configured.given.baseline is not None or config.root == request.root:
+    def find_baseline(config: Config | None) -> tuple[tuple[str, str] | None, Baseline | None]:
+        configured = request.config_resolver
+        if (
+            config is None
+            or configured is None
+            or configured.overrides.baseline is not None
+            or config.root == request.root
+        ):
             return None, request.baseline
-        file = config.baseline or config.root / baseline.DEFAULT
+        file = config.baseline or config.root / baseline.DEFAULT_NAME
         return (str(file), str(config.root)), None if configured.isolated else read(file, config.root)
 
-    return find
+    return find_baseline
 
 
-def _configured(unit: Unit, config: Config | None, request: Request) -> Unit:
+def _apply_config(unit: Unit, config: Config | None, request: Request) -> Unit:
     """The unit with the settings that its configuration makes different from those of the request."""
-    if config is None or request.configured is None:
+    if config is None or request.config_resolver is None:
         return unit
-    holds = request.configured.holds(config, Path(unit.path))
+    holds = request.config_resolver.resolve(config, Path(unit.path))
     settings = {
         "codes": holds.codes,
         "tier": holds.tier,
@@ -377,10 +392,10 @@ def _configured(unit: Unit, config: Config | None, request: Request) -> Unit:
         own["packages"] = {n: str(p) for n, p in {**config.packages, **request.packages}.items()}
     if config.package_path:
         own["package_paths"] = tuple(map(str, (*request.package_paths, *config.package_path)))
-    return replace(unit, own=own, fail_on=holds.fail_on)
+    return replace(unit, own_settings=own, fail_on=holds.fail_on)
 
 
-def is_nothing(unit: Unit, report: Report, found: Plan) -> bool:
+def is_empty_candidate(unit: Unit, report: UnitReport, found: Plan) -> bool:
     """A file that only its expansion shows to be no model: it makes neither link nor joint."""
     info = report.info
     if info is None or info.status != "checked" or info.links or info.joints:
@@ -391,17 +406,17 @@ def is_nothing(unit: Unit, report: Report, found: Plan) -> bool:
 # -- worker processes ------------------------------------------------------------------------------------------------
 
 
-def stream(
+def stream_reports(
     units: Sequence[Unit],
-    settings: Settings,
+    settings: AuditSettings,
     jobs: int,
-    audit: Callable[[Unit, Settings], Report] | None = None,
-    first: Worker | None = None,
-    meanwhile: Callable[[], object] | None = None,
-) -> Generator[tuple[int, Report], None, None]:
+    audit: Callable[[Unit, AuditSettings], UnitReport] | None = None,
+    warm_worker: Worker | None = None,
+    on_idle: Callable[[], object] | None = None,
+) -> Generator[tuple[int, UnitReport], None, None]:
     """Audit each unit in a worker process, at most ``jobs`` at once: the places of the units and their reports as they come.
     ``audit``, ``first`` and ``meanwhile`` as for :func:`run`."""
-    from urdfcheck.run.audit import Report, stopped
+    from urdfcheck.run.audit import UnitReport, report_stopped_unit
 
     if audit is not None:
         yield from ((index, audit(unit, settings)) for index, unit in enumerate(units))
@@ -409,25 +424,30 @@ def stream(
     # A package or a launch file takes less time than a process for it.
     at_once = max(1, min(jobs, sum(unit.kind == "model" for unit in units)))
     # The large ones first, so that none of them is left alone at the end.
-    order = sorted(range(len(units)), key=lambda index: -_size(units[index].path))
+    order = sorted(range(len(units)), key=lambda index: -_get_file_size(units[index].path))
     work = [(units[index], settings) for index in order]
     seconds = settings.limits.seconds
     longest = seconds + sandbox.PATIENCE if seconds else None
-    for place, result in in_workers(_audit, work, at_once, first, meanwhile, longest, _was_stopped):
+    for place, result in in_workers(_audit_in_worker, work, at_once, warm_worker, on_idle, longest, _is_stopped):
         unit = units[order[place]]
         if isinstance(result, Overdue):
-            result = Report(info=_dead(unit), findings=(stopped(unit, settings.limits, "killed"),))
+            result = UnitReport(
+                info=_describe_unread_model(unit), findings=(report_stopped_unit(unit, settings.limits, "killed"),)
+            )
         elif isinstance(result, Died):
-            result = Report(info=_dead(unit), failures=(f"the worker for {unit.id} {_ending(result.exit_code)}",))
+            result = UnitReport(
+                info=_describe_unread_model(unit),
+                failures=(f"the worker for {unit.id} {_describe_exit(result.exit_code)}",),
+            )
         yield order[place], result
 
 
-def _was_stopped(report: Report) -> bool:
+def _is_stopped(report: UnitReport) -> bool:
     """Whether the time or the memory was over in the middle of something, an import perhaps, that is half done now."""
     return any(finding.code == "URC906" for finding in report.findings)
 
 
-def _ending(exit_code: int | None) -> str:
+def _describe_exit(exit_code: int | None) -> str:
     """How a process ended, in words."""
     if exit_code is None:
         return "sent something that is no report"
@@ -441,30 +461,32 @@ def _ending(exit_code: int | None) -> str:
     return f"was killed ({name}{hint})"
 
 
-def _size(path: str) -> int:
+def _get_file_size(path: str) -> int:
     try:
         return os.stat(path).st_size
     except OSError:
         return 0
 
 
-def _audit(unit: Unit, settings: Settings) -> Report:
+def _audit_in_worker(unit: Unit, settings: AuditSettings) -> UnitReport:
     """What a worker process does with a unit."""
-    from urdfcheck.run.audit import Report, audit, stopped
+    from urdfcheck.run.audit import UnitReport, audit_unit, report_stopped_unit
 
     libraries.prefer_own_folders()
-    sandbox.confine(settings.around, [settings.cache] if settings.cache else [], settings.limits.memory)
+    sandbox.confine(settings.visible_folders, [settings.cache] if settings.cache else [], settings.limits.memory)
     try:
         with sandbox.deadline(settings.limits.seconds):
-            return audit(unit, settings)
+            return audit_unit(unit, settings)
     except ModelTimeout:  # for the second time: while the first was being handled
-        return Report(info=_dead(unit), findings=(stopped(unit, settings.limits, "time"),))
+        return UnitReport(
+            info=_describe_unread_model(unit), findings=(report_stopped_unit(unit, settings.limits, "time"),)
+        )
     except Exception as error:  # ours, not the model's: reading and checking turn what is wrong there into findings
         text = f"the audit of {unit.id} crashed: {type(error).__name__}: {error}"
-        return Report(info=_dead(unit), failures=(text,))
+        return UnitReport(info=_describe_unread_model(unit), failures=(text,))
 
 
-def _dead(unit: Unit) -> Any:
+def _describe_unread_model(unit: Unit) -> Any:
     from urdfcheck.core import ModelInfo
 
     if unit.kind != "model":

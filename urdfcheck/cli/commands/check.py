@@ -20,7 +20,7 @@ from urdfcheck.output import FORMATS
 
 if TYPE_CHECKING:
     from urdfcheck.core import Finding, Run
-    from urdfcheck.fix.fixer import Fixes
+    from urdfcheck.fix.fixer import FixResult
     from urdfcheck.output.text import DetailLevel
     from urdfcheck.policy.config import Config
     from urdfcheck.run.pipeline import Request
@@ -152,10 +152,16 @@ def main(words: Sequence[str]) -> int:
 
         return watch((request, settings), ask, report, [file for _, file in outputs], first, meanwhile)
     if options.fix or options.diff:
-        from urdfcheck.fix.fixer import fixes
+        from urdfcheck.fix.fixer import compute_fixes
 
         try:
-            fixed = fixes(request, unsafe=options.unsafe_fixes, first=first, meanwhile=meanwhile, progress=progress())
+            fixed = compute_fixes(
+                request,
+                include_unsafe=options.unsafe_fixes,
+                warm_worker=first,
+                on_idle=meanwhile,
+                on_progress=progress(),
+            )
         except KeyboardInterrupt:
             raise UrdfcheckError("interrupted; no file was changed") from None
         outcome = fixed.outcome
@@ -165,7 +171,7 @@ def main(words: Sequence[str]) -> int:
             return _diff(fixed, code)
         _write(fixed)
     else:
-        outcome = run(request, first=first, meanwhile=meanwhile, progress=progress())
+        outcome = run(request, warm_worker=first, on_idle=meanwhile, on_progress=progress())
     return report(outcome, settings)
 
 
@@ -175,23 +181,23 @@ def _detail(options: argparse.Namespace) -> DetailLevel:
     return DetailLevel.FULL if options.verbose else DetailLevel.QUIET if options.quiet else DetailLevel.BRIEF
 
 
-def _write(fixed: Fixes) -> None:
+def _write(fixed: FixResult) -> None:
     """Change the files. What was done goes to standard error, so that a report stays what it is."""
     from urdfcheck.fix import patch
 
     if fixed.outcome.partial:
         say("interrupted: no file was changed", sys.stderr)
         return
-    patch.write(fixed.changes)
+    patch.write_files(fixed.changes)
     _tell("fixed", fixed)
 
 
-def _diff(fixed: Fixes, code: int) -> int:
+def _diff(fixed: FixResult, code: int) -> int:
     """Print what would be changed; the exit code, ``code`` where nothing would be."""
     from urdfcheck.fix import patch
 
     for path, (before, after) in fixed.changes.items():
-        for line in patch.difference(path, before, after):
+        for line in patch.iter_diff_lines(path, before, after):
             say(line)
     sys.stdout.flush()
     for failure in fixed.outcome.failures:
@@ -200,7 +206,7 @@ def _diff(fixed: Fixes, code: int) -> int:
     return code or (FINDINGS if fixed.changes else OK)
 
 
-def _tell(done: str, fixed: Fixes) -> None:
+def _tell(done: str, fixed: FixResult) -> None:
     from urdfcheck.output.shared.inert import escape_one_line
 
     alike: dict[str, list[Finding]] = {}
@@ -211,5 +217,5 @@ def _tell(done: str, fixed: Fixes) -> None:
         place = "" if span is None else f"{escape_one_line(span.file)}:{span.line}:{span.col} "
         others = "" if len(findings) == 1 else f" and {len(findings) - 1} more"
         say(f"not fixed: {place}{findings[0].code}{others}: {escape_one_line(reason)}", sys.stderr)
-    more = f" ({fixed.more} more with --unsafe-fixes)" if fixed.more else ""
+    more = f" ({fixed.unsafe_count} more with --unsafe-fixes)" if fixed.unsafe_count else ""
     say(f"{done} {len(fixed.fixed)}{more}", sys.stderr)

@@ -17,7 +17,7 @@ from urdfcheck.core.errors import UrdfcheckError
 if TYPE_CHECKING:
     from rich.text import Text
 
-    from urdfcheck.policy.config import Config, Configurations
+    from urdfcheck.policy.config import Config, ConfigResolver
 
 DEFAULT, COMMAND_LINE = "default", "command line"
 # Columns before the place of a value; a longer value has its place on a line of its own.
@@ -82,7 +82,7 @@ def main(words: Sequence[str]) -> int:
         raise UrdfcheckError(f"{path} does not exist")
 
     configured = configurations(options, (path,))
-    config = configured.of(path)
+    config = configured.for_path(path)
     baseline = baseline_file(options, config)
     there = baseline.is_file() and not options.isolated
     answer = _answer(configured, config, path, baseline if there or options.baseline or config.baseline else None)
@@ -95,13 +95,13 @@ def main(words: Sequence[str]) -> int:
     return OK
 
 
-def _answer(configured: Configurations, config: Config, path: Path, baseline: Path | None) -> Answer:
-    from urdfcheck.policy.config import typed
+def _answer(configured: ConfigResolver, config: Config, path: Path, baseline: Path | None) -> Answer:
+    from urdfcheck.policy.config import read_typed_table
     from urdfcheck.source.package.finder import format_path
 
-    given, holds = configured.given, configured.holds(config, path)
-    table, at = typed(config)
-    sections = [(s.key, _inner(table, s.key)) for s in config.sections_of(path)]
+    given, holds = configured.overrides, configured.resolve(config, path)
+    table, at = read_typed_table(config)
+    sections = [(s.key, _inner(table, s.key)) for s in config.get_sections(path)]
 
     def said(*key: str | int) -> str:
         return at[key]
@@ -170,7 +170,7 @@ def _typed_codes(table: Mapping[str, Any], index: int) -> list[str]:
 
 
 def _rules(
-    configured: Configurations,
+    configured: ConfigResolver,
     config: Config,
     path: Path,
     sections: Sequence[tuple[tuple[str | int, ...], Mapping[str, Any]]],
@@ -178,7 +178,7 @@ def _rules(
 ) -> Iterator[RuleSetting]:
     from urdfcheck import rules as catalogue
 
-    holds = configured.holds(config, path)
+    holds = configured.resolve(config, path)
     severities: dict[str, str] = {}
     options: dict[tuple[str, str], str] = {}
     for where, section in sections:

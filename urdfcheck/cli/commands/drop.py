@@ -70,7 +70,7 @@ def main(words: Sequence[str]) -> int:
         options.select = [",".join(sorted(wanted))]
     request, settings = requested(options, scene="html" in formats)
     libraries.prefer_own_folders()
-    outcome = run(replace(request, drop=True), first=first, progress=progress())
+    outcome = run(replace(request, drop=True), warm_worker=first, on_progress=progress())
     if outcome.models and not outcome.drops:
         raise UrdfcheckError(f"{options.paths[0]}: {_why_none(outcome)}")
     # Whatever is written beside it, the command says the same: what the drop shows, and errors of the file.
