@@ -15,9 +15,9 @@ from urdfcheck import rules as catalogue
 from urdfcheck.core import Run, UrdfcheckError
 from urdfcheck.policy import config
 from urdfcheck.policy.config import CliOverrides, ConfigResolver
+from urdfcheck.policy.policy import Policy
 from urdfcheck.run import pipeline as engine
-from urdfcheck.run.audit import audit_unit
-from urdfcheck.run.pipeline import Request
+from urdfcheck.run.jobs import Request
 from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
 from urdfcheck.source.text.toml import locate_keys
 
@@ -39,8 +39,10 @@ def run(*paths: Path, given: CliOverrides | None = None, isolated: bool = False)
     configured = ConfigResolver(given or CliOverrides(select=frozenset({"INR003"})), isolated)
     settings = configured.for_path(paths[0])
     holds = configured.resolve(settings, settings.root)
-    request = Request(paths, settings.root, holds.codes, config_resolver=configured)
-    return engine.run(request, audit=audit_unit)
+    request = Request(
+        paths=paths, root=settings.root, policy=Policy(codes=holds.policy.codes), config_resolver=configured
+    )
+    return engine.run(request, engine.IN_THIS_PROCESS)
 
 
 def found(outcome: Run) -> list[tuple[str, str, str]]:
@@ -139,10 +141,10 @@ class TestNearest:
 
 
 class TestPaths:
-    def holds(self, tmp_path: Path, text: str, file: str, given: CliOverrides | None = None) -> config.EffectiveConfig:
+    def resolve(self, tmp_path: Path, text: str, file: str, given: CliOverrides | None = None) -> Policy:
         write(tmp_path / "urdfcheck.toml", text)
         configured = ConfigResolver(given or CliOverrides())
-        return configured.resolve(configured.for_path(tmp_path), tmp_path / file)
+        return configured.resolve(configured.for_path(tmp_path), tmp_path / file).policy
 
     def test_sections_add_to_the_table_and_the_later_one_wins(self, tmp_path: Path) -> None:
         text = """
@@ -161,11 +163,11 @@ class TestPaths:
             severity.INR003 = "warning"
             target = ["gazebo"]
         """
-        other = self.holds(tmp_path, text, "other.urdf")
+        other = self.resolve(tmp_path, text, "other.urdf")
         assert "JNT013" not in other.codes
         assert other.severities["INR003"] == "info"
         assert other.options == {"INR003": {"rel_tol": 1.0, "rounding": 0.5}}
-        robot = self.holds(tmp_path, text, "robots/r.xacro")
+        robot = self.resolve(tmp_path, text, "robots/r.xacro")
         assert "JNT013" in robot.codes
         assert "JNT001" not in robot.codes
         assert robot.severities["INR003"] == "warning"
@@ -175,12 +177,12 @@ class TestPaths:
 
     def test_a_code_is_closer_than_its_prefix_wherever_it_stands(self, tmp_path: Path) -> None:
         text = '[severity]\nINR003 = "error"\nINR = "info"\nALL = "warning"\n'
-        held = self.holds(tmp_path, text, "r.urdf").severities
+        held = self.resolve(tmp_path, text, "r.urdf").severities
         assert (held["INR003"], held["INR001"], held["JNT001"]) == ("error", "info", "warning")
 
     def test_the_command_line_replaces_the_sections_as_well(self, tmp_path: Path) -> None:
         text = 'select = ["INR"]\n[[paths]]\nmatch = ["*"]\nselect = ["JNT"]\ntarget = ["drake"]\n'
-        held = self.holds(tmp_path, text, "r.urdf", CliOverrides(select=frozenset({"XML001"}), target=("mujoco",)))
+        held = self.resolve(tmp_path, text, "r.urdf", CliOverrides(select=frozenset({"XML001"}), target=("mujoco",)))
         assert (held.codes, held.targets) == ({"XML001"}, ("mujoco",))
 
 

@@ -17,7 +17,7 @@ from typing import Any
 
 import jsonschema
 import pytest
-from conftest import REPOSITORY, check
+from conftest import REPOSITORY, check, make_request
 from referencing import Registry, Resource
 
 from urdfcheck import rules as catalogue
@@ -29,8 +29,7 @@ from urdfcheck.output.shared import lines
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.run import audit as worker
 from urdfcheck.run import pipeline as engine
-from urdfcheck.run.audit import AuditSettings, Unit, UnitReport
-from urdfcheck.run.pipeline import Request
+from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 from urdfcheck.system import sandbox
 from urdfcheck.system.process_pool import Worker
 
@@ -74,8 +73,7 @@ class Audit:
                 yield place, worker.audit_unit(unit, settings)
 
         wanted = {"tier": "source", **self.request, **request}
-        codes = frozenset(wanted.pop("codes", catalogue.load_rules()))
-        work = Request((self.models,), self.models, codes, **wanted)
+        work = make_request(self.models, **wanted)
         self.outcome = dataset.audit(work, self.folder, stream, restart=restart)
         return asked
 
@@ -156,7 +154,7 @@ def test_names_of_strangers_are_data_in_every_file(tmp_path: Path) -> None:
 def test_the_outcome_does_not_depend_on_the_number_of_jobs(audit: Audit, tmp_path: Path, jobs: int) -> None:
     audit()
     there = tmp_path / f"out{jobs}"
-    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source", jobs=jobs)
+    request = make_request(audit.models, tier="source", jobs=jobs)
     dataset.audit(request, there, lambda units, settings: engine.stream_reports(units, settings, jobs))
     assert ((there / "audit.jsonl").read_bytes(), (there / "index.html").read_bytes()) == audit.bytes
 
@@ -306,19 +304,23 @@ def test_an_entry_that_rests_on_no_file_is_not_believed(audit: Audit) -> None:
 KILLED = """
 import os, sys, time
 from pathlib import Path
-from urdfcheck import catalogue, dataset, worker
-from urdfcheck.engine import Request
+from urdfcheck.dataset import dataset_audit as dataset
+from urdfcheck.policy.policy import Policy
+from urdfcheck.rules import load_rules
+from urdfcheck.run import audit as worker
+from urdfcheck.run.jobs import AuditSettings, Request, Unit
 
 def stream(units, settings):
     for place, unit in enumerate(units):
-        yield place, worker.audit(unit, settings)
+        yield place, worker.audit_unit(unit, settings)
         os.write(log, (unit.id + "\\n").encode())  # it is kept now
         time.sleep(0.01)
 
+policy = Policy(codes=frozenset(load_rules()), tier="source")
 models, folder, log = Path(sys.argv[1]), Path(sys.argv[2]), os.open(sys.argv[3], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
-worker.audit_unit(worker.Unit("model", str(next(models.iterdir())), ""), worker.AuditSettings(frozenset(catalogue.load_rules()), "source"))
+worker.audit_unit(Unit(kind="model", path=str(next(models.iterdir())), id=""), AuditSettings(policy=policy))
 print("ready", flush=True)
-dataset.audit(Request((models,), models, frozenset(catalogue.rules()), tier="source"), folder, stream)
+dataset.audit(Request(paths=(models,), root=models, policy=policy), folder, stream)
 """
 
 
@@ -369,7 +371,7 @@ def test_a_folder_has_one_audit_at_a_time(audit: Audit) -> None:
         for place, unit in enumerate(units):
             yield place, worker.audit_unit(unit, settings)
 
-    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source")
+    request = make_request(audit.models, tier="source")
     dataset.audit(request, audit.folder, stream)
     assert said == [f"urdfcheck: another audit is at work in {audit.folder}\n"]
     done = subprocess.run([*second, "--restart"], capture_output=True, text=True, cwd=REPOSITORY)
@@ -476,9 +478,9 @@ def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
         yield from real(rule)(subject, rule, **options)
 
     monkeypatch.setattr(sandbox, "confine", lambda *_: None)  # or the slow check could not write
-    monkeypatch.setattr(catalogue, "load_check", lambda rule: slow if rule.code == "INR003" else real(rule))
+    monkeypatch.setattr("urdfcheck.run.audit.load_check", lambda rule: slow if rule.code == "INR003" else real(rule))
     limits = ResourceLimits(seconds=2.0)
-    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source", limits=limits)
+    request = make_request(audit.models, tier="source", limits=limits)
 
     def outcome() -> dataset.Outcome:
         return dataset.audit(request, audit.folder, lambda units, settings: engine.stream_reports(units, settings, 1))
@@ -505,7 +507,7 @@ def die_on_3(unit: Unit, settings: AuditSettings) -> UnitReport:
 def test_a_worker_that_dies_is_a_failure_and_its_model_tried_again(
     audit: Audit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source")
+    request = make_request(audit.models, tier="source")
     with monkeypatch.context() as patch:
         patch.setattr(engine, "_audit_in_worker", die_on_3)
         found = dataset.audit(

@@ -17,7 +17,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from conftest import check, command
+from conftest import check, command, make_request
 from hypothesis import given
 from hypothesis import strategies as st
 from test_rules import FIXED, cases
@@ -29,8 +29,10 @@ from urdfcheck.fix.fixer import FixResult, compute_fixes, find_regression, selec
 from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError
 from urdfcheck.policy import config
 from urdfcheck.run import pipeline as engine
-from urdfcheck.run.audit import AuditSettings, Unit, UnitReport, audit_unit, get_sort_key
-from urdfcheck.run.pipeline import Request
+from urdfcheck.run.audit import audit_unit
+from urdfcheck.run.findings import get_sort_key
+from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
+from urdfcheck.run.pipeline import IN_THIS_PROCESS, Execution
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.tokens import build_rename_edits
@@ -43,13 +45,10 @@ NOISE = JOINT.replace("{type}", "fixed").replace("{inner}", '<origin xyz="{x} 0 
 AXIS = JOINT.format(n="a", type="continuous", inner='<axis xyz="0 0 2"/>')
 
 
-def tried(*paths: Path, codes: Iterable[str] = ("ALL",), unsafe: bool = False, **request: object) -> FixResult:
+def tried(*paths: Path, codes: Iterable[str] = ("ALL",), unsafe: bool = False, **settings: object) -> FixResult:
     """What fixing would do, in this process and from the source alone."""
-    root = paths[0] if paths[0].is_dir() else paths[0].parent
-    selected = frozenset(catalogue.select_rules(codes))
-    return compute_fixes(
-        Request(paths, root, selected, **{"tier": "source", **request}), include_unsafe=unsafe, audit=audit_unit
-    )  # type: ignore[arg-type]
+    request = make_request(*paths, codes=catalogue.select_rules(codes), **{"tier": "source", **settings})
+    return compute_fixes(request, IN_THIS_PROCESS, include_unsafe=unsafe)
 
 
 def fix(*paths: Path, **options: object) -> FixResult:
@@ -373,7 +372,7 @@ def finding(code: str, subject: str = "link[a]", hides: Sequence[str] = ()) -> F
 
 
 def run_of(*findings: Finding, status: str = "checked", failures: tuple[str, ...] = ()) -> Run:
-    info = ModelInfo("m", "r", {}, 1, 0, None, status, "m")
+    info = ModelInfo(path="m", robot="r", args={}, links=1, joints=0, mass=None, status=status, id="m")
     return Run((info,), findings, (), {}, {}, {}, unit_ids=frozenset({"m"}), failures=failures)
 
 
@@ -578,11 +577,11 @@ def test_what_somebody_writes_while_it_is_checked_is_kept(tmp_path: Path) -> Non
     other = robot(noisy(), "<!-- mine -->")
 
     def slow(unit: Unit, settings: AuditSettings) -> UnitReport:
-        if settings.texts:
+        if settings.options.texts:
             path.write_text(other)
         return audit_unit(unit, settings)
 
-    found = compute_fixes(Request((path,), tmp_path, frozenset({"JNT014"}), tier="source"), audit=slow)
+    found = compute_fixes(make_request(path, codes={"JNT014"}, tier="source"), Execution(audit=slow))
     with pytest.raises(UrdfcheckError, match="changed by others"):
         patch.write_files(found.changes)
     assert path.read_text() == other
@@ -608,7 +607,7 @@ def test_an_interrupt_while_fixing_changes_nothing(tmp_path: Path, monkeypatch: 
 
     def interrupted(request: Request, *words: object, **options: object) -> engine.AuditedRun:
         state = again(request, *words, **options)  # type: ignore[arg-type]
-        return replace(state, outcome=replace(state.outcome, partial=bool(request.texts)))
+        return replace(state, outcome=replace(state.outcome, partial=bool(request.options.texts)))
 
     monkeypatch.setattr(fixer, "run_audit", interrupted)
     with pytest.raises(KeyboardInterrupt):
@@ -638,8 +637,8 @@ def test_only_models_that_read_a_changed_file_are_checked_again(tmp_path: Path) 
         checked.append(Path(unit.path).name)
         return audit_unit(unit, settings)
 
-    request = Request((tmp_path,), tmp_path, frozenset({"JNT014"}), tier="source")
-    compute_fixes(request, audit=counted)
+    request = make_request(tmp_path, codes={"JNT014"}, tier="source")
+    compute_fixes(request, Execution(audit=counted))
     assert checked == ["a.urdf", "b.urdf", "a.urdf"]
 
 

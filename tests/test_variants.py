@@ -220,12 +220,15 @@ class TestFindings:
         """Else a baseline would know it once, and the second would be new."""
         from urdfcheck import rules as catalogue
         from urdfcheck.core import Location
-        from urdfcheck.run.audit import Unit
+        from urdfcheck.run.jobs import Unit
         from urdfcheck.run.variants import merge_variants
 
         rule = catalogue.load_rules()["URC907"]
         finding = rule.finding("shadowed", at=Location("link[a]", None), library="x", path="y")
-        units = [Unit("model", "r.xacro", "r.xacro"), Unit("model", "r.xacro", "r.xacro a:=1", {"a": "1"})]
+        units = [
+            Unit(kind="model", path="r.xacro", id="r.xacro"),
+            Unit(kind="model", path="r.xacro", id="r.xacro a:=1", arguments={"a": "1"}),
+        ]
         merged = merge_variants([replace(finding, model=unit.id) for unit in units for _ in range(2)], units)
         assert [list(f.variants) for f in merged] == [["r.xacro", "r.xacro a:=1"]] * 2
 

@@ -94,7 +94,7 @@ def test_a_check_that_crashes_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
         raise LookupError("a defect of ours")
 
     real = catalogue.load_check
-    monkeypatch.setattr(catalogue, "load_check", lambda rule: crash if rule.code == "XML003" else real(rule))
+    monkeypatch.setattr("urdfcheck.run.audit.load_check", lambda rule: crash if rule.code == "XML003" else real(rule))
     verdict = verdict_on(SMALL)
     assert verdict.outcome == "failure"
     assert "a defect of ours" in verdict.detail

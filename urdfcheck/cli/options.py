@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from urdfcheck.policy.baseline import Baseline
     from urdfcheck.policy.config import CliOverrides, Config, ConfigResolver
     from urdfcheck.policy.limits import ResourceLimits
-    from urdfcheck.run.pipeline import Request
+    from urdfcheck.run.jobs import Request
 
 # MiB: an audit of an empty robot takes about half of it.
 LEAST_MEMORY = 512
@@ -136,20 +136,22 @@ def configuration(path: Path, options: argparse.Namespace) -> Config:
 
 def reading(options: argparse.Namespace, settings: Config, paths: tuple[Path, ...], codes: frozenset[str]) -> Request:
     """What the options of `add_access` and the configuration ask for."""
-    from urdfcheck.run.pipeline import Request
+    from urdfcheck.policy.policy import Policy
+    from urdfcheck.run.jobs import AuditOptions, PackageFolders, Request
     from urdfcheck.system.array_cache import default_folder
 
     return Request(
         paths=paths,
         root=settings.root,
-        codes=codes,
+        policy=Policy(codes=codes),
+        options=AuditOptions(environment=tuple(options.env), limits=_limits(options.timeout, options.memory)),
+        packages=PackageFolders(
+            {**settings.packages, **_packages(options.package)},
+            (*_folders(options.package_path, "--package-path"), *settings.package_path),
+        ),
         arguments=dict(_pair(text, ":=", "--arg") for text in options.arg),
-        packages={**settings.packages, **_packages(options.package)},
-        package_paths=(*_folders(options.package_path, "--package-path"), *settings.package_path),
         cache=None if options.no_cache else default_folder(),
         allowed=tuple(_folders(options.allow_read, "--allow-read")),
-        environment=tuple(options.env),
-        limits=_limits(options.timeout, options.memory),
     )
 
 
@@ -158,32 +160,31 @@ def requested(options: argparse.Namespace, *, scene: bool = False) -> tuple[Requ
     what belongs to no file."""
     from dataclasses import replace
 
-    from urdfcheck.run.pipeline import SAMPLES, THOROUGH
+    from urdfcheck.run.jobs import SAMPLES, THOROUGH, PackageFolders
 
     paths = tuple(Path(p) for p in options.paths)
     configured = configurations(options, paths)
     configs = [configured.for_path(path) for path in paths]
     settings = configs[0]
     holds = configured.resolve(settings, settings.root)
+    request = reading(options, settings, paths, holds.policy.codes)
     request = replace(
-        reading(options, settings, paths, holds.codes),
-        packages=_packages(options.package),
-        package_paths=tuple(_folders(options.package_path, "--package-path")),
+        request,
+        policy=holds.policy,
+        options=replace(
+            request.options,
+            samples=THOROUGH if options.thorough else SAMPLES,
+            scene=scene,
+            heed_comments=not options.isolated,
+        ),
+        packages=PackageFolders(_packages(options.package), tuple(_folders(options.package_path, "--package-path"))),
         # The folders that the configurations for the given paths name are in reach, and not those of files found below.
         allowed=(
             *_folders(options.allow_read, "--allow-read"),
             *(folder for config in configs for folder in (*config.packages.values(), *config.package_path)),
         ),
-        tier=holds.tier,
         jobs=_jobs(options.jobs),
-        options=holds.options,
-        severities=holds.severities,
-        targets=holds.targets,
-        scene=scene,
-        samples=THOROUGH if options.thorough else SAMPLES,
         baseline=known(options, settings),
-        suppress=holds.suppress,
-        heed_comments=not options.isolated,
         config_resolver=configured,
         all_arguments=options.all_args,
     )

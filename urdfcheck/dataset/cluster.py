@@ -23,7 +23,7 @@ from urdfcheck import __version__
 from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
-    from urdfcheck.run.audit import AuditSettings, Unit, UnitReport
+    from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 
     Numbered = tuple[int, Unit]
 
@@ -52,7 +52,7 @@ def stream(
         raise _not_installed(backend) from None
     connected = _dask if backend == "dask" else _ray
     with connected(address) as registered, joblib.parallel_config(registered):
-        here = {name: os.environ.get(name) for name in (*_OURS, *settings.environment)}
+        here = {name: os.environ.get(name) for name in (*_OURS, *settings.options.environment)}
         try:
             cores = joblib.effective_n_jobs(-1)
             tasks = (
@@ -151,7 +151,7 @@ def work(
     units: Sequence[Numbered], settings: AuditSettings, folder: str, environment: Mapping[str, str | None], version: str
 ) -> list[tuple[int, UnitReport]]:
     """What a process of the cluster does with a task: have it done, and say what of it could not be."""
-    from urdfcheck.run.audit import UnitReport
+    from urdfcheck.run.jobs import UnitReport
 
     variables = {**os.environ, **{name: value for name, value in environment.items() if value is not None}}
     for name, value in environment.items():

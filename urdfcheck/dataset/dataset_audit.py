@@ -22,8 +22,8 @@ from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.dataset.journal import TEMPORARY, Journal, aside, saying
 from urdfcheck.output.html import index
 from urdfcheck.output.shared import lines
-from urdfcheck.run.audit import AuditSettings, Unit, UnitReport
-from urdfcheck.run.pipeline import Request, audit_session, is_empty_candidate, plan_units
+from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
+from urdfcheck.run.pipeline import audit_session, is_empty_candidate, plan_units
 from urdfcheck.run.summary import collect_versions, report_foreign_libraries
 from urdfcheck.source.discover import Plan
 from urdfcheck.source.package.finder import format_path
@@ -156,13 +156,13 @@ def _ordered(journal: Journal, keys: Sequence[str], last: bytes) -> Iterator[byt
 
 def _of_the_run(request: Request, found: Plan) -> bytes:
     """The line of what belongs to no unit: paths that are wrong, and what only a run as a whole could show."""
-    findings = report_foreign_libraries() if "URC907" in request.codes else []
+    findings = report_foreign_libraries() if "URC907" in request.policy.codes else []
     skipped = [SkippedCheck("ALL", path, reason) for path, reason in found.unused]
     alone = "it compares the models of a run with each other: urdfcheck check does"
     skipped += [
         SkippedCheck(code, "", alone)
         for code, rule in catalogue.load_rules().items()
-        if rule.scopes == ("run",) and code in request.codes and catalogue.has_check(rule)
+        if rule.scopes == ("run",) and code in request.policy.codes and catalogue.has_check(rule)
     ]
     failures = [f"{path}: {reason}" for path, reason in found.missing]
     return lines.build_unit_line("run", "", "", None, findings, skipped, failures)
@@ -170,24 +170,24 @@ def _of_the_run(request: Request, found: Plan) -> bytes:
 
 def _about(request: Request, settings: AuditSettings) -> dict[str, Any]:
     """All that the outcome for a unit depends on beside the unit and its files, by the name that a user has for it."""
-    variables = {name: os.environ.get(name) for name in sorted({*_ENVIRONMENT, *settings.environment})}
+    variables = {name: os.environ.get(name) for name in sorted({*_ENVIRONMENT, *settings.options.environment})}
     return {
         "versions": collect_versions(full=True),
         "working directory": os.getcwd(),
         "configuration's folder": str(request.root),
         "dataset": list(settings.reach or ()),
-        "rules": sorted(settings.codes),
-        "severities": dict(settings.severities),
-        "options of rules": {code: dict(values) for code, values in settings.options.items()},
-        "--tier": settings.tier,
-        "--package": dict(settings.packages),
-        "--package-path": list(settings.package_paths),
-        "--target": list(settings.targets),
-        "suppress": [[*sorted(e.codes), e.subject, e.reason] for e in settings.suppress],
-        "comments in the source": settings.comments,
-        "--thorough": settings.samples,
-        "--timeout, --memory": list(asdict(settings.limits).values()),
-        "--env": list(settings.environment),
+        "rules": sorted(settings.policy.codes),
+        "severities": dict(settings.policy.severities),
+        "options of rules": {code: dict(values) for code, values in settings.policy.options.items()},
+        "--tier": settings.policy.tier,
+        "--package": {name: str(path) for name, path in settings.packages.by_name.items()},
+        "--package-path": list(map(str, settings.packages.search_path)),
+        "--target": list(settings.policy.targets),
+        "suppress": [[*sorted(e.codes), e.subject, e.reason] for e in settings.policy.suppress],
+        "comments in the source": settings.options.heed_comments,
+        "--thorough": settings.options.samples,
+        "--timeout, --memory": list(asdict(settings.options.limits).values()),
+        "--env": list(settings.options.environment),
         # Values may be secrets.
         "environment": hashlib.sha256(json.dumps(variables).encode()).hexdigest(),
     }
@@ -202,5 +202,5 @@ def _key(unit: Unit) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """What JSON has no word for: the codes of a unit's own."""
-    return sorted(value)
+    """Return what JSON can hold of a set of codes or a folder."""
+    return str(value) if isinstance(value, Path) else sorted(value)

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck import __version__
-from urdfcheck.core import Severity
+from urdfcheck.core import Finding, Severity, SkippedCheck
 from urdfcheck.source.text.xml import quote_attribute
 from urdfcheck.system.files import read_regular
 
 if TYPE_CHECKING:
     from urdfcheck.model import Model
-    from urdfcheck.run.audit import UnitReport
 
 # Configurations that are looked at, and with --thorough. Of 55 pairs of a seven-joint arm with a hand 30 do not collide in
 # 200 of them, 22 in 5,000: an audit may miss a collision, a file that switches its check off should not.
@@ -67,10 +66,10 @@ def compute_link_pairs(model: Model) -> LinkPairs:
     return LinkPairs(model.name, samples, tuple(sorted(pairs, key=lambda pair: pair.links)))
 
 
-def explain_missing_pairs(report: UnitReport) -> str:
-    """Why a report on a model holds no pairs."""
-    reasons = [*report.failures, *(skip.reason for skip in report.skipped if skip.code == "srdf")]
-    for finding in report.findings:
+def explain_missing_pairs(failures: Iterable[str], skipped: Iterable[SkippedCheck], findings: Iterable[Finding]) -> str:
+    """Return why the report on a model, of which these are parts, holds no pairs."""
+    reasons = [*failures, *(skip.reason for skip in skipped if skip.code == "srdf")]
+    for finding in findings:
         span = finding.location.span
         if finding.severity == Severity.ERROR:
             place = "" if span is None else f" ({span.file}:{span.line}:{span.col})"

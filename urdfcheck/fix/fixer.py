@@ -15,19 +15,15 @@ from __future__ import annotations
 import contextlib
 from bisect import bisect_left, bisect_right, insort
 from collections import Counter
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from urdfcheck.core import Applicability, Edit, Finding, Fix, Run, Severity
 from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError
-from urdfcheck.run.pipeline import AuditedRun, Request, run_audit
-
-if TYPE_CHECKING:
-    from urdfcheck.run.audit import AuditSettings, Unit, UnitReport
-    from urdfcheck.system.process_pool import Worker
+from urdfcheck.run.jobs import Request
+from urdfcheck.run.pipeline import IN_WORKERS, AuditedRun, Execution, run_audit
 
 # Findings about urdfcheck itself: of a comment that is needed no more, or an entry of the baseline.
 OWN_PREFIX = "URC"
@@ -50,22 +46,14 @@ class FixResult:
     changes: Mapping[str, tuple[bytes, bytes]] = field(default_factory=dict)
 
 
-def compute_fixes(
-    request: Request,
-    *,
-    include_unsafe: bool = False,
-    audit: Callable[[Unit, AuditSettings], UnitReport] | None = None,
-    warm_worker: Worker | None = None,
-    on_idle: Callable[[], object] | None = None,
-    on_progress: Callable[[int, int], object] | None = None,
-) -> FixResult:
+def compute_fixes(request: Request, execution: Execution = IN_WORKERS, *, include_unsafe: bool = False) -> FixResult:
     """Check as :func:`urdfcheck.run.pipeline.run` does, and work out what the files become when the safe fixes of the findings are
     applied, or the ``unsafe`` ones as well. No file is changed.
 
     :raises KeyboardInterrupt: when a check of edited files was interrupted.
     """
-    state = run_audit(request, audit, warm_worker, on_idle, on_progress)
-    fixer = _Fixer(state, include_unsafe, audit)
+    state = run_audit(request, execution)
+    fixer = _Fixer(state, Execution(audit=execution.audit), include_unsafe=include_unsafe)
     if not state.outcome.partial:
         for _ in range(MAX_ROUNDS):
             before, state = state, fixer.run_round(state)
@@ -78,7 +66,7 @@ def compute_fixes(
         unsafe_count=0 if include_unsafe else fixer.count_unsafe_fixes(state),
         changes={
             path: (fixer.originals[path], text)
-            for path, text in state.request.texts.items()
+            for path, text in state.request.options.texts.items()
             if text != fixer.originals[path]
         },
     )
@@ -94,11 +82,9 @@ class _FixGroup:
 
 
 class _Fixer:
-    def __init__(
-        self, found: AuditedRun, unsafe: bool, audit: Callable[[Unit, AuditSettings], UnitReport] | None
-    ) -> None:
-        self.wanted = {Applicability.SAFE, Applicability.UNSAFE} if unsafe else {Applicability.SAFE}
-        self.audit = audit
+    def __init__(self, found: AuditedRun, execution: Execution, *, include_unsafe: bool) -> None:
+        self.wanted = {Applicability.SAFE, Applicability.UNSAFE} if include_unsafe else {Applicability.SAFE}
+        self.execution = execution
         self.editable = EditableFiles(found.request.paths, _list_package_folders(found))
         self.originals: dict[str, bytes] = {}
         self.fixed: list[Finding] = []
@@ -106,7 +92,7 @@ class _Fixer:
 
     def run_round(self, base: AuditedRun) -> AuditedRun:
         """The state after all fixes that can be made together and make nothing worse; ``base`` itself where there is none."""
-        files = _EditableTexts(self.editable, base.request.texts)
+        files = _EditableTexts(self.editable, base.request.options.texts)
         possible, self.refused = self.collect_candidates(base.outcome, files)
         state = base
         accepted: list[_FixGroup] = []
@@ -118,8 +104,9 @@ class _Fixer:
             if not some:
                 continue
             tried = [*accepted, *some]
-            request = replace(base.request, texts={**base.request.texts, **files.apply_changes(tried)})
-            after = run_audit(request, self.audit, previous=state)
+            texts = {**base.request.options.texts, **files.apply_changes(tried)}
+            request = replace(base.request, options=replace(base.request.options, texts=texts))
+            after = run_audit(request, self.execution, previous=state)
             objection = _describe_lost_models(base, after) or find_regression(
                 base.outcome, after.outcome, [f for c in tried for f in c.findings]
             )
@@ -151,7 +138,7 @@ class _Fixer:
 
     def count_unsafe_fixes(self, state: AuditedRun) -> int:
         """How many findings have an unsafe fix in files that may be changed."""
-        files, count = _EditableTexts(self.editable, state.request.texts), 0
+        files, count = _EditableTexts(self.editable, state.request.options.texts), 0
         for _, fix in iter_fixable(state.outcome, {Applicability.UNSAFE}):
             with contextlib.suppress(EditRefusedError):
                 files.resolve_edits(fix.edits)
@@ -167,11 +154,10 @@ class _Fixer:
 def _list_package_folders(found: AuditedRun) -> Iterator[Path]:
     """The folders of packages that the command line and the configurations name."""
     request = found.request
-    yield from (*request.packages.values(), *request.package_paths, *request.allowed)
+    yield from (*request.packages.all_folders, *request.allowed)
     for unit in found.units:
-        yield from map(
-            Path, (*unit.own_settings.get("packages", {}).values(), *unit.own_settings.get("package_paths", ()))
-        )
+        if unit.packages is not None:
+            yield from unit.packages.all_folders
 
 
 def _describe_lost_models(before: AuditedRun, after: AuditedRun) -> str:

@@ -15,6 +15,7 @@ import tomli
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Severity, UrdfcheckError
 from urdfcheck.policy.baseline import DEFAULT_NAME
+from urdfcheck.policy.policy import TIERS, Policy
 from urdfcheck.policy.suppression import SuppressionEntry
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
@@ -28,7 +29,6 @@ MAX_FILE_SIZE = 4 * 1024**2
 MAX_ENTRIES, MAX_TEXT_LENGTH = 1_000, 1_000
 OWN_FILE, PROJECT_FILE = "urdfcheck.toml", "pyproject.toml"
 FAIL_ON = ("error", "warning", "info", "never")
-TIERS = ("source", "mesh", "full")
 _KINDS = {float: "a number", int: "a whole number", str: "a text", bool: "true or false", list: "a list"}
 TARGETS = ("gazebo", "mujoco", "drake", "bullet", "isaac", "moveit", "rviz", "pinocchio", "ros2_control", "kdl")
 
@@ -107,17 +107,13 @@ class CliOverrides:
     baseline: Path | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class EffectiveConfig:
-    """What holds for one file in the end."""
+    """The configuration of one file after sections and command line."""
 
-    codes: frozenset[str]
-    severities: Mapping[str, str]
-    options: Mapping[str, Mapping[str, Any]]
-    targets: tuple[str, ...]
-    tier: str
+    policy: Policy
     fail_on: str
-    suppress: tuple[SuppressionEntry, ...]
+    """Least severity of a finding that fails the run."""
     baseline: Path | None
 
 
@@ -180,15 +176,18 @@ def resolve_config(
         for code, values in section.options.items():
             options[code] = {**options.get(code, {}), **values}
         targets = targets if section.target is None else section.target
+    policy = Policy(
+        codes=codes - (overrides.ignore or frozenset()),
+        tier=overrides.tier or config.tier,
+        options=options,
+        severities=severities,
+        targets=targets if overrides.target is None else overrides.target,
+        suppress=suppressions,
+    )
     return EffectiveConfig(
-        codes - (overrides.ignore or frozenset()),
-        severities,
-        options,
-        targets if overrides.target is None else overrides.target,
-        overrides.tier or config.tier,
-        overrides.fail_on or config.fail_on,
-        suppressions,
-        config.baseline if overrides.baseline is None else overrides.baseline,
+        policy=policy,
+        fail_on=overrides.fail_on or config.fail_on,
+        baseline=config.baseline if overrides.baseline is None else overrides.baseline,
     )
 
 

@@ -6,12 +6,10 @@ import os
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from urdfcheck.core import Finding, Severity
-
-if TYPE_CHECKING:
-    from urdfcheck.run.audit import Unit, UnitReport
+from urdfcheck.run.jobs import Unit, UnitReport
 
 # Of one file: how many sets of arguments are tried to find smaller ones that show a finding.
 MAX_TRIED = 100

@@ -37,7 +37,7 @@ def main(words: Sequence[str]) -> int:
     options = parser().parse_args(words)
 
     from urdfcheck.policy import baseline
-    from urdfcheck.run.pipeline import run
+    from urdfcheck.run.pipeline import Execution, run
     from urdfcheck.source.package.finder import format_path
     from urdfcheck.system import libraries
 
@@ -51,7 +51,7 @@ def main(words: Sequence[str]) -> int:
     if before is None and options.action != "write":
         raise UrdfcheckError(f"{format_path(file)}: there is no baseline; urdfcheck baseline write makes one")
     libraries.prefer_own_folders()
-    outcome = run(request, on_progress=progress())
+    outcome = run(request, Execution(on_progress=progress()))
     if options.action == "check":
         show(outcome, "text", "auto")
         return exit_code(outcome, options.fail_on or settings.fail_on, allow_empty=options.allow_empty)

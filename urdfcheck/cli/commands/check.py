@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from urdfcheck.fix.fixer import FixResult
     from urdfcheck.output.text import DetailLevel
     from urdfcheck.policy.config import Config
-    from urdfcheck.run.pipeline import Request
+    from urdfcheck.run.jobs import Request
 
 
 def parser() -> argparse.ArgumentParser:
@@ -116,7 +116,7 @@ def main(words: Sequence[str]) -> int:
         formats.add("markdown")
 
     from urdfcheck import output
-    from urdfcheck.run.pipeline import run
+    from urdfcheck.run.pipeline import Execution, run
     from urdfcheck.system import libraries
 
     request, settings = requested(options, scene=bool(formats & output.DRAWING_FORMATS))
@@ -151,17 +151,12 @@ def main(words: Sequence[str]) -> int:
             return requested(options, scene=bool(formats & output.DRAWING_FORMATS))
 
         return watch((request, settings), ask, report, [file for _, file in outputs], first, meanwhile)
+    execution = Execution(warm_worker=first, on_idle=meanwhile, on_progress=progress())
     if options.fix or options.diff:
         from urdfcheck.fix.fixer import compute_fixes
 
         try:
-            fixed = compute_fixes(
-                request,
-                include_unsafe=options.unsafe_fixes,
-                warm_worker=first,
-                on_idle=meanwhile,
-                on_progress=progress(),
-            )
+            fixed = compute_fixes(request, execution, include_unsafe=options.unsafe_fixes)
         except KeyboardInterrupt:
             raise UrdfcheckError("interrupted; no file was changed") from None
         outcome = fixed.outcome
@@ -171,7 +166,7 @@ def main(words: Sequence[str]) -> int:
             return _diff(fixed, code)
         _write(fixed)
     else:
-        outcome = run(request, warm_worker=first, on_idle=meanwhile, on_progress=progress())
+        outcome = run(request, execution)
     return report(outcome, settings)
 
 

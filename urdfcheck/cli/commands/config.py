@@ -125,8 +125,8 @@ def _answer(configured: ConfigResolver, config: Config, path: Path, baseline: Pa
         *words("select", "ALL", given.select),
         *words("ignore", "", given.ignore),
         one("fail-on", holds.fail_on, given.fail_on is not None),
-        one("tier", holds.tier, given.tier is not None),
-        one("target", ", ".join(holds.targets), given.target is not None),
+        one("tier", holds.policy.tier, given.tier is not None),
+        one("target", ", ".join(holds.policy.targets), given.target is not None),
         one("exclude", ", ".join(config.exclude)),
         *(Setting("packages", f"{n} = {format_path(p)}", at["packages", n]) for n, p in config.packages.items()),
         one("package-path", ", ".join(map(format_path, config.package_path))),
@@ -137,7 +137,7 @@ def _answer(configured: ConfigResolver, config: Config, path: Path, baseline: Pa
     known = [
         Setting(_few(_typed_codes(table, i)), f"{entry.subject}: {entry.reason}", at["suppress", i])
         for i, (_, entry) in enumerate(config.suppress)
-        if entry in holds.suppress
+        if entry in holds.policy.suppress
     ]
     models = [
         Setting(m.name or "no name", " ".join(f"{n}:={v}" for n, v in m.arguments.items()), at["models", i])
@@ -149,7 +149,7 @@ def _answer(configured: ConfigResolver, config: Config, path: Path, baseline: Pa
         None if config.file is None else format_path(config.file),
         format_path(config.root),
         tuple(settings),
-        tuple(sorted(holds.codes)),
+        tuple(sorted(holds.policy.codes)),
         tuple(_rules(configured, config, path, sections, at)),
         tuple(known),
         tuple(models),
@@ -191,10 +191,10 @@ def _rules(
                 place = (*where, "options", word, name)
                 options.update(dict.fromkeys(((code, name) for code in catalogue.select_rules([word])), at[place]))
     for code, rule in catalogue.load_rules().items():
-        if code in holds.codes and holds.severities.get(code, str(rule.severity)) != str(rule.severity):
-            value = holds.severities[code]
+        if code in holds.policy.codes and holds.policy.severities.get(code, str(rule.severity)) != str(rule.severity):
+            value = holds.policy.severities[code]
             yield RuleSetting(code, rule.name, None, value, str(rule.severity), severities[code])
-        for name, value in holds.options.get(code, {}).items() if code in holds.codes else ():
+        for name, value in holds.policy.options.get(code, {}).items() if code in holds.policy.codes else ():
             yield RuleSetting(code, rule.name, name, value, rule.options[name].default, options[code, name])
 
 

@@ -26,8 +26,7 @@ from urdfcheck.output.shared.inert import escape_for_log, escape_one_line
 if TYPE_CHECKING:
     import argparse
 
-    from urdfcheck.run.audit import Unit, UnitReport
-    from urdfcheck.run.pipeline import Request
+    from urdfcheck.run.jobs import Request, Unit, UnitReport
     from urdfcheck.source.discover import Plan
 
 # Options of a command that prints a report, which pytest does itself.

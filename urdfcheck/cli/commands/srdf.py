@@ -47,15 +47,11 @@ def main(words: Sequence[str]) -> int:
     # What is wrong with the file says why there is no model.
     codes = frozenset(code for code, rule in catalogue.load_rules().items() if "file" in rule.scopes)
     libraries.prefer_own_folders()
-    report = audit_single_model(
-        replace(
-            reading(options, configuration(path, options), (path,), codes),
-            samples=THOROUGH if options.thorough else SAMPLES,
-            pairs=True,
-        )
-    )
+    request = reading(options, configuration(path, options), (path,), codes)
+    audit_options = replace(request.options, samples=THOROUGH if options.thorough else SAMPLES, pairs=True)
+    report = audit_single_model(replace(request, options=audit_options))
     if report.pairs is None:
-        raise UrdfcheckError(f"{path}: {explain_missing_pairs(report)}")
+        raise UrdfcheckError(f"{path}: {explain_missing_pairs(report.failures, report.skipped, report.findings)}")
     if not report.pairs.pairs:
         say(f"urdfcheck: {path}: no two links have collision geometry that can be read", sys.stderr)
         return NOTHING

@@ -19,7 +19,8 @@ from urdfcheck.cli.terminal import FAILED, erase_progress, progress, say
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output.shared.inert import escape_one_line
 from urdfcheck.policy.config import OWN_FILE, PROJECT_FILE
-from urdfcheck.run.pipeline import AuditedRun, Request, run_audit
+from urdfcheck.run.jobs import Request
+from urdfcheck.run.pipeline import AuditedRun, Execution, run_audit
 from urdfcheck.source.discover import is_launch
 from urdfcheck.source.package.finder import BUILD_FOLDERS, format_path
 from urdfcheck.system.files import Stamp, read_stamp, walk
@@ -63,7 +64,8 @@ def watch(
             try:
                 if changed:
                     request, settings = ask()
-                last = run_audit(request, None, first, meanwhile, progress(), _still_true(last, request))
+                execution = Execution(warm_worker=first, on_idle=meanwhile, on_progress=progress())
+                last = run_audit(request, execution, previous=_still_true(last, request))
                 if last.outcome.partial:
                     break
                 code = report(last.outcome, settings)
