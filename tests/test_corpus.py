@@ -10,13 +10,11 @@ import json
 from pathlib import Path
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, make_request
 from real_robots import list_robots
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Run, Severity
-from urdfcheck.run.audit import audit
-from urdfcheck.run.pipeline import Request, run
+from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 
 ACCEPTED = REPOSITORY / "tests" / "corpus_errors.json"
 
@@ -35,14 +33,13 @@ def runs(corpus: Path) -> dict[str, Run]:
     entries = list_robots(corpus)
     return {
         entry["id"]: run(
-            Request(
-                (corpus / entry["entry"],),
-                corpus,
-                frozenset(catalogue.load_rules()),
+            make_request(
+                corpus / entry["entry"],
+                root=corpus,
                 arguments=entry["xacro_args"],
                 package_paths=tuple(corpus / r for r in entry["package_roots"]),
             ),
-            audit=audit,
+            IN_THIS_PROCESS,
         )
         for entry in entries
     }

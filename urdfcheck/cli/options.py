@@ -12,9 +12,9 @@ from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
     from urdfcheck.policy.baseline import Baseline
-    from urdfcheck.policy.config import Config, Configurations, Given
+    from urdfcheck.policy.config import CliOverrides, Config, ConfigResolver
     from urdfcheck.policy.limits import ResourceLimits
-    from urdfcheck.run.pipeline import Request
+    from urdfcheck.run.jobs import Request
 
 # MiB: an audit of an empty robot takes about half of it.
 LEAST_MEMORY = 512
@@ -129,27 +129,29 @@ def output_files(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str, 
 
 def configuration(path: Path, options: argparse.Namespace) -> Config:
     """The configuration that holds for a path."""
-    from urdfcheck.policy.config import Configurations
+    from urdfcheck.policy.config import ConfigResolver
 
-    return Configurations(isolated=options.isolated).of(path)
+    return ConfigResolver(isolated=options.isolated).for_path(path)
 
 
 def reading(options: argparse.Namespace, settings: Config, paths: tuple[Path, ...], codes: frozenset[str]) -> Request:
     """What the options of `add_access` and the configuration ask for."""
-    from urdfcheck.run.pipeline import Request
+    from urdfcheck.policy.policy import Policy
+    from urdfcheck.run.jobs import AuditOptions, PackageFolders, Request
     from urdfcheck.system.array_cache import default_folder
 
     return Request(
         paths=paths,
         root=settings.root,
-        codes=codes,
+        policy=Policy(codes=codes),
+        options=AuditOptions(environment=tuple(options.env), limits=_limits(options.timeout, options.memory)),
+        packages=PackageFolders(
+            {**settings.packages, **_packages(options.package)},
+            (*_folders(options.package_path, "--package-path"), *settings.package_path),
+        ),
         arguments=dict(_pair(text, ":=", "--arg") for text in options.arg),
-        packages={**settings.packages, **_packages(options.package)},
-        package_paths=(*_folders(options.package_path, "--package-path"), *settings.package_path),
         cache=None if options.no_cache else default_folder(),
         allowed=tuple(_folders(options.allow_read, "--allow-read")),
-        environment=tuple(options.env),
-        limits=_limits(options.timeout, options.memory),
     )
 
 
@@ -158,55 +160,54 @@ def requested(options: argparse.Namespace, *, scene: bool = False) -> tuple[Requ
     what belongs to no file."""
     from dataclasses import replace
 
-    from urdfcheck.run.pipeline import SAMPLES, THOROUGH
+    from urdfcheck.run.jobs import SAMPLES, THOROUGH, PackageFolders
 
     paths = tuple(Path(p) for p in options.paths)
     configured = configurations(options, paths)
-    configs = [configured.of(path) for path in paths]
+    configs = [configured.for_path(path) for path in paths]
     settings = configs[0]
-    holds = configured.holds(settings, settings.root)
+    holds = configured.resolve(settings, settings.root)
+    request = reading(options, settings, paths, holds.policy.codes)
     request = replace(
-        reading(options, settings, paths, holds.codes),
-        packages=_packages(options.package),
-        package_paths=tuple(_folders(options.package_path, "--package-path")),
+        request,
+        policy=holds.policy,
+        options=replace(
+            request.options,
+            samples=THOROUGH if options.thorough else SAMPLES,
+            scene=scene,
+            heed_comments=not options.isolated,
+        ),
+        packages=PackageFolders(_packages(options.package), tuple(_folders(options.package_path, "--package-path"))),
         # The folders that the configurations for the given paths name are in reach, and not those of files found below.
         allowed=(
             *_folders(options.allow_read, "--allow-read"),
             *(folder for config in configs for folder in (*config.packages.values(), *config.package_path)),
         ),
-        tier=holds.tier,
         jobs=_jobs(options.jobs),
-        options=holds.options,
-        severities=holds.severities,
-        targets=holds.targets,
-        scene=scene,
-        samples=THOROUGH if options.thorough else SAMPLES,
         baseline=known(options, settings),
-        suppress=holds.suppress,
-        comments=not options.isolated,
-        configured=configured,
+        config_resolver=configured,
         all_arguments=options.all_args,
     )
     return request, settings
 
 
-def configurations(options: argparse.Namespace, paths: tuple[Path, ...]) -> Configurations:
+def configurations(options: argparse.Namespace, paths: tuple[Path, ...]) -> ConfigResolver:
     """The configurations of a run, and what the options of `add_options` say that wins over them."""
-    from urdfcheck.policy.config import Configurations
+    from urdfcheck.policy.config import ConfigResolver
 
-    return Configurations(given(options), options.isolated, paths)
+    return ConfigResolver(given(options), options.isolated, paths)
 
 
-def given(options: argparse.Namespace) -> Given:
+def given(options: argparse.Namespace) -> CliOverrides:
     """What the options of `add_options` say about the rules."""
     from urdfcheck import rules as catalogue
-    from urdfcheck.policy.config import Given
+    from urdfcheck.policy.config import CliOverrides
 
     def codes(values: Sequence[str] | None) -> frozenset[str] | None:
         words = _words(values)
         return frozenset(catalogue.select_rules(words)) if words else None
 
-    return Given(
+    return CliOverrides(
         codes(options.select),
         codes(options.ignore),
         options.fail_on,
@@ -226,15 +227,15 @@ def known(options: argparse.Namespace, settings: Config) -> Baseline | None:
         return None
     if options.baseline is None and options.isolated:
         return None
-    return baseline.read(file, settings.root)
+    return baseline.read_baseline(file, settings.root)
 
 
 def baseline_file(options: argparse.Namespace, settings: Config) -> Path:
     """Where the baseline is, or will be."""
-    from urdfcheck.policy.baseline import DEFAULT
+    from urdfcheck.policy.baseline import DEFAULT_NAME
 
     named: Path | None = options.baseline or settings.baseline
-    return settings.root / DEFAULT if named is None else named
+    return settings.root / DEFAULT_NAME if named is None else named
 
 
 def _words(values: Sequence[str] | None) -> tuple[str, ...]:
@@ -266,11 +267,11 @@ def _folders(values: Sequence[str], option: str) -> list[Path]:
 
 
 def _targets(text: str) -> tuple[str, ...]:
-    from urdfcheck.policy.config import unknown_target
+    from urdfcheck.policy.config import explain_unknown_target
 
     names = _words([text])
     for name in names:
-        if (wrong := unknown_target(name)) is not None:
+        if (wrong := explain_unknown_target(name)) is not None:
             raise UrdfcheckError(f"--target: {wrong}")
     return names
 

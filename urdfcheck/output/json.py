@@ -14,7 +14,7 @@ from urdfcheck.output.shared.json_objects import (
     build_skip_object,
     to_json_value,
 )
-from urdfcheck.policy.consumers import outcomes
+from urdfcheck.policy.consumers import predict_outcomes
 
 SCHEMA = "urdfcheck/1"
 
@@ -42,5 +42,5 @@ def render(run: Run) -> str:
 
 
 def _build_consumer_outcomes(run: Run, info: ModelInfo) -> dict[str, Any]:
-    by_consumer = outcomes(f for f in run.findings if f.model == info.id)
+    by_consumer = predict_outcomes(f for f in run.findings if f.model == info.id)
     return {name: {"verdict": str(o.verdict), "codes": list(o.codes)} for name, o in by_consumer.items()}

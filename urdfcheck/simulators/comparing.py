@@ -8,10 +8,9 @@ from pathlib import Path
 
 from urdfcheck.core import Finding, ModelInfo, UrdfcheckError, Verdict
 from urdfcheck.policy.config import TARGETS
-from urdfcheck.policy.consumers import outcomes as outcomes_of
+from urdfcheck.policy.consumers import predict_outcomes as outcomes_of
 from urdfcheck.run import pipeline as engine
-from urdfcheck.run.audit import Settings, Unit
-from urdfcheck.run.pipeline import Request
+from urdfcheck.run.jobs import AuditSettings, Request, Unit
 from urdfcheck.simulators.judging import Judgement, agree, judge
 from urdfcheck.simulators.outcome import Outcome, Robot
 from urdfcheck.simulators.running import ENGINES, how_to_install, installed, outcomes
@@ -54,16 +53,18 @@ def compare(request: Request) -> Comparison:
     versions = installed()
     names = [name for name in ENGINES if versions[name] is not None]
     # What only some read is told to those for whom it is.
-    request = replace(request, targets=tuple(name for name in names if name in TARGETS))
-    report = engine.run_one(request)
-    found, units = engine.planned(request)
+    request = replace(request, policy=replace(request.policy, targets=tuple(name for name in names if name in TARGETS)))
+    report = engine.audit_single_model(request)
+    found, units = engine.plan_units(request)
     unit = next(unit for unit in units if unit.kind == "model")
-    with engine.auditing(request, [unit], found.reach or request.reach) as settings:
+    with engine.audit_session(request, [unit], found.reach or request.reach) as settings:
         ((_, robot),) = in_workers(_read, [(unit, settings)], 1)
         if not isinstance(robot, Robot) or report.info is None:
             raise UrdfcheckError(f"{unit.id}: no engine can be given what cannot be read (urdfcheck check says why)")
         at_once = max(1, request.jobs)
-        done = dict(outcomes([(name, robot) for name in names], settings.around, request.limits, at_once))
+        done = dict(
+            outcomes([(name, robot) for name in names], settings.visible_folders, request.options.limits, at_once)
+        )
     rows = [_row(name, versions[name] or "", done[i], robot, report.findings) for i, name in enumerate(names)]
     missing = {name: how_to_install(name) for name in ENGINES if versions[name] is None}
     return Comparison(report.info, tuple(rows), missing)
@@ -79,10 +80,10 @@ def _row(name: str, version: str, outcome: Outcome, robot: Robot, findings: Sequ
     return Row(name, version, outcome, judge(robot, outcome), *predicted(name, findings))
 
 
-def _read(unit: Unit, settings: Settings) -> Robot | None:
+def _read(unit: Unit, settings: AuditSettings) -> Robot | None:
     """What a worker process does with a unit."""
     libraries.prefer_own_folders()
-    sandbox.confine(settings.around, (), settings.limits.memory)
+    sandbox.confine(settings.visible_folders, (), settings.options.limits.memory)
     from urdfcheck.model import Model
     from urdfcheck.simulators.reading import robot_of
     from urdfcheck.source.load import load_source
@@ -90,17 +91,17 @@ def _read(unit: Unit, settings: Settings) -> Robot | None:
     from urdfcheck.source.reach import FileReach
 
     path = Path(unit.path)
-    packages = {name: Path(folder) for name, folder in settings.packages.items()}
+    packages = settings.packages
     reach = None if settings.reach is None else FileReach(settings.reach)
-    finder = PackageFinder(path.absolute(), packages, [Path(p) for p in settings.package_paths], reach=reach)
-    with sandbox.deadline(settings.limits.seconds):
+    finder = PackageFinder(path.absolute(), packages.by_name, packages.search_path, reach=reach)
+    with sandbox.deadline(settings.options.limits.seconds):
         source = load_source(
             path,
             unit.arguments,
             finder,
-            explicit=unit.explicit,
-            xacro=unit.xacro,
-            environment=frozenset(settings.environment),
+            explicit=unit.is_explicit,
+            xacro=unit.is_xacro,
+            environment=frozenset(settings.options.environment),
         )
         model = None
         if source.root is not None and source.root.tag == "robot":

@@ -103,7 +103,7 @@ class _Answer(pickle.Unpickler):
             "policy.config",
             "policy.limits",
             "policy.suppression",
-            "run.audit",
+            "run.jobs",
             "simulators.outcome",
             "source.discover",
             "source.reach",

@@ -20,10 +20,10 @@ from urdfcheck.output import FORMATS
 
 if TYPE_CHECKING:
     from urdfcheck.core import Finding, Run
-    from urdfcheck.fix.fixer import Fixes
+    from urdfcheck.fix.fixer import FixResult
     from urdfcheck.output.text import DetailLevel
     from urdfcheck.policy.config import Config
-    from urdfcheck.run.pipeline import Request
+    from urdfcheck.run.jobs import Request
 
 
 def parser() -> argparse.ArgumentParser:
@@ -116,7 +116,7 @@ def main(words: Sequence[str]) -> int:
         formats.add("markdown")
 
     from urdfcheck import output
-    from urdfcheck.run.pipeline import run
+    from urdfcheck.run.pipeline import Execution, run
     from urdfcheck.system import libraries
 
     request, settings = requested(options, scene=bool(formats & output.DRAWING_FORMATS))
@@ -151,11 +151,12 @@ def main(words: Sequence[str]) -> int:
             return requested(options, scene=bool(formats & output.DRAWING_FORMATS))
 
         return watch((request, settings), ask, report, [file for _, file in outputs], first, meanwhile)
+    execution = Execution(warm_worker=first, on_idle=meanwhile, on_progress=progress())
     if options.fix or options.diff:
-        from urdfcheck.fix.fixer import fixes
+        from urdfcheck.fix.fixer import compute_fixes
 
         try:
-            fixed = fixes(request, unsafe=options.unsafe_fixes, first=first, meanwhile=meanwhile, progress=progress())
+            fixed = compute_fixes(request, execution, include_unsafe=options.unsafe_fixes)
         except KeyboardInterrupt:
             raise UrdfcheckError("interrupted; no file was changed") from None
         outcome = fixed.outcome
@@ -165,7 +166,7 @@ def main(words: Sequence[str]) -> int:
             return _diff(fixed, code)
         _write(fixed)
     else:
-        outcome = run(request, first=first, meanwhile=meanwhile, progress=progress())
+        outcome = run(request, execution)
     return report(outcome, settings)
 
 
@@ -175,23 +176,23 @@ def _detail(options: argparse.Namespace) -> DetailLevel:
     return DetailLevel.FULL if options.verbose else DetailLevel.QUIET if options.quiet else DetailLevel.BRIEF
 
 
-def _write(fixed: Fixes) -> None:
+def _write(fixed: FixResult) -> None:
     """Change the files. What was done goes to standard error, so that a report stays what it is."""
     from urdfcheck.fix import patch
 
     if fixed.outcome.partial:
         say("interrupted: no file was changed", sys.stderr)
         return
-    patch.write(fixed.changes)
+    patch.write_files(fixed.changes)
     _tell("fixed", fixed)
 
 
-def _diff(fixed: Fixes, code: int) -> int:
+def _diff(fixed: FixResult, code: int) -> int:
     """Print what would be changed; the exit code, ``code`` where nothing would be."""
     from urdfcheck.fix import patch
 
     for path, (before, after) in fixed.changes.items():
-        for line in patch.difference(path, before, after):
+        for line in patch.iter_diff_lines(path, before, after):
             say(line)
     sys.stdout.flush()
     for failure in fixed.outcome.failures:
@@ -200,7 +201,7 @@ def _diff(fixed: Fixes, code: int) -> int:
     return code or (FINDINGS if fixed.changes else OK)
 
 
-def _tell(done: str, fixed: Fixes) -> None:
+def _tell(done: str, fixed: FixResult) -> None:
     from urdfcheck.output.shared.inert import escape_one_line
 
     alike: dict[str, list[Finding]] = {}
@@ -211,5 +212,5 @@ def _tell(done: str, fixed: Fixes) -> None:
         place = "" if span is None else f"{escape_one_line(span.file)}:{span.line}:{span.col} "
         others = "" if len(findings) == 1 else f" and {len(findings) - 1} more"
         say(f"not fixed: {place}{findings[0].code}{others}: {escape_one_line(reason)}", sys.stderr)
-    more = f" ({fixed.more} more with --unsafe-fixes)" if fixed.more else ""
+    more = f" ({fixed.unsafe_count} more with --unsafe-fixes)" if fixed.unsafe_count else ""
     say(f"{done} {len(fixed.fixed)}{more}", sys.stderr)

@@ -18,8 +18,9 @@ from urdfcheck.cli.preload import first_worker
 from urdfcheck.cli.terminal import FAILED, erase_progress, progress, say
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output.shared.inert import escape_one_line
-from urdfcheck.policy.config import OWN, PROJECT
-from urdfcheck.run.pipeline import Audited, Request, audited
+from urdfcheck.policy.config import OWN_FILE, PROJECT_FILE
+from urdfcheck.run.jobs import Request
+from urdfcheck.run.pipeline import AuditedRun, Execution, run_audit
 from urdfcheck.source.package.file_kinds import is_launch
 from urdfcheck.source.package.finder import BUILD_FOLDERS, format_path
 from urdfcheck.system.files import Stamp, read_stamp, walk
@@ -53,7 +54,7 @@ def watch(
     """
     code = FAILED
     request, settings = asked
-    last: Audited | None = None
+    last: AuditedRun | None = None
     known: Stamps = {}
     changed: list[str] = []
     try:
@@ -63,7 +64,8 @@ def watch(
             try:
                 if changed:
                     request, settings = ask()
-                last = audited(request, None, first, meanwhile, progress(), _still_true(last, request))
+                execution = Execution(warm_worker=first, on_idle=meanwhile, on_progress=progress())
+                last = run_audit(request, execution, previous=_still_true(last, request))
                 if last.outcome.partial:
                     break
                 code = report(last.outcome, settings)
@@ -86,7 +88,7 @@ def watch(
     return code
 
 
-def _still_true(last: Audited | None, request: Request) -> Audited | None:
+def _still_true(last: AuditedRun | None, request: Request) -> AuditedRun | None:
     """What is known of the last run: the reports that rest on files that are as they were."""
     if last is None or last.request != request:
         return None
@@ -151,7 +153,7 @@ def _listed(request: Request) -> Iterator[str]:
         if not start.is_dir():
             yield str(start)
         for above in (start, *start.parents):
-            yield from (str(above / name) for name in (OWN, PROJECT))
+            yield from (str(above / name) for name in (OWN_FILE, PROJECT_FILE))
         for folder, below, names in walk(start):
             below[:] = [n for n in below if not n.startswith(".") and n not in BUILD_FOLDERS and n != "node_modules"]
             yield from (os.path.join(folder, name) for name in names if _matters(Path(name)))
@@ -160,4 +162,8 @@ def _listed(request: Request) -> Iterator[str]:
 
 
 def _matters(path: Path) -> bool:
-    return path.suffix in {".urdf", ".xacro", ".srdf"} or is_launch(path) or path.name in {"package.xml", OWN, PROJECT}
+    return (
+        path.suffix in {".urdf", ".xacro", ".srdf"}
+        or is_launch(path)
+        or path.name in {"package.xml", OWN_FILE, PROJECT_FILE}
+    )
