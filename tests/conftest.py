@@ -21,7 +21,7 @@ from hypothesis import settings
 
 from urdfcheck import cli
 from urdfcheck import rules as catalogue
-from urdfcheck.cli.preload import prepare
+from urdfcheck.cli.preload import preload_modules
 from urdfcheck.core import Run
 from urdfcheck.run import pipeline as engine
 from urdfcheck.run.audit import audit
@@ -79,7 +79,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_collection_finish() -> None:
     """Many tests fork: what a worker process loads is loaded once, and no process looks through thousands of tests for
     garbage."""
-    prepare()
+    preload_modules()
     for rule in catalogue.load_rules().values():
         if catalogue.has_check(rule):
             catalogue.load_check(rule)
@@ -128,12 +128,12 @@ def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
     ) -> Iterator[tuple[int, Any]]:
         for index, job in enumerate(jobs):
             called, words = pickle.loads(pickle.dumps((function, job)))
-            yield index, workers._Answer(io.BytesIO(pickle.dumps(called(*words)))).load()
+            yield index, workers._PlainUnpickler(io.BytesIO(pickle.dumps(called(*words)))).load()
 
     monkeypatch.setattr(workers, "FORKS", False)
-    monkeypatch.setattr(engine, "in_workers", in_turn)
+    monkeypatch.setattr(engine, "map_in_processes", in_turn)
     monkeypatch.setattr(sandbox, "confine", lambda *_: None)
-    monkeypatch.setattr(sandbox, "bound_memory", lambda _: None)
+    monkeypatch.setattr(sandbox, "limit_memory", lambda _: None)
 
 
 def unproven(what: str) -> NoReturn:

@@ -24,7 +24,7 @@ from urdfcheck import rules as catalogue
 from urdfcheck.cli import FAILED, FINDINGS, NOTHING, OK, main
 from urdfcheck.core import Finding, Severity
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.dataset import dataset_audit as dataset
+from urdfcheck.dataset import audit as dataset
 from urdfcheck.output.shared import lines
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.run import audit as worker
@@ -76,7 +76,7 @@ class Audit:
         wanted = {"tier": "source", **self.request, **request}
         codes = frozenset(wanted.pop("codes", catalogue.load_rules()))
         work = Request((self.models,), self.models, codes, **wanted)
-        self.outcome = dataset.audit(work, self.folder, stream, restart=restart)
+        self.outcome = dataset.audit_dataset(work, self.folder, stream, restart=restart)
         return asked
 
     @property
@@ -157,7 +157,7 @@ def test_the_outcome_does_not_depend_on_the_number_of_jobs(audit: Audit, tmp_pat
     audit()
     there = tmp_path / f"out{jobs}"
     request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source", jobs=jobs)
-    dataset.audit(request, there, lambda units, settings: engine.stream(units, settings, jobs))
+    dataset.audit_dataset(request, there, lambda units, settings: engine.stream(units, settings, jobs))
     assert ((there / "audit.jsonl").read_bytes(), (there / "index.html").read_bytes()) == audit.bytes
 
 
@@ -306,19 +306,21 @@ def test_an_entry_that_rests_on_no_file_is_not_believed(audit: Audit) -> None:
 KILLED = """
 import os, sys, time
 from pathlib import Path
-from urdfcheck import catalogue, dataset, worker
-from urdfcheck.engine import Request
+from urdfcheck.dataset.audit import audit_dataset
+from urdfcheck.rules import load_rules
+from urdfcheck.run.audit import Settings, Unit, audit
+from urdfcheck.run.pipeline import Request
 
 def stream(units, settings):
     for place, unit in enumerate(units):
-        yield place, worker.audit(unit, settings)
+        yield place, audit(unit, settings)
         os.write(log, (unit.id + "\\n").encode())  # it is kept now
         time.sleep(0.01)
 
 models, folder, log = Path(sys.argv[1]), Path(sys.argv[2]), os.open(sys.argv[3], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
-worker.audit(worker.Unit("model", str(next(models.iterdir())), ""), worker.Settings(frozenset(catalogue.rules()), "source"))
+audit(Unit("model", str(next(models.iterdir())), ""), Settings(frozenset(load_rules()), "source"))
 print("ready", flush=True)
-dataset.audit(Request((models,), models, frozenset(catalogue.rules()), tier="source"), folder, stream)
+audit_dataset(Request((models,), models, frozenset(load_rules()), tier="source"), folder, stream)
 """
 
 
@@ -370,7 +372,7 @@ def test_a_folder_has_one_audit_at_a_time(audit: Audit) -> None:
             yield place, worker.audit(unit, settings)
 
     request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source")
-    dataset.audit(request, audit.folder, stream)
+    dataset.audit_dataset(request, audit.folder, stream)
     assert said == [f"urdfcheck: another audit is at work in {audit.folder}\n"]
     done = subprocess.run([*second, "--restart"], capture_output=True, text=True, cwd=REPOSITORY)
     assert (done.returncode, done.stderr) == (FINDINGS, "")
@@ -480,8 +482,8 @@ def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
     limits = ResourceLimits(seconds=2.0)
     request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source", limits=limits)
 
-    def outcome() -> dataset.Outcome:
-        return dataset.audit(request, audit.folder, lambda units, settings: engine.stream(units, settings, 1))
+    def outcome() -> dataset.AuditOutcome:
+        return dataset.audit_dataset(request, audit.folder, lambda units, settings: engine.stream(units, settings, 1))
 
     assert outcome().summary.statuses == {"checked": 5, "stopped": 1}
     assert [f["code"] for f in audit.lines[1]["findings"]][-1:] == ["URC906"]
@@ -508,7 +510,9 @@ def test_a_worker_that_dies_is_a_failure_and_its_model_tried_again(
     request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source")
     with monkeypatch.context() as patch:
         patch.setattr(engine, "_audit", die_on_3)
-        found = dataset.audit(request, audit.folder, lambda units, settings: engine.stream(units, settings, 2)).summary
+        found = dataset.audit_dataset(
+            request, audit.folder, lambda units, settings: engine.stream(units, settings, 2)
+        ).summary
     assert found.failure_count == 1
     assert "003.urdf" in found.failures[0]
     assert audit() == ["003.urdf"]

@@ -25,7 +25,7 @@ exit codes: 0 nothing at or above --fail-on, 1 findings, 2 urdfcheck or its conf
 urdfcheck rule lists the rules, urdfcheck rule CODE explains one"""
 
 
-class Parser(argparse.ArgumentParser):
+class CommandParser(argparse.ArgumentParser):
     """A word of the command line may be a stranger's file name: what is wrong with it is told like everything else."""
 
     def error(self, message: str) -> NoReturn:
@@ -42,7 +42,7 @@ def add_options(p: argparse.ArgumentParser) -> None:
     p.add_argument(
         "--fail-on", choices=("error", "warning", "info", "never"), help="exit 1 from here on (default: error)"
     )
-    add_access(p)
+    add_access_options(p)
     p.add_argument(
         "--all-args", action="store_true", help="each xacro with all values that its text has for its arguments"
     )
@@ -57,7 +57,7 @@ def add_options(p: argparse.ArgumentParser) -> None:
     p.add_argument("--allow-empty", action="store_true", help="exit 0 when there is nothing to check")
 
 
-def add_access(p: argparse.ArgumentParser) -> None:
+def add_access_options(p: argparse.ArgumentParser) -> None:
     """The options that decide about what a model is read with, and what that may take."""
     p.add_argument("--arg", action="append", default=[], metavar="NAME:=VALUE", help="xacro argument for all models")
     p.add_argument("--package", action="append", default=[], metavar="NAME=DIR", help="where a ROS package is")
@@ -85,7 +85,7 @@ def ensure_paths(options: argparse.Namespace) -> None:
         raise UrdfcheckError("a path is empty (urdfcheck . for this folder)")
 
 
-def output_file(text: str) -> tuple[str, Path]:
+def parse_output(text: str) -> tuple[str, Path]:
     """The format and the file of an ``--output``."""
     from urdfcheck.output import FORMATS, PICTURE_FORMAT
 
@@ -96,7 +96,7 @@ def output_file(text: str) -> tuple[str, Path]:
     return output_format, Path(file)
 
 
-def names_folder(text: str) -> bool:
+def is_folder_output(text: str) -> bool:
     """Whether an ``--output`` asks for a folder of pages: it is there, or its name ends with a slash or without a suffix."""
     output_format, _, file = text.partition("=")
     if output_format != "html":
@@ -105,12 +105,12 @@ def names_folder(text: str) -> bool:
     return file.endswith(("/", os.sep)) or path.is_dir() or not (path.suffix or path.exists())
 
 
-def output_files(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str, Path]]:
+def parse_outputs(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str, Path]]:
     """The formats and files of all ``--output``; two reports do not go into one file, and none into the place of a model.
 
     :raises UrdfcheckError: when that is asked for.
     """
-    found = [output_file(text) for text in texts]
+    found = [parse_output(text) for text in texts]
     taken: dict[str, str] = {}
     inputs = {os.path.realpath(path) for path in paths}
     for text, (_, file) in zip(texts, found, strict=True):
@@ -127,33 +127,35 @@ def output_files(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str, 
     return found
 
 
-def configuration(path: Path, options: argparse.Namespace) -> Config:
+def load_config(path: Path, options: argparse.Namespace) -> Config:
     """The configuration that holds for a path."""
     from urdfcheck.policy.config import Configurations
 
     return Configurations(isolated=options.isolated).of(path)
 
 
-def reading(options: argparse.Namespace, settings: Config, paths: tuple[Path, ...], codes: frozenset[str]) -> Request:
-    """What the options of `add_access` and the configuration ask for."""
+def build_access_request(
+    options: argparse.Namespace, settings: Config, paths: tuple[Path, ...], codes: frozenset[str]
+) -> Request:
+    """What the options of `add_access_options` and the configuration ask for."""
     from urdfcheck.run.pipeline import Request
-    from urdfcheck.system.array_cache import default_folder
+    from urdfcheck.system.array_cache import find_default_folder
 
     return Request(
         paths=paths,
         root=settings.root,
         codes=codes,
-        arguments=dict(_pair(text, ":=", "--arg") for text in options.arg),
-        packages={**settings.packages, **_packages(options.package)},
-        package_paths=(*_folders(options.package_path, "--package-path"), *settings.package_path),
-        cache=None if options.no_cache else default_folder(),
-        allowed=tuple(_folders(options.allow_read, "--allow-read")),
+        arguments=dict(_split_pair(text, ":=", "--arg") for text in options.arg),
+        packages={**settings.packages, **_parse_packages(options.package)},
+        package_paths=(*_parse_folders(options.package_path, "--package-path"), *settings.package_path),
+        cache=None if options.no_cache else find_default_folder(),
+        allowed=tuple(_parse_folders(options.allow_read, "--allow-read")),
         environment=tuple(options.env),
-        limits=_limits(options.timeout, options.memory),
+        limits=_parse_limits(options.timeout, options.memory),
     )
 
 
-def requested(options: argparse.Namespace, *, scene: bool = False) -> tuple[Request, Config]:
+def build_request(options: argparse.Namespace, *, scene: bool = False) -> tuple[Request, Config]:
     """What the options of `add_options` and the configurations ask for, and the configuration for the first path: it holds for
     what belongs to no file."""
     from dataclasses import replace
@@ -161,27 +163,27 @@ def requested(options: argparse.Namespace, *, scene: bool = False) -> tuple[Requ
     from urdfcheck.run.pipeline import SAMPLES, THOROUGH
 
     paths = tuple(Path(p) for p in options.paths)
-    configured = configurations(options, paths)
+    configured = make_config_resolver(options, paths)
     configs = [configured.of(path) for path in paths]
     settings = configs[0]
     holds = configured.holds(settings, settings.root)
     request = replace(
-        reading(options, settings, paths, holds.codes),
-        packages=_packages(options.package),
-        package_paths=tuple(_folders(options.package_path, "--package-path")),
+        build_access_request(options, settings, paths, holds.codes),
+        packages=_parse_packages(options.package),
+        package_paths=tuple(_parse_folders(options.package_path, "--package-path")),
         # The folders that the configurations for the given paths name are in reach, and not those of files found below.
         allowed=(
-            *_folders(options.allow_read, "--allow-read"),
+            *_parse_folders(options.allow_read, "--allow-read"),
             *(folder for config in configs for folder in (*config.packages.values(), *config.package_path)),
         ),
         tier=holds.tier,
-        jobs=_jobs(options.jobs),
+        jobs=_count_jobs(options.jobs),
         options=holds.options,
         severities=holds.severities,
         targets=holds.targets,
         scene=scene,
         samples=THOROUGH if options.thorough else SAMPLES,
-        baseline=known(options, settings),
+        baseline=read_baseline(options, settings),
         suppress=holds.suppress,
         comments=not options.isolated,
         configured=configured,
@@ -190,37 +192,37 @@ def requested(options: argparse.Namespace, *, scene: bool = False) -> tuple[Requ
     return request, settings
 
 
-def configurations(options: argparse.Namespace, paths: tuple[Path, ...]) -> Configurations:
+def make_config_resolver(options: argparse.Namespace, paths: tuple[Path, ...]) -> Configurations:
     """The configurations of a run, and what the options of `add_options` say that wins over them."""
     from urdfcheck.policy.config import Configurations
 
-    return Configurations(given(options), options.isolated, paths)
+    return Configurations(parse_overrides(options), options.isolated, paths)
 
 
-def given(options: argparse.Namespace) -> Given:
+def parse_overrides(options: argparse.Namespace) -> Given:
     """What the options of `add_options` say about the rules."""
     from urdfcheck import rules as catalogue
     from urdfcheck.policy.config import Given
 
-    def codes(values: Sequence[str] | None) -> frozenset[str] | None:
-        words = _words(values)
+    def select_codes(values: Sequence[str] | None) -> frozenset[str] | None:
+        words = _split_words(values)
         return frozenset(catalogue.select_rules(words)) if words else None
 
     return Given(
-        codes(options.select),
-        codes(options.ignore),
+        select_codes(options.select),
+        select_codes(options.ignore),
         options.fail_on,
         options.tier,
-        None if options.target is None else _targets(options.target),
+        None if options.target is None else _parse_targets(options.target),
         options.baseline,
     )
 
 
-def known(options: argparse.Namespace, settings: Config) -> Baseline | None:
+def read_baseline(options: argparse.Namespace, settings: Config) -> Baseline | None:
     """The baseline that was named, or else the one that stands beside the configuration."""
     from urdfcheck.policy import baseline
 
-    file = baseline_file(options, settings)
+    file = find_baseline_file(options, settings)
     to_be_made = getattr(options, "action", "") == "write"  # urdfcheck baseline write --baseline FILE
     if not file.is_file() and (options.baseline is None or to_be_made):
         return None
@@ -229,7 +231,7 @@ def known(options: argparse.Namespace, settings: Config) -> Baseline | None:
     return baseline.read(file, settings.root)
 
 
-def baseline_file(options: argparse.Namespace, settings: Config) -> Path:
+def find_baseline_file(options: argparse.Namespace, settings: Config) -> Path:
     """Where the baseline is, or will be."""
     from urdfcheck.policy.baseline import DEFAULT
 
@@ -237,45 +239,45 @@ def baseline_file(options: argparse.Namespace, settings: Config) -> Path:
     return settings.root / DEFAULT if named is None else named
 
 
-def _words(values: Sequence[str] | None) -> tuple[str, ...]:
+def _split_words(values: Sequence[str] | None) -> tuple[str, ...]:
     return tuple(w.strip() for value in values or () for w in value.split(",") if w.strip())
 
 
-def _pair(text: str, separator: str, option: str, meant: str = "VALUE") -> tuple[str, str]:
+def _split_pair(text: str, separator: str, option: str, meant: str = "VALUE") -> tuple[str, str]:
     name, assigned, value = text.partition(separator)
     if not assigned or not name:
         raise UrdfcheckError(f"{option} {text}: write NAME{separator}{meant}")
     return name, value
 
 
-def _packages(values: Sequence[str]) -> dict[str, Path]:
+def _parse_packages(values: Sequence[str]) -> dict[str, Path]:
     found = {}
     for text in values:
-        name, folder = _pair(text, "=", "--package", "DIR")
+        name, folder = _split_pair(text, "=", "--package", "DIR")
         if not Path(folder).is_dir():
             raise UrdfcheckError(f"--package {text}: {folder} is no folder")
         found[name] = Path(folder).absolute()
     return found
 
 
-def _folders(values: Sequence[str], option: str) -> list[Path]:
+def _parse_folders(values: Sequence[str], option: str) -> list[Path]:
     for folder in values:
         if not Path(folder).is_dir():
             raise UrdfcheckError(f"{option} {folder}: is no folder")
     return [Path(folder) for folder in values]
 
 
-def _targets(text: str) -> tuple[str, ...]:
+def _parse_targets(text: str) -> tuple[str, ...]:
     from urdfcheck.policy.config import unknown_target
 
-    names = _words([text])
+    names = _split_words([text])
     for name in names:
         if (wrong := unknown_target(name)) is not None:
             raise UrdfcheckError(f"--target: {wrong}")
     return names
 
 
-def _limits(seconds: float | None, memory: int | None) -> ResourceLimits:
+def _parse_limits(seconds: float | None, memory: int | None) -> ResourceLimits:
     from urdfcheck.policy.limits import ResourceLimits
 
     if seconds is not None and not 0 <= seconds < 1e9:
@@ -286,7 +288,7 @@ def _limits(seconds: float | None, memory: int | None) -> ResourceLimits:
     return ResourceLimits(default.seconds if seconds is None else seconds, default.memory if memory is None else memory)
 
 
-def _jobs(given: int | None) -> int:
+def _count_jobs(given: int | None) -> int:
     if given is not None and given < 1:
         raise UrdfcheckError(f"--jobs {given}: at least 1")
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

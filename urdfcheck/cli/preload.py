@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from urdfcheck.system.process_pool import Worker
 
 
-def first_worker() -> Worker | None:
+def start_warm_worker() -> Worker | None:
     """A worker that loads what an audit needs while its job is being worked out here; None where processes cannot be forked.
 
     :raises UrdfcheckError: when a page of a rule is none.
@@ -26,10 +26,10 @@ def first_worker() -> Worker | None:
     for module in ("urdfcheck.run.pipeline", "urdfcheck.run.audit"):
         importlib.import_module(module)
     catalogue.load_rules()
-    return workers.Worker.start(prepare)
+    return workers.Worker.start(preload_modules)
 
 
-def prepare() -> None:
+def preload_modules() -> None:
     """What a worker loads while the parent works its job out: all but the checks whose findings may be recalled."""
     from urdfcheck import rules as catalogue
     from urdfcheck.system import libraries

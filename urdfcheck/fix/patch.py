@@ -17,7 +17,7 @@ from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import find_project_folder, is_below, resolve_real_path
 from urdfcheck.source.text.xml import SourceFile, XmlError
 from urdfcheck.system.files import overlay_files, read_regular
-from urdfcheck.system.process_pool import undisturbed
+from urdfcheck.system.process_pool import block_ending_signals
 
 # What lies beside `share` in a prefix of ROS, an installed workspace or the devel space of catkin.
 _INSTALLED = ("local_setup.sh", "local_setup.bash", "_setup_util.py")
@@ -164,7 +164,7 @@ def write(changes: Mapping[str, tuple[bytes, bytes]]) -> None:
         for path, (before, _) in changes.items():
             if read_regular(Path(path)) != before:
                 raise UrdfcheckError(f"{_named([path])} was changed by others while it was checked; {_told(waiting)}")
-        with undisturbed():
+        with block_ending_signals():
             for path, place in waiting.items():
                 os.replace(place, path)
     except OSError as error:

@@ -47,7 +47,7 @@ from urdfcheck.source.resources import find_uninstalled_files
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.suppression_comments import IgnoreComment, find_ignore_comments
 from urdfcheck.source.text.xml import SourceFile
-from urdfcheck.system.array_cache import Cache
+from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import Stamp, overlay_files, read_regular, record_reads
 
 # Of one rule in one model. The noisiest of 110 robots has 14.
@@ -220,7 +220,7 @@ class _Audit:
                 source,
                 source.root,
                 tier,
-                Cache(folder),
+                ArrayCache(folder),
                 samples=samples,
                 targets=targets,
                 may_simulate=self.settings.drop,

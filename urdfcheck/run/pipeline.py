@@ -27,7 +27,7 @@ from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.reach import FileReach
 from urdfcheck.system import libraries, sandbox
 from urdfcheck.system.files import overlay_files
-from urdfcheck.system.process_pool import Died, Overdue, Worker, in_workers
+from urdfcheck.system.process_pool import Worker, WorkerDiedError, WorkerTimeoutError, map_in_processes
 
 if TYPE_CHECKING:
     from urdfcheck.policy.baseline import Baseline
@@ -196,10 +196,10 @@ def planned(request: Request, *, here: bool = False) -> tuple[Plan, list[Unit]]:
     else:
         seconds = request.limits.seconds
         longest = max(PLANNING * seconds, LEAST_PLANNING) if seconds else None
-        ((_, found),) = in_workers(_plan, [(request.limits.memory, request.texts, *asked)], 1, longest=longest)
-        if isinstance(found, Overdue):
+        ((_, found),) = map_in_processes(_plan, [(request.limits.memory, request.texts, *asked)], 1, timeout=longest)
+        if isinstance(found, WorkerTimeoutError):
             raise UrdfcheckError(f"looking for models took more than {longest:g} s (--timeout)")
-        if isinstance(found, Died):
+        if isinstance(found, WorkerDiedError):
             raise UrdfcheckError(f"the process that looks for models {_ending(found.exit_code)}")
         if isinstance(found, MemoryError):
             raise UrdfcheckError(f"looking for models takes more than {request.limits.memory} MiB (--memory)")
@@ -207,7 +207,7 @@ def planned(request: Request, *, here: bool = False) -> tuple[Plan, list[Unit]]:
 
 
 def _plan(memory: int, texts: Mapping[str, bytes], *words: Any) -> Plan | MemoryError:
-    sandbox.bound_memory(memory)
+    sandbox.limit_memory(memory)
     try:
         with overlay_files(texts):
             return discover_targets(*words)
@@ -264,13 +264,13 @@ def _around(request: Request, reach: FileReach, units: Sequence[Unit]) -> tuple[
 def _cache_for(request: Request, units: Sequence[Unit]) -> Iterator[str | None]:
     """The folder of kept results; where nothing is kept and there are several units, one that lasts as long as the run, so
     that a mesh of two models is read once all the same."""
-    from urdfcheck.system.array_cache import Cache
+    from urdfcheck.system.array_cache import ArrayCache
 
     if request.cache is not None:
         with contextlib.suppress(OSError):  # a worker may write in it, and not make it
             request.cache.mkdir(parents=True, exist_ok=True)
         yield str(request.cache)
-        Cache(request.cache).tidy()
+        ArrayCache(request.cache).tidy()
     elif len(units) > 1:
         with tempfile.TemporaryDirectory(prefix="urdfcheck-", ignore_cleanup_errors=True) as folder:
             yield folder
@@ -413,11 +413,11 @@ def stream(
     work = [(units[index], settings) for index in order]
     seconds = settings.limits.seconds
     longest = seconds + sandbox.PATIENCE if seconds else None
-    for place, result in in_workers(_audit, work, at_once, first, meanwhile, longest, _was_stopped):
+    for place, result in map_in_processes(_audit, work, at_once, first, meanwhile, longest, _was_stopped):
         unit = units[order[place]]
-        if isinstance(result, Overdue):
+        if isinstance(result, WorkerTimeoutError):
             result = Report(info=_dead(unit), findings=(stopped(unit, settings.limits, "killed"),))
-        elif isinstance(result, Died):
+        elif isinstance(result, WorkerDiedError):
             result = Report(info=_dead(unit), failures=(f"the worker for {unit.id} {_ending(result.exit_code)}",))
         yield order[place], result
 
@@ -455,7 +455,7 @@ def _audit(unit: Unit, settings: Settings) -> Report:
     libraries.prefer_own_folders()
     sandbox.confine(settings.around, [settings.cache] if settings.cache else [], settings.limits.memory)
     try:
-        with sandbox.deadline(settings.limits.seconds):
+        with sandbox.enforce_deadline(settings.limits.seconds):
             return audit(unit, settings)
     except ModelTimeout:  # for the second time: while the first was being handled
         return Report(info=_dead(unit), findings=(stopped(unit, settings.limits, "time"),))

@@ -43,16 +43,16 @@ _HEADER = re.compile(
 
 
 @dataclass(frozen=True, slots=True)
-class Cache:
+class ArrayCache:
     """A folder of entries; without a folder every entry is an empty dictionary that nothing keeps."""
 
     folder: Path | None = None
 
     def entry(self, kind: str, key: str) -> Entry:
         """The groups of arrays of one key, read when they are asked for and written when they are set."""
-        return {} if self.folder is None else _Files(self.folder / kind / key[:2] / key[2:])
+        return {} if self.folder is None else _StoredEntry(self.folder / kind / key[:2] / key[2:])
 
-    def digest(self, path: Path, limit: int = MAX_MESH) -> tuple[str, bytes | None]:
+    def compute_digest(self, path: Path, limit: int = MAX_MESH) -> tuple[str, bytes | None]:
         """SHA-256 of a file's content, in hex, and the content if it was read for it.
 
         A file whose times, size and inode are known is not read again.
@@ -65,19 +65,23 @@ class Cache:
         if status.st_size > limit:
             raise FileTooLargeError(limit, status.st_size)
         stamp = f"{status.st_size} {status.st_mtime_ns} {status.st_ctime_ns} {status.st_ino}"
-        place = None if self.folder is None else self.folder / "files" / _hash(os.fsencode(os.path.realpath(path)))
+        place = (
+            None
+            if self.folder is None
+            else self.folder / "files" / _compute_sha256(os.fsencode(os.path.realpath(path)))
+        )
         if place is not None:
             with contextlib.suppress(OSError, ValueError):
                 known, _, digest = place.read_text(encoding="ascii").rpartition(" ")
                 if known == stamp and len(digest) == 64:
                     return digest, None
         data = read_regular(path, limit)
-        digest = _hash(data)
+        digest = _compute_sha256(data)
         if place is not None and time.time_ns() - status.st_mtime_ns > _SETTLED_NS:
-            _write(place, f"{stamp} {digest}".encode("ascii"))
+            _write_atomically(place, f"{stamp} {digest}".encode("ascii"))
         return digest, data
 
-    def files(self) -> Iterator[tuple[Path, os.stat_result]]:
+    def iter_files(self) -> Iterator[tuple[Path, os.stat_result]]:
         """What lies in the folder."""
         if self.folder is not None:
             for parent, _, names in os.walk(self.folder):
@@ -94,12 +98,12 @@ class Cache:
             if time.time() - marker.stat().st_mtime < _TIDY_EVERY:
                 return
         self.trim()
-        _write(marker, b"")
+        _write_atomically(marker, b"")
 
     def trim(self, largest: int = LARGEST) -> None:
         """Drop the entries that were not used for longest until at most ``largest`` bytes are left."""
         entries: dict[str, tuple[int, int]] = {}  # when it was used last, and its size
-        for path, status in self.files():
+        for path, status in self.iter_files():
             entry = str(path.parent if path.suffix == ".npz" else path)
             used, size = entries.get(entry, (0, 0))
             entries[entry] = max(used, status.st_mtime_ns), size + status.st_size
@@ -107,14 +111,14 @@ class Cache:
         for entry in sorted(entries, key=lambda entry: -entries[entry][0]):
             kept += entries[entry][1]
             if kept > largest:
-                _remove(Path(entry))
+                _remove_entry(Path(entry))
 
     def clear(self) -> None:
         """Drop everything."""
         self.trim(-1)
 
 
-def default_folder() -> Path | None:
+def find_default_folder() -> Path | None:
     """Where this platform keeps caches, or where ``URDFCHECK_CACHE_DIR`` says; None where there is no such place."""
     if named := os.environ.get(FOLDER_VARIABLE):
         return Path(os.path.expanduser(named)).absolute() / NAME
@@ -126,7 +130,7 @@ def default_folder() -> Path | None:
         return None
 
 
-def _remove(entry: Path) -> None:
+def _remove_entry(entry: Path) -> None:
     """Delete an entry: a file, or a folder with its files."""
     with contextlib.suppress(OSError):
         if not entry.is_dir():
@@ -138,14 +142,14 @@ def _remove(entry: Path) -> None:
 
 
 @cache
-def version_of(*modules: str, library: str | None = None) -> str:
-    """A digest of the source of these modules and packages (``urdfcheck.facts.mesh``) and of the `origin_of` a library that
-    they call: a result is only reused by the code that computed it."""
-    texts = [path.read_bytes() for name in modules for path in _sources_of(name)]
-    return _hash(b"\0".join((*texts, (library or "").encode())))[:16]
+def compute_code_version(*modules: str, library: str | None = None) -> str:
+    """Return a digest of the source of modules and packages (``urdfcheck.facts.mesh``) and of the origin of a library that they
+    call (`find_library_origin`): a result is reused only by the code that computed it."""
+    texts = [path.read_bytes() for name in modules for path in _list_sources(name)]
+    return _compute_sha256(b"\0".join((*texts, (library or "").encode())))[:16]
 
 
-def _sources_of(module: str) -> list[Path]:
+def _list_sources(module: str) -> list[Path]:
     """The file of a module, or all files below a package."""
     from importlib.util import find_spec
 
@@ -157,7 +161,7 @@ def _sources_of(module: str) -> list[Path]:
 
 
 @cache
-def origin_of(library: str) -> str | None:
+def find_library_origin(library: str) -> str | None:
     """Where a library is installed and since when, without importing it; None when it is not."""
     from importlib.util import find_spec
 
@@ -167,7 +171,7 @@ def origin_of(library: str) -> str | None:
     return f"{spec.origin} {os.stat(spec.origin).st_mtime_ns}"
 
 
-class _Files(MutableMapping[str, "Arrays"]):
+class _StoredEntry(MutableMapping[str, "Arrays"]):
     """An entry on disk: one file per group. Groups that were read or set stay in memory."""
 
     def __init__(self, folder: Path) -> None:
@@ -176,16 +180,16 @@ class _Files(MutableMapping[str, "Arrays"]):
 
     def __getitem__(self, name: str) -> Arrays:
         if name not in self._known:
-            self._known[name] = self._read(name)
+            self._known[name] = self._read_group(name)
         return self._known[name]
 
     def __setitem__(self, name: str, arrays: Arrays) -> None:
         self._known[name] = arrays
-        _write(self._file(name), _archive(arrays))
+        _write_atomically(self._get_path(name), _encode_npz(arrays))
 
     def __delitem__(self, name: str) -> None:
         self._known.pop(name, None)
-        self._file(name).unlink(missing_ok=True)
+        self._get_path(name).unlink(missing_ok=True)
 
     def __iter__(self) -> Iterator[str]:
         return iter(sorted(path.stem for path in self._folder.glob("[!.]*.npz")))
@@ -193,14 +197,16 @@ class _Files(MutableMapping[str, "Arrays"]):
     def __len__(self) -> int:
         return sum(1 for _ in self)
 
-    def _file(self, name: str) -> Path:
+    def _get_path(self, name: str) -> Path:
         return self._folder / f"{name}.npz"
 
-    def _read(self, name: str) -> Arrays:
-        path = self._file(name)
+    def _read_group(self, name: str) -> Arrays:
+        path = self._get_path(name)
         try:
             with zipfile.ZipFile(path) as archive:
-                arrays = {info.filename.removesuffix(".npy"): _array(archive.read(info)) for info in archive.infolist()}
+                arrays = {
+                    info.filename.removesuffix(".npy"): _decode_npy(archive.read(info)) for info in archive.infolist()
+                }
             os.utime(path)  # used now: see trim
         except FileNotFoundError:
             raise KeyError(name) from None
@@ -211,7 +217,7 @@ class _Files(MutableMapping[str, "Arrays"]):
         return arrays
 
 
-def _archive(arrays: Arrays) -> bytes:
+def _encode_npz(arrays: Arrays) -> bytes:
     """An npz file, as numpy.savez writes it in four times the time."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
@@ -223,7 +229,7 @@ def _archive(arrays: Arrays) -> bytes:
     return buffer.getvalue()
 
 
-def _array(data: bytes) -> NDArray[Any]:
+def _decode_npy(data: bytes) -> NDArray[Any]:
     """An array of an npz file, read-only. np.load takes any header, and evaluates each as Python, which takes most of the time
     of a small one; ours are all of one form.
 
@@ -239,7 +245,7 @@ def _array(data: bytes) -> NDArray[Any]:
     return array.reshape(shape, order="F" if header.group(2) == b"True" else "C")
 
 
-def _write(path: Path, data: bytes) -> None:
+def _write_atomically(path: Path, data: bytes) -> None:
     """Write a file whole or not at all, whoever else writes it."""
     temporary = path.with_name(f".{os.urandom(8).hex()}-{path.name}")
     try:
@@ -254,5 +260,5 @@ def _write(path: Path, data: bytes) -> None:
             temporary.unlink(missing_ok=True)
 
 
-def _hash(data: bytes) -> str:
+def _compute_sha256(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()

@@ -30,7 +30,7 @@ _FEW, _PATIENCE = 4, 0.3
 _GRACE = 10.0
 
 
-class Died(Exception):
+class WorkerDiedError(Exception):
     """A worker ended without an answer; its exit code."""
 
     def __init__(self, exit_code: int | None) -> None:
@@ -38,11 +38,11 @@ class Died(Exception):
         self.exit_code = exit_code
 
 
-class Overdue(Died):
+class WorkerTimeoutError(WorkerDiedError):
     """A worker was ended because its job took too long."""
 
 
-class _Kind:
+class _DtypeStandIn:
     """Stands for a dtype of numpy, which takes any state that it is told, and then reads memory that is not its own."""
 
     def __init__(self, code: str, *_: object) -> None:
@@ -57,14 +57,14 @@ _FORMS = {"b1": "?", "f4": "f", "f8": "d"}
 _FORMS |= {f"i{1 << n}": "bhiq"[n] for n in range(4)} | {f"u{1 << n}": "BHIQ"[n] for n in range(4)}
 
 
-def _number(kind: _Kind, data: bytes) -> float:
+def _unpack_number(kind: _DtypeStandIn, data: bytes) -> float:
     """A number of numpy's as one of Python's own."""
     (number,) = struct.unpack("=" + kind.form, data)
     value: float = number
     return value
 
 
-def _member(kind: object, name: object) -> Enum:
+def _get_enum_member(kind: object, name: object) -> Enum:
     """A member of an enumeration, which Python 3.11 up to its third release sends as ``getattr`` of its class.
 
     :raises pickle.UnpicklingError: for anything else that getattr could be asked for.
@@ -74,7 +74,7 @@ def _member(kind: object, name: object) -> Enum:
     raise pickle.UnpicklingError("a worker sent builtins.getattr, which is no data")
 
 
-class _Answer(pickle.Unpickler):
+class _PlainUnpickler(pickle.Unpickler):
     """Reads what a worker sends. It is plain data: a worker that a hostile file has taken over can send no more than that.
 
     Of our own classes only data classes and enumerations of the modules that reports and plans are made of are found, and
@@ -87,8 +87,8 @@ class _Answer(pickle.Unpickler):
         | {(module, f"{kind}Path") for module in ("pathlib", "pathlib._local") for kind in ("Posix", "Windows")}
     )
     _NUMBERS: Mapping[tuple[str, str], Any] = {
-        ("numpy", "dtype"): _Kind,
-        **{(f"numpy.{core}.multiarray", "scalar"): _number for core in ("core", "_core")},
+        ("numpy", "dtype"): _DtypeStandIn,
+        **{(f"numpy.{core}.multiarray", "scalar"): _unpack_number for core in ("core", "_core")},
     }
     _OURS = frozenset(
         f"urdfcheck.{module}"
@@ -117,7 +117,7 @@ class _Answer(pickle.Unpickler):
         if (module, name) in self._OTHERS:
             return super().find_class(module, name)
         if (module, name) == ("builtins", "getattr"):
-            return _member
+            return _get_enum_member
         found = super().find_class(module, name) if module in self._OURS and "." not in name else None
         if (
             not isinstance(found, type)
@@ -139,21 +139,21 @@ class Worker:
     @classmethod
     def start(cls, prepare: Callable[[], object] | None = None) -> Worker:
         """A new process; ``prepare`` is what it does before its first job comes."""
-        context = _context()
+        context = _make_context()
         ours, its = context.Pipe()
         # A forked process holds a copy of our end: it would never see that we closed it.
-        process = context.Process(target=_serve, args=(its, prepare, ours if FORKS else None), daemon=True)
-        with undisturbed():
+        process = context.Process(target=_serve_jobs, args=(its, prepare, ours if FORKS else None), daemon=True)
+        with block_ending_signals():
             process.start()
         its.close()
         return cls(process, ours, prepare)
 
-    def give(self, function: Callable[..., object], arguments: Sequence[object]) -> None:
+    def send_job(self, function: Callable[..., object], arguments: Sequence[object]) -> None:
         """Tell it a job."""
         with contextlib.suppress(BrokenPipeError):  # it died already: its answer will say so
             self.pipe.send((function, arguments))
 
-    def answer(self) -> Any:
+    def receive_answer(self) -> Any:
         """What the job returned.
 
         :raises Died: when the process ended without an answer.
@@ -165,12 +165,12 @@ class Worker:
             self.process.join(_GRACE)
             self.process.kill()  # one that lives on without its pipe
             self.process.join()
-            raise Died(self.process.exitcode) from None
+            raise WorkerDiedError(self.process.exitcode) from None
         try:
-            return _Answer(io.BytesIO(data)).load()
+            return _PlainUnpickler(io.BytesIO(data)).load()
         except Exception:  # whatever a pickle that is none may raise
             self.end()
-            raise Died(None) from None
+            raise WorkerDiedError(None) from None
 
     def end(self) -> None:
         """Kill it, whatever it is doing."""
@@ -179,55 +179,55 @@ class Worker:
         self.pipe.close()
 
 
-def in_workers(
+def map_in_processes(
     function: Callable[..., Any],
     jobs: Sequence[Sequence[object]],
     at_once: int,
-    first: Worker | None = None,
-    meanwhile: Callable[[], object] | None = None,
-    longest: float | None = None,
-    spent: Callable[[Any], bool] = lambda _: False,
+    warm_worker: Worker | None = None,
+    on_idle: Callable[[], object] | None = None,
+    timeout: float | None = None,
+    is_spent: Callable[[Any], bool] = lambda _: False,
 ) -> Iterator[tuple[int, Any]]:
     """Call the function with each job's arguments, ``at_once`` at a time; as they come, the index of the job and what it
-    returned, or `Died`. ``first``: a worker that waits already, and that others are like; ``meanwhile`` is called once while
-    the first are busy; ``longest``: after so many seconds a job's worker is killed (`Overdue`);
+    returned, or `WorkerDiedError`. ``first``: a worker that waits already, and that others are like; ``meanwhile`` is called once while
+    the first are busy; ``longest``: after so many seconds a job's worker is killed (`WorkerTimeoutError`);
     ``spent`` says of a result that its worker is fit for no other job."""
     waiting = list(range(len(jobs)))[::-1]
-    idle = [] if first is None else [first]
+    idle = [] if warm_worker is None else [warm_worker]
     busy: dict[Connection, tuple[int, Worker, float]] = {}
     until = time.monotonic() + (_PATIENCE if idle and len(jobs) <= _FEW else 0.0)
     try:
         while waiting or busy:
             patience = max(0.0, until - time.monotonic())
             while waiting and (idle or not busy or (len(busy) < at_once and not patience)):
-                worker = idle.pop() if idle else Worker.start(None if first is None else first.prepare)
+                worker = idle.pop() if idle else Worker.start(None if warm_worker is None else warm_worker.prepare)
                 index = waiting.pop()
-                worker.give(function, jobs[index])
+                worker.send_job(function, jobs[index])
                 busy[worker.pipe] = index, worker, time.monotonic()
-            if meanwhile is not None:
-                meanwhile()
-                meanwhile = None
+            if on_idle is not None:
+                on_idle()
+                on_idle = None
             ends = [patience] if waiting and patience else []
-            if longest is not None:
-                ends += [max(0.0, began + longest - time.monotonic()) for _, _, began in busy.values()]
+            if timeout is not None:
+                ends += [max(0.0, began + timeout - time.monotonic()) for _, _, began in busy.values()]
             for ready in wait(list(busy), min(ends, default=None)):
                 assert isinstance(ready, Connection)
                 index, worker, _ = busy.pop(ready)
                 try:
-                    result = worker.answer()
-                except Died as died:
+                    result = worker.receive_answer()
+                except WorkerDiedError as died:
                     yield index, died
                 else:
-                    if spent(result):
+                    if is_spent(result):
                         worker.end()
                     else:
                         idle.append(worker)
                     yield index, result
             for pipe, (index, worker, began) in list(busy.items()):
-                if longest is not None and time.monotonic() - began > longest:
+                if timeout is not None and time.monotonic() - began > timeout:
                     del busy[pipe]
                     worker.end()
-                    yield index, Overdue(worker.process.exitcode)
+                    yield index, WorkerTimeoutError(worker.process.exitcode)
     finally:  # also when we are interrupted: nobody works on
         for _, worker, _ in busy.values():
             worker.end()
@@ -236,7 +236,7 @@ def in_workers(
 
 
 @contextlib.contextmanager
-def undisturbed() -> Iterator[None]:
+def block_ending_signals() -> Iterator[None]:
     """Let signals that end us wait: in the middle of starting a process they would leave half of one behind, and of several
     files that belong together some."""
     if not hasattr(signal, "pthread_sigmask"):
@@ -249,7 +249,7 @@ def undisturbed() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _serve(pipe: Connection, prepare: Callable[[], object] | None, inherited: Connection | None) -> None:
+def _serve_jobs(pipe: Connection, prepare: Callable[[], object] | None, inherited: Connection | None) -> None:
     # An interrupt from the keyboard reaches every process of the terminal: it is the parent's to end us.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
@@ -268,7 +268,7 @@ def _serve(pipe: Connection, prepare: Callable[[], object] | None, inherited: Co
             pipe.send(function(*arguments))
 
 
-def _context() -> Any:
+def _make_context() -> Any:
     # The processes share the cores: a pool of BLAS threads in each would only get in the way, and a process that has
     # threads must not be forked.
     for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):

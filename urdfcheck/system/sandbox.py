@@ -62,18 +62,18 @@ def confine(readable: Iterable[str], writable: Iterable[str], memory: int) -> No
     if _confined:
         return
     _confined = True
-    bound_memory(memory)
+    limit_memory(memory)
     libraries = os.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep)
     own = (os.path.dirname(os.path.dirname(__file__)), *sys.path, sys.prefix, sys.base_prefix, *libraries)
     seen = [path for path in dict.fromkeys((*_SYSTEM, *own, *readable)) if os.path.exists(path)]
-    if _restrict_files(seen, list(writable)):
+    if _restrict_by_landlock(seen, list(writable)):
         _watch_changes(tuple({os.path.realpath(path) for path in writable}))
     else:
         _watch_files(seen, list(writable))
-    sys.addaudithook(_refuse)
+    sys.addaudithook(_refuse_event)
 
 
-def _refuse(event: str, _arguments: object) -> None:
+def _refuse_event(event: str, _arguments: object) -> None:
     if event.startswith(_FORBIDDEN):
         raise PermissionError(f"the check of a model has no use for {event}")
 
@@ -85,7 +85,7 @@ def _watch_files(readable: list[str], writable: list[str]) -> None:
     reading = tuple({os.path.realpath(path) for path in (*readable, *writable)})
     writing = tuple({os.path.realpath(path) for path in (*writable, tempfile.gettempdir())})
 
-    def refuse(event: str, arguments: tuple[object, ...]) -> None:
+    def refuse_path(event: str, arguments: tuple[object, ...]) -> None:
         if event == "open" and isinstance(arguments[0], (str, bytes)):
             flags = arguments[2] if isinstance(arguments[2], int) else 0
             changes = flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC)
@@ -93,14 +93,14 @@ def _watch_files(readable: list[str], writable: list[str]) -> None:
         elif event in {"os.listdir", "os.scandir"} and not isinstance(arguments[0], int):
             _ensure_below(arguments[0] or os.curdir, reading)
 
-    sys.addaudithook(refuse)
+    sys.addaudithook(refuse_path)
     _watch_changes(writing)
 
 
 def _watch_changes(writing: tuple[str, ...]) -> None:
     """Have Python look at each path at which it changes something."""
 
-    def refuse(event: str, arguments: tuple[object, ...]) -> None:
+    def refuse_change(event: str, arguments: tuple[object, ...]) -> None:
         if event in _CHANGES:
             paths, folders = _CHANGES[event]
             for place in paths:
@@ -108,7 +108,7 @@ def _watch_changes(writing: tuple[str, ...]) -> None:
             if any(arguments[place] != -1 for place in folders):
                 raise PermissionError(f"the check of a model has no use for {event} in an open folder")
 
-    sys.addaudithook(refuse)
+    sys.addaudithook(refuse_change)
 
 
 def _ensure_below(path: object, folders: tuple[str, ...]) -> None:
@@ -118,7 +118,7 @@ def _ensure_below(path: object, folders: tuple[str, ...]) -> None:
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), real)
 
 
-def bound_memory(memory: int) -> None:
+def limit_memory(memory: int) -> None:
     """Bound what this process may allocate, in MiB, where the platform can."""
     if sys.platform == "win32":
         return
@@ -130,7 +130,7 @@ def bound_memory(memory: int) -> None:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def _restrict_files(readable: list[str], writable: list[str]) -> bool:
+def _restrict_by_landlock(readable: list[str], writable: list[str]) -> bool:
     """Whether the kernel sees to it that nothing else is opened."""
     if sys.platform != "linux":
         return False
@@ -152,7 +152,7 @@ def _restrict_files(readable: list[str], writable: list[str]) -> bool:
 
 
 @contextlib.contextmanager
-def deadline(seconds: float) -> Iterator[None]:
+def enforce_deadline(seconds: float) -> Iterator[None]:
     """Raise `ModelTimeout` in what runs inside when so much time has passed, and again every few seconds if it goes on.
 
     A loop in compiled code does not hear of it: whoever started the process kills it then, and the kernel does when that one
@@ -163,10 +163,10 @@ def deadline(seconds: float) -> Iterator[None]:
         return
     import resource
 
-    def ring(_signal: int, _frame: FrameType | None) -> None:
+    def raise_timeout(_signal: int, _frame: FrameType | None) -> None:
         raise ModelTimeout
 
-    before = signal.signal(signal.SIGALRM, ring)
+    before = signal.signal(signal.SIGALRM, raise_timeout)
     used = resource.getrusage(resource.RUSAGE_SELF)
     soft, hard = resource.getrlimit(resource.RLIMIT_CPU)
     last = int(used.ru_utime + used.ru_stime + seconds + 2 * PATIENCE) + 1

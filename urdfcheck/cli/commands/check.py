@@ -11,10 +11,27 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from urdfcheck import __version__
-from urdfcheck.cli.commands.job_summary import append, summary_file
-from urdfcheck.cli.options import EPILOG, Parser, add_options, ensure_paths, names_folder, output_files, requested
-from urdfcheck.cli.preload import first_worker
-from urdfcheck.cli.terminal import FINDINGS, OK, exit_code, progress, say, show, show_statistics, write_report
+from urdfcheck.cli.commands.job_summary import append_summary, find_summary_file
+from urdfcheck.cli.options import (
+    EPILOG,
+    CommandParser,
+    add_options,
+    build_request,
+    ensure_paths,
+    is_folder_output,
+    parse_outputs,
+)
+from urdfcheck.cli.preload import start_warm_worker
+from urdfcheck.cli.terminal import (
+    FINDINGS,
+    OK,
+    compute_exit_code,
+    make_progress_printer,
+    print_run,
+    print_statistics,
+    say,
+    write_report,
+)
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output import FORMATS
 
@@ -26,9 +43,9 @@ if TYPE_CHECKING:
     from urdfcheck.run.pipeline import Request
 
 
-def parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
     """The options of ``urdfcheck check``."""
-    p = Parser(
+    p = CommandParser(
         prog="urdfcheck",
         usage="urdfcheck [check] PATH... [options]\n"
         "       urdfcheck rule [CODE] | init [FOLDER] | config [PATH]\n"
@@ -92,7 +109,7 @@ def parser() -> argparse.ArgumentParser:
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    options = parser().parse_args(words)
+    options = build_parser().parse_args(words)
     ensure_paths(options)
     if options.unsafe_fixes and not (options.fix or options.diff):
         raise UrdfcheckError("--unsafe-fixes says which fixes are meant: add --fix or --diff")
@@ -107,11 +124,11 @@ def main(words: Sequence[str]) -> int:
         raise UrdfcheckError(f"{option} prints text: write -o {options.format}=FILE instead of --format")
     if options.watch and not any(map(os.path.lexists, options.paths)):
         raise UrdfcheckError(f"{', '.join(options.paths)}: does not exist, so there is nothing to watch")
-    first = first_worker()
-    outputs = output_files(options.output, options.paths)
-    folders = {file for text, (_, file) in zip(options.output, outputs, strict=True) if names_folder(text)}
+    first = start_warm_worker()
+    outputs = parse_outputs(options.output, options.paths)
+    folders = {file for text, (_, file) in zip(options.output, outputs, strict=True) if is_folder_output(text)}
     formats = {options.format, *(name for name, _ in outputs)}
-    summary = summary_file() if "github" in formats else None
+    summary = find_summary_file() if "github" in formats else None
     if summary is not None:
         formats.add("markdown")
 
@@ -119,7 +136,7 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck.run.pipeline import run
     from urdfcheck.system import libraries
 
-    request, settings = requested(options, scene=bool(formats & output.DRAWING_FORMATS))
+    request, settings = build_request(options, scene=bool(formats & output.DRAWING_FORMATS))
     libraries.prefer_own_folders()
 
     def meanwhile() -> None:
@@ -129,9 +146,9 @@ def main(words: Sequence[str]) -> int:
     def report(outcome: Run, settings: Config) -> int:
         fail_on = options.fail_on or settings.fail_on
         if options.statistics:
-            show_statistics(outcome, options.color)
+            print_statistics(outcome, options.color)
         else:
-            show(outcome, options.format, options.color, _detail(options), fail_on)
+            print_run(outcome, options.format, options.color, _choose_detail(options), fail_on)
         refused = []
         for output_format, file in outputs:
             try:
@@ -139,43 +156,45 @@ def main(words: Sequence[str]) -> int:
             except UrdfcheckError as error:  # a report that cannot be written keeps no other from being written
                 refused.append(str(error))
         if summary is not None:
-            append(outcome, [str(file) for name, file in outputs if name == "html"], summary)
+            append_summary(outcome, [str(file) for name, file in outputs if name == "html"], summary)
         if refused:
             raise UrdfcheckError("; ".join(refused))
-        return exit_code(outcome, fail_on, allow_empty=options.allow_empty)
+        return compute_exit_code(outcome, fail_on, allow_empty=options.allow_empty)
 
     if options.watch:
         from urdfcheck.cli.commands.watch import watch
 
         def ask() -> tuple[Request, Config]:
-            return requested(options, scene=bool(formats & output.DRAWING_FORMATS))
+            return build_request(options, scene=bool(formats & output.DRAWING_FORMATS))
 
         return watch((request, settings), ask, report, [file for _, file in outputs], first, meanwhile)
     if options.fix or options.diff:
         from urdfcheck.fix.fixer import fixes
 
         try:
-            fixed = fixes(request, unsafe=options.unsafe_fixes, first=first, meanwhile=meanwhile, progress=progress())
+            fixed = fixes(
+                request, unsafe=options.unsafe_fixes, first=first, meanwhile=meanwhile, progress=make_progress_printer()
+            )
         except KeyboardInterrupt:
             raise UrdfcheckError("interrupted; no file was changed") from None
         outcome = fixed.outcome
         if options.diff:
             # Of the exit codes only those that are not about findings.
-            code = exit_code(replace(outcome, findings=()), "never", allow_empty=options.allow_empty)
-            return _diff(fixed, code)
-        _write(fixed)
+            code = compute_exit_code(replace(outcome, findings=()), "never", allow_empty=options.allow_empty)
+            return _print_diff(fixed, code)
+        _write_fixes(fixed)
     else:
-        outcome = run(request, first=first, meanwhile=meanwhile, progress=progress())
+        outcome = run(request, first=first, meanwhile=meanwhile, progress=make_progress_printer())
     return report(outcome, settings)
 
 
-def _detail(options: argparse.Namespace) -> DetailLevel:
+def _choose_detail(options: argparse.Namespace) -> DetailLevel:
     from urdfcheck.output.text import DetailLevel
 
     return DetailLevel.FULL if options.verbose else DetailLevel.QUIET if options.quiet else DetailLevel.BRIEF
 
 
-def _write(fixed: Fixes) -> None:
+def _write_fixes(fixed: Fixes) -> None:
     """Change the files. What was done goes to standard error, so that a report stays what it is."""
     from urdfcheck.fix import patch
 
@@ -183,10 +202,10 @@ def _write(fixed: Fixes) -> None:
         say("interrupted: no file was changed", sys.stderr)
         return
     patch.write(fixed.changes)
-    _tell("fixed", fixed)
+    _report_fixes("fixed", fixed)
 
 
-def _diff(fixed: Fixes, code: int) -> int:
+def _print_diff(fixed: Fixes, code: int) -> int:
     """Print what would be changed; the exit code, ``code`` where nothing would be."""
     from urdfcheck.fix import patch
 
@@ -196,11 +215,11 @@ def _diff(fixed: Fixes, code: int) -> int:
     sys.stdout.flush()
     for failure in fixed.outcome.failures:
         say(f"urdfcheck failed: {failure}", sys.stderr)
-    _tell("would fix", fixed)
+    _report_fixes("would fix", fixed)
     return code or (FINDINGS if fixed.changes else OK)
 
 
-def _tell(done: str, fixed: Fixes) -> None:
+def _report_fixes(done: str, fixed: Fixes) -> None:
     from urdfcheck.output.shared.inert import escape_one_line
 
     alike: dict[str, list[Finding]] = {}

@@ -14,8 +14,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from urdfcheck.cli.preload import first_worker
-from urdfcheck.cli.terminal import FAILED, erase_progress, progress, say
+from urdfcheck.cli.preload import start_warm_worker
+from urdfcheck.cli.terminal import FAILED, erase_progress, make_progress_printer, say
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output.shared.inert import escape_one_line
 from urdfcheck.policy.config import OWN, PROJECT
@@ -58,12 +58,14 @@ def watch(
     changed: list[str] = []
     try:
         while True:
-            seen = _stamps((*known, *_listed(request)))
-            _head(changed)
+            seen = _read_stamps((*known, *_iter_watched_files(request)))
+            _print_heading(changed)
             try:
                 if changed:
                     request, settings = ask()
-                last = audited(request, None, first, meanwhile, progress(), _still_true(last, request))
+                last = audited(
+                    request, None, first, meanwhile, make_progress_printer(), _keep_valid_reports(last, request)
+                )
                 if last.outcome.partial:
                     break
                 code = report(last.outcome, settings)
@@ -73,12 +75,12 @@ def watch(
                 erase_progress()
                 say(f"urdfcheck: {error}", sys.stderr)
                 code, last = FAILED, None
-            known = _without(seen, written)
+            known = _exclude_written(seen, written)
             say(f"watching {sum(map(bool, known.values())):,} files; Ctrl-C ends it")
             sys.stdout.flush()
             # Until something changes it has loaded what the next check needs.
-            first = first_worker()
-            changed = _changed(known, lambda request=request: _listed(request))  # type: ignore[misc]
+            first = start_warm_worker()
+            changed = _wait_for_changes(known, lambda request=request: _iter_watched_files(request))  # type: ignore[misc]
             if any(known.get(path) is None or read_stamp(path) is None for path in changed):
                 last = None  # what is there or not there any more may matter to whoever looked for it
     except KeyboardInterrupt:
@@ -86,7 +88,7 @@ def watch(
     return code
 
 
-def _still_true(last: Audited | None, request: Request) -> Audited | None:
+def _keep_valid_reports(last: Audited | None, request: Request) -> Audited | None:
     """What is known of the last run: the reports that rest on files that are as they were."""
     if last is None or last.request != request:
         return None
@@ -100,7 +102,7 @@ def _still_true(last: Audited | None, request: Request) -> Audited | None:
     return replace(last, reports=reports)
 
 
-def _head(changed: list[str]) -> None:
+def _print_heading(changed: list[str]) -> None:
     """When and why it is checked, on an empty screen."""
     if sys.stdout.isatty():
         sys.stdout.write("\x1b[2J\x1b[H")
@@ -111,39 +113,39 @@ def _head(changed: list[str]) -> None:
     sys.stdout.flush()
 
 
-def _changed(known: Stamps, listed: Callable[[], Iterable[str]]) -> list[str]:
+def _wait_for_changes(known: Stamps, listed: Callable[[], Iterable[str]]) -> list[str]:
     """Wait until files differ from what is known of them, and nobody is writing any more; their paths."""
     while True:
         began = time.monotonic()
-        now = _stamps((*known, *listed()))
-        if _differing(known, now):
+        now = _read_stamps((*known, *listed()))
+        if _list_differing(known, now):
             until = time.monotonic() + PATIENCE
             while time.monotonic() < until:
                 time.sleep(QUIET)
-                before, now = now, _stamps((*known, *listed()))
+                before, now = now, _read_stamps((*known, *listed()))
                 if before == now:
                     break
-            if differing := _differing(known, now):
+            if differing := _list_differing(known, now):
                 return differing
         time.sleep(max(EVERY, (time.monotonic() - began) / PART))
 
 
-def _differing(before: Stamps, after: Stamps) -> list[str]:
+def _list_differing(before: Stamps, after: Stamps) -> list[str]:
     return sorted(path for path in after if before.get(path) != after[path])
 
 
-def _stamps(paths: Iterable[str]) -> dict[str, Stamp]:
+def _read_stamps(paths: Iterable[str]) -> dict[str, Stamp]:
     return {path: read_stamp(path) for path in paths}
 
 
-def _without(stamps: dict[str, Stamp], written: Collection[Path]) -> Stamps:
+def _exclude_written(stamps: dict[str, Stamp], written: Collection[Path]) -> Stamps:
     """The stamps without what we write ourselves; the folders of that as they are now."""
     own = {os.path.abspath(file) for file in written}
     around = {os.path.dirname(file) for file in own} & stamps.keys()
-    return {path: stamp for path, stamp in {**stamps, **_stamps(around)}.items() if path not in own}
+    return {path: stamp for path, stamp in {**stamps, **_read_stamps(around)}.items() if path not in own}
 
 
-def _listed(request: Request) -> Iterator[str]:
+def _iter_watched_files(request: Request) -> Iterator[str]:
     """The files that decide about what is checked: the given ones, those of a folder that may be models, and the configurations
     above them, which may not exist yet."""
     for path in request.paths:
@@ -154,10 +156,10 @@ def _listed(request: Request) -> Iterator[str]:
             yield from (str(above / name) for name in (OWN, PROJECT))
         for folder, below, names in walk(start):
             below[:] = [n for n in below if not n.startswith(".") and n not in BUILD_FOLDERS and n != "node_modules"]
-            yield from (os.path.join(folder, name) for name in names if _matters(Path(name)))
+            yield from (os.path.join(folder, name) for name in names if _is_relevant(Path(name)))
     if request.baseline is not None:
         yield str(request.baseline.path)
 
 
-def _matters(path: Path) -> bool:
+def _is_relevant(path: Path) -> bool:
     return path.suffix in {".urdf", ".xacro", ".srdf"} or is_launch(path) or path.name in {"package.xml", OWN, PROJECT}

@@ -30,7 +30,7 @@ from urdfcheck.source.text.grammar import (
 )
 from urdfcheck.source.text.values import parse_numbers, read_attribute_number
 from urdfcheck.source.text.xml import Element, quote_attribute
-from urdfcheck.system.array_cache import origin_of, version_of
+from urdfcheck.system.array_cache import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
     from urdfcheck.model.robot import Model
@@ -74,11 +74,11 @@ def parser_verdict(model: Model) -> ParserVerdict:
     """
     import numpy as np
 
-    place = origin_of("pinocchio")
+    place = find_library_origin("pinocchio")
     if place is None:
         return _make_verdict(pinocchio_model(model))
     _ensure_loadable(model)
-    parts = (version_of(__name__, library=place), write_without_geometry(model.robot))
+    parts = (compute_code_version(__name__, library=place), write_without_geometry(model.robot))
     entry = model.cache.entry("verdicts", hashlib.sha256("\0".join(parts).encode()).hexdigest())
     if "verdict" not in entry:
         found = _make_verdict(pinocchio_model(model))
