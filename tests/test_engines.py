@@ -250,8 +250,12 @@ LOADED = LoadedRobot({"base": 0.0, "arm": 2.0}, ("j",), {"j": (-1.0, 1.0)}, 1, M
         (replace(LOADED, limits={"j": None}), Verdict.IGNORES, "joint j has no limits"),
         (replace(LOADED, limits={"j": (-1.0, 2.0)}), Verdict.REPLACES, "joint j has the limits -1 and 2"),
         (replace(LOADED, motion=replace(MOTION, masses=(((1.0,),),))), Verdict.REPLACES, "the mass matrix differs"),
-        (replace(LOADED, motion=replace(MOTION, falls=(-2.0,))), Verdict.REPLACES, "the accelerations differ"),
-        (replace(LOADED, motion=replace(MOTION, falls=(math.nan,))), Verdict.NAN, "the accelerations are not a number"),
+        (replace(LOADED, motion=replace(MOTION, accelerations=(-2.0,))), Verdict.REPLACES, "the accelerations differ"),
+        (
+            replace(LOADED, motion=replace(MOTION, accelerations=(math.nan,))),
+            Verdict.NAN,
+            "the accelerations are not a number",
+        ),
     ],
 )
 def test_what_an_engine_did_is_judged_by_what_was_typed(
