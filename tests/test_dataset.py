@@ -576,7 +576,6 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
         text=True,
         cwd=REPOSITORY,
         start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     journal = tmp_path / "out" / "journal"
     while process.poll() is None and not (journal.exists() and journal.read_bytes().count(b'\n{"key"') > 3):
