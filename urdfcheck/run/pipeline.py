@@ -413,7 +413,9 @@ def stream(
     work = [(units[index], settings) for index in order]
     seconds = settings.limits.seconds
     longest = seconds + sandbox.PATIENCE if seconds else None
-    for place, result in map_in_processes(_audit, work, at_once, first, meanwhile, longest, _was_stopped):
+    for place, result in map_in_processes(
+        _audit, work, at_once, warm_worker=first, on_idle=meanwhile, timeout=longest, is_spent=_was_stopped
+    ):
         unit = units[order[place]]
         if isinstance(result, WorkerTimeoutError):
             result = Report(info=_dead(unit), findings=(stopped(unit, settings.limits, "killed"),))

@@ -1,7 +1,7 @@
-"""Results that are kept between runs: named groups of arrays under a key that says all they depend on.
+"""A cache of results between runs: named groups of arrays under a key that covers all that they depend on.
 
-An entry is one npz file per group, written whole or not at all, read without pickle. A file that cannot be read is
-dropped, a folder that cannot be written is no error: what is missing is computed again.
+An entry is one npz file per group, written atomically and read without pickle. A file that cannot be read is dropped, and a
+folder that cannot be written is not an error: missing results are computed again.
 """
 
 from __future__ import annotations
@@ -28,14 +28,15 @@ if TYPE_CHECKING:
     Entry = MutableMapping[str, Arrays]
 
 FOLDER_VARIABLE = "URDFCHECK_CACHE_DIR"
-# All is kept below a folder of this name: whatever else lies in the one that was named is not ours.
+# Everything is kept in a subfolder of this name, because the folder that the user names may hold other files.
 NAME = "urdfcheck-results"
-# What the least recently used entries are dropped for.
+# Bytes above which the least recently used entries are dropped.
 LARGEST = 2 * 1024**3
-# A file that was changed a moment ago may be changed again without its time of change telling (as git's index fears).
+# A file that was modified this recently may be modified again without a change of its timestamp (git's index has the same
+# precaution).
 _SETTLED_NS = 2_000_000_000
 _TIDY_EVERY = 3600.0
-# The header of an array of numbers, as numpy writes it.
+# The header of a numeric array as numpy writes it.
 _HEADER = re.compile(
     rb"\x93NUMPY\x01\x00..\{'descr': '([<|][biuf]\d+)', 'fortran_order': (True|False), 'shape': \(([\d, ]*)\), \} *\n",
     re.DOTALL,
@@ -44,21 +45,21 @@ _HEADER = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class ArrayCache:
-    """A folder of entries; without a folder every entry is an empty dictionary that nothing keeps."""
+    """A folder of entries; without a folder, every entry is an empty dictionary that is not kept."""
 
     folder: Path | None = None
 
     def entry(self, kind: str, key: str) -> Entry:
-        """The groups of arrays of one key, read when they are asked for and written when they are set."""
+        """Return the groups of arrays of one key, which are read on access and written on assignment."""
         return {} if self.folder is None else _StoredEntry(self.folder / kind / key[:2] / key[2:])
 
     def compute_digest(self, path: Path, limit: int = MAX_MESH) -> tuple[str, bytes | None]:
-        """SHA-256 of a file's content, in hex, and the content if it was read for it.
+        """Compute the SHA-256 of a file's content, in hex; also return the content if it was read for that.
 
         A file whose times, size and inode are known is not read again.
 
-        :raises TooLarge: when it has more than ``limit`` bytes.
-        :raises OSError: when it is no regular file, or cannot be read.
+        :raises FileTooLargeError: when it has more than ``limit`` bytes.
+        :raises OSError: when it is not a regular file, or cannot be read.
         """
         status = path.stat()
         note_lookup(path, status)
@@ -82,7 +83,7 @@ class ArrayCache:
         return digest, data
 
     def iter_files(self) -> Iterator[tuple[Path, os.stat_result]]:
-        """What lies in the folder."""
+        """Yield the files in the folder with their status."""
         if self.folder is not None:
             for parent, _, names in os.walk(self.folder):
                 for name in names:
@@ -90,7 +91,7 @@ class ArrayCache:
                         yield (path := Path(parent, name)), path.stat()
 
     def tidy(self) -> None:
-        """Trim, if that was not done for an hour."""
+        """Trim unless that was done within the last hour."""
         if self.folder is None or not self.folder.is_dir():
             return
         marker = self.folder / "trimmed"
@@ -101,27 +102,27 @@ class ArrayCache:
         _write_atomically(marker, b"")
 
     def trim(self, largest: int = LARGEST) -> None:
-        """Drop the entries that were not used for longest until at most ``largest`` bytes are left."""
-        entries: dict[str, tuple[int, int]] = {}  # when it was used last, and its size
+        """Drop the least recently used entries until at most ``largest`` bytes are left."""
+        entries: dict[str, tuple[int, int]] = {}  # the time of its last use, and its size
         for path, status in self.iter_files():
             entry = str(path.parent if path.suffix == ".npz" else path)
             used, size = entries.get(entry, (0, 0))
             entries[entry] = max(used, status.st_mtime_ns), size + status.st_size
-        kept = 0
+        total = 0
         for entry in sorted(entries, key=lambda entry: -entries[entry][0]):
-            kept += entries[entry][1]
-            if kept > largest:
+            total += entries[entry][1]
+            if total > largest:
                 _remove_entry(Path(entry))
 
     def clear(self) -> None:
-        """Drop everything."""
+        """Drop all entries."""
         self.trim(-1)
 
 
 def find_default_folder() -> Path | None:
-    """Where this platform keeps caches, or where ``URDFCHECK_CACHE_DIR`` says; None where there is no such place."""
-    if named := os.environ.get(FOLDER_VARIABLE):
-        return Path(os.path.expanduser(named)).absolute() / NAME
+    """Return the folder that ``URDFCHECK_CACHE_DIR`` names, or the platform's cache folder; None where there is none."""
+    if folder := os.environ.get(FOLDER_VARIABLE):
+        return Path(os.path.expanduser(folder)).absolute() / NAME
     from platformdirs import user_cache_path
 
     try:
@@ -131,7 +132,7 @@ def find_default_folder() -> Path | None:
 
 
 def _remove_entry(entry: Path) -> None:
-    """Delete an entry: a file, or a folder with its files."""
+    """Delete an entry, which is a file or a folder of files."""
     with contextlib.suppress(OSError):
         if not entry.is_dir():
             entry.unlink()
@@ -150,7 +151,7 @@ def compute_code_version(*modules: str, library: str | None = None) -> str:
 
 
 def _list_sources(module: str) -> list[Path]:
-    """The file of a module, or all files below a package."""
+    """List the file of a module, or all files of a package."""
     from importlib.util import find_spec
 
     spec = find_spec(module)
@@ -162,7 +163,7 @@ def _list_sources(module: str) -> list[Path]:
 
 @cache
 def find_library_origin(library: str) -> str | None:
-    """Where a library is installed and since when, without importing it; None when it is not."""
+    """Return where and when a library was installed, without importing it; None when it is not installed."""
     from importlib.util import find_spec
 
     spec = find_spec(library)
@@ -172,23 +173,23 @@ def find_library_origin(library: str) -> str | None:
 
 
 class _StoredEntry(MutableMapping[str, "Arrays"]):
-    """An entry on disk: one file per group. Groups that were read or set stay in memory."""
+    """An entry on disk, one file per group. Groups that were read or set stay in memory."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._known: dict[str, Arrays] = {}
+        self._groups: dict[str, Arrays] = {}
 
     def __getitem__(self, name: str) -> Arrays:
-        if name not in self._known:
-            self._known[name] = self._read_group(name)
-        return self._known[name]
+        if name not in self._groups:
+            self._groups[name] = self._read_group(name)
+        return self._groups[name]
 
     def __setitem__(self, name: str, arrays: Arrays) -> None:
-        self._known[name] = arrays
+        self._groups[name] = arrays
         _write_atomically(self._get_path(name), _encode_npz(arrays))
 
     def __delitem__(self, name: str) -> None:
-        self._known.pop(name, None)
+        self._groups.pop(name, None)
         self._get_path(name).unlink(missing_ok=True)
 
     def __iter__(self) -> Iterator[str]:
@@ -207,10 +208,10 @@ class _StoredEntry(MutableMapping[str, "Arrays"]):
                 arrays = {
                     info.filename.removesuffix(".npy"): _decode_npy(archive.read(info)) for info in archive.infolist()
                 }
-            os.utime(path)  # used now: see trim
+            os.utime(path)  # its last use: see trim
         except FileNotFoundError:
             raise KeyError(name) from None
-        except Exception:  # zipfile has many ways to say that a file is damaged
+        except Exception:  # zipfile raises many kinds of exceptions for a damaged file
             with contextlib.suppress(OSError):
                 path.unlink()
             raise KeyError(name) from None
@@ -218,7 +219,7 @@ class _StoredEntry(MutableMapping[str, "Arrays"]):
 
 
 def _encode_npz(arrays: Arrays) -> bytes:
-    """An npz file, as numpy.savez writes it in four times the time."""
+    """Encode arrays as an npz file; numpy.savez takes four times as long."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
         for name, array in arrays.items():
@@ -230,10 +231,12 @@ def _encode_npz(arrays: Arrays) -> bytes:
 
 
 def _decode_npy(data: bytes) -> NDArray[Any]:
-    """An array of an npz file, read-only. np.load takes any header, and evaluates each as Python, which takes most of the time
-    of a small one; ours are all of one form.
+    """Decode an array of an npz file; it is read-only.
 
-    :raises ValueError: for any other.
+    Only headers of the form that `_encode_npz` writes are accepted. np.load accepts any and evaluates each as Python, which
+    takes most of the time for a small array.
+
+    :raises ValueError: for any other header.
     """
     import numpy as np
 
@@ -246,7 +249,7 @@ def _decode_npy(data: bytes) -> NDArray[Any]:
 
 
 def _write_atomically(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all, whoever else writes it."""
+    """Write a file atomically, even if other processes write the same one."""
     temporary = path.with_name(f".{os.urandom(8).hex()}-{path.name}")
     try:
         try:
