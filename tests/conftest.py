@@ -13,7 +13,8 @@ import signal
 import subprocess
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -21,12 +22,13 @@ import pytest
 from hypothesis import settings
 
 from urdfcheck import cli
-from urdfcheck import rules as catalogue
 from urdfcheck.cli.preload import preload_modules
 from urdfcheck.core import Run
+from urdfcheck.policy.policy import Policy
+from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run import pipeline as engine
-from urdfcheck.run.audit import audit
-from urdfcheck.run.pipeline import Request, run
+from urdfcheck.run.jobs import AuditOptions, PackageFolders, Request
+from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 from urdfcheck.source.package.finder import LEVELS_UP
 from urdfcheck.system import process_pool as workers
 from urdfcheck.system import sandbox
@@ -43,11 +45,28 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
 
-def check(*paths: Path, codes: set[str] | None = None, **request: object) -> Run:
-    """Check paths in this process, with all rules or the given codes."""
-    selected = frozenset(catalogue.load_rules()) if codes is None else frozenset(codes)
+def make_request(*paths: Path, codes: Iterable[str] | None = None, **settings: Any) -> Request:
+    """A request for paths, with all rules or the given codes; each further setting goes where it belongs: to the policy, the
+    options of the audit or the request itself."""
+    packages = PackageFolders(settings.pop("packages", {}), settings.pop("package_paths", ()))
+    policy, options = (
+        {field.name: settings.pop(field.name) for field in fields(kind) if field.name in settings}
+        for kind in (Policy, AuditOptions)
+    )
     root = paths[0] if paths[0].is_dir() else paths[0].parent
-    return run(Request(tuple(paths), root, selected, **request), audit=audit)  # type: ignore[arg-type]
+    return Request(
+        paths=paths,
+        root=settings.pop("root", root),
+        policy=Policy(codes=frozenset(load_rules() if codes is None else codes), **policy),
+        options=AuditOptions(**options),
+        packages=packages,
+        **settings,
+    )
+
+
+def check(*paths: Path, codes: set[str] | None = None, **settings: object) -> Run:
+    """Check paths in this process, with all rules or the given codes; see `make_request`."""
+    return run(make_request(*paths, codes=codes, **settings), IN_THIS_PROCESS)
 
 
 def check_text(folder: Path, text: str, name: str = "robot.urdf", **request: object) -> Run:
@@ -81,9 +100,9 @@ def pytest_collection_finish() -> None:
     """Many tests fork: what a worker process loads is loaded once, and no process looks through thousands of tests for
     garbage."""
     preload_modules()
-    for rule in catalogue.load_rules().values():
-        if catalogue.has_check(rule):
-            catalogue.load_check(rule)
+    for rule in load_rules().values():
+        if has_check(rule):
+            load_check(rule)
     gc.collect()
     gc.freeze()
 

@@ -10,12 +10,10 @@ import json
 from pathlib import Path
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, make_request
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Run, Severity
-from urdfcheck.run.audit import audit
-from urdfcheck.run.pipeline import Request, run
+from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 
 ACCEPTED = REPOSITORY / "tests" / "corpus_errors.json"
 
@@ -28,14 +26,13 @@ def runs(corpus: Path) -> dict[str, Run]:
     entries = json.loads((corpus / "corpus.json").read_text())
     return {
         entry["id"]: run(
-            Request(
-                (corpus / entry["entry"],),
-                corpus,
-                frozenset(catalogue.load_rules()),
+            make_request(
+                corpus / entry["entry"],
+                root=corpus,
                 arguments=entry["xacro_args"],
                 package_paths=tuple(corpus / r for r in entry["package_roots"]),
             ),
-            audit=audit,
+            IN_THIS_PROCESS,
         )
         for entry in entries
     }

@@ -17,7 +17,7 @@ from typing import Any
 
 import jsonschema
 import pytest
-from conftest import REPOSITORY, check
+from conftest import REPOSITORY, check, make_request
 from referencing import Registry, Resource
 
 from urdfcheck import rules as catalogue
@@ -29,8 +29,7 @@ from urdfcheck.output.shared import lines
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.run import audit as worker
 from urdfcheck.run import pipeline as engine
-from urdfcheck.run.audit import Report, Settings, Unit
-from urdfcheck.run.pipeline import Request
+from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 from urdfcheck.system import sandbox
 from urdfcheck.system.process_pool import Worker
 
@@ -66,16 +65,15 @@ class Audit:
     def __call__(self, *, restart: bool = False, **request: Any) -> list[str]:
         asked: list[str] = []
 
-        def stream(units: Sequence[Unit], settings: Settings) -> Generator[tuple[int, Report], None, None]:
+        def stream(units: Sequence[Unit], settings: AuditSettings) -> Generator[tuple[int, UnitReport], None, None]:
             for place, unit in enumerate(units):
                 if len(asked) == self.stop_after:
                     raise KeyboardInterrupt
                 asked.append(Path(unit.path).name)
-                yield place, worker.audit(unit, settings)
+                yield place, worker.audit_unit(unit, settings)
 
         wanted = {"tier": "source", **self.request, **request}
-        codes = frozenset(wanted.pop("codes", catalogue.load_rules()))
-        work = Request((self.models,), self.models, codes, **wanted)
+        work = make_request(self.models, **wanted)
         self.outcome = dataset.audit_dataset(work, self.folder, stream, restart=restart)
         return asked
 
@@ -127,7 +125,7 @@ def test_the_lines_hold_what_a_report_of_all_together_holds(tmp_path: Path) -> N
 
     audit = Audit(mixed(tmp_path / "mixed"), tmp_path / "out")
     audit()
-    report = json.loads(render(engine.reproducible(check(audit.models, tier="source"))))
+    report = json.loads(render(engine.strip_volatile_values(check(audit.models, tier="source"))))
     alone = {code for code, rule in catalogue.load_rules().items() if rule.scopes == ("run",)}
     found = [finding for line in audit.lines for finding in line["findings"]]
     assert sorted(map(json.dumps, found)) == sorted(json.dumps(f) for f in report["findings"] if f["code"] not in alone)
@@ -156,8 +154,8 @@ def test_names_of_strangers_are_data_in_every_file(tmp_path: Path) -> None:
 def test_the_outcome_does_not_depend_on_the_number_of_jobs(audit: Audit, tmp_path: Path, jobs: int) -> None:
     audit()
     there = tmp_path / f"out{jobs}"
-    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source", jobs=jobs)
-    dataset.audit_dataset(request, there, lambda units, settings: engine.stream(units, settings, jobs))
+    request = make_request(audit.models, tier="source", jobs=jobs)
+    dataset.audit_dataset(request, there, lambda units, settings: engine.stream_reports(units, settings, jobs))
     assert ((there / "audit.jsonl").read_bytes(), (there / "index.html").read_bytes()) == audit.bytes
 
 
@@ -307,20 +305,22 @@ KILLED = """
 import os, sys, time
 from pathlib import Path
 from urdfcheck.dataset.audit import audit_dataset
+from urdfcheck.policy.policy import Policy
 from urdfcheck.rules import load_rules
-from urdfcheck.run.audit import Settings, Unit, audit
-from urdfcheck.run.pipeline import Request
+from urdfcheck.run.audit import audit_unit
+from urdfcheck.run.jobs import AuditSettings, Request, Unit
 
 def stream(units, settings):
     for place, unit in enumerate(units):
-        yield place, audit(unit, settings)
+        yield place, audit_unit(unit, settings)
         os.write(log, (unit.id + "\\n").encode())  # it is kept now
         time.sleep(0.01)
 
+policy = Policy(codes=frozenset(load_rules()), tier="source")
 models, folder, log = Path(sys.argv[1]), Path(sys.argv[2]), os.open(sys.argv[3], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
-audit(Unit("model", str(next(models.iterdir())), ""), Settings(frozenset(load_rules()), "source"))
+audit_unit(Unit(kind="model", path=str(next(models.iterdir())), id=""), AuditSettings(policy=policy))
 print("ready", flush=True)
-audit_dataset(Request((models,), models, frozenset(load_rules()), tier="source"), folder, stream)
+audit_dataset(Request(paths=(models,), root=models, policy=policy), folder, stream)
 """
 
 
@@ -364,14 +364,14 @@ def test_a_folder_has_one_audit_at_a_time(audit: Audit) -> None:
     said: list[str] = []
     workers = []
 
-    def stream(units: Sequence[Unit], settings: Settings) -> Generator[tuple[int, Report], None, None]:
+    def stream(units: Sequence[Unit], settings: AuditSettings) -> Generator[tuple[int, UnitReport], None, None]:
         workers.append(Worker.start())
         done = subprocess.run(second, capture_output=True, text=True, cwd=REPOSITORY)
         said.append(done.stderr)
         for place, unit in enumerate(units):
-            yield place, worker.audit(unit, settings)
+            yield place, worker.audit_unit(unit, settings)
 
-    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source")
+    request = make_request(audit.models, tier="source")
     dataset.audit_dataset(request, audit.folder, stream)
     assert said == [f"urdfcheck: another audit is at work in {audit.folder}\n"]
     done = subprocess.run([*second, "--restart"], capture_output=True, text=True, cwd=REPOSITORY)
@@ -478,12 +478,14 @@ def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
         yield from real(rule)(subject, rule, **options)
 
     monkeypatch.setattr(sandbox, "confine", lambda *_: None)  # or the slow check could not write
-    monkeypatch.setattr(catalogue, "load_check", lambda rule: slow if rule.code == "INR003" else real(rule))
+    monkeypatch.setattr("urdfcheck.run.audit.load_check", lambda rule: slow if rule.code == "INR003" else real(rule))
     limits = ResourceLimits(seconds=2.0)
-    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source", limits=limits)
+    request = make_request(audit.models, tier="source", limits=limits)
 
     def outcome() -> dataset.AuditOutcome:
-        return dataset.audit_dataset(request, audit.folder, lambda units, settings: engine.stream(units, settings, 1))
+        return dataset.audit_dataset(
+            request, audit.folder, lambda units, settings: engine.stream_reports(units, settings, 1)
+        )
 
     assert outcome().summary.statuses == {"checked": 5, "stopped": 1}
     assert [f["code"] for f in audit.lines[1]["findings"]][-1:] == ["URC906"]
@@ -494,10 +496,10 @@ def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
     assert outcome().checked == 0  # it would take as long again
 
 
-AUDIT = engine._audit
+AUDIT = engine._audit_in_worker
 
 
-def die_on_3(unit: Unit, settings: Settings) -> Report:
+def die_on_3(unit: Unit, settings: AuditSettings) -> UnitReport:
     if unit.path.endswith("003.urdf"):
         os.kill(os.getpid(), signal.SIGKILL)
     return AUDIT(unit, settings)
@@ -507,11 +509,11 @@ def die_on_3(unit: Unit, settings: Settings) -> Report:
 def test_a_worker_that_dies_is_a_failure_and_its_model_tried_again(
     audit: Audit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source")
+    request = make_request(audit.models, tier="source")
     with monkeypatch.context() as patch:
-        patch.setattr(engine, "_audit", die_on_3)
+        patch.setattr(engine, "_audit_in_worker", die_on_3)
         found = dataset.audit_dataset(
-            request, audit.folder, lambda units, settings: engine.stream(units, settings, 2)
+            request, audit.folder, lambda units, settings: engine.stream_reports(units, settings, 2)
         ).summary
     assert found.failure_count == 1
     assert "003.urdf" in found.failures[0]

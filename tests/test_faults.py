@@ -121,7 +121,7 @@ def killed(*_: object) -> None:
 def test_of_models_that_were_not_found_nothing_is_known(
     models: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(engine, "_plan", killed)
+    monkeypatch.setattr(engine, "_discover_bounded", killed)
     done = checked(models, cache=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
     assert "the process that looks for models was killed (SIGKILL" in done.stderr

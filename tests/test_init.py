@@ -41,7 +41,7 @@ def test_a_repository_is_set_up(repository: Path, capsys: pytest.CaptureFixture[
     assert "found 2 models, 1 needs arguments" in said
     assert "give urdf/arm.urdf.xacro arguments in urdfcheck.toml" in said
     assert "how urdfcheck is installed" in said
-    read = config.find(repository)
+    read = config.find_config(repository)
     assert [(m.path.name, dict(m.arguments)) for m in read.models] == [("arm.urdf.xacro", {})]
     text = (repository / "urdfcheck.toml").read_text(encoding="utf-8")
     assert '# arguments = { side = "left", n = "" }\n# side: "left", "right"\n' in text
@@ -106,8 +106,8 @@ def test_what_is_there_is_added_to(repository: Path) -> None:
     after = (repository / "pyproject.toml").read_bytes().decode()
     assert after.startswith(project)
     assert "\n" not in after.replace("\r\n", "")
-    assert config.find(repository).file == repository / "pyproject.toml"
-    assert len(config.find(repository).models) == 1
+    assert config.find_config(repository).file == repository / "pyproject.toml"
+    assert len(config.find_config(repository).models) == 1
     job = (repository / ".gitlab-ci.yml").read_text()
     assert job.startswith(ci)
     assert yaml.safe_load(job)["urdfcheck"]["stage"] == "build"

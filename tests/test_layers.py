@@ -162,12 +162,18 @@ def test_the_parent_of_the_workers_loads_nothing_heavy() -> None:
     assert not loaded_by("import urdfcheck.run.pipeline, urdfcheck.run.audit, urdfcheck.policy.config") & HEAVY
 
 
+_IMPORTS = (
+    "from urdfcheck.policy.policy import Policy; from urdfcheck.rules import load_rules; "
+    "from urdfcheck.run.audit import audit_unit; from urdfcheck.run.jobs import AuditSettings, Unit\n"
+)
+
+
 def test_the_source_tier_never_loads_meshes_or_dynamics(tmp_path: Path) -> None:
     model = tmp_path / "r.urdf"
     model.write_text('<robot name="r"><link name="base"/></robot>')
     code = (
-        "from urdfcheck.run.audit import Unit, Settings, audit; from urdfcheck.rules import load_rules\n"
-        f"audit(Unit('model', {str(model)!r}, 'r'), Settings(frozenset(load_rules()), tier='source'))"
+        f"{_IMPORTS}audit_unit(Unit(kind='model', path={str(model)!r}, id='r'), "
+        "AuditSettings(policy=Policy(codes=frozenset(load_rules()), tier='source')))"
     )
     assert not loaded_by(code) & {"trimesh", "pinocchio", "coal", "yourdfpy", "scipy", "collada"}
 
@@ -186,9 +192,9 @@ def test_a_warm_audit_loads_neither_meshes_nor_dynamics(tmp_path: Path) -> None:
         '<axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="9" velocity="1"/></joint></robot>'
     )
     code = (
-        "from urdfcheck.run.audit import Unit, Settings, audit; from urdfcheck.rules import load_rules\n"
-        f"settings = Settings(frozenset(load_rules()), cache={str(tmp_path / 'cache')!r})\n"
-        f"assert not audit(Unit('model', {str(model)!r}, 'r'), settings).failures"
+        f"{_IMPORTS}settings = AuditSettings(policy=Policy(codes=frozenset(load_rules())), "
+        f"cache={str(tmp_path / 'cache')!r})\n"
+        f"assert not audit_unit(Unit(kind='model', path={str(model)!r}, id='r'), settings).failures"
     )
     heavy = {"trimesh", "pinocchio", "coal", "scipy"}
     assert loaded_by(code) & heavy == heavy

@@ -33,8 +33,9 @@ from urdfcheck.facts.mesh.decode import MeshError, decode_mesh
 from urdfcheck.output import html, text
 from urdfcheck.output.json import render as render_json
 from urdfcheck.policy.limits import ResourceLimits
-from urdfcheck.run.audit import audit
-from urdfcheck.run.pipeline import Request, run
+from urdfcheck.policy.policy import Policy
+from urdfcheck.run.jobs import AuditOptions, Request
+from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 from urdfcheck.system import sandbox
 
 # An input is small: the slowest sound one takes a twentieth of this. In MiB what it may add to the process.
@@ -120,9 +121,15 @@ def check(path: Path, tier: str, *, scene: bool = False, cache: Path | None = No
     """The input as a run in this process."""
     root = path if path.is_dir() else path.parent
     codes, limits = frozenset(catalogue.load_rules()), ResourceLimits(seconds=SECONDS)
-    request = Request((path,), root, codes, tier=tier, scene=scene, pairs=scene, samples=20, limits=limits, cache=cache)
+    request = Request(
+        paths=(path,),
+        root=root,
+        policy=Policy(codes=codes, tier=tier),
+        options=AuditOptions(scene=scene, pairs=scene, samples=20, limits=limits),
+        cache=cache,
+    )
     with mock.patch.dict(os.environ, FUZZ_SECRET=SECRET):
-        return run(request, audit=audit)
+        return run(request, IN_THIS_PROCESS)
 
 
 # -- of every report -------------------------------------------------------------------------------------------------

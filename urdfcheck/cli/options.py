@@ -12,9 +12,9 @@ from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
     from urdfcheck.policy.baseline import Baseline
-    from urdfcheck.policy.config import Config, Configurations, Given
+    from urdfcheck.policy.config import CliOverrides, Config, ConfigResolver
     from urdfcheck.policy.limits import ResourceLimits
-    from urdfcheck.run.pipeline import Request
+    from urdfcheck.run.jobs import Request
 
 # MiB: an audit of an empty robot takes about half of it.
 LEAST_MEMORY = 512
@@ -129,29 +129,31 @@ def parse_outputs(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str,
 
 def load_config(path: Path, options: argparse.Namespace) -> Config:
     """The configuration that holds for a path."""
-    from urdfcheck.policy.config import Configurations
+    from urdfcheck.policy.config import ConfigResolver
 
-    return Configurations(isolated=options.isolated).of(path)
+    return ConfigResolver(isolated=options.isolated).for_path(path)
 
 
 def build_access_request(
     options: argparse.Namespace, settings: Config, paths: tuple[Path, ...], codes: frozenset[str]
 ) -> Request:
     """What the options of `add_access_options` and the configuration ask for."""
-    from urdfcheck.run.pipeline import Request
+    from urdfcheck.policy.policy import Policy
+    from urdfcheck.run.jobs import AuditOptions, PackageFolders, Request
     from urdfcheck.system.array_cache import find_default_folder
 
     return Request(
         paths=paths,
         root=settings.root,
-        codes=codes,
+        policy=Policy(codes=codes),
+        options=AuditOptions(environment=tuple(options.env), limits=_parse_limits(options.timeout, options.memory)),
+        packages=PackageFolders(
+            {**settings.packages, **_parse_packages(options.package)},
+            (*_parse_folders(options.package_path, "--package-path"), *settings.package_path),
+        ),
         arguments=dict(_split_pair(text, ":=", "--arg") for text in options.arg),
-        packages={**settings.packages, **_parse_packages(options.package)},
-        package_paths=(*_parse_folders(options.package_path, "--package-path"), *settings.package_path),
         cache=None if options.no_cache else find_default_folder(),
         allowed=tuple(_parse_folders(options.allow_read, "--allow-read")),
-        environment=tuple(options.env),
-        limits=_parse_limits(options.timeout, options.memory),
     )
 
 
@@ -160,55 +162,56 @@ def build_request(options: argparse.Namespace, *, scene: bool = False) -> tuple[
     what belongs to no file."""
     from dataclasses import replace
 
-    from urdfcheck.run.pipeline import SAMPLES, THOROUGH
+    from urdfcheck.run.jobs import SAMPLES, THOROUGH, PackageFolders
 
     paths = tuple(Path(p) for p in options.paths)
     configured = make_config_resolver(options, paths)
-    configs = [configured.of(path) for path in paths]
+    configs = [configured.for_path(path) for path in paths]
     settings = configs[0]
-    holds = configured.holds(settings, settings.root)
+    holds = configured.resolve(settings, settings.root)
+    request = build_access_request(options, settings, paths, holds.policy.codes)
     request = replace(
-        build_access_request(options, settings, paths, holds.codes),
-        packages=_parse_packages(options.package),
-        package_paths=tuple(_parse_folders(options.package_path, "--package-path")),
+        request,
+        policy=holds.policy,
+        options=replace(
+            request.options,
+            samples=THOROUGH if options.thorough else SAMPLES,
+            scene=scene,
+            heed_comments=not options.isolated,
+        ),
+        packages=PackageFolders(
+            _parse_packages(options.package), tuple(_parse_folders(options.package_path, "--package-path"))
+        ),
         # The folders that the configurations for the given paths name are in reach, and not those of files found below.
         allowed=(
             *_parse_folders(options.allow_read, "--allow-read"),
             *(folder for config in configs for folder in (*config.packages.values(), *config.package_path)),
         ),
-        tier=holds.tier,
         jobs=_count_jobs(options.jobs),
-        options=holds.options,
-        severities=holds.severities,
-        targets=holds.targets,
-        scene=scene,
-        samples=THOROUGH if options.thorough else SAMPLES,
         baseline=read_baseline(options, settings),
-        suppress=holds.suppress,
-        comments=not options.isolated,
-        configured=configured,
+        config_resolver=configured,
         all_arguments=options.all_args,
     )
     return request, settings
 
 
-def make_config_resolver(options: argparse.Namespace, paths: tuple[Path, ...]) -> Configurations:
+def make_config_resolver(options: argparse.Namespace, paths: tuple[Path, ...]) -> ConfigResolver:
     """The configurations of a run, and what the options of `add_options` say that wins over them."""
-    from urdfcheck.policy.config import Configurations
+    from urdfcheck.policy.config import ConfigResolver
 
-    return Configurations(parse_overrides(options), options.isolated, paths)
+    return ConfigResolver(parse_overrides(options), options.isolated, paths)
 
 
-def parse_overrides(options: argparse.Namespace) -> Given:
+def parse_overrides(options: argparse.Namespace) -> CliOverrides:
     """What the options of `add_options` say about the rules."""
     from urdfcheck import rules as catalogue
-    from urdfcheck.policy.config import Given
+    from urdfcheck.policy.config import CliOverrides
 
     def select_codes(values: Sequence[str] | None) -> frozenset[str] | None:
         words = _split_words(values)
         return frozenset(catalogue.select_rules(words)) if words else None
 
-    return Given(
+    return CliOverrides(
         select_codes(options.select),
         select_codes(options.ignore),
         options.fail_on,
@@ -228,15 +231,15 @@ def read_baseline(options: argparse.Namespace, settings: Config) -> Baseline | N
         return None
     if options.baseline is None and options.isolated:
         return None
-    return baseline.read(file, settings.root)
+    return baseline.read_baseline(file, settings.root)
 
 
 def find_baseline_file(options: argparse.Namespace, settings: Config) -> Path:
     """Where the baseline is, or will be."""
-    from urdfcheck.policy.baseline import DEFAULT
+    from urdfcheck.policy.baseline import DEFAULT_NAME
 
     named: Path | None = options.baseline or settings.baseline
-    return settings.root / DEFAULT if named is None else named
+    return settings.root / DEFAULT_NAME if named is None else named
 
 
 def _split_words(values: Sequence[str] | None) -> tuple[str, ...]:
@@ -268,11 +271,11 @@ def _parse_folders(values: Sequence[str], option: str) -> list[Path]:
 
 
 def _parse_targets(text: str) -> tuple[str, ...]:
-    from urdfcheck.policy.config import unknown_target
+    from urdfcheck.policy.config import explain_unknown_target
 
     names = _split_words([text])
     for name in names:
-        if (wrong := unknown_target(name)) is not None:
+        if (wrong := explain_unknown_target(name)) is not None:
             raise UrdfcheckError(f"--target: {wrong}")
     return names
 

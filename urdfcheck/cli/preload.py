@@ -36,10 +36,10 @@ def preload_modules() -> None:
 
     libraries.prefer_own_folders()
     importlib.import_module("numpy")
-    from urdfcheck.run.findings_cache import applies
+    from urdfcheck.run.findings_cache import is_cacheable
 
     for rule in catalogue.load_rules().values():
-        if catalogue.has_check(rule) and not applies(rule):
+        if catalogue.has_check(rule) and not is_cacheable(rule):
             importlib.import_module(catalogue.get_check_module(rule))
     with contextlib.suppress(ImportError):  # where there is none, it is not missed
         importlib.import_module("py_landlock")

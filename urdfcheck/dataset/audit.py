@@ -22,9 +22,9 @@ from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.dataset.journal import TEMPORARY, Journal, open_new_file, translate_os_errors
 from urdfcheck.output.html import index
 from urdfcheck.output.shared import lines
-from urdfcheck.run.audit import Report, Settings, Unit
-from urdfcheck.run.pipeline import Request, auditing, is_nothing, planned
-from urdfcheck.run.summary import foreign_libraries, versions
+from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
+from urdfcheck.run.pipeline import audit_session, is_empty_candidate, plan_units
+from urdfcheck.run.summary import collect_versions, report_foreign_libraries
 from urdfcheck.source.discover import Plan
 from urdfcheck.source.package.finder import format_path
 
@@ -32,7 +32,7 @@ LINES, INDEX = "audit.jsonl", "index.html"
 # Variables that decide about where packages are.
 _ENVIRONMENT = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "HOME")
 
-Stream = Callable[[Sequence[Unit], Settings], Generator[tuple[int, Report], None, None]]
+Stream = Callable[[Sequence[Unit], AuditSettings], Generator[tuple[int, UnitReport], None, None]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ def audit_dataset(
     :raises UrdfcheckError: when the folder is not an audit's, or of one with other settings, or cannot be written; when
         nothing is there to be checked but paths that are wrong; when the user interrupts.
     """
-    found, units = planned(request)
+    found, units = plan_units(request)
     if not units and found.missing:
         path, reason = found.missing[0]
         raise UrdfcheckError(f"{path} {reason}")
@@ -72,7 +72,7 @@ def audit_dataset(
         return AuditOutcome(lines.AuditSummary(), 0, 0)
     keys = [_compute_unit_key(unit) for unit in units]
     with (
-        auditing(request, units, found.reach or request.reach) as settings,
+        audit_session(request, units, found.reach or request.reach) as settings,
         Journal(folder, _describe_settings(request, settings), frozenset(keys), restart=restart) as journal,
     ):
         todo = [index for index, key in enumerate(keys) if key not in journal]
@@ -81,7 +81,7 @@ def audit_dataset(
             with contextlib.closing(stream([units[i] for i in todo], settings)) as reports:
                 for place, report in reports:
                     unit = units[todo[place]]
-                    text = b"" if is_nothing(unit, report, found) else encode_unit_line(unit, report)
+                    text = b"" if is_empty_candidate(unit, report, found) else encode_unit_line(unit, report)
                     # What failed is tried again next time.
                     journal.add(keys[todo[place]], text, {} if report.failures else report.reads)
                     checked += 1
@@ -117,7 +117,7 @@ def _find_worst_severities(
     return found
 
 
-def encode_unit_line(unit: Unit, report: Report) -> bytes:
+def encode_unit_line(unit: Unit, report: UnitReport) -> bytes:
     """The unit's line in ``audit.jsonl``."""
     info = report.info
     if info is not None and "SOURCE_DATE_EPOCH" in os.environ:
@@ -156,38 +156,38 @@ def _iter_ordered_lines(journal: Journal, keys: Sequence[str], last: bytes) -> I
 
 def _encode_run_line(request: Request, found: Plan) -> bytes:
     """The line of what belongs to no unit: paths that are wrong, and what only a run as a whole could show."""
-    findings = foreign_libraries() if "URC907" in request.codes else []
+    findings = report_foreign_libraries() if "URC907" in request.policy.codes else []
     skipped = [SkippedCheck("ALL", path, reason) for path, reason in found.unused]
     alone = "it compares the models of a run with each other: urdfcheck check does"
     skipped += [
         SkippedCheck(code, "", alone)
         for code, rule in catalogue.load_rules().items()
-        if rule.scopes == ("run",) and code in request.codes and catalogue.has_check(rule)
+        if rule.scopes == ("run",) and code in request.policy.codes and catalogue.has_check(rule)
     ]
     failures = [f"{path}: {reason}" for path, reason in found.missing]
     return lines.build_unit_line("run", "", "", None, findings, skipped, failures)
 
 
-def _describe_settings(request: Request, settings: Settings) -> dict[str, Any]:
+def _describe_settings(request: Request, settings: AuditSettings) -> dict[str, Any]:
     """All that the outcome for a unit depends on beside the unit and its files, by the name that a user has for it."""
-    variables = {name: os.environ.get(name) for name in sorted({*_ENVIRONMENT, *settings.environment})}
+    variables = {name: os.environ.get(name) for name in sorted({*_ENVIRONMENT, *settings.options.environment})}
     return {
-        "versions": versions(full=True),
+        "versions": collect_versions(full=True),
         "working directory": os.getcwd(),
         "configuration's folder": str(request.root),
         "dataset": list(settings.reach or ()),
-        "rules": sorted(settings.codes),
-        "severities": dict(settings.severities),
-        "options of rules": {code: dict(values) for code, values in settings.options.items()},
-        "--tier": settings.tier,
-        "--package": dict(settings.packages),
-        "--package-path": list(settings.package_paths),
-        "--target": list(settings.targets),
-        "suppress": [[*sorted(e.codes), e.subject, e.reason] for e in settings.suppress],
-        "comments in the source": settings.comments,
-        "--thorough": settings.samples,
-        "--timeout, --memory": list(asdict(settings.limits).values()),
-        "--env": list(settings.environment),
+        "rules": sorted(settings.policy.codes),
+        "severities": dict(settings.policy.severities),
+        "options of rules": {code: dict(values) for code, values in settings.policy.options.items()},
+        "--tier": settings.policy.tier,
+        "--package": {name: str(path) for name, path in settings.packages.by_name.items()},
+        "--package-path": list(map(str, settings.packages.search_path)),
+        "--target": list(settings.policy.targets),
+        "suppress": [[*sorted(e.codes), e.subject, e.reason] for e in settings.policy.suppress],
+        "comments in the source": settings.options.heed_comments,
+        "--thorough": settings.options.samples,
+        "--timeout, --memory": list(asdict(settings.options.limits).values()),
+        "--env": list(settings.options.environment),
         # Values may be secrets.
         "environment": hashlib.sha256(json.dumps(variables).encode()).hexdigest(),
     }
@@ -195,10 +195,12 @@ def _describe_settings(request: Request, settings: Settings) -> dict[str, Any]:
 
 def _compute_unit_key(unit: Unit) -> str:
     # `fail_on` changes nothing of what is found; what is known has keys that JSON has not.
-    facts: Mapping[str, Any] = asdict(replace(unit, fail_on=None, known={})) | {"known": sorted(unit.known.items())}
+    facts: Mapping[str, Any] = asdict(replace(unit, fail_on=None, baseline_entries={})) | {
+        "known": sorted(unit.baseline_entries.items())
+    }
     return hashlib.sha256(json.dumps(facts, sort_keys=True, default=_sort_for_json).encode()).hexdigest()[:32]
 
 
 def _sort_for_json(value: Any) -> Any:
-    """What JSON has no word for: the codes of a unit's own."""
-    return sorted(value)
+    """Return what JSON can hold of a set of codes or a folder."""
+    return str(value) if isinstance(value, Path) else sorted(value)

@@ -23,7 +23,7 @@ from urdfcheck import __version__
 from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
-    from urdfcheck.run.audit import Report, Settings, Unit
+    from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 
     Numbered = tuple[int, Unit]
 
@@ -38,8 +38,8 @@ _PROGRAM = [sys.executable, "-c", "from urdfcheck.dataset.cluster import serve_t
 
 
 def stream_on_cluster(
-    units: Sequence[Unit], settings: Settings, backend: str, address: str | None
-) -> Generator[tuple[int, Report], None, None]:
+    units: Sequence[Unit], settings: AuditSettings, backend: str, address: str | None
+) -> Generator[tuple[int, UnitReport], None, None]:
     """Audit each unit on the cluster: the places of the units and their reports as they come.
 
     :raises UrdfcheckError: when joblib or the cluster's library is not installed, or nothing answers at the address.
@@ -52,7 +52,7 @@ def stream_on_cluster(
         raise _make_install_error(backend) from None
     connected = _connect_dask if backend == "dask" else _connect_ray
     with connected(address) as registered, joblib.parallel_config(registered):
-        here = {name: os.environ.get(name) for name in (*_OURS, *settings.environment)}
+        here = {name: os.environ.get(name) for name in (*_OURS, *settings.options.environment)}
         try:
             cores = joblib.effective_n_jobs(-1)
             tasks = (
@@ -148,10 +148,10 @@ def _make_install_error(backend: str) -> UrdfcheckError:
 
 
 def run_task(
-    units: Sequence[Numbered], settings: Settings, folder: str, environment: Mapping[str, str | None], version: str
-) -> list[tuple[int, Report]]:
+    units: Sequence[Numbered], settings: AuditSettings, folder: str, environment: Mapping[str, str | None], version: str
+) -> list[tuple[int, UnitReport]]:
     """What a process of the cluster does with a task: have it done, and say what of it could not be."""
-    from urdfcheck.run.audit import Report
+    from urdfcheck.run.jobs import UnitReport
 
     variables = {**os.environ, **{name: value for name, value in environment.items() if value is not None}}
     for name, value in environment.items():
@@ -166,15 +166,15 @@ def run_task(
         env=variables,
     )
     said, complaint = process.communicate(pickle.dumps((units, settings, folder, version)))
-    done: dict[int, Report] = dict(_iter_reports(said))
+    done: dict[int, UnitReport] = dict(_iter_reports(said))
     why = complaint.decode("utf-8", "replace").strip().rpartition("\n")[2] or f"exit code {process.returncode}"
     return [
-        (number, done.get(number) or Report(failures=(f"{unit.id}: a machine of the cluster failed: {why}",)))
+        (number, done.get(number) or UnitReport(failures=(f"{unit.id}: a machine of the cluster failed: {why}",)))
         for number, unit in units
     ]
 
 
-def _iter_reports(said: bytes) -> Iterator[tuple[int, Report]]:
+def _iter_reports(said: bytes) -> Iterator[tuple[int, UnitReport]]:
     """What the program wrote, as far as it came."""
     import io
 
@@ -195,7 +195,7 @@ def serve_task() -> None:
         os.chdir(folder)  # files are called by where they lie from there
     except OSError as error:
         sys.exit(f"{folder}: {error.strerror}")
-    from urdfcheck.run.pipeline import stream as reports_of
+    from urdfcheck.run.pipeline import stream_reports as reports_of
 
     if settings.cache is not None:
         try:

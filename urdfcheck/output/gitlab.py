@@ -9,7 +9,7 @@ from typing import Any
 from urdfcheck.core import Confidence, Finding, Rule, Run, Severity, Verdict
 from urdfcheck.output.shared.inert import escape_for_json, escape_for_markdown
 from urdfcheck.output.shared.wording import find_finding_file, iter_details, sort_worst_first
-from urdfcheck.policy.consumers import verdict
+from urdfcheck.policy.consumers import get_verdict
 
 
 def render(run: Run) -> str:
@@ -57,7 +57,7 @@ def _classify_severity(run: Run, finding: Finding) -> str:
     """A blocker where urdfdom or a target has no model at all; a hint weighs less than what is sure."""
     if finding.severity == Severity.ERROR:
         readers = run.targets or ("urdfdom",)
-        refused = any(verdict(finding.consequences, reader) == Verdict.REFUSES for reader in readers)
+        refused = any(get_verdict(finding.consequences, reader) == Verdict.REFUSES for reader in readers)
         return "blocker" if refused else "critical"
     if finding.severity == Severity.WARNING:
         return "minor" if finding.confidence == Confidence.HEURISTIC else "major"

@@ -11,7 +11,7 @@ from typing import Any
 from urdfcheck.core import Finding, Fix, ModelInfo, Run, Severity, SkippedCheck, Span
 from urdfcheck.output.shared.drops import build_drop_test_object
 from urdfcheck.output.shared.inert import escape_for_json
-from urdfcheck.policy.consumers import outcomes
+from urdfcheck.policy.consumers import predict_outcomes
 
 SCHEMA = "urdfcheck/1"
 _NO_ARGUMENTS: Mapping[str, str] = {}
@@ -56,7 +56,7 @@ def build_model_object(info: ModelInfo) -> dict[str, Any]:
 
 
 def _build_consumer_outcomes(run: Run, info: ModelInfo) -> dict[str, Any]:
-    found = outcomes(f for f in run.findings if f.model == info.id)
+    found = predict_outcomes(f for f in run.findings if f.model == info.id)
     return {name: {"verdict": str(o.verdict), "codes": list(o.codes)} for name, o in found.items()}
 
 

@@ -8,10 +8,9 @@ from pathlib import Path
 
 from urdfcheck.core import Finding, ModelInfo, UrdfcheckError, Verdict
 from urdfcheck.policy.config import TARGETS
-from urdfcheck.policy.consumers import outcomes as outcomes_of
+from urdfcheck.policy.consumers import predict_outcomes as outcomes_of
 from urdfcheck.run import pipeline as engine
-from urdfcheck.run.audit import Settings, Unit
-from urdfcheck.run.pipeline import Request
+from urdfcheck.run.jobs import AuditSettings, Request, Unit
 from urdfcheck.simulators.judgement import EngineJudgement, judge_outcome, matches_prediction
 from urdfcheck.simulators.outcome import EngineInput, LoadOutcome
 from urdfcheck.simulators.processes import ENGINES, get_install_hint, iter_outcomes, list_versions
@@ -54,16 +53,18 @@ def compare_engines(request: Request) -> EngineComparison:
     versions = list_versions()
     names = [name for name in ENGINES if versions[name] is not None]
     # What only some read is told to those for whom it is.
-    request = replace(request, targets=tuple(name for name in names if name in TARGETS))
-    report = engine.run_one(request)
-    found, units = engine.planned(request)
+    request = replace(request, policy=replace(request.policy, targets=tuple(name for name in names if name in TARGETS)))
+    report = engine.audit_single_model(request)
+    found, units = engine.plan_units(request)
     unit = next(unit for unit in units if unit.kind == "model")
-    with engine.auditing(request, [unit], found.reach or request.reach) as settings:
+    with engine.audit_session(request, [unit], found.reach or request.reach) as settings:
         ((_, robot),) = map_in_processes(_read_input, [(unit, settings)], 1)
         if not isinstance(robot, EngineInput) or report.info is None:
             raise UrdfcheckError(f"{unit.id}: no engine can be given what cannot be read (urdfcheck check says why)")
         at_once = max(1, request.jobs)
-        done = dict(iter_outcomes([(name, robot) for name in names], settings.around, request.limits, at_once))
+        done = dict(
+            iter_outcomes([(name, robot) for name in names], settings.visible_folders, request.options.limits, at_once)
+        )
     rows = [_make_row(name, versions[name] or "", done[i], robot, report.findings) for i, name in enumerate(names)]
     missing = {name: get_install_hint(name) for name in ENGINES if versions[name] is None}
     return EngineComparison(report.info, tuple(rows), missing)
@@ -81,10 +82,10 @@ def _make_row(
     return EngineRow(name, version, outcome, judge_outcome(robot, outcome), *predict_verdict(name, findings))
 
 
-def _read_input(unit: Unit, settings: Settings) -> EngineInput | None:
+def _read_input(unit: Unit, settings: AuditSettings) -> EngineInput | None:
     """What a worker process does with a unit."""
     libraries.prefer_own_folders()
-    sandbox.confine(settings.around, (), settings.limits.memory)
+    sandbox.confine(settings.visible_folders, (), settings.options.limits.memory)
     from urdfcheck.model import Model
     from urdfcheck.simulators.engine_input import build_input
     from urdfcheck.source.load import load_source
@@ -92,17 +93,17 @@ def _read_input(unit: Unit, settings: Settings) -> EngineInput | None:
     from urdfcheck.source.reach import FileReach
 
     path = Path(unit.path)
-    packages = {name: Path(folder) for name, folder in settings.packages.items()}
+    packages = settings.packages
     reach = None if settings.reach is None else FileReach(settings.reach)
-    finder = PackageFinder(path.absolute(), packages, [Path(p) for p in settings.package_paths], reach=reach)
-    with sandbox.enforce_deadline(settings.limits.seconds):
+    finder = PackageFinder(path.absolute(), packages.by_name, packages.search_path, reach=reach)
+    with sandbox.enforce_deadline(settings.options.limits.seconds):
         source = load_source(
             path,
             unit.arguments,
             finder,
-            explicit=unit.explicit,
-            xacro=unit.xacro,
-            environment=frozenset(settings.environment),
+            explicit=unit.is_explicit,
+            xacro=unit.is_xacro,
+            environment=frozenset(settings.options.environment),
         )
         model = None
         if source.root is not None and source.root.tag == "robot":

@@ -60,10 +60,10 @@ def iter_outcomes(
             own = os.path.join(folder, str(place))
             os.mkdir(own)
             work.append((engine, robot, own, folder, tuple(around), limits))
-        longest = limits.seconds + sandbox.PATIENCE if limits.seconds else None
-        first = None if apart else Worker.start(_prepare_nothing)
+        timeout = limits.seconds + sandbox.PATIENCE if limits.seconds else None
+        worker = None if apart else Worker.start(_prepare_nothing)
         for place, result in map_in_processes(
-            _load_in_engine, work, at_once, first, timeout=longest, is_spent=lambda _: apart
+            _load_in_engine, work, at_once, warm_worker=worker, timeout=timeout, is_spent=lambda _: apart
         ):
             if isinstance(result, WorkerDiedError):
                 said = _read_output(Path(folder, str(place)))

@@ -112,7 +112,7 @@ class _PlainUnpickler(pickle.Unpickler):
             "policy.config",
             "policy.limits",
             "policy.suppression",
-            "run.audit",
+            "run.jobs",
             "simulators.outcome",
             "source.discover",
             "source.reach",

@@ -66,7 +66,7 @@ def main(words: Sequence[str]) -> int:
         request,
         options.output,
         lambda units, work: (
-            engine.stream(units, work, request.jobs, first=first)
+            engine.stream_reports(units, work, request.jobs, engine.Execution(warm_worker=first))
             if backend == "local"
             else cluster.stream_on_cluster(units, work, backend, address or None)
         ),

@@ -46,7 +46,7 @@ def main(words: Sequence[str]) -> int:
     options = build_parser().parse_args(words)
 
     from urdfcheck.policy import baseline
-    from urdfcheck.run.pipeline import run
+    from urdfcheck.run.pipeline import Execution, run
     from urdfcheck.source.package.finder import format_path
     from urdfcheck.system import libraries
 
@@ -55,12 +55,12 @@ def main(words: Sequence[str]) -> int:
     if options.action == "check" and options.isolated and options.baseline is None:
         raise UrdfcheckError("--isolated heeds no baseline that lies in the repository: name one with --baseline")
     if request.baseline is None and file.is_file():
-        request = replace(request, baseline=baseline.read(file, settings.root))
+        request = replace(request, baseline=baseline.read_baseline(file, settings.root))
     before = request.baseline
     if before is None and options.action != "write":
         raise UrdfcheckError(f"{format_path(file)}: there is no baseline; urdfcheck baseline write makes one")
     libraries.prefer_own_folders()
-    outcome = run(request, progress=make_progress_printer())
+    outcome = run(request, Execution(on_progress=make_progress_printer()))
     if options.action == "check":
         print_run(outcome, "text", "auto")
         return compute_exit_code(outcome, options.fail_on or settings.fail_on, allow_empty=options.allow_empty)
@@ -71,19 +71,21 @@ def main(words: Sequence[str]) -> int:
     if not outcome.units:
         say("nothing to check: no model, launch file or package was found there")
         return OK if options.allow_empty else NOTHING
-    seen = baseline.Seen(outcome.findings, outcome.models, outcome.complete_rules, outcome.skipped, outcome.tier)
+    seen = baseline.BaselineView(
+        outcome.findings, outcome.models, outcome.complete_rules, outcome.skipped, outcome.tier
+    )
     for home, names in sorted(outcome.baseline_unit_names.items(), key=lambda item: item[0] or ("", "")):
-        own = seen.of(names)
+        own = seen.select_models(names)
         at, root = (file, settings.root) if home is None else (Path(home[0]), Path(home[1]))
-        old = before if home is None else baseline.read(at, root) if at.is_file() else None
+        old = before if home is None else baseline.read_baseline(at, root) if at.is_file() else None
         if options.action == "write":
-            after = baseline.renewed(old or baseline.Baseline(at, root), own)
-            write_file(baseline.render(after), at)
-            known = sum(baseline.counts(finding) for finding in own.findings)
+            after = baseline.renew_entries(old or baseline.Baseline(at, root), own)
+            write_file(baseline.render_baseline(after), at)
+            known = sum(baseline.is_baseline_candidate(finding) for finding in own.findings)
             say(f"{format_path(at)}: {known:,} {'finding is' if known == 1 else 'findings are'} known from now on")
         elif old is not None:
-            gone = baseline.stale(old, own)
-            write_file(baseline.render(baseline.without(old, gone)), at)
+            gone = baseline.find_stale_entries(old, own)
+            write_file(baseline.render_baseline(baseline.remove_stale_entries(old, gone)), at)
             number = sum(sum(entries.values()) for entries in gone.values())
             done = f"took out {_format_entry_count(number, 'stale ')}" if number else "no entry is stale"
             say(

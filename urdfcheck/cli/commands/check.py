@@ -38,10 +38,11 @@ from urdfcheck.output import DRAWING_FORMATS, FORMATS
 
 if TYPE_CHECKING:
     from urdfcheck.core import Finding, Run
-    from urdfcheck.fix.fixer import Fixes
+    from urdfcheck.fix.fixer import FixResult
     from urdfcheck.output.text import DetailLevel
     from urdfcheck.policy.config import Config
-    from urdfcheck.run.pipeline import Request
+    from urdfcheck.run.jobs import Request
+    from urdfcheck.run.pipeline import Execution
     from urdfcheck.system.process_pool import Worker
 
 
@@ -117,18 +118,17 @@ def main(words: Sequence[str]) -> int:
     warm_worker = start_warm_worker()
     reports = ReportPlan.from_options(options)
 
+    from urdfcheck.run.pipeline import Execution, run
     from urdfcheck.system import libraries
 
     request, settings = build_request(options, scene=reports.needs_scene)
     libraries.prefer_own_folders()
     if options.watch:
         return _watch(options, reports, (request, settings), warm_worker)
+    execution = Execution(warm_worker=warm_worker, on_idle=reports.import_formats, on_progress=make_progress_printer())
     if not (options.fix or options.diff):
-        from urdfcheck.run.pipeline import run
-
-        outcome = run(request, first=warm_worker, meanwhile=reports.import_formats, progress=make_progress_printer())
-        return _report(outcome, options, reports, settings)
-    fixes = _compute_fixes(options, reports, request, warm_worker)
+        return _report(run(request, execution), options, reports, settings)
+    fixes = _compute_fixes(request, execution, include_unsafe=options.unsafe_fixes)
     if options.diff:
         return _print_diff(fixes, allow_empty=options.allow_empty)
     _write_fixes(fixes)
@@ -247,44 +247,36 @@ def _watch(
 # -- fixes -------------------------------------------------------------------------------------------------------------
 
 
-def _compute_fixes(
-    options: argparse.Namespace, reports: ReportPlan, request: Request, warm_worker: Worker | None
-) -> Fixes:
+def _compute_fixes(request: Request, execution: Execution, *, include_unsafe: bool) -> FixResult:
     """Apply the fixes in memory and check the result.
 
     :raises UrdfcheckError: when the user interrupts.
     """
-    from urdfcheck.fix.fixer import fixes
+    from urdfcheck.fix.fixer import compute_fixes
 
     try:
-        return fixes(
-            request,
-            unsafe=options.unsafe_fixes,
-            first=warm_worker,
-            meanwhile=reports.import_formats,
-            progress=make_progress_printer(),
-        )
+        return compute_fixes(request, execution, include_unsafe=include_unsafe)
     except KeyboardInterrupt:
         raise UrdfcheckError("interrupted; no file was changed") from None
 
 
-def _write_fixes(fixes: Fixes) -> None:
+def _write_fixes(fixes: FixResult) -> None:
     """Change the files. Standard error says what was done, so that standard output holds the report alone."""
     from urdfcheck.fix import patch
 
     if fixes.outcome.partial:
         say("interrupted: no file was changed", sys.stderr)
         return
-    patch.write(fixes.changes)
+    patch.write_files(fixes.changes)
     _summarise_fixes("fixed", fixes)
 
 
-def _print_diff(fixes: Fixes, *, allow_empty: bool) -> int:
+def _print_diff(fixes: FixResult, *, allow_empty: bool) -> int:
     """Print what would be changed; the exit code says whether there is anything, findings do not count."""
     from urdfcheck.fix import patch
 
     for path, (before, after) in fixes.changes.items():
-        for line in patch.difference(path, before, after):
+        for line in patch.iter_diff_lines(path, before, after):
             say(line)
     sys.stdout.flush()
     for failure in fixes.outcome.failures:
@@ -294,7 +286,7 @@ def _print_diff(fixes: Fixes, *, allow_empty: bool) -> int:
     return code or (FINDINGS if fixes.changes else OK)
 
 
-def _summarise_fixes(done: str, fixes: Fixes) -> None:
+def _summarise_fixes(done: str, fixes: FixResult) -> None:
     """Print the number of fixes, and each reason for which others were not made."""
     from urdfcheck.output.shared.inert import escape_one_line
 
@@ -306,5 +298,5 @@ def _summarise_fixes(done: str, fixes: Fixes) -> None:
         place = "" if span is None else f"{escape_one_line(span.file)}:{span.line}:{span.col} "
         others = "" if len(findings) == 1 else f" and {len(findings) - 1} more"
         say(f"not fixed: {place}{findings[0].code}{others}: {escape_one_line(reason)}", sys.stderr)
-    more = f" ({fixes.more} more with --unsafe-fixes)" if fixes.more else ""
+    more = f" ({fixes.unsafe_count} more with --unsafe-fixes)" if fixes.unsafe_count else ""
     say(f"{done} {len(fixes.fixed)}{more}", sys.stderr)

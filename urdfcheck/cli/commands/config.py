@@ -17,7 +17,7 @@ from urdfcheck.core.errors import UrdfcheckError
 if TYPE_CHECKING:
     from rich.text import Text
 
-    from urdfcheck.policy.config import Config, Configurations
+    from urdfcheck.policy.config import Config, ConfigResolver
 
 DEFAULT, COMMAND_LINE = "default", "command line"
 # Columns before the place of a value; a longer value has its place on a line of its own.
@@ -82,7 +82,7 @@ def main(words: Sequence[str]) -> int:
         raise UrdfcheckError(f"{path} does not exist")
 
     configured = make_config_resolver(options, (path,))
-    config = configured.of(path)
+    config = configured.for_path(path)
     baseline = find_baseline_file(options, config)
     there = baseline.is_file() and not options.isolated
     answer = _build_report(configured, config, path, baseline if there or options.baseline or config.baseline else None)
@@ -95,13 +95,13 @@ def main(words: Sequence[str]) -> int:
     return OK
 
 
-def _build_report(configured: Configurations, config: Config, path: Path, baseline: Path | None) -> ConfigReport:
-    from urdfcheck.policy.config import typed
+def _build_report(configured: ConfigResolver, config: Config, path: Path, baseline: Path | None) -> ConfigReport:
+    from urdfcheck.policy.config import read_typed_table
     from urdfcheck.source.package.finder import format_path
 
-    given, holds = configured.given, configured.holds(config, path)
-    table, at = typed(config)
-    sections = [(s.key, _get_section(table, s.key)) for s in config.sections_of(path)]
+    given, holds = configured.overrides, configured.resolve(config, path)
+    table, at = read_typed_table(config)
+    sections = [(s.key, _get_section(table, s.key)) for s in config.get_sections(path)]
 
     def get_source(*key: str | int) -> str:
         return at[key]
@@ -125,8 +125,8 @@ def _build_report(configured: Configurations, config: Config, path: Path, baseli
         *iter_code_settings("select", "ALL", given.select),
         *iter_code_settings("ignore", "", given.ignore),
         make_setting("fail-on", holds.fail_on, given.fail_on is not None),
-        make_setting("tier", holds.tier, given.tier is not None),
-        make_setting("target", ", ".join(holds.targets), given.target is not None),
+        make_setting("tier", holds.policy.tier, given.tier is not None),
+        make_setting("target", ", ".join(holds.policy.targets), given.target is not None),
         make_setting("exclude", ", ".join(config.exclude)),
         *(Setting("packages", f"{n} = {format_path(p)}", at["packages", n]) for n, p in config.packages.items()),
         make_setting("package-path", ", ".join(map(format_path, config.package_path))),
@@ -137,7 +137,7 @@ def _build_report(configured: Configurations, config: Config, path: Path, baseli
     known = [
         Setting(_shorten_list(_get_suppressed_codes(table, i)), f"{entry.subject}: {entry.reason}", at["suppress", i])
         for i, (_, entry) in enumerate(config.suppress)
-        if entry in holds.suppress
+        if entry in holds.policy.suppress
     ]
     models = [
         Setting(m.name or "no name", " ".join(f"{n}:={v}" for n, v in m.arguments.items()), at["models", i])
@@ -149,7 +149,7 @@ def _build_report(configured: Configurations, config: Config, path: Path, baseli
         None if config.file is None else format_path(config.file),
         format_path(config.root),
         tuple(settings),
-        tuple(sorted(holds.codes)),
+        tuple(sorted(holds.policy.codes)),
         tuple(_iter_rule_settings(configured, config, path, sections, at)),
         tuple(known),
         tuple(models),
@@ -170,7 +170,7 @@ def _get_suppressed_codes(table: Mapping[str, Any], index: int) -> list[str]:
 
 
 def _iter_rule_settings(
-    configured: Configurations,
+    configured: ConfigResolver,
     config: Config,
     path: Path,
     sections: Sequence[tuple[tuple[str | int, ...], Mapping[str, Any]]],
@@ -178,7 +178,7 @@ def _iter_rule_settings(
 ) -> Iterator[RuleSetting]:
     from urdfcheck import rules as catalogue
 
-    holds = configured.holds(config, path)
+    holds = configured.resolve(config, path)
     severities: dict[str, str] = {}
     options: dict[tuple[str, str], str] = {}
     for where, section in sections:
@@ -191,10 +191,10 @@ def _iter_rule_settings(
                 place = (*where, "options", word, name)
                 options.update(dict.fromkeys(((code, name) for code in catalogue.select_rules([word])), at[place]))
     for code, rule in catalogue.load_rules().items():
-        if code in holds.codes and holds.severities.get(code, str(rule.severity)) != str(rule.severity):
-            value = holds.severities[code]
+        if code in holds.policy.codes and holds.policy.severities.get(code, str(rule.severity)) != str(rule.severity):
+            value = holds.policy.severities[code]
             yield RuleSetting(code, rule.name, None, value, str(rule.severity), severities[code])
-        for name, value in holds.options.get(code, {}).items() if code in holds.codes else ():
+        for name, value in holds.policy.options.get(code, {}).items() if code in holds.policy.codes else ():
             yield RuleSetting(code, rule.name, name, value, rule.options[name].default, options[code, name])
 
 

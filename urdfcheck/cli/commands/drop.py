@@ -59,7 +59,7 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck import output
     from urdfcheck import rules as catalogue
     from urdfcheck.core import Severity
-    from urdfcheck.run.pipeline import run
+    from urdfcheck.run.pipeline import Execution, run
     from urdfcheck.system import libraries
 
     first = start_warm_worker()
@@ -70,7 +70,8 @@ def main(words: Sequence[str]) -> int:
         options.select = [",".join(sorted(wanted))]
     request, settings = build_request(options, scene="html" in formats)
     libraries.prefer_own_folders()
-    outcome = run(replace(request, drop=True), first=first, progress=make_progress_printer())
+    request = replace(request, options=replace(request.options, drop=True))
+    outcome = run(request, Execution(warm_worker=first, on_progress=make_progress_printer()))
     if outcome.models and not outcome.drops:
         raise UrdfcheckError(f"{options.paths[0]}: {_explain_no_drop(outcome)}")
     # Whatever is written beside it, the command says the same: what the drop shows, and errors of the file.

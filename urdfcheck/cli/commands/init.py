@@ -173,15 +173,20 @@ def main(words: Sequence[str]) -> int:
 
 def _expand_models(folder: Path) -> Run:
     """The models of a folder, expanded to see which of them need arguments."""
-    from urdfcheck.policy.config import without_file
-    from urdfcheck.run.pipeline import Request, run
+    from urdfcheck.policy.config import make_default_config
+    from urdfcheck.policy.policy import Policy
+    from urdfcheck.run.jobs import Request
+    from urdfcheck.run.pipeline import Execution, run
     from urdfcheck.system import libraries
 
     libraries.prefer_own_folders()
     request = Request(
-        (folder,), without_file(folder).root, frozenset({"XAC010"}), tier="source", jobs=os.cpu_count() or 1
+        paths=(folder,),
+        root=make_default_config(folder).root,
+        policy=Policy(codes=frozenset({"XAC010"}), tier="source"),
+        jobs=os.cpu_count() or 1,
     )
-    return run(request, progress=make_progress_printer())
+    return run(request, Execution(on_progress=make_progress_printer()))
 
 
 def _collect_needed_arguments(outcome: Run, folder: Path) -> dict[Path, dict[str, tuple[str, ...]]]:

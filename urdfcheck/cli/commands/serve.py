@@ -26,8 +26,7 @@ from urdfcheck.output.shared.inert import escape_for_log, escape_one_line
 if TYPE_CHECKING:
     import argparse
 
-    from urdfcheck.run.audit import Report, Unit
-    from urdfcheck.run.pipeline import Request
+    from urdfcheck.run.jobs import Request, Unit, UnitReport
     from urdfcheck.source.discover import Plan
 
 # Options of a command that prints a report, which pytest does itself.
@@ -53,19 +52,19 @@ def serve() -> None:
 def _iter_answers(asked: dict[str, Any]) -> Iterator[dict[str, Any]]:
     options = _parse_options(asked["words"])
     request, settings = build_request(options)
-    from urdfcheck.run.pipeline import auditing, planned, stream
+    from urdfcheck.run.pipeline import audit_session, plan_units, stream_reports
     from urdfcheck.system.process_pool import FORKS
 
-    found, units = planned(request)
+    found, units = plan_units(request)
     for path, reason in found.missing:
         raise UrdfcheckError(f"{path}: {reason}")
     yield {"units": [_describe_unit(unit) for unit in units]}
     if FORKS:
         preload_modules()  # the processes for the models are copies of this one
-    with auditing(request, units, found.reach or request.reach) as held:
+    with audit_session(request, units, found.reach or request.reach) as held:
         for line in sys.stdin:
             numbers = json.loads(line)
-            for place, report in stream([units[n] for n in numbers], held, request.jobs):
+            for place, report in stream_reports([units[n] for n in numbers], held, request.jobs):
                 unit = units[numbers[place]]
                 yield {
                     "unit": numbers[place],
@@ -89,17 +88,17 @@ def _parse_options(words: Sequence[str]) -> argparse.Namespace:
 
 
 def _build_result(
-    request: Request, found: Plan, unit: Unit, report: Report, fail_on: str, asked: dict[str, Any]
+    request: Request, found: Plan, unit: Unit, report: UnitReport, fail_on: str, asked: dict[str, Any]
 ) -> dict[str, Any]:
     """How a unit fared (passed | failed | crashed | skipped), and what there is to say about it."""
     from urdfcheck.core import Severity
     from urdfcheck.output import text
-    from urdfcheck.run.pipeline import is_nothing
-    from urdfcheck.run.summary import assemble
+    from urdfcheck.run.pipeline import is_empty_candidate
+    from urdfcheck.run.summary import build_run
 
-    if is_nothing(unit, report, found):
+    if is_empty_candidate(unit, report, found):
         return {"outcome": "skipped", "text": "it makes neither link nor joint: it is no model"}
-    run = assemble(request, replace(found, unused=(), config_errors=()), [(unit, report)], 0.0)
+    run = build_run(request, replace(found, unused=(), config_errors=()), [(unit, report)], 0.0)
     code = compute_exit_code(run, fail_on)
     if code not in {FAILED, FINDINGS} and report.info is not None and report.info.status == "needs-arguments":
         reason = max(report.findings, key=lambda f: f.severity).message if report.findings else "it needs arguments"

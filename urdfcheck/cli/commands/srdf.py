@@ -29,7 +29,7 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    from urdfcheck.export.link_pairs import SAMPLES, THOROUGH, explain_missing_pairs, has_foreign_content, render
+    from urdfcheck.export.link_pairs import SAMPLES, THOROUGH, explain_missing_pairs, has_foreign_content, render_srdf
 
     options = build_parser().parse_args(words)
     path = Path(options.model)
@@ -41,27 +41,23 @@ def main(words: Sequence[str]) -> int:
     from dataclasses import replace
 
     from urdfcheck import rules as catalogue
-    from urdfcheck.run.pipeline import run_one
+    from urdfcheck.run.pipeline import audit_single_model
     from urdfcheck.system import libraries
 
     # What is wrong with the file says why there is no model.
     codes = frozenset(code for code, rule in catalogue.load_rules().items() if "file" in rule.scopes)
     libraries.prefer_own_folders()
-    report = run_one(
-        replace(
-            build_access_request(options, load_config(path, options), (path,), codes),
-            samples=THOROUGH if options.thorough else SAMPLES,
-            pairs=True,
-        )
-    )
+    request = build_access_request(options, load_config(path, options), (path,), codes)
+    audit_options = replace(request.options, samples=THOROUGH if options.thorough else SAMPLES, pairs=True)
+    report = audit_single_model(replace(request, options=audit_options))
     if report.pairs is None:
-        raise UrdfcheckError(f"{path}: {explain_missing_pairs(report)}")
+        raise UrdfcheckError(f"{path}: {explain_missing_pairs(report.failures, report.skipped, report.findings)}")
     if not report.pairs.pairs:
         say(f"urdfcheck: {path}: no two links have collision geometry that can be read", sys.stderr)
         return NOTHING
     from urdfcheck.output.shared.inert import escape_for_xml
 
-    document = escape_for_xml(render(report.pairs))
+    document = escape_for_xml(render_srdf(report.pairs))
     if options.output is not None:
         write_file(document, options.output)
     else:

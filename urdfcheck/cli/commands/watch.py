@@ -19,8 +19,9 @@ from urdfcheck.cli.preload import start_warm_worker
 from urdfcheck.cli.terminal import FAILED, erase_progress, make_progress_printer, say
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output.shared.inert import escape_one_line
-from urdfcheck.policy.config import OWN, PROJECT
-from urdfcheck.run.pipeline import Audited, Request, audited
+from urdfcheck.policy.config import OWN_FILE, PROJECT_FILE
+from urdfcheck.run.jobs import Request
+from urdfcheck.run.pipeline import AuditedRun, Execution, run_audit
 from urdfcheck.source.discover import is_launch
 from urdfcheck.source.package.finder import BUILD_FOLDERS, format_path
 from urdfcheck.system.files import Stamp, read_stamp, walk
@@ -55,11 +56,11 @@ def watch(
     :param ask: computes it again after a change.
     :param report: prints the outcome and returns the exit code.
     :param written: the files that ``report`` writes.
-    :param warm_worker: see :func:`urdfcheck.run.pipeline.run`; so is ``on_idle``.
+    :param warm_worker: see :class:`urdfcheck.run.pipeline.Execution`, for ``on_idle`` as well.
     """
     code = FAILED
     request, settings = asked
-    last: Audited | None = None
+    last: AuditedRun | None = None
     known: Stamps = {}
     changed: list[str] = []
     try:
@@ -69,8 +70,8 @@ def watch(
             try:
                 if changed:
                     request, settings = ask()
-                previous = _keep_valid_reports(last, request)
-                last = audited(request, None, warm_worker, on_idle, make_progress_printer(), previous)
+                execution = Execution(warm_worker=warm_worker, on_idle=on_idle, on_progress=make_progress_printer())
+                last = run_audit(request, execution, previous=_keep_valid_reports(last, request))
                 if last.outcome.partial:
                     break
                 code = report(last.outcome, settings)
@@ -93,7 +94,7 @@ def watch(
     return code
 
 
-def _keep_valid_reports(last: Audited | None, request: Request) -> Audited | None:
+def _keep_valid_reports(last: AuditedRun | None, request: Request) -> AuditedRun | None:
     """Return the last run with only the reports whose files are unchanged; None where the request differs."""
     if last is None or last.request != request:
         return None
@@ -157,7 +158,7 @@ def _iter_watched_files(request: Request) -> Iterator[str]:
         if not start.is_dir():
             yield str(start)
         for above in (start, *start.parents):
-            yield from (str(above / name) for name in (OWN, PROJECT))
+            yield from (str(above / name) for name in (OWN_FILE, PROJECT_FILE))
         for folder, below, names in walk(start):
             below[:] = [n for n in below if not n.startswith(".") and n not in BUILD_FOLDERS and n != "node_modules"]
             yield from (os.path.join(folder, name) for name in names if _is_relevant(Path(name)))
@@ -166,4 +167,8 @@ def _iter_watched_files(request: Request) -> Iterator[str]:
 
 
 def _is_relevant(path: Path) -> bool:
-    return path.suffix in {".urdf", ".xacro", ".srdf"} or is_launch(path) or path.name in {"package.xml", OWN, PROJECT}
+    return (
+        path.suffix in {".urdf", ".xacro", ".srdf"}
+        or is_launch(path)
+        or path.name in {"package.xml", OWN_FILE, PROJECT_FILE}
+    )

@@ -9,7 +9,7 @@ from urdfcheck.output.html.glyphs import render_glyph
 from urdfcheck.output.html.tables import render_table
 from urdfcheck.output.html.text import NO_VALUE, escape_html
 from urdfcheck.output.shared.wording import PROGRAM_NAMES
-from urdfcheck.policy.consumers import Outcome, outcomes
+from urdfcheck.policy.consumers import ConsumerOutcome, predict_outcomes
 
 VERDICT_TEXTS = {
     Verdict.LOADS: ("ok", "loads it as typed"),
@@ -25,11 +25,11 @@ VERDICT_TEXTS = {
 def render_consumers_table(findings: Iterable[Finding], rules: Collection[str]) -> str:
     """A row for each program; those of the given rules are linked to what they say."""
     head = '<tr><th scope="col">Program</th><th scope="col">What it does</th><th scope="col">Because of</th></tr>'
-    rows = (_render_consumer_row(name, outcome, rules) for name, outcome in outcomes(findings).items())
+    rows = (_render_consumer_row(name, outcome, rules) for name, outcome in predict_outcomes(findings).items())
     return render_table("What becomes of the model, as far as these findings tell", head, rows)
 
 
-def _render_consumer_row(name: str, outcome: Outcome, rules: Collection[str]) -> str:
+def _render_consumer_row(name: str, outcome: ConsumerOutcome, rules: Collection[str]) -> str:
     kind, told = VERDICT_TEXTS[outcome.verdict]
     codes = ", ".join(
         f'<a href="#rule-{code}"><code>{code}</code></a>' if code in rules else f"<code>{escape_html(code)}</code>"
