@@ -22,7 +22,7 @@ import pytest
 from hypothesis import settings
 
 from urdfcheck import cli
-from urdfcheck.cli.preload import preload_modules
+from urdfcheck.run.preload import preload_modules
 from urdfcheck.core import Run
 from urdfcheck.policy.policy import Policy
 from urdfcheck.rules import has_check, load_check, load_rules

@@ -24,6 +24,9 @@ from typing import Any
 
 FORKS = "fork" in multiprocessing.get_all_start_methods()
 ENDING = (signal.SIGINT, signal.SIGTERM)
+# Environment variables that are set for the workers.
+_THREAD_VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+WORKER_VARIABLES = (*_THREAD_VARIABLES, "PYTHONSAFEPATH")
 # With at most this many jobs, the warm worker may finish them before another has loaded its libraries, which takes about this
 # many seconds.
 _FEW, _PATIENCE = 4, 0.3
@@ -286,7 +289,7 @@ def _serve_jobs(pipe: Connection, prepare: Callable[[], object] | None, inherite
 
 def _make_context() -> Any:
     # The processes share the cores, so BLAS threads in each would only compete; and a process with threads must not be forked.
-    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    for variable in _THREAD_VARIABLES:
         os.environ.setdefault(variable, "1")
     if FORKS:
         return multiprocessing.get_context("fork")

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from urdfcheck.cli.options import EPILOG, CommandParser, add_options, build_request, ensure_paths
-from urdfcheck.cli.preload import start_warm_worker
 from urdfcheck.cli.terminal import NOTHING, OK, combine_exit_code, make_progress_printer, say
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.run.preload import start_warm_worker
 
 
 def build_parser() -> argparse.ArgumentParser:

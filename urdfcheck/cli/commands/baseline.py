@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from urdfcheck.cli.options import EPILOG, CommandParser, add_options, build_request, find_baseline_file
+from urdfcheck.cli.options import EPILOG, CommandParser, add_options, build_request, read_options
 from urdfcheck.cli.terminal import (
     FAILED,
     NOTHING,
@@ -47,11 +47,12 @@ def main(words: Sequence[str]) -> int:
 
     from urdfcheck.policy import baseline
     from urdfcheck.run.pipeline import Execution, run
+    from urdfcheck.run.request import find_baseline_file
     from urdfcheck.source.package.finder import format_path
     from urdfcheck.system import libraries
 
     request, settings = build_request(options)
-    file = find_baseline_file(options, settings)
+    file = find_baseline_file(read_options(options, options.paths), settings)
     if options.action == "check" and options.isolated and options.baseline is None:
         raise UrdfcheckError("--isolated heeds no baseline that lies in the repository: name one with --baseline")
     if request.baseline is None and file.is_file():

@@ -22,7 +22,6 @@ from urdfcheck.cli.options import (
     is_folder_output,
     parse_outputs,
 )
-from urdfcheck.cli.preload import start_warm_worker
 from urdfcheck.cli.terminal import (
     FINDINGS,
     OK,
@@ -35,6 +34,7 @@ from urdfcheck.cli.terminal import (
 )
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output import DRAWING_FORMATS, FORMATS
+from urdfcheck.run.preload import start_warm_worker
 
 if TYPE_CHECKING:
     from urdfcheck.core import Finding, Run

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.cli.options import EPILOG, CommandParser, add_options, find_baseline_file, make_config_resolver
+from urdfcheck.cli.options import EPILOG, CommandParser, add_options, read_options
 from urdfcheck.cli.terminal import OK, print_document, say
 from urdfcheck.core.errors import UrdfcheckError
 
@@ -81,9 +81,12 @@ def main(words: Sequence[str]) -> int:
     if not path.exists():
         raise UrdfcheckError(f"{path} does not exist")
 
-    configured = make_config_resolver(options, (path,))
+    from urdfcheck.run.request import find_baseline_file, make_config_resolver
+
+    run_options = read_options(options, [options.path])
+    configured = make_config_resolver(run_options)
     config = configured.for_path(path)
-    baseline = find_baseline_file(options, config)
+    baseline = find_baseline_file(run_options, config)
     there = baseline.is_file() and not options.isolated
     answer = _build_report(configured, config, path, baseline if there or options.baseline or config.baseline else None)
     if options.format == "json":

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from urdfcheck.cli.options import CommandParser, add_access_options, add_options, build_request, parse_outputs
-from urdfcheck.cli.preload import start_warm_worker
 from urdfcheck.cli.terminal import compute_exit_code, make_progress_printer, print_run, write_file
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.run.preload import start_warm_worker
 
 if TYPE_CHECKING:
     from urdfcheck.core import Run

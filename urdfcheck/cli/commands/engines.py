@@ -7,10 +7,9 @@ import json
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.cli.options import CommandParser, add_access_options, build_access_request, load_config
+from urdfcheck.cli.options import CommandParser, add_access_options, build_access_request
 from urdfcheck.cli.terminal import FINDINGS, OK, print_document
 
 if TYPE_CHECKING:
@@ -38,7 +37,6 @@ def build_parser() -> argparse.ArgumentParser:
 def main(words: Sequence[str]) -> int:
     """Run the command."""
     options = build_parser().parse_args(words)
-    path = Path(options.model)
 
     from dataclasses import replace
 
@@ -47,8 +45,7 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck.system import libraries
 
     libraries.prefer_own_folders()
-    settings = load_config(path, options)
-    request = build_access_request(options, settings, (path,), frozenset(catalogue.load_rules()))
+    request, settings = build_access_request(options, options.model, frozenset(catalogue.load_rules()))
     done = compare_engines(replace(request, jobs=os.cpu_count() or 1))
     if options.format == "json":
         print_document(json.dumps(_build_document(done), indent=1, ensure_ascii=False, allow_nan=False) + "\n")

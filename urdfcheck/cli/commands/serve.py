@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Any
 
 from urdfcheck.cli.commands.check import build_parser
 from urdfcheck.cli.options import build_request
-from urdfcheck.cli.preload import preload_modules
 from urdfcheck.cli.terminal import FAILED, FINDINGS, compute_exit_code
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output.shared.inert import escape_for_log, escape_one_line
+from urdfcheck.run.preload import preload_modules
 
 if TYPE_CHECKING:
     import argparse

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from urdfcheck.cli.options import CommandParser, add_access_options, build_access_request, load_config
+from urdfcheck.cli.options import CommandParser, add_access_options, build_access_request
 from urdfcheck.cli.terminal import NOTHING, OK, print_document, say, write_file
 from urdfcheck.core.errors import UrdfcheckError
 
@@ -47,7 +47,7 @@ def main(words: Sequence[str]) -> int:
     # What is wrong with the file says why there is no model.
     codes = frozenset(code for code, rule in catalogue.load_rules().items() if "file" in rule.scopes)
     libraries.prefer_own_folders()
-    request = build_access_request(options, load_config(path, options), (path,), codes)
+    request, _ = build_access_request(options, options.model, codes)
     audit_options = replace(request.options, samples=THOROUGH if options.thorough else SAMPLES, pairs=True)
     report = audit_single_model(replace(request, options=audit_options))
     if report.pairs is None:

@@ -15,13 +15,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from urdfcheck.cli.preload import start_warm_worker
 from urdfcheck.cli.terminal import FAILED, erase_progress, make_progress_printer, say
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output.shared.inert import escape_one_line
 from urdfcheck.policy.config import OWN_FILE, PROJECT_FILE
 from urdfcheck.run.jobs import Request
 from urdfcheck.run.pipeline import AuditedRun, Execution, run_audit
+from urdfcheck.run.preload import start_warm_worker
 from urdfcheck.source.discover import is_launch
 from urdfcheck.source.package.finder import BUILD_FOLDERS, format_path
 from urdfcheck.system.files import Stamp, read_stamp, walk
