@@ -9,6 +9,7 @@ import itertools
 import os
 import pickle
 import shutil
+import signal
 import subprocess
 import sys
 import warnings
@@ -21,13 +22,13 @@ import pytest
 from hypothesis import settings
 
 from urdfcheck import cli
-from urdfcheck.cli.preload import prepare
 from urdfcheck.core import Run
 from urdfcheck.policy.policy import Policy
 from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run import pipeline as engine
 from urdfcheck.run.jobs import AuditOptions, PackageFolders, Request
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
+from urdfcheck.run.preload import preload_modules
 from urdfcheck.source.package.finder import LEVELS_UP
 from urdfcheck.system import process_pool as workers
 from urdfcheck.system import sandbox
@@ -98,7 +99,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_collection_finish() -> None:
     """Many tests fork: what a worker process loads is loaded once, and no process looks through thousands of tests for
     garbage."""
-    prepare()
+    preload_modules()
     for rule in load_rules().values():
         if has_check(rule):
             load_check(rule)
@@ -137,6 +138,15 @@ def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         yield
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _interruptible() -> Iterator[None]:
+    """Let SIGINT raise KeyboardInterrupt here and in every program that a test starts. Python installs no handler where the
+    signal is ignored at its start, as it is for what a shell runs in the background (``nohup make test &``)."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @pytest.fixture
 def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """The command does all of its work in this process, for tests whose point is not the workers. What goes to one and comes
@@ -147,12 +157,12 @@ def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
     ) -> Iterator[tuple[int, Any]]:
         for index, job in enumerate(jobs):
             called, words = pickle.loads(pickle.dumps((function, job)))
-            yield index, workers._Answer(io.BytesIO(pickle.dumps(called(*words)))).load()
+            yield index, workers._PlainUnpickler(io.BytesIO(pickle.dumps(called(*words)))).load()
 
     monkeypatch.setattr(workers, "FORKS", False)
-    monkeypatch.setattr(engine, "in_workers", in_turn)
+    monkeypatch.setattr(engine, "map_in_processes", in_turn)
     monkeypatch.setattr(sandbox, "confine", lambda *_: None)
-    monkeypatch.setattr(sandbox, "bound_memory", lambda _: None)
+    monkeypatch.setattr(sandbox, "limit_memory", lambda _: None)
 
 
 def unproven(what: str) -> NoReturn:

@@ -68,13 +68,13 @@ class TestNearest:
         assert [f.fingerprints for f in alone] == [f.fingerprints for f in run(folder).findings if f.severity == 1]
 
     def test_the_exit_code_asks_the_configuration_of_each_finding(self, folder: Path) -> None:
-        from urdfcheck.cli.terminal import exit_code
+        from urdfcheck.cli.terminal import compute_exit_code
 
         write(folder / "b/urdfcheck.toml", 'fail-on = "info"\n[severity]\nINR003 = "info"\n')
         (folder / "a/urdf/a.urdf").unlink()
         outcome = run(folder)
         assert outcome.fail_on == {"urdf/b.urdf": "info"}
-        assert exit_code(outcome, "error") == cli.FINDINGS
+        assert compute_exit_code(outcome, "error") == cli.FINDINGS
 
     def test_the_command_line_wins(self, folder: Path) -> None:
         given = CliOverrides(select=frozenset({"INR003"}), ignore=frozenset({"INR003"}), fail_on="info")

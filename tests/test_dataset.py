@@ -24,7 +24,7 @@ from urdfcheck import rules as catalogue
 from urdfcheck.cli import FAILED, FINDINGS, NOTHING, OK, main
 from urdfcheck.core import Finding, Severity
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.dataset import dataset_audit as dataset
+from urdfcheck.dataset import audit as dataset
 from urdfcheck.output.shared.audit import unit_lines
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.run import audit as worker
@@ -76,7 +76,7 @@ class Audit:
 
         wanted = {"tier": "source", **self.request, **request}
         work = make_request(self.models, **wanted)
-        self.outcome = dataset.audit(work, self.folder, stream, restart=restart)
+        self.outcome = dataset.audit_dataset(work, self.folder, stream, restart=restart)
         return asked
 
     @property
@@ -157,7 +157,7 @@ def test_the_outcome_does_not_depend_on_the_number_of_jobs(audit: Audit, tmp_pat
     audit()
     there = tmp_path / f"out{jobs}"
     request = make_request(audit.models, tier="source", jobs=jobs)
-    dataset.audit(request, there, lambda units, settings: engine.stream_reports(units, settings, jobs))
+    dataset.audit_dataset(request, there, lambda units, settings: engine.stream_reports(units, settings, jobs))
     assert ((there / "audit.jsonl").read_bytes(), (there / "index.html").read_bytes()) == audit.bytes
 
 
@@ -306,23 +306,23 @@ def test_an_entry_that_rests_on_no_file_is_not_believed(audit: Audit) -> None:
 KILLED = """
 import os, sys, time
 from pathlib import Path
-from urdfcheck.dataset import dataset_audit as dataset
+from urdfcheck.dataset.audit import audit_dataset
 from urdfcheck.policy.policy import Policy
 from urdfcheck.rules import load_rules
-from urdfcheck.run import audit as worker
+from urdfcheck.run.audit import audit_unit
 from urdfcheck.run.jobs import AuditSettings, Request, Unit
 
 def stream(units, settings):
     for place, unit in enumerate(units):
-        yield place, worker.audit_unit(unit, settings)
+        yield place, audit_unit(unit, settings)
         os.write(log, (unit.id + "\\n").encode())  # it is kept now
         time.sleep(0.01)
 
 policy = Policy(codes=frozenset(load_rules()), tier="source")
 models, folder, log = Path(sys.argv[1]), Path(sys.argv[2]), os.open(sys.argv[3], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
-worker.audit_unit(Unit(kind="model", path=str(next(models.iterdir())), id=""), AuditSettings(policy=policy))
+audit_unit(Unit(kind="model", path=str(next(models.iterdir())), id=""), AuditSettings(policy=policy))
 print("ready", flush=True)
-dataset.audit(Request(paths=(models,), root=models, policy=policy), folder, stream)
+audit_dataset(Request(paths=(models,), root=models, policy=policy), folder, stream)
 """
 
 
@@ -374,7 +374,7 @@ def test_a_folder_has_one_audit_at_a_time(audit: Audit) -> None:
             yield place, worker.audit_unit(unit, settings)
 
     request = make_request(audit.models, tier="source")
-    dataset.audit(request, audit.folder, stream)
+    dataset.audit_dataset(request, audit.folder, stream)
     assert said == [f"urdfcheck: another audit is at work in {audit.folder}\n"]
     done = subprocess.run([*second, "--restart"], capture_output=True, text=True, cwd=REPOSITORY)
     assert (done.returncode, done.stderr) == (FINDINGS, "")
@@ -484,8 +484,10 @@ def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
     limits = ResourceLimits(seconds=2.0)
     request = make_request(audit.models, tier="source", limits=limits)
 
-    def outcome() -> dataset.Outcome:
-        return dataset.audit(request, audit.folder, lambda units, settings: engine.stream_reports(units, settings, 1))
+    def outcome() -> dataset.AuditOutcome:
+        return dataset.audit_dataset(
+            request, audit.folder, lambda units, settings: engine.stream_reports(units, settings, 1)
+        )
 
     assert outcome().summary.statuses == {"checked": 5, "stopped": 1}
     assert [f["code"] for f in audit.lines[1]["findings"]][-1:] == ["URC906"]
@@ -512,7 +514,7 @@ def test_a_worker_that_dies_is_a_failure_and_its_model_tried_again(
     request = make_request(audit.models, tier="source")
     with monkeypatch.context() as patch:
         patch.setattr(engine, "_audit_in_worker", die_on_3)
-        found = dataset.audit(
+        found = dataset.audit_dataset(
             request, audit.folder, lambda units, settings: engine.stream_reports(units, settings, 2)
         ).summary
     assert found.failure_count == 1
@@ -578,7 +580,6 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
         text=True,
         cwd=REPOSITORY,
         start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     journal = tmp_path / "out" / "journal"
     while process.poll() is None and not (journal.exists() and journal.read_bytes().count(b'\n{"key"') > 3):

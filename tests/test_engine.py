@@ -11,7 +11,7 @@ import pytest
 from conftest import check, check_text, make_request
 
 from urdfcheck import rules as catalogue
-from urdfcheck.cli import FAILED, exit_code
+from urdfcheck.cli import FAILED, compute_exit_code
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.output.json import render
 from urdfcheck.policy.superseding import drop_superseded
@@ -35,7 +35,7 @@ def test_a_check_that_crashes_is_URC900_and_exit_2_and_the_others_run(
     codes = {f.code for f in outcome.findings}
     assert {"URC900", "INR003"} <= codes
     assert "INR004 crashed" in outcome.failures[0]
-    assert exit_code(outcome, "never") == FAILED
+    assert compute_exit_code(outcome, "never") == FAILED
 
 
 AUDIT = engine._audit_in_worker

@@ -151,7 +151,6 @@ def test_an_interrupt_reports_what_was_finished(models: Path, tmp_path: Path) ->
         *(many, "--jobs", 2, "--format", "json"),
         cache=tmp_path / "cache",
         start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     for _ in range(600):  # until some are finished
         if kept(tmp_path / "cache") > 3:

@@ -11,7 +11,7 @@ import pytest
 from conftest import REPOSITORY
 
 from urdfcheck import __version__, cli
-from urdfcheck.cli.commands.check import parser
+from urdfcheck.cli.commands.check import build_parser
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def _family_order(page: str) -> tuple[int, str]:
 
 def test_readme_names_every_option_and_exit_code() -> None:
     readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
-    options = {s for action in parser()._actions for s in action.option_strings if s.startswith("--")}
+    options = {s for action in build_parser()._actions for s in action.option_strings if s.startswith("--")}
     missing = {o for o in options - {"--help", "--version"} if o not in readme}
     assert not missing
     for code in (cli.OK, cli.FINDINGS, cli.FAILED, cli.NOTHING):

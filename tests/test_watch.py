@@ -103,7 +103,7 @@ def test_only_reports_that_rest_on_files_that_changed_are_made_anew(tmp_path: Pa
     request = make_request(tmp_path, tier="source")
     before = run_audit(request, IN_THIS_PROCESS)
     (tmp_path / "a.urdf").write_text(BROKEN)
-    kept = watch._still_true(before, request)
+    kept = watch._keep_valid_reports(before, request)
     assert kept is not None
     checked: list[str] = []
     execution = Execution(audit=lambda unit, settings: checked.append(unit.id) or audit_unit(unit, settings))
@@ -114,13 +114,13 @@ def test_only_reports_that_rest_on_files_that_changed_are_made_anew(tmp_path: Pa
 def test_a_report_that_is_written_among_the_models_is_no_change(tmp_path: Path) -> None:
     model, report = tmp_path / "r.urdf", tmp_path / "r.json"
     model.write_text(SOUND)
-    seen = watch._stamps([str(model), str(tmp_path), str(report)])
+    seen = watch._read_stamps([str(model), str(tmp_path), str(report)])
     report.write_text("{}")
     os.utime(tmp_path, (1, 1))
-    known = watch._without(seen, [report])
-    assert not watch._differing(known, watch._stamps(known))
+    known = watch._exclude_written(seen, [report])
+    assert not watch._list_differing(known, watch._read_stamps(known))
     model.write_text(BROKEN)
-    assert watch._differing(known, watch._stamps(known)) == [str(model)]
+    assert watch._list_differing(known, watch._read_stamps(known)) == [str(model)]
 
 
 def test_there_must_be_something_to_watch(tmp_path: Path) -> None:

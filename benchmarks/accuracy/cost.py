@@ -25,7 +25,7 @@ from urdfcheck.model import Model
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.system.array_cache import Cache
+from urdfcheck.system.array_cache import ArrayCache
 
 LIMIT = 2e-3
 _CODES = ("INR", "SYM", "JNT013", "JNT014", "JNT015", "JNT016", "DYN004")
@@ -101,7 +101,7 @@ def _turn(robot: Robot, folder: Path, rules: list[Rule]) -> tuple[float, float]:
     def model() -> Model:
         source = load_source(path, {}, PackageFinder(folder, {}, []), explicit=True)
         assert source.root is not None
-        made = Model(source, source.root, cache=Cache(folder / "kept"))
+        made = Model(source, source.root, cache=ArrayCache(folder / "kept"))
         for facts in made.meshes.facts.values():
             _ = facts.hull, facts.components, facts.vertices
         return made

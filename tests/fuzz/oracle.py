@@ -26,7 +26,7 @@ from fuzz.cases import SECRET, Case
 from jsonschema import Draft202012Validator
 
 from urdfcheck import rules as catalogue
-from urdfcheck.cli import FINDINGS, NOTHING, OK, exit_code
+from urdfcheck.cli import FINDINGS, NOTHING, OK, compute_exit_code
 from urdfcheck.core import Run, Severity
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.facts.mesh.decode import decode_mesh
@@ -84,7 +84,7 @@ def judge(case: Case, folder: Path, *, everything: bool = False) -> Verdict:
     before = {str(p) for p in folder.rglob("*") if "robot/self" not in str(p)}
     peak = _peak()
     try:
-        with _watched() as events, _printed() as printed, sandbox.deadline(SECONDS):
+        with _watched() as events, _printed() as printed, sandbox.enforce_deadline(SECONDS):
             outcome = check(path, case.tier, scene=everything)
             problem = _wrong(outcome, everything=everything)
             if problem is None and everything:
@@ -109,13 +109,13 @@ def judge(case: Case, folder: Path, *, everything: bool = False) -> Verdict:
     if {str(p) for p in folder.rglob("*") if "robot/self" not in str(p)} != before:
         return Verdict("ran", "the folder has changed", "folder")
     if not any(f.severity is Severity.ERROR for f in outcome.findings) and outcome.units:
-        with _printed(), sandbox.deadline(SECONDS):
+        with _printed(), sandbox.enforce_deadline(SECONDS):
             refused = _refused(case, path, outcome)
         if refused is not None:
             return Verdict("silent", f"no finding, but {refused}", re.sub(r"\d+|'[^']*'|\"[^\"]*\"", "…", refused)[:80])
     if not outcome.units:
         return Verdict("nothing")
-    return Verdict("findings" if exit_code(outcome, "error") == FINDINGS else "clean")
+    return Verdict("findings" if compute_exit_code(outcome, "error") == FINDINGS else "clean")
 
 
 def check(path: Path, tier: str, *, scene: bool = False, cache: Path | None = None) -> Run:
@@ -145,8 +145,8 @@ def _wrong(outcome: Run, *, everything: bool) -> Verdict | None:
     stopped = [f for f in outcome.findings if f.code == "URC906" and f.message_id in {"time", "memory", "killed"}]
     if stopped:
         return Verdict(stopped[0].message_id, stopped[0].message, f"URC906 {stopped[0].message_id}")
-    if exit_code(outcome, "error") not in {OK, FINDINGS, NOTHING}:
-        return Verdict("exit", f"exit code {exit_code(outcome, 'error')}", "exit")
+    if compute_exit_code(outcome, "error") not in {OK, FINDINGS, NOTHING}:
+        return Verdict("exit", f"exit code {compute_exit_code(outcome, 'error')}", "exit")
     written = render_json(outcome)
     try:
         written.encode()

@@ -11,7 +11,7 @@ from output.runs import a_run, finding, info, scene
 
 from urdfcheck import rules as catalogue
 from urdfcheck.cli import terminal
-from urdfcheck.cli.options import names_folder
+from urdfcheck.cli.options import is_folder_output
 from urdfcheck.cli.terminal import write_report
 from urdfcheck.core import Severity
 from urdfcheck.output.html import iter_report_pages, make_unique_file_names
@@ -153,9 +153,9 @@ def test_a_folder_is_meant_by_its_end_or_by_being_there(tmp_path: Path) -> None:
     (tmp_path / "there.d").mkdir()
     (tmp_path / "file").touch()
     asked = ("new", "new.d/", "there.d", "report.html", "file")
-    assert [names_folder(f"html={tmp_path}/{name}") for name in asked] == [True, True, True, False, False]
-    assert not names_folder("html=/dev/null")
-    assert not names_folder(f"json={tmp_path}/new")
+    assert [is_folder_output(f"html={tmp_path}/{name}") for name in asked] == [True, True, True, False, False]
+    assert not is_folder_output("html=/dev/null")
+    assert not is_folder_output(f"json={tmp_path}/new")
 
 
 def test_a_report_that_browsers_are_slow_with_says_what_to_do(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from output.documents import read
 from output.runs import IDENTITY, a_run, info, link, scene
 
-from urdfcheck.cli.options import output_files
+from urdfcheck.cli.options import parse_outputs
 from urdfcheck.cli.terminal import write_report
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.core.scene import Scene, SceneDrawing, SceneMesh, SceneShape
@@ -190,7 +190,7 @@ def test_a_run_of_one_model_has_a_picture_and_any_other_says_why_not() -> None:
 
 
 def test_the_command_writes_it_as_it_is(tmp_path: Path) -> None:
-    ((name, file),) = output_files([f"png={tmp_path / 'robot.png'}"], [])
+    ((name, file),) = parse_outputs([f"png={tmp_path / 'robot.png'}"], [])
     write_report(a_run(scenes=(robot((sphere(RED),)),)), name, file)
     assert decoded(file.read_bytes()).shape == (900, 1200, 4)
 

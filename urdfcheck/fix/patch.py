@@ -17,7 +17,7 @@ from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import find_project_folder, is_below, resolve_real_path
 from urdfcheck.source.text.xml import SourceFile, XmlError
 from urdfcheck.system.files import overlay_files, read_regular
-from urdfcheck.system.process_pool import undisturbed
+from urdfcheck.system.process_pool import block_ending_signals
 
 # What lies beside `share` in a prefix of ROS, an installed workspace or the devel space of catkin.
 _INSTALLED = ("local_setup.sh", "local_setup.bash", "_setup_util.py")
@@ -172,7 +172,7 @@ def write_files(changes: Mapping[str, tuple[bytes, bytes]]) -> None:
                 raise UrdfcheckError(
                     f"{_format_paths([path])} was changed by others while it was checked; {_describe_written(waiting)}"
                 )
-        with undisturbed():
+        with block_ending_signals():
             for path, place in waiting.items():
                 os.replace(place, path)
     except OSError as error:

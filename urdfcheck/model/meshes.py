@@ -12,7 +12,7 @@ from urdfcheck.model.parts import Link, Shape
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Resource
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.system.array_cache import Cache, origin_of, version_of
+from urdfcheck.system.array_cache import ArrayCache, compute_code_version, find_library_origin
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, read_regular
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class ModelMeshes:
     """The use of each shape, by the ``id`` of the shape."""
 
     @classmethod
-    def from_links(cls, links: Sequence[Link], source: Source, cache: Cache, *, read: bool) -> ModelMeshes:
+    def from_links(cls, links: Sequence[Link], source: Source, cache: ArrayCache, *, read: bool) -> ModelMeshes:
         """Resolve the meshes of all links; with ``read``, measure every file that exists, or recall what was measured."""
         uses: list[MeshUse] = []
         for link in links:
@@ -94,7 +94,7 @@ class ModelMeshes:
         digest = self.digests.get(path)
         return None if digest is None else f"{digest}-{_get_file_kind(path)}"
 
-    def _read_files(self, cache: Cache) -> ModelMeshes:
+    def _read_files(self, cache: ArrayCache) -> ModelMeshes:
         from urdfcheck.facts.mesh.decode_limits import MeshError
         from urdfcheck.facts.mesh.measure import restore_mesh_facts
 
@@ -105,7 +105,7 @@ class ModelMeshes:
         for path in sorted(self.group_by_file()):
             kind = _get_file_kind(path)
             try:
-                digests[path], data = cache.digest(path)
+                digests[path], data = cache.compute_digest(path)
                 key = f"{digests[path]}-{kind}-{_compute_reader_version(kind)}"
                 if key not in by_content:
                     parts = cache.entry("meshes", key)
@@ -146,7 +146,7 @@ def _make_mesh_error(error: OSError | ImportError | MemoryError) -> MeshError:
 def _compute_reader_version(kind: str) -> str:
     """Return a digest of what decides the measurements of a file of this kind besides its content."""
     reader = READERS.get(kind)
-    return version_of(*MEASURING_MODULES, library=reader and origin_of(reader))
+    return compute_code_version(*MEASURING_MODULES, library=reader and find_library_origin(reader))
 
 
 def _get_file_kind(path: Path) -> str:

@@ -15,7 +15,7 @@ from urdfcheck.model.tree import Tree
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.text.xml import Element
-from urdfcheck.system.array_cache import Cache
+from urdfcheck.system.array_cache import ArrayCache
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -31,7 +31,7 @@ class Model:
     """The expanded root element."""
     tier: str = "full"
     """Which facts may be computed: source | mesh | full."""
-    cache: Cache = field(default_factory=Cache)
+    cache: ArrayCache = field(default_factory=ArrayCache)
     """Keeps between runs what took long to compute."""
     samples: int = 200
     """Number of joint configurations that facts about motion sample."""

@@ -36,7 +36,7 @@ from urdfcheck.source.resources import find_uninstalled_files
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.suppression_comments import find_ignore_comments
 from urdfcheck.source.text.xml import SourceFile
-from urdfcheck.system.array_cache import Cache
+from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import overlay_files, read_regular, record_reads
 
 _TIER_OF_NEED = {
@@ -155,7 +155,7 @@ class _UnitAudit:
             source,
             source.root,
             self.policy.tier,
-            Cache(self.cache_folder),
+            ArrayCache(self.cache_folder),
             samples=self.options.samples,
             targets=self.policy.targets,
             may_simulate=self.options.drop,

@@ -13,7 +13,7 @@ from typing import Any
 from urdfcheck.core import Applicability, Cause, Confidence, Edit, Finding, Fix, Location, Rule, Severity, Span
 from urdfcheck.model import Model
 from urdfcheck.rules import find_pages_folder
-from urdfcheck.system.array_cache import origin_of
+from urdfcheck.system.array_cache import find_library_origin
 
 # What the findings are computed with, beside urdfcheck itself.
 _LIBRARIES = ("numpy", "scipy", "trimesh", "collada", "pinocchio")
@@ -94,7 +94,7 @@ def _stamp_sources() -> str:
     """What changes whenever urdfcheck or a library does: sizes and times of its files."""
     files = sorted((*_HERE.rglob("*.py"), *find_pages_folder().glob("*.md")))
     stamps = [f"{path} {status.st_size} {status.st_mtime_ns}" for path in files for status in (path.stat(),)]
-    return "\n".join((*stamps, *(str(origin_of(library)) for library in _LIBRARIES)))
+    return "\n".join((*stamps, *(str(find_library_origin(library)) for library in _LIBRARIES)))
 
 
 def _restore_finding(plain: Mapping[str, Any]) -> Finding:

@@ -31,9 +31,9 @@ from urdfcheck.source.discover import Plan, discover_targets
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.reach import FileReach
 from urdfcheck.system import libraries, sandbox
-from urdfcheck.system.array_cache import Cache
+from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import overlay_files
-from urdfcheck.system.process_pool import Died, Overdue, Worker, in_workers
+from urdfcheck.system.process_pool import Worker, WorkerDiedError, WorkerTimeoutError, map_in_processes
 
 # The search for all models may take so many times longer than the check of one, and at least so many seconds: a model takes
 # about a millisecond.
@@ -167,10 +167,10 @@ def plan_units(request: Request, *, in_process: bool = False) -> tuple[Plan, lis
             plan = discover_targets(*question)
         return plan, _build_units(plan, request)
     longest = max(PLANNING_TIME_RATIO * limits.seconds, MIN_PLANNING_SECONDS) if limits.seconds else None
-    ((_, plan),) = in_workers(_discover_bounded, [(limits.memory, texts, *question)], 1, longest=longest)
-    if isinstance(plan, Overdue):
+    ((_, plan),) = map_in_processes(_discover_bounded, [(limits.memory, texts, *question)], 1, timeout=longest)
+    if isinstance(plan, WorkerTimeoutError):
         raise UrdfcheckError(f"looking for models took more than {longest:g} s (--timeout)")
-    if isinstance(plan, Died):
+    if isinstance(plan, WorkerDiedError):
         raise UrdfcheckError(f"the process that looks for models {_describe_exit(plan.exit_code)}")
     if isinstance(plan, MemoryError):
         raise UrdfcheckError(f"looking for models takes more than {limits.memory} MiB (--memory)")
@@ -179,7 +179,7 @@ def plan_units(request: Request, *, in_process: bool = False) -> tuple[Plan, lis
 
 def _discover_bounded(memory: int, texts: Mapping[str, bytes], *question: Any) -> Plan | MemoryError:
     """Do the search of `plan_units` with at most so many MiB."""
-    sandbox.bound_memory(memory)
+    sandbox.limit_memory(memory)
     try:
         with overlay_files(texts):
             return discover_targets(*question)
@@ -227,7 +227,7 @@ def _open_cache_folder(request: Request, units: Sequence[Unit]) -> Iterator[str 
         with contextlib.suppress(OSError):  # a worker may write in it, but not create it
             request.cache.mkdir(parents=True, exist_ok=True)
         yield str(request.cache)
-        Cache(request.cache).tidy()
+        ArrayCache(request.cache).tidy()
     elif len(units) > 1:
         with tempfile.TemporaryDirectory(prefix="urdfcheck-", ignore_cleanup_errors=True) as folder:
             yield folder
@@ -371,11 +371,13 @@ def stream_reports(
     limits = settings.options.limits
     longest = limits.seconds + sandbox.PATIENCE if limits.seconds else None
     warm_worker, on_idle = execution.warm_worker, execution.on_idle
-    for place, result in in_workers(_audit_in_worker, work, at_once, warm_worker, on_idle, longest, _is_stopped):
+    for place, result in map_in_processes(
+        _audit_in_worker, work, at_once, warm_worker=warm_worker, on_idle=on_idle, timeout=longest, is_spent=_is_stopped
+    ):
         unit = units[order[place]]
-        if isinstance(result, Overdue):
+        if isinstance(result, WorkerTimeoutError):
             result = UnitReport(info=unit.describe_unread(), findings=(report_stopped_unit(unit, limits, "killed"),))
-        elif isinstance(result, Died):
+        elif isinstance(result, WorkerDiedError):
             failure = f"the worker for {unit.id} {_describe_exit(result.exit_code)}"
             result = UnitReport(info=unit.describe_unread(), failures=(failure,))
         yield order[place], result
@@ -413,7 +415,7 @@ def _audit_in_worker(unit: Unit, settings: AuditSettings) -> UnitReport:
     libraries.prefer_own_folders()
     sandbox.confine(settings.visible_folders, [settings.cache] if settings.cache else [], limits.memory)
     try:
-        with sandbox.deadline(limits.seconds):
+        with sandbox.enforce_deadline(limits.seconds):
             return audit_unit(unit, settings)
     except ModelTimeout:  # for the second time: while the first was being handled
         return UnitReport(info=unit.describe_unread(), findings=(report_stopped_unit(unit, limits, "time"),))

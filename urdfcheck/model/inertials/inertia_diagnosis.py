@@ -28,7 +28,7 @@ from urdfcheck.model.shapes.visual_solid import (
     merge_geometry,
     split_visual_bodies,
 )
-from urdfcheck.system.array_cache import version_of
+from urdfcheck.system.array_cache import compute_code_version
 
 if TYPE_CHECKING:
     from urdfcheck.system.array_cache import Arrays
@@ -79,7 +79,7 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
     A link whose numbers and drawing are those of an earlier run is not diagnosed again.
     """
     numbers = {name: d for name, link in model.link_by_name.items() if (d := read_declared_inertial(link)) is not None}
-    text = f"{model.source.path}\0{model.name}\0{version_of(*_CODE_MODULES)}"
+    text = f"{model.source.path}\0{model.name}\0{compute_code_version(*_CODE_MODULES)}"
     key = hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()  # a file name may not be valid text
     entry = model.cache.entry("diagnosis", key)
     known = _read_entry(entry)

@@ -19,7 +19,7 @@ from urdfcheck.model.parts import Joint
 from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.source.text.values import read_attribute_number
-from urdfcheck.system.array_cache import origin_of, version_of
+from urdfcheck.system.array_cache import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -189,7 +189,7 @@ def _recall_or_compute(model: Model, group: str, compute: Callable[[], Arrays]) 
     """Return the arrays of a group, from the cache where it holds them for the same model and settings."""
     excepted = (" ".join(sorted(names)) for names in (find_supported_joints(model), list_implicit_joints(model)))
     parts = (
-        version_of(*_CODE_MODULES, library=origin_of("pinocchio")),
+        compute_code_version(*_CODE_MODULES, library=find_library_origin("pinocchio")),
         write_without_geometry(model),
         str(model.samples),
         *excepted,

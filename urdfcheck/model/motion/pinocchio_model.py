@@ -29,7 +29,7 @@ from urdfcheck.source.text.grammar import (
 )
 from urdfcheck.source.text.values import parse_numbers, read_attribute_number
 from urdfcheck.source.text.xml import Element, quote_attribute
-from urdfcheck.system.array_cache import origin_of, version_of
+from urdfcheck.system.array_cache import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
     from urdfcheck.model.robot import Model
@@ -75,11 +75,11 @@ def parser_verdict(model: Model) -> ParserVerdict:
     """
     import numpy as np
 
-    library = origin_of("pinocchio")
+    library = find_library_origin("pinocchio")
     if library is None:
         return _make_verdict(pinocchio_model(model))
     _ensure_loadable(model)
-    parts = (version_of(__name__, library=library), write_without_geometry(model))
+    parts = (compute_code_version(__name__, library=library), write_without_geometry(model))
     entry = model.cache.entry("verdicts", hashlib.sha256("\0".join(parts).encode()).hexdigest())
     if "verdict" not in entry:
         verdict = _make_verdict(pinocchio_model(model))

@@ -25,7 +25,7 @@ from urdfcheck.model.parts import Joint, Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS
 from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
-from urdfcheck.system.array_cache import origin_of, version_of
+from urdfcheck.system.array_cache import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Indices
@@ -169,7 +169,7 @@ class CollisionSetup:
 
     def compute_key(self) -> str:
         """Return a digest of all that decides collisions: shapes, placements, joints, and the code that compares them."""
-        words = [version_of(*_CODE_MODULES, library=origin_of("coal"))]
+        words = [compute_code_version(*_CODE_MODULES, library=find_library_origin("coal"))]
         words += [link.name for link in self.links]
         for shape, owner in zip(self.shapes, self.owners, strict=True):
             pose = shape.origin.matrix

@@ -19,7 +19,7 @@ from urdfcheck import __version__
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Severity, SkippedCheck
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.dataset.journal import TEMPORARY, Journal, aside, saying
+from urdfcheck.dataset.journal import TEMPORARY, Journal, open_new_file, translate_os_errors
 from urdfcheck.output.html import index_page
 from urdfcheck.output.shared.audit import unit_lines
 from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
@@ -36,7 +36,7 @@ Stream = Callable[[Sequence[Unit], AuditSettings], Generator[tuple[int, UnitRepo
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class AuditOutcome:
     """What an audit came to. ``checked`` and ``unchanged`` count the units that were checked now, and those that were not
     because nothing of them changed since. ``worst``: the worst severity of the units whose findings count from each severity on,
     None for those of which the command decides."""
@@ -47,14 +47,14 @@ class Outcome:
     worst: Mapping[str | None, Severity] = field(default_factory=dict)
 
 
-def audit(
+def audit_dataset(
     request: Request,
     folder: Path,
     stream: Stream,
     *,
     restart: bool = False,
     progress: Callable[[int, int], object] | None = None,
-) -> Outcome:
+) -> AuditOutcome:
     """Check everything that the request's paths mean, and write the folder.
 
     ``stream`` does the work: the places of units and their reports, as they come. What the folder holds from an earlier audit
@@ -69,11 +69,11 @@ def audit(
         path, reason = found.missing[0]
         raise UrdfcheckError(f"{path} {reason}")
     if not units:
-        return Outcome(unit_lines.AuditSummary(), 0, 0)
-    keys = [_key(unit) for unit in units]
+        return AuditOutcome(unit_lines.AuditSummary(), 0, 0)
+    keys = [_compute_unit_key(unit) for unit in units]
     with (
         audit_session(request, units, found.reach or request.reach) as settings,
-        Journal(folder, _about(request, settings), frozenset(keys), restart=restart) as journal,
+        Journal(folder, _describe_settings(request, settings), frozenset(keys), restart=restart) as journal,
     ):
         todo = [index for index, key in enumerate(keys) if key not in journal]
         checked = 0
@@ -81,7 +81,7 @@ def audit(
             with contextlib.closing(stream([units[i] for i in todo], settings)) as reports:
                 for place, report in reports:
                     unit = units[todo[place]]
-                    text = b"" if is_empty_candidate(unit, report, found) else line_of(unit, report)
+                    text = b"" if is_empty_candidate(unit, report, found) else encode_unit_line(unit, report)
                     # What failed is tried again next time.
                     journal.add(keys[todo[place]], text, {} if report.failures else report.reads)
                     checked += 1
@@ -95,14 +95,14 @@ def audit(
                 f"interrupted: {finished:,} of {len(units):,} models and files are finished and kept in {folder}; "
                 "the same command goes on from there"
             ) from None
-        last = _of_the_run(request, found)
-        summary = write(folder, lambda: _ordered(journal, keys, last))
-        worst = _worst(units, keys, journal, summary)
+        last = _encode_run_line(request, found)
+        summary = write_results(folder, lambda: _iter_ordered_lines(journal, keys, last))
+        worst = _find_worst_severities(units, keys, journal, summary)
         journal.trim()
-    return Outcome(summary, len(todo), len(units) - len(todo), worst)
+    return AuditOutcome(summary, len(todo), len(units) - len(todo), worst)
 
 
-def _worst(
+def _find_worst_severities(
     units: Sequence[Unit], keys: Sequence[str], journal: Journal, summary: unit_lines.AuditSummary
 ) -> dict[str | None, Severity]:
     if len({unit.fail_on for unit in units}) == 1:  # and what belongs to none of them
@@ -110,14 +110,14 @@ def _worst(
         return {} if worst is None else {units[0].fail_on: worst}
     found: dict[str | None, Severity] = {}
     for unit, key in zip(units, keys, strict=True):
-        counts = unit_lines.parse_unit_line(text).counts if (text := journal.text(key)) else ()
+        counts = unit_lines.parse_unit_line(text).counts if (text := journal.read_text(key)) else ()
         for severity, number in zip((Severity.ERROR, Severity.WARNING, Severity.INFO), counts, strict=False):
             if number:
                 found[unit.fail_on] = max(severity, found.get(unit.fail_on, severity))
     return found
 
 
-def line_of(unit: Unit, report: UnitReport) -> bytes:
+def encode_unit_line(unit: Unit, report: UnitReport) -> bytes:
     """The unit's line in ``audit.jsonl``."""
     info = report.info
     if info is not None and "SOURCE_DATE_EPOCH" in os.environ:
@@ -134,21 +134,22 @@ def line_of(unit: Unit, report: UnitReport) -> bytes:
     )
 
 
-def write(folder: Path, texts: Callable[[], Iterable[bytes]]) -> unit_lines.AuditSummary:
+def write_results(folder: Path, texts: Callable[[], Iterable[bytes]]) -> unit_lines.AuditSummary:
     """Write the lines and the page about them, each whole or not at all; ``texts`` gives the lines as often as it is called."""
-    with saying(folder):
-        _replace(folder / LINES, (text + b"\n" for text in texts()))
+    with translate_os_errors(folder):
+        _replace_file(folder / LINES, (text + b"\n" for text in texts()))
         summary = unit_lines.AuditSummary.from_rows(map(unit_lines.parse_unit_line, texts()))
-        rows = map(unit_lines.parse_unit_line, texts())
-        page = index_page.iter_audit_page(summary, rows, rules=catalogue.load_rules(), version=__version__)
-        _replace(folder / INDEX, (part.encode() for part in page))
+        page = index_page.iter_audit_page(
+            summary, map(unit_lines.parse_unit_line, texts()), rules=catalogue.load_rules(), version=__version__
+        )
+        _replace_file(folder / INDEX, (part.encode() for part in page))
     return summary
 
 
-def _replace(path: Path, parts: Iterable[bytes]) -> None:
+def _replace_file(path: Path, parts: Iterable[bytes]) -> None:
     temporary = path.with_name(f"{TEMPORARY}{path.name}")
     try:
-        with aside(temporary) as out:
+        with open_new_file(temporary) as out:
             out.writelines(parts)
         os.replace(temporary, path)
     except BaseException:
@@ -156,14 +157,14 @@ def _replace(path: Path, parts: Iterable[bytes]) -> None:
         raise
 
 
-def _ordered(journal: Journal, keys: Sequence[str], last: bytes) -> Iterator[bytes]:
+def _iter_ordered_lines(journal: Journal, keys: Sequence[str], last: bytes) -> Iterator[bytes]:
     for key in keys:
-        if text := journal.text(key):
+        if text := journal.read_text(key):
             yield text
     yield last
 
 
-def _of_the_run(request: Request, found: Plan) -> bytes:
+def _encode_run_line(request: Request, found: Plan) -> bytes:
     """The line of what belongs to no unit: paths that are wrong, and what only a run as a whole could show."""
     findings = report_foreign_libraries() if "URC907" in request.policy.codes else []
     skipped = [SkippedCheck("ALL", path, reason) for path, reason in found.unused]
@@ -177,7 +178,7 @@ def _of_the_run(request: Request, found: Plan) -> bytes:
     return unit_lines.build_unit_line("run", "", "", findings=findings, skipped=skipped, failures=failures)
 
 
-def _about(request: Request, settings: AuditSettings) -> dict[str, Any]:
+def _describe_settings(request: Request, settings: AuditSettings) -> dict[str, Any]:
     """All that the outcome for a unit depends on beside the unit and its files, by the name that a user has for it."""
     variables = {name: os.environ.get(name) for name in sorted({*_ENVIRONMENT, *settings.options.environment})}
     return {
@@ -202,14 +203,14 @@ def _about(request: Request, settings: AuditSettings) -> dict[str, Any]:
     }
 
 
-def _key(unit: Unit) -> str:
+def _compute_unit_key(unit: Unit) -> str:
     # `fail_on` changes nothing of what is found; what is known has keys that JSON has not.
     facts: Mapping[str, Any] = asdict(replace(unit, fail_on=None, baseline_entries={})) | {
         "known": sorted(unit.baseline_entries.items())
     }
-    return hashlib.sha256(json.dumps(facts, sort_keys=True, default=_plain).encode()).hexdigest()[:32]
+    return hashlib.sha256(json.dumps(facts, sort_keys=True, default=_sort_for_json).encode()).hexdigest()[:32]
 
 
-def _plain(value: Any) -> Any:
+def _sort_for_json(value: Any) -> Any:
     """Return what JSON can hold of a set of codes or a folder."""
     return str(value) if isinstance(value, Path) else sorted(value)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.model import Model
 from urdfcheck.model.parts import Joint
-from urdfcheck.simulators.outcome import Motion, Robot, Typed, Vector
+from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, TypedRobot, Vector
 from urdfcheck.source.load import Source
 from urdfcheck.source.text.xml import Element, quote_attribute
 from urdfcheck.system.files import read_regular
@@ -32,43 +32,43 @@ _START = 0.3
 _FILENAME = re.compile(rb"""(\bfilename\s*=\s*)("[^"]*"|'[^']*')""")
 
 
-def robot_of(source: Source, model: Model | None) -> Robot | None:
+def build_input(source: Source, model: Model | None) -> EngineInput | None:
     """The model for engines; None where it could not be read or expanded at all."""
-    document = _document(source)
+    document = _read_document(source)
     if document is None:
         return None
     if model is None:
-        return Robot(document)
-    document = _FILENAME.sub(lambda m: m[1] + _found(m[2], _meshes(model)), document)
+        return EngineInput(document)
+    document = _FILENAME.sub(lambda m: m[1] + _replace_filename(m[2], _resolve_meshes(model)), document)
     children = {joint.child for joint in model.joints if joint.type not in {"fixed", ""}}
     moved = tuple(dict.fromkeys(link.name for link in model.links if link.name in children))
     try:
         order = model.tree.order
     except FactUnavailableError:
-        return Robot(document, moved=moved)
+        return EngineInput(document, moved_links=moved)
     moving = [model.tree.parent_joint[name] for name in order[1:]]
-    joints = [joint for joint in moving if _is_simple(joint)]
-    samples = tuple(_samples(joints))
-    start = tuple(_inside(joint) for joint in joints)
-    robot = Robot(document, None, moved, tuple(j.name for j in joints), samples, start)
-    typed = Typed(
+    joints = [joint for joint in moving if _has_one_dof(joint)]
+    samples = tuple(_iter_samples(joints))
+    start = tuple(_choose_start(joint) for joint in joints)
+    robot = EngineInput(document, None, moved, tuple(j.name for j in joints), samples, start)
+    typed = TypedRobot(
         root=model.tree.root,
         heads={name: model.tree.list_body_links(name)[0] for name in order},
         joints=tuple(joint.name for joint in moving),
-        masses=_masses(model),
-        limits={j.name: limits for j in joints if (limits := _limits(j)) is not None},
+        masses=_sum_body_masses(model),
+        limits={j.name: limits for j in joints if (limits := _get_limits(j)) is not None},
         shapes=sum(len(link.collisions) for link in model.links),
-        motion=_motion(model, robot) if len(joints) <= MOST_JOINTS else None,
+        motion=_compute_dynamics(model, robot) if len(joints) <= MOST_JOINTS else None,
     )
     return replace(robot, typed=typed)
 
 
-def _document(source: Source) -> bytes | None:
+def _read_document(source: Source) -> bytes | None:
     """The bytes of a URDF as they are; of a xacro what it expands to."""
     if source.is_xacro:
         if source.root is None:
             return None
-        return "".join(('<?xml version="1.0"?>\n', *_written(source.root))).encode("utf-8", "surrogatepass")
+        return "".join(('<?xml version="1.0"?>\n', *_iter_xml(source.root))).encode("utf-8", "surrogatepass")
     if not source.finder.can_open(source.path):
         return None
     try:
@@ -77,15 +77,15 @@ def _document(source: Source) -> bytes | None:
         return None
 
 
-def _written(element: Element) -> Iterator[str]:
+def _iter_xml(element: Element) -> Iterator[str]:
     attributes = "".join(f" {a.name}={quote_attribute(a.value)}" for a in element.attributes.values())
     yield f"<{element.tag}{attributes}>{html.escape(element.text, quote=False)}"
     for child in element.children:
-        yield from _written(child)
+        yield from _iter_xml(child)
     yield f"</{element.tag}>\n"
 
 
-def _meshes(model: Model) -> Mapping[str, str]:
+def _resolve_meshes(model: Model) -> Mapping[str, str]:
     """The absolute paths of the meshes that were found, by what was typed for them."""
     finder, base = model.source.finder, model.source.path.parent
     typed = {
@@ -98,17 +98,17 @@ def _meshes(model: Model) -> Mapping[str, str]:
     return {text: str(f.path.absolute()) for text, f in found.items() if f.exists and f.path is not None}
 
 
-def _found(literal: bytes, meshes: Mapping[str, str]) -> bytes:
+def _replace_filename(literal: bytes, meshes: Mapping[str, str]) -> bytes:
     path = meshes.get(html.unescape(literal[1:-1].decode("utf-8", "replace")))
     return literal if path is None else quote_attribute(path).encode("utf-8", "surrogateescape")
 
 
-def _is_simple(joint: Joint) -> bool:
+def _has_one_dof(joint: Joint) -> bool:
     """Whether it has one degree of freedom."""
     return joint.type in {"revolute", "continuous", "prismatic"}
 
 
-def _masses(model: Model) -> Mapping[str, float | None]:
+def _sum_body_masses(model: Model) -> Mapping[str, float | None]:
     found: dict[str, float | None] = {}
     for name in model.tree.order:
         head, inertial = model.tree.list_body_links(name)[0], model.link_by_name[name].inertial
@@ -117,26 +117,26 @@ def _masses(model: Model) -> Mapping[str, float | None]:
     return found
 
 
-def _limits(joint: Joint) -> tuple[float, float] | None:
+def _get_limits(joint: Joint) -> tuple[float, float] | None:
     if joint.type == "continuous" or joint.limit is None:
         return None
     lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
     return None if lower is None or upper is None else (lower, upper)
 
 
-def _samples(joints: Sequence[Joint]) -> Iterator[Vector]:
+def _iter_samples(joints: Sequence[Joint]) -> Iterator[Vector]:
     chance = random.Random(SEED)
     for _ in range(SAMPLES):
         yield tuple(chance.uniform(-1.0, 1.0) * (REACH if j.type == "prismatic" else math.pi) for j in joints)
 
 
-def _inside(joint: Joint) -> float:
-    lower, upper = _limits(joint) or (0.0, 2 * _START)
+def _choose_start(joint: Joint) -> float:
+    lower, upper = _get_limits(joint) or (0.0, 2 * _START)
     middle = (lower + upper) / 2
     return middle if abs(middle) <= math.pi else 0.0
 
 
-def _motion(model: Model, robot: Robot) -> Motion | None:
+def _compute_dynamics(model: Model, robot: EngineInput) -> EngineDynamics | None:
     """What Pinocchio computes for the numbers as they were typed; None where one is missing, or nobody could compute with it."""
     import numpy as np
     import pinocchio as pin
@@ -155,7 +155,7 @@ def _motion(model: Model, robot: Robot) -> Motion | None:
         if joint.type == "fixed":
             supports[joint.child] = base, placed
             continue
-        kind = _kind(joint)
+        kind = _make_joint_model(joint)
         if kind is None:
             return None
         supports[joint.child] = built.addJoint(base, kind, pin.SE3(placed), joint.name), np.eye(4)
@@ -166,11 +166,11 @@ def _motion(model: Model, robot: Robot) -> Motion | None:
         centre, tensor, mass = inertial.origin.matrix, inertial.tensor_in_link, inertial.mass
         if centre is None or tensor is None or mass is None:
             return None
-        built.appendBodyToJoint(index, body_of(mass, centre[:3, 3], tensor), pin.SE3(placed))
-    return motion_in(built, robot)
+        built.appendBodyToJoint(index, make_inertia(mass, centre[:3, 3], tensor), pin.SE3(placed))
+    return compute_dynamics(built, robot)
 
 
-def _kind(joint: Joint) -> Any:
+def _make_joint_model(joint: Joint) -> Any:
     """As Pinocchio calls it; None for a type that nobody knows."""
     import numpy as np
     import pinocchio as pin
@@ -179,7 +179,7 @@ def _kind(joint: Joint) -> Any:
         return pin.JointModelFreeFlyer()
     if joint.type == "planar":
         return pin.JointModelPlanar()
-    if not _is_simple(joint) or joint.axis is None:
+    if not _has_one_dof(joint) or joint.axis is None:
         return None
     axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
     return (
@@ -187,7 +187,7 @@ def _kind(joint: Joint) -> Any:
     )
 
 
-def body_of(mass: float, centre: Array, tensor: Array) -> Any:
+def make_inertia(mass: float, centre: Array, tensor: Array) -> Any:
     """A ``pinocchio.Inertia``, also one that no body can have: what it is made from is checked, what it is set to is not."""
     import pinocchio as pin
 
@@ -196,7 +196,7 @@ def body_of(mass: float, centre: Array, tensor: Array) -> Any:
     return body
 
 
-def motion_in(built: Any, robot: Robot) -> Motion | None:
+def compute_dynamics(built: Any, robot: EngineInput) -> EngineDynamics | None:
     """How a ``pinocchio.Model`` moves; None where it lacks a joint."""
     import numpy as np
     import pinocchio as pin
@@ -208,7 +208,7 @@ def motion_in(built: Any, robot: Robot) -> Motion | None:
     data = built.createData()
     masses, torques = [], []
     for values in robot.samples:
-        q = _configuration(built, parts, values)
+        q = _make_configuration(built, parts, values)
         matrix = pin.crba(built, data, q)
         matrix = np.triu(matrix) + np.triu(matrix, 1).T
         masses.append(tuple(map(tuple, matrix[np.ix_(rows, rows)].tolist())))
@@ -216,11 +216,11 @@ def motion_in(built: Any, robot: Robot) -> Motion | None:
     falls: Vector = ()
     if built.nv == len(rows):
         zero = np.zeros(built.nv)
-        falls = tuple(pin.aba(built, data, _configuration(built, parts, robot.start), zero, zero)[rows].tolist())
-    return Motion(robot.joints, tuple(masses), tuple(torques), falls)
+        falls = tuple(pin.aba(built, data, _make_configuration(built, parts, robot.start), zero, zero)[rows].tolist())
+    return EngineDynamics(robot.joints, tuple(masses), tuple(torques), falls)
 
 
-def _configuration(built: Any, parts: Sequence[Any], values: Vector) -> Array:
+def _make_configuration(built: Any, parts: Sequence[Any], values: Vector) -> Array:
     import pinocchio as pin
 
     q: Array = pin.neutral(built)
