@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from itertools import zip_longest
 
 from urdfcheck.core import Edit, Finding, Location, Rule
-from urdfcheck.source.launch.launch_file import Launch, get_executable
+from urdfcheck.source.launch.launch_file import Launch
+from urdfcheck.source.launch.static_transforms import get_executable
 from urdfcheck.source.text.tokens import Token, tokenize_attribute
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element

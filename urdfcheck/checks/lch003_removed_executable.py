@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Finding, Rule
-from urdfcheck.source.launch.launch_file import Launch, get_executable
+from urdfcheck.source.launch.launch_file import Launch
+from urdfcheck.source.launch.static_transforms import get_executable
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.source.launch.launch_file import Launch, get_executable
+from urdfcheck.source.launch.launch_file import Launch
+from urdfcheck.source.launch.static_transforms import get_executable
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
 
