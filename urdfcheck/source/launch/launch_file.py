@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from urdfcheck.core import Location, Span
+from urdfcheck.core import Location
 from urdfcheck.source.launch.python_launch_file import (
     PythonLaunch,
     may_be_built,
@@ -24,7 +24,7 @@ from urdfcheck.source.launch.substitutions import SubstitutionResolver, Unresolv
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
-from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
 from urdfcheck.system.files import read_regular
 
@@ -110,7 +110,7 @@ class Launch:
     def location(self) -> Location:
         if self.root is not None:
             return self.root.location
-        return Location("launch", Span(self.name, 1, 1, 1, 1, 0, 0))
+        return locate_start("launch", self.name)
 
     @property
     def nodes(self) -> list[Element]:
@@ -175,7 +175,7 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
         or "$(var " in source.text
         or any("exec" in e.attributes for e in root.walk() if e.tag == "node")
     )
-    resolver = SubstitutionResolver(root, path, finder, {})
+    resolver = SubstitutionResolver(root, path, finder, passed={})
     key: _Key = (os.path.realpath(path), frozenset())
     includes = _IncludeReader(files, finder, key, is_ros2=is_ros2)
     descriptions = (*_find_descriptions(root, resolver), *includes.read(root, resolver, (key,)))
@@ -254,7 +254,7 @@ class _IncludeReader:
             self._visited.add(key)
             inner = self._parse(path, element)
             if inner is not None:
-                inside = SubstitutionResolver(inner, path, self.finder, passed)
+                inside = SubstitutionResolver(inner, path, self.finder, passed=passed)
                 self.scopes[element] = LaunchScope(inner, inside)
                 yield from _find_descriptions(inner, inside)
                 yield from self.read(inner, inside, (*around, key))
@@ -337,7 +337,7 @@ def read_description(element: Element, resolver: SubstitutionResolver) -> Descri
     textfile, command = element.attributes.get("textfile"), element.attributes.get("command")
     value = element.attributes.get("value")
     if textfile is not None:
-        return _make_description(textfile, (), textfile.value, {}, resolver)
+        return _make_description(textfile, textfile.value, resolver)
     if command is not None:
         command = resolver.find_definition(command)
         return _parse_command(command, command.value, resolver) if command.value.strip() else None
@@ -379,11 +379,16 @@ def _parse_command(at: Attribute, text: str, resolver: SubstitutionResolver) -> 
         return DescriptionSource(
             at=at, words=words, file=text, path=None, arguments={}, unresolved=UnresolvedReason("launch-time", text)
         )
-    return _make_description(at, words, files[0], arguments, resolver)
+    return _make_description(at, files[0], resolver, words=words, arguments=arguments)
 
 
 def _make_description(
-    at: Attribute, words: tuple[str, ...], file: str, arguments: Mapping[str, str], resolver: SubstitutionResolver
+    at: Attribute,
+    file: str,
+    resolver: SubstitutionResolver,
+    *,
+    words: tuple[str, ...] = (),
+    arguments: Mapping[str, str] | None = None,
 ) -> DescriptionSource:
     resolved, unresolved = resolver.resolve_value(file)
     path = None if resolved is None else Path(resolved)
@@ -392,4 +397,6 @@ def _make_description(
     if path is not None and (allowed or not path.is_absolute()) and not (allowed and os.path.isfile(path)):
         unresolved = UnresolvedReason("file", format_path(path))
         path = None
-    return DescriptionSource(at=at, words=words, file=file, path=path, arguments=dict(arguments), unresolved=unresolved)
+    return DescriptionSource(
+        at=at, words=words, file=file, path=path, arguments=dict(arguments or {}), unresolved=unresolved
+    )

@@ -100,7 +100,13 @@ def build_launch_scene(launch: Launch) -> SceneLaunch:
     contents = read_python_actions(launch) if dialect == "python" else read_launch_actions(launch)
     family = "ros1" if dialect == "ros1" else "ros2"
     nodes = tuple(_build_scene_node(node, family, contents=contents, finder=launch.finder) for node in contents.nodes)
-    return SceneLaunch(format_path(launch.path), dialect, nodes, contents.parameters, contents.notes)
+    return SceneLaunch(
+        file=format_path(launch.path),
+        dialect=dialect,
+        nodes=nodes,
+        parameters=contents.parameters,
+        notes=contents.notes,
+    )
 
 
 def _build_scene_node(node: LaunchAction, family: str, *, contents: LaunchContents, finder: PackageFinder) -> SceneNode:
@@ -166,7 +172,9 @@ def _describe_program(node: LaunchAction, family: str, finder: PackageFinder) ->
         placed = parse_transform_arguments(words)
         frames = () if placed is None else (("transform", shorten_line(f"{placed[0]} to {placed[1]}")),)
         return _ProgramInfo(
-            "places a frame", (), ("topic /tf" if node.package == "tf" else "topic /tf_static",), frames
+            "places a frame",
+            writes=("topic /tf" if node.package == "tf" else "topic /tf_static",),
+            facts=frames,
         )
     if program in {("rviz", "rviz"), ("rviz2", "rviz2")}:
         display = _read_display_source(words, family, finder)
@@ -227,7 +235,12 @@ def _describe_spawner(program: tuple[str, str], words: Sequence[str]) -> _Progra
             )
     name = shorten_line(_get_option(words, "-model", "-entity", "-name"))
     facts = (("robot's name", name),) if name else ()
-    return _ProgramInfo("puts the robot into the simulation", tuple(reads), (f"service {services[program]}",), facts)
+    return _ProgramInfo(
+        "puts the robot into the simulation",
+        reads=tuple(reads),
+        writes=(f"service {services[program]}",),
+        facts=facts,
+    )
 
 
 def _describe_control_node(node: LaunchAction, family: str) -> _ProgramInfo:
@@ -241,7 +254,7 @@ def _describe_control_node(node: LaunchAction, family: str) -> _ProgramInfo:
     if node.program in {"spawner", "spawner.py", "controller_manager", "unspawner"}:
         names = [w for w in words if not w.startswith("-") and w not in {manager, "load", "start", "spawn", "stop"}]
         facts = (("controllers", shorten_line(" ".join(names))),) if names and family == "ros1" else ()
-        return _ProgramInfo("starts controllers", (), (service,), facts)
+        return _ProgramInfo("starts controllers", writes=(service,), facts=facts)
     return _ProgramInfo("")
 
 

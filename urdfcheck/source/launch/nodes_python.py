@@ -50,7 +50,7 @@ def read_python_actions(launch: Launch) -> LaunchContents:
             warnings.simplefilter("ignore")
             tree = ast.parse(python.file.text)
         calls = _PythonActionReader(
-            PythonLaunchReader(tree, python.file, launch.path, launch.finder), python.file, python
+            PythonLaunchReader(tree, python.file, path=launch.path, finder=launch.finder), python.file, python
         )
         return calls.read()
     except (RecursionError, MemoryError):
@@ -143,7 +143,16 @@ class _PythonActionReader:
             origin = self.origin or shorten_line(self.get_source_text(value))
             problem = "" if self.origin else "only known when it is launched"
             port = ScenePort("parameter", f"{node.full_name} robot_description")
-            self.parameters.append(SceneParameter(port, origin, problem, condition, off, self.compute_spans(value)))
+            self.parameters.append(
+                SceneParameter(
+                    port=port,
+                    origin=origin,
+                    problem=problem,
+                    condition=condition,
+                    off=off,
+                    spans=self.compute_spans(value),
+                )
+            )
         return node
 
     def read_include(self, call: ast.Call) -> LaunchAction:

@@ -207,7 +207,8 @@ class _XmlActionReader:
         }
         self.add_action("launch file", element, around, package=package, program=file, parameters=parameters)
 
-    def add_action(self, kind: str, element: Element, around: _ElementContext, **known: object) -> None:
+    def add_action(self, kind: str, element: Element, around: _ElementContext, **details: object) -> None:
+        """Add an action with the namespace and conditions around it."""
         plain = LaunchAction(
             kind=kind,
             package="",
@@ -218,29 +219,45 @@ class _XmlActionReader:
             off=around.off,
             spans=_compute_spans(element),
         )
-        self.nodes.append(replace(plain, **known))  # type: ignore[arg-type]
+        self.nodes.append(replace(plain, **details))  # type: ignore[arg-type]
 
     def read_parameter(self, element: Element, around: _ElementContext, name: str) -> None:
         """Read robot_description and use_sim_time; no other parameter affects the data flow between nodes."""
         if not is_description(element):
             if name.endswith("/use_sim_time"):
-                self.add_parameter(name, shorten_line(around.resolve_text(element.get("value"))), "", element, around)
+                origin = shorten_line(around.resolve_text(element.get("value")))
+                self.add_parameter(name, element, around, origin=origin)
             return
         description = read_description(element, around.resolver)
         if description is None:
-            self.add_parameter(name, "a text of its own" if element.get("value") else "nothing", "", element, around)
+            origin = "a text of its own" if element.get("value") else "nothing"
+            self.add_parameter(name, element, around, origin=origin)
             return
         origin = shorten_line(description.file) if description.path is None else format_path(description.path)
         problem = "" if description.unresolved is None else describe_unresolved(description.unresolved)
-        self.add_parameter(name, origin, problem, element, around, description.at.span)
+        self.add_parameter(name, element, around, origin=origin, problem=problem, at=description.at.span)
 
     def add_parameter(
-        self, name: str, origin: str, problem: str, element: Element, around: _ElementContext, at: Span | None = None
+        self,
+        name: str,
+        element: Element,
+        around: _ElementContext,
+        *,
+        origin: str,
+        problem: str = "",
+        at: Span | None = None,
     ) -> None:
+        """Add a parameter. ``at``: the attribute with its value, if that is elsewhere."""
         spans = (*_compute_spans(element), *(() if at is None else (at,)))
-        condition = " and ".join(around.conditions)
         self.parameters.append(
-            SceneParameter(ScenePort("parameter", name), origin, problem, condition, around.off, spans)
+            SceneParameter(
+                port=ScenePort("parameter", name),
+                origin=origin,
+                problem=problem,
+                condition=" and ".join(around.conditions),
+                off=around.off,
+                spans=spans,
+            )
         )
 
 
@@ -258,4 +275,4 @@ def _compute_spans(element: Element) -> tuple[Span, ...]:
     last = list(element.walk())[-1].span
     if first is None or last is None or first.file != last.file:
         return () if first is None else (first,)
-    return (Span(first.file, first.line, first.col, last.end_line, last.end_col, first.start, last.end),)
+    return (replace(first, end_line=last.end_line, end_col=last.end_col, end=last.end),)

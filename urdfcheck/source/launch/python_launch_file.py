@@ -16,7 +16,7 @@ from urdfcheck.core import NEWLINE, Location, Span
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path, list_subfolders
 from urdfcheck.source.reach import FileReach
-from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
@@ -66,7 +66,7 @@ def read_python_launch(path: Path, finder: PackageFinder) -> PythonLaunch:
     A path may be one text, or the last texts of ``os.path.join(…)``, ``PathJoinSubstitution([…])`` and ``folder / …``.
     """
     name = format_path(path)
-    start = Location("launch", Span(name, 1, 1, 1, 1, 0, 0))
+    start = locate_start("launch", name)
     try:
         data = read_regular(path, MAX_PYTHON)
     except FileTooLargeError as error:
@@ -85,7 +85,7 @@ def read_python_launch(path: Path, finder: PackageFinder) -> PythonLaunch:
             ):  # Python may refuse the bytes: no UTF-8, or no such encoding
                 ast.parse(data)
             tree = ast.parse(file.text)
-            return PythonLaunchReader(tree, file, path, finder).read()
+            return PythonLaunchReader(tree, file, path=path, finder=finder).read()
     except SyntaxError as error:
         at = _find_rest_of_line(file, error.lineno, (error.offset or 1) - 1)
         return PythonLaunch(
@@ -115,7 +115,7 @@ def _find_rest_of_line(file: SourceFile, line: int | None, column: int) -> Span:
 class PythonLaunchReader:
     """Walks one syntax tree, outer nodes first: the pieces of a path are not paths themselves."""
 
-    def __init__(self, tree: ast.AST, file: SourceFile, path: Path, finder: PackageFinder) -> None:
+    def __init__(self, tree: ast.AST, file: SourceFile, *, path: Path, finder: PackageFinder) -> None:
         self.file = file
         self.starts = _find_line_starts(file.text)
         self.finder = finder
@@ -123,16 +123,19 @@ class PythonLaunchReader:
         self.assigned = _find_single_assignments(self.nodes)
         self.values: dict[int, str | None] = {}
         package = finder.find_package_of(path.absolute())
-        self.own = package.path if package is not None else path.parent
-        self.named = [finder.find(name) for name in dict.fromkeys(filter(None, map(get_package_name, self.nodes)))]
+        self.own_folder = package.path if package is not None else path.parent
+        self.named_folders = [
+            finder.find(name) for name in dict.fromkeys(filter(None, map(get_package_name, self.nodes)))
+        ]
 
     def read(self) -> PythonLaunch:
-        folders = [self.own, *(f for f in self.named if f is not None)]
-        found: dict[Path, None] = {}
+        """Return the paths that the file names."""
+        folders = [self.own_folder, *(f for f in self.named_folders if f is not None)]
+        models: dict[Path, None] = {}
         missing: dict[str, ast.expr] = {}
         unknown: dict[str, ast.expr] = {}
         joined: set[int] = set()
-        known: dict[str, Path | None] = {}
+        by_literal: dict[str, Path | None] = {}
         parts = _collect_partial_texts(self.nodes)
         for node in self.nodes:
             if id(node) in joined:
@@ -143,11 +146,15 @@ class PythonLaunchReader:
                 model: Path | None = exact[0]
             else:
                 literal = "/".join(str(p.value) for p in pieces)
-                if literal not in known and literal.strip().endswith(MODEL_SUFFIXES) and len(known) < MAX_PATHS:
-                    known[literal] = _find_model_file(literal, folders, self.finder)
-                model = known.get(literal)
+                if (
+                    literal not in by_literal
+                    and literal.strip().endswith(MODEL_SUFFIXES)
+                    and len(by_literal) < MAX_PATHS
+                ):
+                    by_literal[literal] = _find_model_file(literal, folders, self.finder)
+                model = by_literal.get(literal)
             if model is not None:
-                found[model] = None
+                models[model] = None
                 joined.update(map(id, pieces if exact is None else ast.walk(node)))
             elif exact is not None and isinstance(node, ast.expr):
                 joined.update(map(id, ast.walk(node)))
@@ -155,12 +162,12 @@ class PythonLaunchReader:
                     missing[str(exact[0])] = node
             elif isinstance(node, ast.Constant) and id(node) not in parts and _is_model_path(node.value):
                 unknown[str(node.value)] = node
-        if found or missing:
+        if models or missing:
             unknown = {}
         includes = self.locate_paths(self.find_missing_includes())
         return PythonLaunch(
             file=self.file,
-            models=tuple(found),
+            models=tuple(models),
             missing_models=self.locate_paths(missing),
             missing_includes=includes,
             unknown_models=self.locate_paths(unknown),
@@ -186,6 +193,7 @@ class PythonLaunchReader:
         }
 
     def locate_paths(self, paths: Mapping[str, ast.expr]) -> tuple[LocatedPath, ...]:
+        """Return these paths with the place of each."""
         return tuple(
             LocatedPath(path, self.locate_node(node)) for path, node in itertools.islice(paths.items(), MAX_PATHS)
         )
@@ -199,7 +207,7 @@ class PythonLaunchReader:
         text = self.evaluate_text(node)
         if text is None or not text.endswith(suffixes) or "\0" in text:
             return None
-        for folder in self.named:
+        for folder in self.named_folders:
             # A folder that only has the package's name may not be the package.
             if folder is not None and (folder / "package.xml").is_file() and text.startswith(f"{folder}/"):
                 return Path(text), folder
@@ -214,6 +222,7 @@ class PythonLaunchReader:
         return self.values[id(node)]
 
     def compute_text(self, node: ast.AST) -> str | None:
+        """Return the text of a node, not from memory."""
         if isinstance(node, ast.Constant):
             return node.value if isinstance(node.value, str) else None
         if isinstance(node, ast.Name):
@@ -231,6 +240,7 @@ class PythonLaunchReader:
         return None
 
     def evaluate_call(self, node: ast.Call) -> str | None:
+        """Return the text of a call that finds a package or joins paths."""
         package = get_package_name(node)
         if package is not None:
             folder = self.finder.find(package)
@@ -252,8 +262,8 @@ class PythonLaunchReader:
 
     def evaluate_all(self, nodes: Sequence[ast.AST], join: Callable[[list[str]], str]) -> str | None:
         texts = [self.evaluate_text(node) for node in nodes]
-        known = [text for text in texts if text is not None]
-        return join(known) if known and len(known) == len(texts) else None
+        parts = [text for text in texts if text is not None]
+        return join(parts) if parts and len(parts) == len(texts) else None
 
     def find_description_key(self) -> Location | None:
         """Return where a node gets the parameter robot_description."""

@@ -36,7 +36,7 @@ Value = tuple[str | None, UnresolvedReason | None]
 class SubstitutionResolver:
     """Resolves the substitutions of one launch file with the arguments that it gets."""
 
-    def __init__(self, root: Element, path: Path, finder: PackageFinder, passed: Mapping[str, Value]) -> None:
+    def __init__(self, root: Element, path: Path, finder: PackageFinder, *, passed: Mapping[str, Value]) -> None:
         self.path = path
         self.finder = finder
         self.obstacle: UnresolvedReason | None = None
