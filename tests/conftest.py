@@ -172,10 +172,14 @@ def browser(launch: Callable[..., Any]) -> Iterator[Any]:
     browser.close()
 
 
-@pytest.fixture(scope="session")
-def corpus() -> Path:
-    """The folder of real robots named by URDFCHECK_CORPUS; tests that need it are skipped without it."""
-    folder = os.environ.get("URDFCHECK_CORPUS")
-    if not folder or not (Path(folder) / "corpus.json").is_file():
+CORPORA = [Path(folder) for folder in os.environ.get("URDFCHECK_CORPUS", "").split(os.pathsep) if folder]
+
+
+@pytest.fixture(scope="session", params=CORPORA or [None], ids=lambda folder: folder.name if folder else "no-corpus")
+def corpus(request: pytest.FixtureRequest) -> Path:
+    """Each folder of real robots that URDFCHECK_CORPUS names, separated as in PATH; without one its tests are skipped."""
+    folder: Path | None = request.param
+    if folder is None:
         pytest.skip("URDFCHECK_CORPUS names no folder with a corpus.json")
-    return Path(folder)
+    assert (folder / "corpus.json").is_file(), f"URDFCHECK_CORPUS names {folder}, which has no corpus.json"
+    return folder

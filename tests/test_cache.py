@@ -12,7 +12,8 @@ import pytest
 from conftest import FIXTURES
 
 from urdfcheck.cli import main
-from urdfcheck.facts.mesh.measure import MeshError, measure_mesh, restore_mesh_facts
+from urdfcheck.facts.mesh.decode_limits import MeshError
+from urdfcheck.facts.mesh.measure import measure_mesh, restore_mesh_facts
 from urdfcheck.system.array_cache import Cache, default_folder
 
 WHEEL = FIXTURES / "car-3" / "meshes" / "wheel_1.STL"

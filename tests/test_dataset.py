@@ -25,7 +25,7 @@ from urdfcheck.cli import FAILED, FINDINGS, NOTHING, OK, main
 from urdfcheck.core import Finding, Severity
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.dataset import dataset_audit as dataset
-from urdfcheck.output.shared import lines
+from urdfcheck.output.shared.audit import unit_lines
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.run import audit as worker
 from urdfcheck.run import pipeline as engine
@@ -33,6 +33,8 @@ from urdfcheck.run.audit import Report, Settings, Unit
 from urdfcheck.run.pipeline import Request
 from urdfcheck.system import sandbox
 from urdfcheck.system.process_pool import Worker
+
+pytestmark = pytest.mark.slow
 
 INERTIA = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="{}"/></inertial>'
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -599,13 +601,22 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
 
 
 def test_a_summary_holds_no_more_rows_than_it_shows() -> None:
-    def row(number: int) -> lines.UnitRow:
+    def row(number: int) -> unit_lines.UnitRow:
         codes = (("INR003", Severity.ERROR, number % 7), ("KIN008", Severity.INFO, 1))
         counts = (number % 7, 0, 1)
-        return lines.UnitRow("model", f"{number}", "", "", "failed", 1, 0, None, counts, codes, ("it broke",))
+        return unit_lines.UnitRow(
+            kind="model",
+            id=f"{number}",
+            path="",
+            status="failed",
+            links=1,
+            counts=counts,
+            codes=codes,
+            failures=("it broke",),
+        )
 
-    summary = lines.AuditSummary.from_rows(map(row, range(1000)))
-    assert len(summary.worst) == len(summary.failures) == len(summary.unchecked) == lines.MOST_NAMED
+    summary = unit_lines.AuditSummary.from_rows(map(row, range(1000)))
+    assert len(summary.worst) == len(summary.failures) == len(summary.unchecked) == unit_lines.MOST_NAMED
     assert {worst.counts[0] for worst in summary.worst} == {6}
     assert (summary.unit_count, summary.failure_count, summary.statuses["failed"]) == (1000, 1000, 1000)
     assert summary.counts[Severity.ERROR] == sum(n % 7 for n in range(1000))

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 from conftest import FIXTURES, check
+from real_robots import list_robots
 from test_rules import BAD, GOOD, Case
 
 from urdfcheck import cli
@@ -166,7 +167,7 @@ def meshes(robot: Robot) -> int:
 def robots(corpus: Path) -> list[Example]:
     """Real robots without large meshes."""
     found: list[Example] = []
-    for entry in json.loads((corpus / "corpus.json").read_text()):
+    for entry in list_robots(corpus):
         if not entry["expands"] or not entry["urdf_links"]:
             continue
         roots = tuple(corpus / root for root in entry["package_roots"])

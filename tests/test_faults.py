@@ -24,7 +24,10 @@ QUICK = ["--tier", "mesh", "--format", "json", "--fail-on", "never"]
 # As many runs on one cache at the same time; 200 were tried with URDFCHECK_RUNS=200.
 RUNS = int(os.environ.get("URDFCHECK_RUNS", "4"))
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals, mounts and process files are those of POSIX")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform == "win32", reason="signals, mounts and process files are those of POSIX"),
+]
 
 
 @pytest.fixture(scope="module")

@@ -20,6 +20,7 @@ import pytest
 from conftest import check, command
 from hypothesis import given
 from hypothesis import strategies as st
+from real_robots import list_robots
 from test_rules import FIXED, cases
 
 from urdfcheck import rules as catalogue
@@ -715,7 +716,7 @@ def test_the_report_tells_what_each_option_repairs(tmp_path: Path) -> None:
 
 def test_real_robots_stay_the_same_but_for_safe_edits(corpus: Path, tmp_path: Path) -> None:
     """Ten small packages: every change is safe, and the expanded robot has the same elements with the same numbers."""
-    entries = [e for e in json.loads((corpus / "corpus.json").read_text()) if e["expands"] and e["package_roots"]]
+    entries = [e for e in list_robots(corpus) if e["expands"] and e["package_roots"]]
     entries = [e for e in entries if Path(e["entry"]).is_relative_to(e["package_roots"][0])]
     roots = {e["package_roots"][0]: e for e in entries}
     size = {root: sum(f.stat().st_size for f in (corpus / root).rglob("*")) for root in roots}

@@ -14,7 +14,8 @@ from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.model import Model
 from urdfcheck.model.inertials import inertia_diagnosis as diagnoses
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
-from urdfcheck.model.repairs.inertial_edits import build_inertial_repair, propose_from_geometry
+from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
+from urdfcheck.model.repairs.inertial_edits import build_inertial_repair
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.system.array_cache import Cache
@@ -93,7 +94,7 @@ def test_a_verdict_that_was_kept_is_the_one_that_was_made(tmp_path: Path) -> Non
         assert first.mended is not None
         assert again.mended is not None
         assert again.mended.inertia.tolist() == first.mended.inertia.tolist()
-        for part in ("cause", "detail", "tensor_mismatch", "margin", "unique", "ruled_out", "by", "decided"):
+        for part in ("cause", "detail", "tensor_mismatch", "margin", "unique", "ruled_out", "judged_by", "at_fault"):
             assert getattr(again, part) == getattr(first, part)
 
 

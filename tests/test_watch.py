@@ -16,6 +16,8 @@ from conftest import command
 from urdfcheck import cli
 from urdfcheck.cli.commands import watch
 
+pytestmark = pytest.mark.slow
+
 SOUND = '<robot name="r"><link name="base"/></robot>'
 BROKEN = (
     '<robot name="r"><link name="a"><inertial><mass value="1"/>'

@@ -18,7 +18,7 @@ from scoring import LEAST_EFFECT, effect
 
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.run.audit import audit
 from urdfcheck.run.pipeline import Request, run
 

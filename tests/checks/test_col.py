@@ -12,8 +12,10 @@ from conftest import FIXTURES, check_text
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.model import Model, Shape
-from urdfcheck.model.motion import collisions, poses
-from urdfcheck.model.motion.collisions import CollisionPair, SelfCollisions, find_joint_collisions, self_collisions
+from urdfcheck.model.motion import poses
+from urdfcheck.model.motion.collisions import setup as collision_setup
+from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, SelfCollisions, self_collisions
+from urdfcheck.model.motion.collisions.single_joint import find_joint_collisions
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
@@ -499,7 +501,7 @@ def test_a_second_run_gives_the_same_and_computes_nothing(tmp_path: Path, monkey
     first = model_of(tmp_path, text, cache)
     expected, reached = self_collisions(first), find_joint_collisions(first)
     assert [vars_of(p) for p in self_collisions(model_of(tmp_path, text)).pairs] == [vars_of(p) for p in expected.pairs]
-    monkeypatch.setattr(collisions, "Colliders", None)
+    monkeypatch.setattr(collision_setup, "Colliders", None)
     again = model_of(tmp_path, text, cache)
     assert [vars_of(p) for p in self_collisions(again).pairs] == [vars_of(p) for p in expected.pairs]
     assert [(r.value, r.links) for r in find_joint_collisions(again)] == [(r.value, r.links) for r in reached]

@@ -29,7 +29,8 @@ from urdfcheck import rules as catalogue
 from urdfcheck.cli import FINDINGS, NOTHING, OK, exit_code
 from urdfcheck.core import Run, Severity
 from urdfcheck.core.errors import ModelTimeout
-from urdfcheck.facts.mesh.decode import MeshError, decode_mesh
+from urdfcheck.facts.mesh.decode import decode_mesh
+from urdfcheck.facts.mesh.decode_limits import MeshError
 from urdfcheck.output import html, text
 from urdfcheck.output.json import render as render_json
 from urdfcheck.policy.limits import ResourceLimits

@@ -21,6 +21,8 @@ from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding
 from urdfcheck.run import audit as worker
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("pinocchio")
 
 # What fails is known by its number: there is nothing to shrink.

@@ -1,4 +1,4 @@
-"""GZB001: `<gazebo reference>` names a link or a joint of the model."""
+"""GZB001 reports `<gazebo reference>` that names neither a link nor a joint of the robot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""GZB002: materials and plugins that only Gazebo Classic understands."""
+"""GZB002 reports materials, plugins and hardware that only Gazebo Classic has."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""GZB003: what a `<gazebo>` block sets is still there when Gazebo has merged the links that fixed joints hold together."""
+"""GZB003 reports settings of `<gazebo>` blocks that are lost when Gazebo merges links at fixed joints."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import replace
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
-from urdfcheck.model.inertials.fixed_joint_lumping import (
+from urdfcheck.model.fixed_joint_lumping import (
     PRESERVE,
     FixedJointReduction,
     MergedShape,

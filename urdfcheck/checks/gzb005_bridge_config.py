@@ -1,4 +1,4 @@
-"""GZB005: the entries of a ros_gz_bridge configuration can be bridged."""
+"""GZB005 reports entries of a ros_gz_bridge configuration that cannot be bridged."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JNT001: the axis of a joint has a direction."""
+"""JNT001 reports joint axes of length zero."""
 
 from __future__ import annotations
 

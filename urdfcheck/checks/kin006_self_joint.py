@@ -1,4 +1,4 @@
-"""KIN006: a joint whose parent is its child."""
+"""KIN006 reports joints whose parent is their child."""
 
 from __future__ import annotations
 
@@ -10,6 +10,6 @@ from urdfcheck.model import Model
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for joint in model.joints:
-        child = joint.element.find_child("child")
-        if child is not None and joint.child and joint.parent == joint.child:
-            yield rule.finding("itself", at=child.attributes["link"], joint=joint.name, link=joint.child)
+        attribute = joint.child_attribute
+        if attribute is not None and attribute.value and joint.parent == attribute.value:
+            yield rule.finding("itself", at=attribute, joint=joint.name, link=attribute.value)

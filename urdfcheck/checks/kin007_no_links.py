@@ -1,4 +1,4 @@
-"""KIN007: a robot without links."""
+"""KIN007 reports robots without links."""
 
 from __future__ import annotations
 
@@ -10,6 +10,6 @@ from urdfcheck.model.link_graph import KinematicGraph
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    KinematicGraph.from_model(model)  # a file whose xacro is not expanded has its links still to come
+    KinematicGraph.from_model(model)  # raises if the xacro is not expanded: its links are still to come
     if not model.links:
         yield rule.finding("none", at=model, robot=model.name)

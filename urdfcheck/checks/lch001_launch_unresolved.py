@@ -1,4 +1,4 @@
-"""LCH001: what a launch file loads as robot_description exists."""
+"""LCH001 reports a `robot_description` that a launch file cannot load."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""LCH002: every option of a spawner has its value, and the ones it demands are there."""
+"""LCH002 reports options of a spawner that lack a value, and required options that are missing."""
 
 from __future__ import annotations
 

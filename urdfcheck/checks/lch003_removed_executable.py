@@ -1,4 +1,4 @@
-"""LCH003: the executables that a launch file starts still exist."""
+"""LCH003 reports executables in a launch file that its generation of ROS has removed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""LCH004: every argument of a launch file is read, and one that is read has a value."""
+"""LCH004 reports launch arguments that nothing reads, or that are read and have no value."""
 
 from __future__ import annotations
 

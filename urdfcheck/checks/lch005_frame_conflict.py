@@ -1,4 +1,4 @@
-"""LCH005: static transforms of a launch file agree with the frames of the model."""
+"""LCH005 reports static transforms of a launch file that contradict the frames of the model."""
 
 from __future__ import annotations
 

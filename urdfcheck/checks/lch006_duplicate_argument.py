@@ -1,4 +1,4 @@
-"""LCH006: an argument is declared once in its scope."""
+"""LCH006 reports launch arguments that are declared twice in one scope."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""LCH007: lines that exporters copy into launch files and that do nothing today."""
+"""LCH007 reports lines that exporters copy into launch files and that no longer do anything."""
 
 from __future__ import annotations
 

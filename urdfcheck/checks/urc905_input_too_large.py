@@ -1,4 +1,4 @@
-"""URC905: files and meshes that are larger than anything that is made for a robot."""
+"""URC905 reports files and meshes that are larger than those of any robot."""
 
 from __future__ import annotations
 

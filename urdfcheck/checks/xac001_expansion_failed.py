@@ -1,4 +1,4 @@
-"""XAC001: xacro can expand the file."""
+"""XAC001 reports why xacro cannot expand the file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""XAC002: every property that a model's own files define is read."""
+"""XAC002 reports properties in a model's own files that nothing reads."""
 
 from __future__ import annotations
 

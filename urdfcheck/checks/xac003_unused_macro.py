@@ -1,4 +1,4 @@
-"""XAC003: every macro that a model's own files define is called."""
+"""XAC003 reports macros in a model's own files that nothing calls."""
 
 from __future__ import annotations
 

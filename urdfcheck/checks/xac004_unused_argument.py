@@ -1,4 +1,4 @@
-"""XAC004: every argument that a model's own files declare is read."""
+"""XAC004 reports arguments in a model's own files that nothing reads."""
 
 from __future__ import annotations
 

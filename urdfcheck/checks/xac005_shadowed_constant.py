@@ -1,4 +1,4 @@
-"""XAC005: constants of mathematics are xacro's own, or have all their digits."""
+"""XAC005 reports mathematical constants that hide those of xacro or lack digits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""XAC006: the xacro prefix is bound to xacro's own namespace."""
+"""XAC006 reports xacro prefixes that are not bound to xacro's current namespace."""
 
 from __future__ import annotations
 

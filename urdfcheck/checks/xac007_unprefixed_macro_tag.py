@@ -1,4 +1,4 @@
-"""XAC007: xacro's own tags and calls of macros have the prefix."""
+"""XAC007 reports tags of xacro and calls of macros without the prefix."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""XAC008: no property gets another value before anything has read the one it had."""
+"""XAC008 reports properties that are redefined before anything reads their first value."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""XAC009: what is typed several times would be one macro."""
+"""XAC009 reports repeated blocks that one macro could replace."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""XAC010: the file expands without arguments."""
+"""XAC010 reports arguments that the model reads and that have no value."""
 
 from __future__ import annotations
 

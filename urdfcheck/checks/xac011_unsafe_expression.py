@@ -1,4 +1,4 @@
-"""XAC011: expressions stay inside xacro's language."""
+"""XAC011 reports expressions that leave xacro's language."""
 
 from __future__ import annotations
 

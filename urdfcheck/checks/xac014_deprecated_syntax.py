@@ -1,4 +1,4 @@
-"""XAC014: no option and no function name that xacro has left behind."""
+"""XAC014 reports options and function names that xacro has deprecated."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""XML001: text that is not XML, or XML that must not be read."""
+"""XML001 reports text that is not XML, and XML that may not be read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""XML002: the root element is a robot with a name; that of a launch file or manifest is what ROS reads there."""
+"""XML002 reports a root element of the wrong kind, and a robot without a name."""
 
 from __future__ import annotations
 

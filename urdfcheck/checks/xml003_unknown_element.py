@@ -1,4 +1,4 @@
-"""XML003: elements that nothing reads where they stand."""
+"""XML003 reports elements that nothing reads where they are."""
 
 from __future__ import annotations
 

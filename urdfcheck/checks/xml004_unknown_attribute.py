@@ -1,4 +1,4 @@
-"""XML004: attributes that nothing reads where they stand."""
+"""XML004 reports attributes that nothing reads where they are."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""XML005: child elements and attributes without which the reference parser gives up."""
+"""XML005 reports missing child elements and attributes that the reference parser requires."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""XML007: numbers that the reference parser cannot read, and what is wrong with them."""
+"""XML007 reports numbers that the reference parser cannot read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""XML008: attributes with too few or too many numbers."""
+"""XML008 reports attributes with too few or too many numbers."""
 
 from __future__ import annotations
 

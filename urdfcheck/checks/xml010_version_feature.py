@@ -1,4 +1,4 @@
-"""XML010: what a newer version of URDF brought is used in a robot that declares it, and as it says."""
+"""XML010 reports features of newer URDF versions in a robot that does not declare them."""
 
 from __future__ import annotations
 

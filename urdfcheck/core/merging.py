@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core import Edit, Finding, Located, Rule
 from urdfcheck.core.text import join_names
 
 
@@ -59,3 +59,14 @@ def _collect_edits(group: Iterable[Finding]) -> list[Edit]:
     """Of all of them, each place in the text once: one macro line makes several elements."""
     edits = (edit for finding in group if finding.fix is not None for edit in finding.fix.edits)
     return list({edit.span: edit for edit in edits}.values())
+
+
+def build_group_finding(rule: Rule, message: str, places: Sequence[Located], **details: Any) -> Finding:
+    """Return one finding about all ``places``: at the first, with each other text in ``related``.
+
+    :param details: what `Rule.finding` takes further.
+    """
+    here = places[0].location.span
+    related = {span: place for place in places if (span := place.location.span) != here}
+    finding = rule.finding(message, at=places[0], related=related.values(), **details)
+    return replace(finding, subjects=tuple(place.location.subject for place in places))

@@ -1,4 +1,4 @@
-"""Names that do not exist, and those that may have been meant."""
+"""Names, counts, numbers and lengths as messages write them, and the name that a misspelt one may mean."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import difflib
 import re
 from collections.abc import Iterable
 
-# How alike a name is to one that it is a slip of. `leftThumbMotorRoll` may mean `leftThumbRoll`, which is worth a question;
-# they are 0.84 alike, and of parts of one robot many are.
+# A name this much like another is a slip of it. `leftThumbMotorRoll` may mean `leftThumbRoll`, which is worth a question, but
+# their likeness is 0.84, as between many parts of one robot.
 SLIP_LIKENESS = 0.85
 _DIGITS = re.compile(r"\d")
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 
 
 def find_nearest_name(name: str, known: Iterable[str], likeness: float = 0.75) -> str | None:
-    """The known name that is spelled most like ``name``, None when none is (1 is equal, 0.75 shares most letters).
+    """Return the known name that is spelled most like ``name``, or None (likeness 1 is equal, 0.75 shares most letters).
 
-    A name that differs in its digits only is another part of the same kind, not another spelling.
+    A name that differs only in its digits is another part of the same kind, not another spelling.
     """
     letters = _DIGITS.sub("", name)
     candidates = sorted(other for other in set(known) - {""} if _DIGITS.sub("", other) != letters)
@@ -25,24 +25,68 @@ def find_nearest_name(name: str, known: Iterable[str], likeness: float = 0.75) -
 
 
 def find_only_near_name(name: str, known: Iterable[str], likeness: float = 0.75) -> str | None:
-    """The known name that is spelled like ``name`` where it is the only one: what an edit may write."""
+    """Return the known name that is spelled like ``name`` if it is the only one: an edit may write it."""
     near = find_nearest_name(name, known, likeness)
     return None if near is None or find_nearest_name(name, set(known) - {near}, likeness) else near
 
 
 def format_name_hint(name: str, known: Iterable[str]) -> str:
-    """`` (did you mean 'x'?)`` for the end of a message, or nothing."""
+    """Return `` (did you mean 'x'?)`` for the end of a message, or nothing."""
     close = find_nearest_name(name, known)
     return f" (did you mean {close!r}?)" if close else ""
 
 
 def join_names(names: Iterable[str], most: int = 6) -> str:
-    """``a, b, c and 4 more``."""
+    """Return ``a, b, c and 4 more``."""
     names = list(names)
     shown = ", ".join(names[:most])
     return f"{shown} and {len(names) - most} more" if len(names) > most else shown
 
 
 def split_name_words(name: str) -> list[str]:
-    """``LShoulder_pitch2`` as L, Shoulder, pitch, 2: camel case, digits and punctuation part them."""
+    """Split ``LShoulder_pitch2`` into L, Shoulder, pitch, 2: at camel case, digits and punctuation."""
     return _WORD.findall(name)
+
+
+def format_count(count: int, one: str, many: str | None = None) -> str:
+    """Return ``1 joint has`` or ``3 joints have``; ``many`` is ``one`` with an s by default."""
+    return f"1 {one}" if count == 1 else f"{count} {one + 's' if many is None else many}"
+
+
+def format_repetition(count: int) -> str:
+    """Return `` (3 times)`` for the end of a message, or nothing for a single occurrence."""
+    return "" if count == 1 else f" ({count} times)"
+
+
+def join_numbers(values: Iterable[float], *, digits: int = 6, separator: str = ", ") -> str:
+    """Return ``0.25, 0.25, 0.5``: numbers of so many significant digits."""
+    return separator.join(f"{value:.{digits}g}" for value in values)
+
+
+def format_point(values: Iterable[float], *, decimals: int) -> str:
+    """Return ``0.1 0 -0.25``: coordinates to so many decimals, without a minus sign before zero."""
+    return " ".join(f"{round(float(value), decimals) + 0.0:g}" for value in values)
+
+
+def format_box_size(edges: Iterable[float], *, digits: int = 3) -> str:
+    """Return ``0.4 × 0.3 × 0.1 m``."""
+    return f"{join_numbers(edges, digits=digits, separator=' × ')} m"
+
+
+def format_length(metres: float, *, digits: int = 3, micrometres: bool = False) -> str:
+    """Return ``1.2 m`` or ``35 mm``; with ``micrometres``, ``40 µm`` below a millimetre."""
+    if metres >= 1.0:
+        return f"{metres:.{digits}g} m"
+    if metres * 1e3 >= 1.0 or not micrometres:
+        return f"{metres * 1e3:.{digits}g} mm"
+    return f"{metres * 1e6:.{digits}g} µm"
+
+
+def format_large_count(count: int, one: str) -> str:
+    """Return ``1 edge`` or ``12,345 edges``."""
+    return f"{count:,} {one if count == 1 else one + 's'}"
+
+
+def truncate_text(text: str, most: int) -> str:
+    """Return a text, or its beginning and ``...`` if it has more than ``most`` characters."""
+    return text if len(text) <= most else text[: most - 3] + "..."

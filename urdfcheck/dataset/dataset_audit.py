@@ -20,8 +20,8 @@ from urdfcheck import rules as catalogue
 from urdfcheck.core import Severity, SkippedCheck
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.dataset.journal import TEMPORARY, Journal, aside, saying
-from urdfcheck.output.html import index
-from urdfcheck.output.shared import lines
+from urdfcheck.output.html import index_page
+from urdfcheck.output.shared.audit import unit_lines
 from urdfcheck.run.audit import Report, Settings, Unit
 from urdfcheck.run.pipeline import Request, auditing, is_nothing, planned
 from urdfcheck.run.summary import foreign_libraries, versions
@@ -41,7 +41,7 @@ class Outcome:
     because nothing of them changed since. ``worst``: the worst severity of the units whose findings count from each severity on,
     None for those of which the command decides."""
 
-    summary: lines.AuditSummary
+    summary: unit_lines.AuditSummary
     checked: int
     unchanged: int
     worst: Mapping[str | None, Severity] = field(default_factory=dict)
@@ -69,7 +69,7 @@ def audit(
         path, reason = found.missing[0]
         raise UrdfcheckError(f"{path} {reason}")
     if not units:
-        return Outcome(lines.AuditSummary(), 0, 0)
+        return Outcome(unit_lines.AuditSummary(), 0, 0)
     keys = [_key(unit) for unit in units]
     with (
         auditing(request, units, found.reach or request.reach) as settings,
@@ -103,14 +103,14 @@ def audit(
 
 
 def _worst(
-    units: Sequence[Unit], keys: Sequence[str], journal: Journal, summary: lines.AuditSummary
+    units: Sequence[Unit], keys: Sequence[str], journal: Journal, summary: unit_lines.AuditSummary
 ) -> dict[str | None, Severity]:
     if len({unit.fail_on for unit in units}) == 1:  # and what belongs to none of them
         worst = max((severity for severity, number in summary.counts.items() if number), default=None)
         return {} if worst is None else {units[0].fail_on: worst}
     found: dict[str | None, Severity] = {}
     for unit, key in zip(units, keys, strict=True):
-        counts = lines.parse_unit_line(text).counts if (text := journal.text(key)) else ()
+        counts = unit_lines.parse_unit_line(text).counts if (text := journal.text(key)) else ()
         for severity, number in zip((Severity.ERROR, Severity.WARNING, Severity.INFO), counts, strict=False):
             if number:
                 found[unit.fail_on] = max(severity, found.get(unit.fail_on, severity))
@@ -123,15 +123,24 @@ def line_of(unit: Unit, report: Report) -> bytes:
     if info is not None and "SOURCE_DATE_EPOCH" in os.environ:
         info = replace(info, seconds=0.0)
     path = format_path(Path(unit.path))
-    return lines.build_unit_line(unit.kind, unit.id, path, info, report.findings, report.skipped, report.failures)
+    return unit_lines.build_unit_line(
+        unit.kind,
+        unit.id,
+        path,
+        info=info,
+        findings=report.findings,
+        skipped=report.skipped,
+        failures=report.failures,
+    )
 
 
-def write(folder: Path, texts: Callable[[], Iterable[bytes]]) -> lines.AuditSummary:
+def write(folder: Path, texts: Callable[[], Iterable[bytes]]) -> unit_lines.AuditSummary:
     """Write the lines and the page about them, each whole or not at all; ``texts`` gives the lines as often as it is called."""
     with saying(folder):
         _replace(folder / LINES, (text + b"\n" for text in texts()))
-        summary = lines.AuditSummary.from_rows(map(lines.parse_unit_line, texts()))
-        page = index.iter_audit_page(summary, map(lines.parse_unit_line, texts()), catalogue.load_rules(), __version__)
+        summary = unit_lines.AuditSummary.from_rows(map(unit_lines.parse_unit_line, texts()))
+        rows = map(unit_lines.parse_unit_line, texts())
+        page = index_page.iter_audit_page(summary, rows, rules=catalogue.load_rules(), version=__version__)
         _replace(folder / INDEX, (part.encode() for part in page))
     return summary
 
@@ -165,7 +174,7 @@ def _of_the_run(request: Request, found: Plan) -> bytes:
         if rule.scopes == ("run",) and code in request.codes and catalogue.has_check(rule)
     ]
     failures = [f"{path}: {reason}" for path, reason in found.missing]
-    return lines.build_unit_line("run", "", "", None, findings, skipped, failures)
+    return unit_lines.build_unit_line("run", "", "", findings=findings, skipped=skipped, failures=failures)
 
 
 def _about(request: Request, settings: Settings) -> dict[str, Any]:

@@ -52,9 +52,9 @@ class LinkPairs:
 def compute_link_pairs(model: Model) -> LinkPairs:
     """The pairs of a model, judged as MoveIt's Setup Assistant does.
 
-    :raises Unavailable: when its collisions are not known.
+    :raises FactUnavailableError: when its collisions are not known.
     """
-    from urdfcheck.model.motion.collisions import self_collisions  # loads numpy
+    from urdfcheck.model.motion.collisions.self_collisions import self_collisions  # loads numpy
     from urdfcheck.model.motion.moveit_pairs import classify_link_pairs
 
     pairs = [

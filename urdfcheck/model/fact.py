@@ -1,16 +1,17 @@
-"""The one memo: a fact of a model is a function, computed when it is first asked for and remembered on the model."""
+"""The one memo: a fact of a model is a function, computed when it is first called and remembered on the model."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterator
 from functools import wraps
+from inspect import isgeneratorfunction
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
 from urdfcheck.core.errors import FactUnavailableError
 
 
 class Remembering(Protocol):
-    """What holds a memo: a model."""
+    """An object that holds a memo: a model."""
 
     @property
     def memo(self) -> dict[Hashable, Any]: ...
@@ -24,8 +25,14 @@ T = TypeVar("T")
 def fact(compute: Callable[Concatenate[M, P], T]) -> Callable[Concatenate[M, P], T]:
     """Compute a fact once per model, and per set of (hashable) arguments after the model.
 
-    A `FactUnavailableError` is remembered as well and raised again: every link asks for the tree of a model that has none.
+    A `FactUnavailableError` is remembered as well and raised again: every link asks for the tree of a model, which may have
+    none.
+
+    :raises TypeError: when the function returns an iterator.
     """
+
+    if isgeneratorfunction(compute):
+        raise TypeError(f"{compute.__qualname__} is a generator: only its first caller would see what it yields")
 
     @wraps(compute)
     def get(model: M, /, *args: P.args, **kwargs: P.kwargs) -> T:
@@ -33,13 +40,16 @@ def fact(compute: Callable[Concatenate[M, P], T]) -> Callable[Concatenate[M, P],
         memo = model.memo
         if key not in memo:
             try:
-                memo[key] = compute(model, *args, **kwargs)
+                value = compute(model, *args, **kwargs)
+                if isinstance(value, Iterator):  # the second reader would find it exhausted
+                    raise TypeError(f"the fact {compute.__name__} is an iterator; return a tuple")
+                memo[key] = value
             except FactUnavailableError as reason:
                 memo[key] = reason
         known = memo[key]
         if isinstance(known, FactUnavailableError):
             raise known.with_traceback(None)
-        value: T = known
-        return value
+        result: T = known
+        return result
 
     return get

@@ -1,4 +1,4 @@
-"""The robot that checks see: links, joints, tree and meshes. What is computed of it is a `fact` beside the physics it belongs to."""
+"""The robot that checks see: links, joints, tree and meshes. A `fact` is computed beside the physics that it belongs to."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from urdfcheck.core import FactUnavailableError, Location
 from urdfcheck.model.fact import fact
 from urdfcheck.model.meshes import ModelMeshes
-from urdfcheck.model.parts import Joint, Link
+from urdfcheck.model.parts import CompleteInertial, DeclaredMass, DeclaredTensor, Joint, Link
 from urdfcheck.model.tree import Tree
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package
@@ -18,8 +18,7 @@ from urdfcheck.source.text.xml import Element
 from urdfcheck.system.array_cache import Cache
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +54,12 @@ class Model:
     def location(self) -> Location:
         return self.robot.location
 
+    @property
+    def name_location(self) -> Location:
+        """The robot's name, or the robot if it has none."""
+        name = self.robot.attributes.get("name")
+        return self.location if name is None else name.location
+
     @cached_property
     def links(self) -> tuple[Link, ...]:
         return tuple(Link(e) for e in self.robot.find_children("link"))
@@ -84,6 +89,39 @@ class Model:
             found.setdefault(joint.name, joint)
         return found
 
+    @cached_property
+    def masses(self) -> tuple[DeclaredMass, ...]:
+        """The masses that are typed as numbers, in the order of the links."""
+        return tuple(mass for link in self.links if (mass := DeclaredMass.from_link(link)) is not None)
+
+    @cached_property
+    def mass_by_name(self) -> Mapping[str, DeclaredMass]:
+        """The first of `masses` for each link name."""
+        found: dict[str, DeclaredMass] = {}
+        for declared in self.masses:
+            found.setdefault(declared.link.name, declared)
+        return found
+
+    @cached_property
+    def tensors(self) -> tuple[DeclaredTensor, ...]:
+        """The inertia tensors that are typed as numbers, in the order of the links."""
+        return tuple(tensor for link in self.links if (tensor := DeclaredTensor.from_link(link)) is not None)
+
+    @cached_property
+    def tensor_by_name(self) -> Mapping[str, DeclaredTensor]:
+        """The first of `tensors` for each link name."""
+        found: dict[str, DeclaredTensor] = {}
+        for declared in self.tensors:
+            found.setdefault(declared.link.name, declared)
+        return found
+
+    @cached_property
+    def inertials(self) -> tuple[CompleteInertial, ...]:
+        """The inertials whose mass, pose and tensor are all typed as numbers, in the order of the links."""
+        return tuple(
+            whole for declared in self.tensors if (whole := CompleteInertial.from_tensor(declared)) is not None
+        )
+
     @property
     def tree(self) -> Tree:
         """The kinematic tree.
@@ -93,7 +131,7 @@ class Model:
         return _build_tree(self)
 
     @property
-    def frames(self) -> Mapping[str, NDArray[np.float64]]:
+    def frames(self) -> Mapping[str, Array]:
         """4x4 placement of each link's frame in the root link's frame, all joints at zero.
 
         :raises FactUnavailableError: when the tree is broken or an origin is malformed.
@@ -101,11 +139,11 @@ class Model:
         return _compute_frames(self)
 
     @cached_property
-    def axes(self) -> Mapping[str, NDArray[np.float64]]:
+    def axes(self) -> Mapping[str, Array]:
         """Unit axis in root coordinates of each joint that has one, by joint name, all joints at zero."""
         import numpy as np
 
-        found: dict[str, NDArray[np.float64]] = {}
+        found: dict[str, Array] = {}
         for joint in self.joints:
             axis = joint.axis
             if not joint.has_axis or axis is None:
@@ -127,7 +165,7 @@ def _build_tree(model: Model) -> Tree:
 
 
 @fact
-def _compute_frames(model: Model) -> Mapping[str, NDArray[np.float64]]:
+def _compute_frames(model: Model) -> Mapping[str, Array]:
     import numpy as np
 
     from urdfcheck.facts.motion.kinematics import compute_forward_kinematics

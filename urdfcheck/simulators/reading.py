@@ -19,8 +19,7 @@ from urdfcheck.source.text.xml import Element, quote_attribute
 from urdfcheck.system.files import read_regular
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 # Random configurations that are compared, and what they begin with: any will do, and the same ones every time.
 SAMPLES, SEED = 4, 20
@@ -143,7 +142,7 @@ def _motion(model: Model, robot: Robot) -> Motion | None:
     import pinocchio as pin
 
     built = pin.Model()
-    supports: dict[str, tuple[int, NDArray[np.float64]]] = {model.tree.root: (0, np.eye(4))}
+    supports: dict[str, tuple[int, Array]] = {model.tree.root: (0, np.eye(4))}
     waiting = list(model.tree.child_joints[model.tree.root])
     while waiting:  # what hangs on a joint comes right behind it: Pinocchio relies on that
         joint = waiting.pop()
@@ -188,7 +187,7 @@ def _kind(joint: Joint) -> Any:
     )
 
 
-def body_of(mass: float, centre: NDArray[np.float64], tensor: NDArray[np.float64]) -> Any:
+def body_of(mass: float, centre: Array, tensor: Array) -> Any:
     """A ``pinocchio.Inertia``, also one that no body can have: what it is made from is checked, what it is set to is not."""
     import pinocchio as pin
 
@@ -221,10 +220,10 @@ def motion_in(built: Any, robot: Robot) -> Motion | None:
     return Motion(robot.joints, tuple(masses), tuple(torques), falls)
 
 
-def _configuration(built: Any, parts: Sequence[Any], values: Vector) -> NDArray[np.float64]:
+def _configuration(built: Any, parts: Sequence[Any], values: Vector) -> Array:
     import pinocchio as pin
 
-    q: NDArray[np.float64] = pin.neutral(built)
+    q: Array = pin.neutral(built)
     for part, value in zip(parts, values, strict=True):
         # A joint without limits is the point of a circle.
         q[part.idx_q : part.idx_q + part.nq] = value if part.nq == 1 else (math.cos(value), math.sin(value))

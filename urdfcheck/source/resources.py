@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 
 from urdfcheck.core import Location
 from urdfcheck.source.load import Source
@@ -78,6 +79,17 @@ def find_machine_path(use: ResourceUse, source: Source) -> Attribute | Definitio
     if use.attribute.typed.lstrip().startswith("$"):
         return next((d for d, t in texts.items() if t and use.attribute.value.startswith(t.strip())), use.attribute)
     return use.attribute
+
+
+def find_missing_path(use: ResourceUse, source: Source) -> Path | None:
+    """Return the path of a file that does not exist, or None if it exists or another rule reports why it is not found.
+
+    PKG003 reports another spelling, PKG004 the path of one machine, and PKG012 a path out of reach. A folder may exist there.
+    """
+    resource = use.resource
+    if resource.exists or resource.actual_spelling is not None or not resource.allowed:
+        return None
+    return resource.path if resource.path is not None and find_machine_path(use, source) is None else None
 
 
 def _read_definition(definition: Definition, source: Source) -> str:

@@ -56,7 +56,7 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck import rules as catalogue
     from urdfcheck.dataset import cluster
     from urdfcheck.dataset import dataset_audit as dataset
-    from urdfcheck.output.shared import summary
+    from urdfcheck.output.shared.audit import summary_text
     from urdfcheck.run import pipeline as engine
     from urdfcheck.system import libraries
 
@@ -76,7 +76,7 @@ def main(words: Sequence[str]) -> int:
     if not done.checked and not done.unchanged:
         say("nothing to check: no model, launch file or package was found there")
         return OK if options.allow_empty else NOTHING
-    sys.stdout.write(summary.render(done.summary, catalogue.load_rules()))
+    sys.stdout.write(summary_text.render_audit_summary(done.summary, catalogue.load_rules()))
     known = f"{done.unchanged:,} unchanged, " if done.unchanged else ""
     say(f"{known}{done.checked:,} checked; {options.output / dataset.LINES}, {options.output / dataset.INDEX}")
     fail_on = options.fail_on or settings.fail_on

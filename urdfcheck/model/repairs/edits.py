@@ -1,23 +1,25 @@
-"""How other numbers get into elements: as edits where they were typed, else in words for whoever wrote the macro."""
+"""Edits of attributes that are typed literally, and advice in words where a value is computed."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from urdfcheck.core import Edit
+from urdfcheck.core import Edit, Location
 from urdfcheck.core.text import join_names
 from urdfcheck.model.repairs.origin_edits import describe_definitions
+from urdfcheck.source.text.tokens import find_content_span
 from urdfcheck.source.text.values import parse_number
-from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.text.xml import Attribute, Element, SourceFile
 
 
 @dataclass(frozen=True, slots=True)
 class AttributeChange:
-    """An attribute and the text that it gets; ``attribute`` is None where there is none yet."""
+    """An attribute and its new text."""
 
     attribute: Attribute | None
+    """None if the element lacks it."""
     name: str
     text: str
 
@@ -26,22 +28,51 @@ class AttributeChange:
         return f'{"mass value" if self.name == "mass" else self.name}="{self.text}"'
 
 
-def make_attribute_edits(changes: Iterable[AttributeChange]) -> list[Edit]:
-    """Edits that make all changes; none at all when one of the attributes is not typed as it stands."""
+def edit_literal(attribute: Attribute | None, text: str) -> list[Edit]:
+    """Return the edit that writes ``text`` in an attribute; nothing unless its value is typed literally."""
+    if attribute is None or not attribute.literal or attribute.span is None:
+        return []
+    return [Edit(attribute.span, attribute.typed, text)]
+
+
+def edit_literals(texts: Iterable[tuple[Attribute | None, str]]) -> list[Edit]:
+    """Return the edits that write a text in each attribute; nothing unless all values are typed literally."""
     edits = []
-    for change in changes:
-        attribute = change.attribute
-        if attribute is None or not attribute.literal or attribute.span is None:
+    for attribute, text in texts:
+        edit = edit_literal(attribute, text)
+        if not edit:
             return []
-        edits.append(Edit(attribute.span, attribute.typed, change.text))
+        edits += edit
     return edits
 
 
-def describe_remedy(changes: Sequence[AttributeChange], name: str, twin: str, *, shared: bool) -> str:
-    """What to do for the element ``name`` to get these numbers, as an order.
+def swap_literals(one: Attribute | None, other: Attribute | None) -> list[Edit]:
+    """Return the edits that exchange two values; nothing unless both are typed literally."""
+    return [] if one is None or other is None else edit_literals(((one, other.typed), (other, one.typed)))
 
-    ``shared``: the same text makes its ``twin``, which has the right numbers, so that no number can be written for one of
-    them alone. Where they differ in signs only, a parameter of 1 and -1 does it.
+
+def edit_content(element: Element, text: str, files: Mapping[str, SourceFile]) -> list[Edit]:
+    """Return the edit that writes ``text`` as the content of an element; nothing unless its content is typed literally."""
+    span = find_content_span(element, files)
+    return [] if span is None else [Edit(span, element.text.strip(), text)]
+
+
+def locate_content(element: Element, files: Mapping[str, SourceFile]) -> Location:
+    """Locate the content of an element if it is typed literally, otherwise the element."""
+    span = find_content_span(element, files)
+    return element.location if span is None else Location(element.subject, span, element.via)
+
+
+def make_attribute_edits(changes: Iterable[AttributeChange]) -> list[Edit]:
+    """Return the edits that make all changes; nothing unless all values are typed literally."""
+    return edit_literals((change.attribute, change.text) for change in changes)
+
+
+def describe_remedy(changes: Sequence[AttributeChange], name: str, twin: str, *, shared: bool) -> str:
+    """Return the instruction that gives the element ``name`` these numbers.
+
+    :param shared: whether the same text makes its ``twin``, whose numbers are right, so that no number can be written for
+        one of them alone. A macro parameter of 1 and -1 repairs numbers that differ only in sign.
     """
     computed = [(c, c.attribute) for c in changes if c.attribute is not None and not c.attribute.literal]
     definitions = {d.span: d for _, attribute in computed for d in attribute.collect_definitions()}
@@ -65,7 +96,7 @@ def describe_remedy(changes: Sequence[AttributeChange], name: str, twin: str, *,
 
 
 def _reflect_numbers(change: AttributeChange) -> str | None:
-    """The typed numbers, times ``reflect`` where the sign changes; None where more than a sign does."""
+    """Return the typed numbers, times ``reflect`` where the sign changes, or None if more than a sign changes."""
     typed = [] if change.attribute is None else change.attribute.value.split()
     wanted = change.text.split()
     if len(typed) != len(wanted):

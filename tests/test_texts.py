@@ -1,0 +1,47 @@
+"""How messages write counts, numbers and lengths."""
+
+from __future__ import annotations
+
+import pytest
+
+from urdfcheck.core.text import (
+    format_box_size,
+    format_count,
+    format_length,
+    format_point,
+    format_repetition,
+    join_numbers,
+)
+
+
+@pytest.mark.parametrize(
+    ("metres", "shown", "fine"),
+    [(1.5, "1.5 m", "1.5 m"), (0.0351, "35.1 mm", "35.1 mm"), (4e-5, "0.04 mm", "40 µm"), (0.0, "0 mm", "0 µm")],
+)
+def test_lengths_have_the_unit_of_their_size(metres: float, shown: str, fine: str) -> None:
+    assert (format_length(metres), format_length(metres, micrometres=True)) == (shown, fine)
+
+
+def test_lengths_have_as_many_digits_as_asked_for() -> None:
+    assert format_length(1.23456, digits=4) == "1.235 m"
+
+
+def test_a_count_agrees_with_its_noun_and_verb() -> None:
+    assert (format_count(1, "file"), format_count(2, "file")) == ("1 file", "2 files")
+    assert (format_count(1, "joint has", "joints have"), format_count(3, "joint has", "joints have")) == (
+        "1 joint has",
+        "3 joints have",
+    )
+
+
+def test_one_occurrence_is_not_a_repetition() -> None:
+    assert (format_repetition(1), format_repetition(3)) == ("", " (3 times)")
+
+
+def test_numbers_have_significant_digits() -> None:
+    assert join_numbers([0.123456, 2.0], digits=3) == "0.123, 2"
+    assert format_box_size([0.4, 0.25]) == "0.4 × 0.25 m"
+
+
+def test_coordinates_have_decimals_and_no_negative_zero() -> None:
+    assert format_point([-1e-9, 0.1234, -1.0], decimals=3) == "0 0.123 -1"
