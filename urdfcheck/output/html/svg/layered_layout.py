@@ -64,7 +64,7 @@ def lay_out_graph(sizes: Sequence[tuple[float, float]], edges: Sequence[tuple[in
         if len(group) == 1:
             single_boxes += group
             continue
-        layout = _lay_out_group(group, sizes, edges, top)
+        layout = _lay_out_group(group, sizes, edges, top=top)
         positions |= layout.positions
         curves |= layout.curves
         width, top = max(width, layout.right), layout.bottom + 2 * ROW_GAP
@@ -125,7 +125,7 @@ class _Routes:
 
 
 def _lay_out_group(
-    group: Sequence[int], sizes: Sequence[tuple[float, float]], edges: Sequence[tuple[int, int]], top: float
+    group: Sequence[int], sizes: Sequence[tuple[float, float]], edges: Sequence[tuple[int, int]], *, top: float
 ) -> _GroupLayout:
     """Place one group below ``top``."""
     group_edges = {i: edge for i, edge in enumerate(edges) if edge[0] in group}

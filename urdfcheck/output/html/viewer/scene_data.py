@@ -38,7 +38,7 @@ _LARGEST = 1e9
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
-def build_stage_data(models: Iterable[tuple[str, str, Scene, Sequence[FindingCard]]]) -> tuple[dict[str, Any], bytes]:
+def build_scene_data(models: Iterable[tuple[str, str, Scene, Sequence[FindingCard]]]) -> tuple[dict[str, Any], bytes]:
     """Build the JSON values of models and the bytes of their meshes, each content once.
 
     ``models``: id of their section in the page, name, scene and cards. Lengths in metres, poses 4x4 row-major; numbers with

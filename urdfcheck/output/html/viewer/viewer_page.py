@@ -30,7 +30,7 @@ def render_viewer() -> str:
 def render_viewer_scripts(data_json: str, geometry: bytes) -> tuple[str, list[str]]:
     """Render the scripts and data at the end of the page; return them and the texts of all scripts that its policy must allow.
 
-    ``data_json`` and ``geometry``: the values and the bytes of `scene_data.build_stage_data`."""
+    ``data_json`` and ``geometry``: the values and the bytes of `scene_data.build_scene_data`."""
     data = data_json.replace("<", "\\u003c")
     blocks = f"""<script type="application/json" id="uc-data">{data}</script>
 <script type="text/plain" id="uc-geom">{_pack_to_base64(geometry, _EFFORT)}</script>
