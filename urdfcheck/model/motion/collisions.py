@@ -14,16 +14,10 @@ import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Location
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.motion.collision import (
-    ROUNDING,
-    Colliders,
-    CollisionGeometry,
-    PlacedGeometry,
-    compute_least_distance,
-    compute_swept_spheres,
-    list_all_pairs,
-)
+from urdfcheck.facts.motion.collision import Colliders, list_all_pairs
+from urdfcheck.facts.motion.collision_geometry import ROUNDING, CollisionGeometry, PlacedGeometry
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
+from urdfcheck.facts.motion.swept_spheres import compute_least_distance, compute_swept_spheres
 from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.poses import JointConfigurations
@@ -481,7 +475,9 @@ MOST_COMPARED = 2_000_000
 _CODE_MODULES = (
     *MEASURING_MODULES,
     "urdfcheck.facts.motion.collision",
+    "urdfcheck.facts.motion.collision_geometry",
     "urdfcheck.facts.motion.kinematics",
+    "urdfcheck.facts.motion.swept_spheres",
     "urdfcheck.model.shapes",
     "urdfcheck.model.motion.collisions",
     "urdfcheck.model.motion.poses",
@@ -500,11 +496,12 @@ def _is_usable_shape(model: Model, shape: Shape) -> bool:
 
 def _make_geometry(model: Model, shape: Shape) -> CollisionGeometry:
     if shape.kind != "mesh":
-        return CollisionGeometry(shape.kind or "", shape.size or ())
+        return CollisionGeometry(kind=shape.kind or "", size=shape.size or ())
     facts, scale = model.meshes.get_facts(shape), model.compute_drawn_scale(shape)
     assert facts is not None
     assert scale is not None
-    return CollisionGeometry("mesh", (), facts.vertices * np.array(scale), facts.faces, facts.closed)
+    vertices = facts.vertices * np.array(scale)
+    return CollisionGeometry(kind="mesh", vertices=vertices, faces=facts.faces, closed=facts.closed)
 
 
 def _classify_pairs(model: Model, links: Sequence[Link], pairs: Indices) -> Iterator[tuple[Relation, str | None]]:
@@ -698,8 +695,8 @@ def _find_reachable_pairs(bench: CollisionSetup, joint: Joint, below: Bools, sta
         centres[moving] - frame[:3, 3],
         centres[staying] - frame[:3, 3],
         frame[:3, :3] @ _normalize_axis(joint),
-        lower,
-        upper,
+        lower=lower,
+        upper=upper,
         rotates=joint.type != "prismatic",
     )
     reached: Bools = gap <= (radii[moving] + radii[staying]) * (1 + ROUNDING)
@@ -858,8 +855,8 @@ def _sweep_spheres(
         centres,
         radii,
         _normalize_axis(joint),
-        -upper if inwards else lower,
-        -lower if inwards else upper,
+        lower=-upper if inwards else lower,
+        upper=-lower if inwards else upper,
         rotates=joint.type != "prismatic",
     )
 
