@@ -224,7 +224,7 @@ class Colliders:
     def find_deepest_overlap(
         self, frames: Array, one: int, other: int, *, with_depth: bool = True
     ) -> Separation | None:
-        """Find the deepest overlap of the shapes of two bodies; None if none meet. ``frames`` (B, 4, 4) as for `detect_collisions`.
+        """Find the deepest overlap of the shapes of two bodies; None if none meet. ``frames`` (B, 4, 4): see `detect_collisions`.
 
         Without ``with_depth`` only whether they overlap matters, and in which shapes. A depth that is not needed to find which
         shapes overlap most is infinite then.

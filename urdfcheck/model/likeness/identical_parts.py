@@ -340,7 +340,10 @@ def _find_symmetry(model: Model, link: Link) -> _Symmetry | None:
         return None
 
     def is_symmetry(linear: Array) -> bool:
-        return measure_outline_mismatch(outline, outline, linear, solid.com - linear @ solid.com) < _SYMMETRY_TOLERANCE
+        return (
+            measure_outline_mismatch(outline, outline, linear=linear, shift=solid.com - linear @ solid.com)
+            < _SYMMETRY_TOLERANCE
+        )
 
     _, axes = np.linalg.eigh(solid.covariance)
     flips = (axes @ np.diag(signs) @ axes.T for signs in product((1.0, -1.0), repeat=3))

@@ -268,13 +268,13 @@ def _fit_mirror_plane(
 ) -> tuple[MirrorPlane, int] | None:
     ones, others = (np.array([model.frames[names[side]][:3, 3] for names in group]) for side in (0, 1))
     size = float(np.linalg.norm(np.ptp(np.concatenate((ones, others)), axis=0)))
-    found = find_mirror_plane(ones, others, normals, max(PLACE, PLACE_SHARE * size))
+    found = find_mirror_plane(ones, others, normals, tolerance=max(PLACE, PLACE_SHARE * size))
     if found is not None or size > PLACE:
         return found
     # All frames at one place, as those of a gripper that opens by sliding: the parts tell where the sides are.
     drawn = [(looks.compute_centroid(a), looks.compute_centroid(b)) for a, b in group]
     known = [(a, b) for a, b in drawn if a is not None and b is not None]
-    return find_mirror_plane([a for a, _ in known], [b for _, b in known], normals, PLACE) if known else None
+    return find_mirror_plane([a for a, _ in known], [b for _, b in known], normals, tolerance=PLACE) if known else None
 
 
 def _make_pair(
@@ -287,12 +287,12 @@ def _make_pair(
     slides = False
     if one is not None and other is not None and looks.is_comparable(*names):
         moved, still = (
-            measure_outline_mismatch(one, other, linear, shift),
-            measure_outline_mismatch(one, other, linear, np.zeros(3)),
+            measure_outline_mismatch(one, other, linear=linear, shift=shift),
+            measure_outline_mismatch(one, other, linear=linear, shift=np.zeros(3)),
         )
         mirrored, slides = min(moved, still), moved < ALIKE <= still
         copies = tuple(
-            CopyTransform(turn, move, measure_outline_mismatch(one, other, turn, move))
+            CopyTransform(turn, move, measure_outline_mismatch(one, other, linear=turn, shift=move))
             for turn, move in looks.propose_motions(*names)
         )
     first, second = (frozenset((name, *(joint.child for joint in model.tree.find_path_to(name)))) for name in names)

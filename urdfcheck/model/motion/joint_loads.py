@@ -232,7 +232,9 @@ def _compute_statics(model: Model, poses: JointConfigurations) -> Arrays:
         tried = np.flatnonzero(moved[near].any(axis=0)).tolist()
         starts = poses.values[np.argsort(-size[:, i], kind="stable")[:_CLIMB_STARTS]]
         tops = [
-            dynamics.find_largest_load(partial(compute_torques, int(i)), start, ranges, moved, tried)
+            dynamics.find_largest_load(
+                partial(compute_torques, int(i)), start, ranges=ranges, coupling=moved, joints=tried
+            )
             for start in starts
         ]
         loads.append(max(tops, key=lambda top: top.torque))

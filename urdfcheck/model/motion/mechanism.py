@@ -115,12 +115,12 @@ def _make_body(
     parent = -1 if joint is None else member.get(joint.parent, -1)
     above = model.frames[heads[parent]] if parent >= 0 else np.eye(4)
     return RigidBody(
-        parent,
-        np.linalg.inv(above) @ frame,
-        _make_hinge(joint, values),
-        mass,
-        turn.T @ (com - frame[:3, 3]),
-        turn.T @ tensor @ turn,
+        parent=parent,
+        pose=np.linalg.inv(above) @ frame,
+        joint=_make_hinge(joint, values),
+        mass=mass,
+        com=turn.T @ (com - frame[:3, 3]),
+        inertia=turn.T @ tensor @ turn,
     )
 
 
@@ -130,32 +130,32 @@ def _make_geom(model: Model, link: Link, shape: Shape, member: Mapping[str, int]
     own = model.frames[heads[body]] if body >= 0 else np.eye(4)
     kind = "hull" if shape.kind == "mesh" else shape.kind or ""
     return Geom(
-        body,
-        kind,
-        shape.size or (),
-        np.linalg.inv(own) @ model.frames[link.name] @ pose,
-        _compute_hull_points(model, shape),
+        body=body,
+        kind=kind,
+        size=shape.size or (),
+        pose=np.linalg.inv(own) @ model.frames[link.name] @ pose,
+        points=_compute_hull_points(model, shape),
     )
 
 
 def _make_hinge(joint: Joint | None, values: Mapping[str, float]) -> SimulatedJoint:
     if joint is None or joint.type == "floating":
-        return SimulatedJoint("floating", np.array((0.0, 0.0, 1.0)))
+        return SimulatedJoint(kind="floating", axis=np.array((0.0, 0.0, 1.0)))
     if joint.type not in MOVING_TYPES:
         raise FactUnavailableError(f"the type of joint {joint.name!r} is not known (KIN009)")
     if joint.axis is None or not any(joint.axis):
         raise FactUnavailableError(f"the axis of joint {joint.name!r} is zero or malformed (JNT001, XML007)")
     axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
     if joint.type == "planar":
-        return SimulatedJoint("planar", axis)
+        return SimulatedJoint(kind="planar", axis=axis)
     return SimulatedJoint(
-        "slide" if joint.type == "prismatic" else "hinge",
-        axis,
-        _read_joint_range(joint),
-        read_damping(joint),
-        max(read_attribute_number(joint.element.find_child("dynamics"), "friction") or 0.0, 0.0),
-        values[joint.name],
-        _get_holding_effort(joint),
+        kind="slide" if joint.type == "prismatic" else "hinge",
+        axis=axis,
+        range=_read_joint_range(joint),
+        damping=read_damping(joint),
+        friction=max(read_attribute_number(joint.element.find_child("dynamics"), "friction") or 0.0, 0.0),
+        start_value=values[joint.name],
+        effort=_get_holding_effort(joint),
     )
 
 
