@@ -17,40 +17,43 @@ if TYPE_CHECKING:
     from urdfcheck.model import Model
     from urdfcheck.run.audit import Report
 
-# Configurations that are looked at, and with --thorough. Of 55 pairs of a seven-joint arm with a hand 30 do not collide in
-# 200 of them, 22 in 5,000: an audit may miss a collision, a file that switches its check off should not.
+# Configurations that are sampled, and with --thorough. Of 55 pairs of a seven-joint arm with a hand, 30 do not collide in 200
+# of them, 22 in 5,000: an audit may miss a collision, a file that switches its check off should not.
 SAMPLES, THOROUGH = 5_000, 20_000
-# How a file that may be written over begins.
+# The first words of a file that may be overwritten.
 MARK = "Written by urdfcheck srdf"
 _COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 _TAG = re.compile(r"<([A-Za-z_][\w:.-]*)")
-# Of how many trials without a hit the probability of one is below 3/N, at 95 % confidence (the rule of three).
+# After N trials without a hit the probability of one is below 3/N, at 95 % confidence (the rule of three).
 _RULE_OF_THREE = 3.0
 
 
 @dataclass(frozen=True, slots=True)
 class LinkPair:
-    """Two links with collision geometry, ``links`` in alphabetical order as Setup Assistant writes them. ``reason``: Adjacent
-    | Default | Always | Never, None where the pair must be checked; ``proven``: that they never meet is no sample's word;
-    ``seen``: whether a sample met."""
+    """Two links with collision geometry."""
 
     links: tuple[str, str]
+    """In alphabetical order, as Setup Assistant writes them."""
     reason: str | None
+    """Adjacent | Default | Always | Never; None where the pair must be checked."""
     proven_never: bool
+    """Whether a proof, and not only samples, says that they never meet."""
     seen_colliding: bool
+    """Whether they meet in a sample."""
 
 
 @dataclass(frozen=True, slots=True)
 class LinkPairs:
-    """All pairs of a robot, in the order of their names; ``samples``: how many configurations were looked at."""
+    """All pairs of a robot, in the order of their names."""
 
     robot: str
     samples: int
+    """The number of sampled configurations."""
     pairs: tuple[LinkPair, ...]
 
 
 def compute_link_pairs(model: Model) -> LinkPairs:
-    """The pairs of a model, judged as MoveIt's Setup Assistant does.
+    """Classify the pairs of a model as MoveIt's Setup Assistant does.
 
     :raises FactUnavailableError: when its collisions are not known.
     """
@@ -59,7 +62,10 @@ def compute_link_pairs(model: Model) -> LinkPairs:
 
     pairs = [
         LinkPair(
-            (min(j.pair.links), max(j.pair.links)), j.reason, j.pair.is_proven_apart, not j.pair.is_never_in_collision
+            links=(min(j.pair.links), max(j.pair.links)),
+            reason=j.reason,
+            proven_never=j.pair.is_proven_apart,
+            seen_colliding=not j.pair.is_never_in_collision,
         )
         for j in classify_link_pairs(model)
     ]
@@ -68,7 +74,7 @@ def compute_link_pairs(model: Model) -> LinkPairs:
 
 
 def explain_missing_pairs(report: Report) -> str:
-    """Why a report on a model holds no pairs."""
+    """Explain why a report on a model holds no pairs."""
     reasons = [*report.failures, *(skip.reason for skip in report.skipped if skip.code == "srdf")]
     for finding in report.findings:
         span = finding.location.span
@@ -79,7 +85,7 @@ def explain_missing_pairs(report: Report) -> str:
 
 
 def has_foreign_content(file: Path) -> bool:
-    """Whether a file is there that :func:`render` did not make, or to which something was added."""
+    """Whether there is a file that :func:`render` did not write, or to which something was added."""
     try:
         text = read_regular(file).decode("utf-8", "replace")
     except OSError:
@@ -89,7 +95,7 @@ def has_foreign_content(file: Path) -> bool:
 
 
 def render(link_pairs: LinkPairs) -> str:
-    """A semantic description that holds the ``disable_collisions`` of a robot and, in comments, what they rest on."""
+    """Render a semantic description with the ``disable_collisions`` of a robot and, in comments, their reasons."""
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f"<!-- {MARK} {__version__}: the pairs of links that MoveIt need not check for collisions.",

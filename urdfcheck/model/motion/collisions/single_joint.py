@@ -179,7 +179,7 @@ def _bracket_joint_collisions(collisions: SelfCollisions, rest: JointConfigurati
     for index, joint in enumerate(rest.joints):
         if joint.mimic is not None or not _compute_range_width(joint) > 0:
             continue
-        move = _JointMove(setup, rest, index, below[index])
+        move = _JointMove(setup=setup, rest=rest, index=index, below=below[index])
         candidates = np.flatnonzero(apart & _find_affected_pairs(setup, below[[index, *followers[index]]]))
         if not followers[index] and len(candidates):
             candidates = candidates[move.is_reachable(candidates)]
