@@ -60,10 +60,10 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
 
 
 def propose_undo(model: Model, link: Link) -> InertialRepair | None:
-    """Propose what undoes the mistake that was found in a link's inertial; None where none is certain, or it is not in the
-    inertial.
+    """Propose what undoes the mistake that was found in a link's inertial.
 
-    Without edits where a macro wrote the same text for other links, in which this mistake was not found.
+    None where no mistake is certain, or it is not in the inertial. Without edits where a macro wrote the same text for
+    other links, in which this mistake was not found.
     """
     diagnosed, inertial = inertial_diagnoses(model).get(link.name), link.inertial
     if diagnosed is None or inertial is None or diagnosed.diagnosis.mended is None:

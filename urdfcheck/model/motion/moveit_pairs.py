@@ -111,8 +111,9 @@ def _choose_reason(pair: CollisionPair, *, adjacent: bool, at_default: bool) -> 
 
 
 def find_adjacent_links(model: Model) -> frozenset[frozenset[str]]:
-    """Return the pairs of links with collision geometry that a joint of any type connects, or joints with only links
-    without such geometry in between.
+    """Return the pairs of links with collision geometry that are adjacent for MoveIt.
+
+    A joint of any type connects them, or joints with only links without such geometry in between.
 
     :raises FactUnavailableError: when the tree is broken.
     """
