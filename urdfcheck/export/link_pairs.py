@@ -107,22 +107,22 @@ def render(link_pairs: LinkPairs) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _format_pair_groups(found: LinkPairs) -> Iterator[str]:
-    samples = f"{found.samples:,} sampled configurations"
-    never = [pair for pair in found.pairs if pair.reason == "Never"]
+def _format_pair_groups(link_pairs: LinkPairs) -> Iterator[str]:
+    samples = f"{link_pairs.samples:,} sampled configurations"
+    never = [pair for pair in link_pairs.pairs if pair.reason == "Never"]
     groups = (
         (
-            [pair for pair in found.pairs if pair.reason == "Adjacent"],
+            [pair for pair in link_pairs.pairs if pair.reason == "Adjacent"],
             "Adjacent: connected by a joint, or by joints with only links without collision geometry in between.",
         ),
         (
-            [pair for pair in found.pairs if pair.reason == "Default"],
+            [pair for pair in link_pairs.pairs if pair.reason == "Default"],
             "Default: collide in the default state (every joint at zero, or in the middle of a range without zero).\n"
             "Their collisions in other states are not seen either: better mend the model where it is wrong, or begin\n"
             "in another state and delete these lines.",
         ),
         (
-            [pair for pair in found.pairs if pair.reason == "Always"],
+            [pair for pair in link_pairs.pairs if pair.reason == "Always"],
             f"Always: collide in more than 95 % of {samples}.",
         ),
         (
@@ -133,7 +133,7 @@ def _format_pair_groups(found: LinkPairs) -> Iterator[str]:
         (
             [pair for pair in never if not pair.proven_never],
             f"Never: not seen to collide in {samples}: at 95 % confidence they collide in less than\n"
-            f"{100 * _RULE_OF_THREE / found.samples:.2g} % of them all.",
+            f"{100 * _RULE_OF_THREE / link_pairs.samples:.2g} % of them all.",
         ),
     )
     for pairs, evidence in groups:
@@ -143,8 +143,8 @@ def _format_pair_groups(found: LinkPairs) -> Iterator[str]:
             for pair in pairs:
                 first, second = map(quote_attribute, pair.links)
                 yield f'    <disable_collisions link1={first} link2={second} reason="{pair.reason}"/>'
-    checked = [pair for pair in found.pairs if pair.reason is None]
+    checked = [pair for pair in link_pairs.pairs if pair.reason is None]
     unknown = [pair for pair in checked if not pair.seen_colliding]
-    yield f"    <!-- Still checked: {len(checked)} of {len(found.pairs)} pairs. -->"
+    yield f"    <!-- Still checked: {len(checked)} of {len(link_pairs.pairs)} pairs. -->"
     if unknown:
         yield f"    <!-- {len(unknown)} of these because a collision shape of one of the links could not be read. -->"

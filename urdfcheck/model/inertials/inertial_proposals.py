@@ -47,10 +47,10 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
         if possible.positive_definite and possible.triangle_inequality:
             reference = "the part that is drawn" if diagnosis.by == "mesh" else f"its twin {', '.join(diagnosed.twins)}"
             mistake = (diagnosis.cause or "").replace("_", " ")
-            found = f"undoing one mistake ({mistake}) makes it possible and brings it near to that of {reference}"
+            claim = f"undoing one mistake ({mistake}) makes it possible and brings it near to that of {reference}"
             if diagnosis.unique:
-                found = f"one edit ({mistake}) makes it that of {reference}, and no other single edit does"
-            return InertialProposal(change.edits, f"; {found}: {change.text}", f"write {change.text}; or ")
+                claim = f"one edit ({mistake}) makes it that of {reference}, and no other single edit does"
+            return InertialProposal(change.edits, f"; {claim}: {change.text}", f"write {change.text}; or ")
     drawn = propose_from_geometry(model, link)
     if drawn is None or not drawn.text:
         return InertialProposal()

@@ -148,10 +148,10 @@ def find_joint_collisions(model: Model) -> tuple[JointCollision, ...]:
     except KeyError:
         table = _search_joint_collisions(collisions, rest)
         collisions.cache_entry["reach"] = {"table": table}
-    found = []
+    joint_collisions = []
     for joint_index, pair_index, value, limit in table.tolist():
         pair = collisions.pairs[int(pair_index)]
-        found.append(
+        joint_collisions.append(
             JointCollision(
                 joint=rest.joints[int(joint_index)],
                 value=value,
@@ -160,7 +160,7 @@ def find_joint_collisions(model: Model) -> tuple[JointCollision, ...]:
                 relation=pair.relation,
             )
         )
-    return tuple(found)
+    return tuple(joint_collisions)
 
 
 def _search_joint_collisions(collisions: SelfCollisions, rest: JointConfigurations) -> Array:
