@@ -79,7 +79,7 @@ class _JointMove:
         placed[:, self.below] = (frame @ motion @ np.linalg.inv(frame))[:, None] @ setup.rest_placements[self.below]
         return placed
 
-    def is_reachable(self, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
+    def mask_reachable(self, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Return whether spheres around the links of some pairs come to meet (n,); only for a joint that nothing follows."""
         setup, joint, below = self.setup, self.joint, self.below
         frame = setup.rest_frames[joint.child][0]
@@ -98,7 +98,7 @@ class _JointMove:
         reached: NDArray[np.bool_] = gap <= (radii[moving] + radii[staying]) * (1 + ROUNDING)
         return reached
 
-    def is_touching(self, place: Callable[[Array], Array], pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
+    def mask_touching(self, place: Callable[[Array], Array], pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Return whether the shapes of some pairs touch at rest (n,): they meet as soon as the joint turns, either way."""
         lower, upper = poses.get_sampling_range(self.joint)
         least = _compute_range_width(self.joint) / STEPS / 2**_HALVINGS
@@ -182,12 +182,12 @@ def _bracket_joint_collisions(collisions: SelfCollisions, rest: JointConfigurati
         move = _JointMove(setup=setup, rest=rest, index=index, below=below[index])
         candidates = np.flatnonzero(apart & _find_affected_pairs(setup, below[[index, *followers[index]]]))
         if not followers[index] and len(candidates):
-            candidates = candidates[move.is_reachable(candidates)]
+            candidates = candidates[move.mask_reachable(candidates)]
         if not len(candidates):
             continue
         place = move.place_with_followers if followers[index] else move.place_without_followers
         neighbours = candidates[adjacent[candidates]]
-        candidates = np.setdiff1d(candidates, neighbours[move.is_touching(place, neighbours)])
+        candidates = np.setdiff1d(candidates, neighbours[move.mask_touching(place, neighbours)])
         for limit in poses.get_sampling_range(joint):
             way = move.sample_way_to(limit)
             first = _find_first_collision(setup, place(way)[1:], pairs=candidates, adjacent=adjacent[candidates])
