@@ -31,7 +31,7 @@ _FUNCTIONAL_TAGS = frozenset({"sensor", "plugin"})
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    reduction, kept = reduce_fixed_joints(model), find_preserved_names(model)
+    reduction, preserved = reduce_fixed_joints(model), find_preserved_names(model)
     blocks = [block for block in model.robot.find_children("gazebo") if block.get("reference")]
     collisions, visuals = _group_unreached_shapes(reduction.collisions), _group_unreached_shapes(reduction.visuals)
     lost: dict[str, list[Element]] = {}
@@ -42,14 +42,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if name in model.link_by_name:
             yield from _check_surface_settings(rule, "collision", block, shapes=collisions[name])
             yield from _check_surface_settings(rule, "visual", block, shapes=visuals[name])
-        elif joint is not None and is_merged_joint(joint, kept):
+        elif joint is not None and is_merged_joint(joint, preserved):
             tags = {child.tag for child in block.children}.difference(PRESERVE)
             if tags:
                 lost.setdefault("joint" if tags & _FUNCTIONAL_TAGS else "joint-settings", []).append(block)
     for message, lost_blocks in lost.items():
         yield _build_lost_finding(model, rule, message, blocks=lost_blocks, reduction=reduction)
     yield from _check_gravity_flags(model, rule, blocks, reduction=reduction)
-    yield from _check_dropped_links(model, rule, reduction, kept=kept)
+    yield from _check_dropped_links(model, rule, reduction, preserved=preserved)
 
 
 def _group_unreached_shapes(shapes: tuple[MergedShape, ...]) -> defaultdict[str, tuple[list[MergedShape], int]]:
@@ -165,9 +165,9 @@ def _check_preserve_flag(model: Model, rule: Rule, block: Element) -> Iterator[F
 
 
 def _check_dropped_links(
-    model: Model, rule: Rule, reduction: FixedJointReduction, *, kept: Mapping[str, Element]
+    model: Model, rule: Rule, reduction: FixedJointReduction, *, preserved: Mapping[str, Element]
 ) -> Iterator[Finding]:
-    """Report kept joints whose link below has no mass: sdformat drops such a link with everything behind it."""
+    """Report preserved joints whose link below has no mass: sdformat drops such a link with everything behind it."""
     heavy = {body for name, body in reduction.body_by_link.items() if _get_mass(model, name) > 0.0}
     above: dict[str, Joint] = {}  # the uppermost such joint of each link that is dropped
     hanging: dict[str, int] = {}
@@ -176,7 +176,7 @@ def _check_dropped_links(
         first = above.get(joint.parent)
         if first is not None:
             hanging[first.name] += 1
-        elif joint.type == "fixed" and joint.name in kept and link not in heavy:
+        elif joint.type == "fixed" and joint.name in preserved and link not in heavy:
             first = joint
             hanging[joint.name] = 0
         if first is not None:
@@ -184,9 +184,9 @@ def _check_dropped_links(
     for name, count in hanging.items():
         yield rule.finding(
             "dropped",
-            at=kept[name],
+            at=preserved[name],
             related=[model.joint_by_name[name]],
-            flag=kept[name].tag,
+            flag=preserved[name].tag,
             joint=name,
             link=model.joint_by_name[name].child,
             others=f" and what hangs on it ({count})" if count else "",
@@ -194,8 +194,10 @@ def _check_dropped_links(
 
 
 def _propose_edits(model: Model, block: Element) -> list[Edit]:
-    """Return the edit that asks sdformat, first thing in the block, to keep the joint; nothing if its link has no mass and would
-    be dropped."""
+    """Return the edit that asks sdformat, first thing in the block, to keep the joint.
+
+    Nothing if its link has no mass: sdformat would drop the link.
+    """
     span, joint = block.span, model.joint_by_name[block.get("reference")]
     if span is None or span.file not in model.source.files or _get_mass(model, joint.child) == 0.0:
         return []
