@@ -11,8 +11,7 @@ import pytest
 from conftest import REPOSITORY
 
 from urdfcheck import __version__, cli
-from urdfcheck import rules as catalogue
-from urdfcheck.cli.commands.check import parser
+from urdfcheck.cli.commands.check import build_parser
 
 
 @pytest.mark.parametrize(
@@ -42,12 +41,36 @@ def test_rules_index_is_current() -> None:
         import make_rules_index
     finally:
         sys.path.pop(0)
-    assert (REPOSITORY / "rules" / "README.md").read_text(encoding="utf-8") == make_rules_index.index()
+    current = (REPOSITORY / "rules" / "README.md").read_text(encoding="utf-8") == make_rules_index.render_index()
+    assert current, "rules/README.md is stale: make reports"
+
+
+def test_the_page_about_the_model_is_current() -> None:
+    sys.path.insert(0, str(REPOSITORY / "tools"))
+    try:
+        import make_model_page
+    finally:
+        sys.path.pop(0)
+    current = make_model_page.PAGE.read_text(encoding="utf-8") == make_model_page.render_page()
+    assert current, f"{make_model_page.PAGE.name} is stale: make reports"
+
+
+def test_the_rules_index_lists_every_page_once() -> None:
+    """Does not ask the generator of the index: what it forgets is missing here."""
+    index = (REPOSITORY / "rules" / "README.md").read_text(encoding="utf-8")
+    pages = sorted(path.name for path in (REPOSITORY / "rules").glob("[A-Z]*-*.md"))
+    assert re.findall(r"^\| \[[A-Z]{3}\d{3}\]\(([^)]+)\)", index, re.MULTILINE) == sorted(pages, key=_family_order)
+    assert len(pages) > 100
+
+
+def _family_order(page: str) -> tuple[int, str]:
+    families = re.findall(r"^\[([A-Z]{3})\]$", (REPOSITORY / "rules" / "families.toml").read_text(), re.MULTILINE)
+    return families.index(page[:3]), page
 
 
 def test_readme_names_every_option_and_exit_code() -> None:
     readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
-    options = {s for action in parser()._actions for s in action.option_strings if s.startswith("--")}
+    options = {s for action in build_parser()._actions for s in action.option_strings if s.startswith("--")}
     missing = {o for o in options - {"--help", "--version"} if o not in readme}
     assert not missing
     for code in (cli.OK, cli.FINDINGS, cli.FAILED, cli.NOTHING):
@@ -55,12 +78,25 @@ def test_readme_names_every_option_and_exit_code() -> None:
 
 
 def test_documents_name_only_rules_that_exist() -> None:
-    known = set(catalogue.load_rules())
-    for path in [REPOSITORY / "README.md", REPOSITORY / "CONTRIBUTING.md", REPOSITORY / "CHANGELOG.md"]:
-        named = set(
-            re.findall(r"\b(?:XML|XAC|PKG|KIN|JNT|SYM|INR|MSH|GEO|NAM|GZB|CTL|LCH|URC)(?!099)\d{3}\b", path.read_text())
-        )
+    known = {path.name[:6] for path in (REPOSITORY / "rules").glob("[A-Z]*-*.md")}
+    code = re.compile(rf"\b(?:{'|'.join(sorted({c[:3] for c in known}))})\d{{3}}\b")
+    for path in [REPOSITORY / "README.md", REPOSITORY / "CHANGELOG.md", REPOSITORY / "SECURITY.md"]:
+        named = set(code.findall(path.read_text(encoding="utf-8")))
         assert named <= known, f"{path.name} names {sorted(named - known)}"
+
+
+@pytest.mark.parametrize("family", sorted({path.name[:3] for path in (REPOSITORY / "rules").glob("[A-Z]*-*.md")}))
+def test_no_family_of_rules_is_overlooked_in_the_documents(family: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A code that does not exist is noticed, whatever its family."""
+    read = Path.read_text
+
+    def add_unknown(path: Path, *args: str, **options: str) -> str:
+        text = read(path, *args, **options)  # type: ignore[arg-type]
+        return f"{text}\n{family}998\n" if path.name == "CHANGELOG.md" else text
+
+    monkeypatch.setattr(Path, "read_text", add_unknown)
+    with pytest.raises(AssertionError, match=f"{family}998"):
+        test_documents_name_only_rules_that_exist()
 
 
 def test_links_between_documents_lead_somewhere() -> None:

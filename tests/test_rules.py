@@ -17,10 +17,12 @@ from conftest import check
 
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Applicability, Finding, Rule
+from urdfcheck.dev.new_rule import TO_DO
 from urdfcheck.policy import config
 
 FENCE = re.compile(r"^```(\w+)(?: file=(\S+))?[ ]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-EXPECT = re.compile(r"expect: ([A-Z]{3}\d{3})")
+# `expect: NAM008` marks a line, `expect: NAM008 "base_"` the text on it that the finding points at as well.
+EXPECT = re.compile(r'expect: ([A-Z]{3}\d{3})(?: "([^"]*)")?')
 HEADINGS = ["What it checks", "Why it matters", "How to fix", "Bad", "Good", "When to ignore", "References"]
 SUFFIX = {"urdf": ".urdf", "xacro": ".urdf.xacro", "launch": ".launch"}
 
@@ -75,7 +77,7 @@ def findings_of(case: Case, folder: Path) -> list[Finding]:
     # A single file is named by the user; a tree of files is found in its folder.
     target = folder if len(case.files) > 1 else folder / case.files[0][0]
     # A tree may hold its own urdfcheck.toml.
-    targets = config.find(folder).target
+    targets = config.find_config(folder).target
     rule = catalogue.load_rules()[case.rule]
     simulated = "simulator" in rule.needs
     if simulated:
@@ -90,37 +92,46 @@ def offered(finding: Finding) -> Applicability:
     return Applicability.DISPLAY if finding.fix is None else finding.fix.applicability
 
 
-def lines_found(case: Case, folder: Path) -> tuple[set[tuple[str, int]], set[tuple[str, int]]]:
-    """The marked and the found lines of the case's rule."""
+Place = tuple[str, int, str | None]
+
+
+def list_marked_places(case: Case) -> set[Place]:
+    """The file, the line and, where the mark says so, the text that the case's rule must point at."""
+    return {
+        (name, number, text or None)
+        for name, content in case.files
+        for number, line in enumerate(content.split("\n"), 1)
+        for code, text in EXPECT.findall(line)
+        if code == case.rule
+    }
+
+
+def list_found_places(case: Case, folder: Path, with_text: set[tuple[str, int]]) -> set[Place]:
+    """The places that the case's rule points at; their text only on the lines in ``with_text``."""
     findings = findings_of(case, folder)
-    expected = {
-        (name, number)
-        for name, text in case.files
-        for number, line in enumerate(text.split("\n"), 1)
-        if case.rule in EXPECT.findall(line)
-    }
-    found = {
-        (Path(f.location.span.file).resolve().relative_to(folder.resolve()).as_posix(), f.location.span.line)
-        for f in findings
-        if f.location.span is not None
-    }
     promised = FIXES.index(catalogue.load_rules()[case.rule].fix)
     assert all(FIXES.index(offered(f)) <= promised for f in findings), "the page's key `fix` promises less"
-    return expected, found
+    contents = dict(case.files)
+    places: set[Place] = set()
+    for span in (f.location.span for f in findings if f.location.span is not None):
+        name = Path(span.file).resolve().relative_to(folder.resolve()).as_posix()
+        text = contents[name][span.start : span.end] if (name, span.line) in with_text else None
+        places.add((name, span.line, text))
+    return places
 
 
 @pytest.mark.parametrize("case", BAD, ids=str)
 def test_bad_block_gives_the_finding_on_the_marked_line(case: Case, tmp_path: Path) -> None:
-    expected, found = lines_found(case, tmp_path)
-    assert expected, "the block marks no line with `expect:`"
-    assert found == expected
+    marked = list_marked_places(case)
+    assert marked, "the block marks no line with `expect:`"
+    with_text = {(name, line) for name, line, text in marked if text is not None}
+    assert list_found_places(case, tmp_path, with_text) == marked
 
 
 @pytest.mark.parametrize("case", GOOD, ids=str)
 def test_good_block_does_not(case: Case, tmp_path: Path) -> None:
-    expected, found = lines_found(case, tmp_path)
-    assert not expected
-    assert not found
+    assert not list_marked_places(case)
+    assert not list_found_places(case, tmp_path, set())
 
 
 @pytest.mark.parametrize("rule", FIXED, ids=lambda rule: rule.code)
@@ -137,6 +148,7 @@ def sentences(rule: Rule) -> Iterator[str]:
 
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.code)
 def test_page_is_complete(rule: Rule) -> None:
+    assert TO_DO not in rule.page, "what is marked with TODO is still to be written"
     headings = re.findall(r"^## (.+)$", rule.page, re.MULTILINE)
     wanted = HEADINGS if catalogue.has_check(rule) else [h for h in HEADINGS if h not in {"Bad", "Good", "References"}]
     assert [h for h in headings if h in HEADINGS] == [h for h in HEADINGS if h in headings]

@@ -14,8 +14,8 @@ from urdfcheck.core import Run
 from urdfcheck.core.scene import Scene
 from urdfcheck.facts.mesh.codec import PackedMesh, unpack_mesh
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
-from urdfcheck.output.html.model import collect_report_parts
-from urdfcheck.output.html.stage import build_stage_data
+from urdfcheck.output.html.report_parts import collect_report_parts
+from urdfcheck.output.html.viewer.scene_data import build_stage_data
 
 ARM = """<robot name="arm">
   <material name="blue"><color rgba="0 0 1 1"/></material>

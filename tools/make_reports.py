@@ -15,7 +15,7 @@ import zlib
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parent.parent
-SUFFIXES = {"text": ".txt", "json": ".json", "html": ".html", "markdown": ".md"}
+SUFFIXES = {"text": ".txt", "json": ".json", "markdown": ".md"}
 ROBOTS = ("car-3",)
 _PACKED = re.compile(r'(<script type="text/plain" [^>]*>)([A-Za-z0-9+/=]+)')
 

@@ -1,30 +1,12 @@
-"""Makes rules/README.md from the pages: ``python tools/make_rules_index.py``."""
+"""Make rules/README.md from the pages: ``python tools/make_rules_index.py``."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Applicability, Rule, Verdict
 from urdfcheck.policy.consumers import CONSUMERS
-
-FAMILIES = {
-    "XML": "XML and the URDF grammar",
-    "XAC": "xacro sources",
-    "PKG": "packages, paths and files",
-    "KIN": "the kinematic tree",
-    "JNT": "joints, axes and limits",
-    "SYM": "odd ones out",
-    "INR": "mass and inertia",
-    "MSH": "meshes",
-    "GEO": "shapes",
-    "NAM": "names",
-    "GZB": "Gazebo extensions",
-    "CTL": "control interfaces",
-    "SRD": "semantic descriptions (SRDF) and joint limits of MoveIt",
-    "LCH": "launch files",
-    "URC": "urdfcheck itself",
-}
+from urdfcheck.rules import load_families, load_rules
 
 FIX = {Applicability.SAFE: "safe", Applicability.UNSAFE: "unsafe", Applicability.DISPLAY: "–"}
 
@@ -40,28 +22,25 @@ the page tells it in words.
 """
 
 
-def index() -> str:
-    """The text of rules/README.md."""
+def render_index() -> str:
+    """Return the text of rules/README.md."""
     parts = [INTRODUCTION]
-    rules = catalogue.load_rules()
-    for family, title in FAMILIES.items():
-        members = [rule for code, rule in rules.items() if code.startswith(family)]
-        if not members:
-            continue
+    for family in load_families().values():
+        members = [rule for code, rule in load_rules().items() if code.startswith(family.code)]
         parts.append(
-            f"\n## {family}: {title}\n\n| code | name | severity | confidence | fix | finds | programs |\n"
+            f"\n## {family.code}: {family.title}\n\n| code | name | severity | confidence | fix | finds | programs |\n"
             "|---|---|---|---|---|---|---|\n"
         )
         for rule in members:
             page = f"{rule.code}-{rule.name}.md"
             parts.append(
                 f"| [{rule.code}]({page}) | {rule.name} | {rule.severity} | {rule.confidence} | {FIX[rule.fix]} "
-                f"| {_cell(rule.summary)} | {_programs(rule)} |\n"
+                f"| {_escape_cell(rule.summary)} | {_list_programs(rule)} |\n"
             )
     return "".join(parts)
 
 
-def _programs(rule: Rule) -> str:
+def _list_programs(rule: Rule) -> str:
     """What the consumers do at worst, by verdict, the worst first."""
     worst: dict[str, Verdict] = {}
     for sentences in (rule.consumers, *(v for v in rule.consumers.values() if isinstance(v, dict))):
@@ -75,9 +54,9 @@ def _programs(rule: Rule) -> str:
     return "; ".join(told) or "–"
 
 
-def _cell(text: str) -> str:
+def _escape_cell(text: str) -> str:
     return text.replace("|", "\\|")
 
 
 if __name__ == "__main__":
-    (Path(__file__).parent.parent / "rules" / "README.md").write_text(index(), encoding="utf-8", newline="\n")
+    (Path(__file__).parent.parent / "rules" / "README.md").write_text(render_index(), encoding="utf-8", newline="\n")

@@ -17,7 +17,7 @@ from typing import Any
 
 import tomli
 
-from urdfcheck.core import Applicability, Confidence, Rule, RuleOption, Severity, UrdfcheckError
+from urdfcheck.core import Applicability, Confidence, Rule, RuleFamily, RuleOption, Severity, UrdfcheckError
 
 Check = Callable[..., Iterable[Any]]
 
@@ -33,6 +33,8 @@ _KEYS = {
     "tags",
     "hidden_by",
     "concerns",
+    "layers",
+    "depends_on_targets",
     "fix",
     "options",
     "messages",
@@ -40,6 +42,8 @@ _KEYS = {
     "causes",
     "consumers",
 }
+# What the report shows of a robot for a finding whose family and page ask for nothing else.
+_PLAIN = ("visual",)
 _TITLE = re.compile(r"# ([A-Z]{3}\d{3}) ([a-z0-9]+(?:-[a-z0-9]+)*)\n")
 _HEADER = re.compile(r"^```toml\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -48,6 +52,22 @@ def find_pages_folder() -> Path:
     """Where the pages are: in the installed package, or in the source tree beside it."""
     installed = Path(__file__).parent / "_rules"
     return installed if installed.is_dir() else Path(__file__).parent.parent / "rules"
+
+
+@cache
+def load_families() -> Mapping[str, RuleFamily]:
+    """The families of rules by the first three letters of their codes, in the order of the index.
+
+    :raises UrdfcheckError: when ``rules/families.toml`` is malformed.
+    """
+    path = find_pages_folder() / "families.toml"
+    try:
+        families = tomli.loads(path.read_text(encoding="utf-8"))
+        return MappingProxyType(
+            {code: RuleFamily(code, f["title"], tuple(f.get("layers", _PLAIN))) for code, f in families.items()}
+        )
+    except (KeyError, ValueError, TypeError) as error:
+        raise UrdfcheckError(f"{path}: {type(error).__name__}: {error}") from error
 
 
 @cache
@@ -76,6 +96,14 @@ def load_page(path: Path) -> Rule:
         if unknown:
             raise ValueError(f"unknown key {unknown[0]!r}")
         scope = meta.get("scope", "model")
+        family = load_families().get(code[:3])
+        if family is None:
+            raise ValueError(f"the family {code[:3]} is missing in families.toml")
+        consumers = meta["consumers"]
+        if consumers == "none":
+            consumers = {}
+        elif not isinstance(consumers, dict):
+            raise ValueError('consumers is a table [consumers] or "none"')
         return Rule(
             code=code,
             name=name,
@@ -88,6 +116,7 @@ def load_page(path: Path) -> Rule:
             tags=tuple(meta["tags"]),
             hidden_by=tuple(meta.get("hidden_by", ())),
             concerns=tuple(meta.get("concerns", ())),
+            depends_on_targets=bool(meta.get("depends_on_targets", False)),
             fix=Applicability(meta.get("fix", "display")),
             options={
                 key: RuleOption(key, o["default"], o["unit"], o["doc"]) for key, o in meta.get("options", {}).items()
@@ -95,9 +124,10 @@ def load_page(path: Path) -> Rule:
             messages=meta["messages"],
             fixes=meta["fixes"],
             causes=meta.get("causes", {}),
-            consumers=meta.get("consumers", {}),
+            consumers=consumers,
             stem=path.stem.lower().replace("-", "_"),
             page=text,
+            layers=tuple(meta.get("layers", family.layers)),
         )
     except (KeyError, ValueError, TypeError) as error:
         raise UrdfcheckError(f"{path}: {type(error).__name__}: {error}") from error

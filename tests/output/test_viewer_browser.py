@@ -18,6 +18,8 @@ from urdfcheck.core.scene import Scene, SceneDrawing, SceneInertia, SceneMesh, S
 from urdfcheck.facts.mesh.codec import needs_wide_indices, pack_mesh
 from urdfcheck.output.html import render
 
+pytestmark = pytest.mark.slow
+
 Matrix = NDArray[np.float64]
 BUDGET = 210_000
 

@@ -7,14 +7,10 @@ from collections.abc import Iterator, Sequence
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names, join_numbers
 from urdfcheck.model import Model
-from urdfcheck.model.ground.up_axis import LyingMeshes, find_lying_meshes
-from urdfcheck.model.motion.collisions import (
-    CollisionPair,
-    Contact,
-    ensure_all_shapes_read,
-    locate_geometry,
-    self_collisions,
-)
+from urdfcheck.model.motion.collisions.at_rest import Contact
+from urdfcheck.model.motion.collisions.lying_meshes import LyingMeshes, find_lying_meshes
+from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
+from urdfcheck.model.parts import locate_geometry
 from urdfcheck.model.shapes.mesh_marks import round_significant
 
 

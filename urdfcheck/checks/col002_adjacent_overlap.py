@@ -7,13 +7,9 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
-from urdfcheck.model.motion.collisions import (
-    CollisionPair,
-    Contact,
-    ensure_all_shapes_read,
-    locate_geometry,
-    self_collisions,
-)
+from urdfcheck.model.motion.collisions.at_rest import Contact
+from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
+from urdfcheck.model.parts import locate_geometry
 
 
 def check(model: Model, rule: Rule, *, always: float) -> Iterator[Finding]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from urdfcheck.core import Applicability, Finding, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_count, format_name_hint, join_names
 from urdfcheck.model import Model
-from urdfcheck.model.motion.collisions import CollisionPair, ensure_all_shapes_read, self_collisions
+from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.moveit_pairs import classify_link_pairs
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.source.ros.srdf import Srdf, SrdfPair

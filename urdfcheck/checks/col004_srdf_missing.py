@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
-from urdfcheck.model.motion.collisions import ensure_all_shapes_read, self_collisions
+from urdfcheck.model.motion.collisions.self_collisions import ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.moveit_pairs import (
     SetupAssistantPair,
     classify_link_pairs,

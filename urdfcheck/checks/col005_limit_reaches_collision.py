@@ -7,12 +7,8 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
-from urdfcheck.model.motion.collisions import (
-    JointCollision,
-    ensure_all_shapes_read,
-    find_joint_collisions,
-    self_collisions,
-)
+from urdfcheck.model.motion.collisions.self_collisions import ensure_all_shapes_read, self_collisions
+from urdfcheck.model.motion.collisions.single_joint import JointCollision, find_joint_collisions
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -8,29 +8,29 @@ from typing import Any
 from urdfcheck.core import Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
+from urdfcheck.model.ground.drive_wheels import list_drive_wheels, measure_wheel_radii, measure_wheel_separations
+from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.likeness.sibling_robots import PackageNames
 from urdfcheck.model.motion.controllers import (
     AssociatedConfiguration,
     collect_command_interfaces,
     find_controller_configs,
     find_launched_configs,
-    list_drive_wheels,
     list_parameter_files,
-    measure_wheel_radii,
-    measure_wheel_separations,
 )
-from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.ros.controllers import Controller
-from urdfcheck.source.text.yaml import YamlValue, find_yaml_error
+from urdfcheck.source.ros.yaml_files import find_yaml_error
+from urdfcheck.source.text.yaml import YamlValue
 
 # Each suggestion compares all names.
 MOST_HINTS = 100
 
 
-def check(subject: Model | Launch, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
-    if isinstance(subject, Launch):
-        model, configs = subject.model, [] if subject.model is None else find_launched_configs(subject, subject.model)
+def check(subject: Model | LaunchContext, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
+    if isinstance(subject, LaunchContext):
+        model = subject.model
+        configs = [] if model is None else find_launched_configs(subject.launch, model)
     else:
         model, configs = subject, find_controller_configs(subject)
         yield from _check_parameter_files(subject, rule)

@@ -24,9 +24,8 @@ from urdfcheck.model.ground.support_polygon import (
 from urdfcheck.model.ground.wheels import is_suspended, rolling_wheels
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array, Indices
 
-    Array = NDArray[np.float64]
 
 _SIDES = ("+x (ahead)", "+y (to the left)", "-x (to the rear)", "-y (to the right)")
 # Beyond this tilt it lies on its side.
@@ -39,7 +38,7 @@ class _RobotShape:
 
     points: Array
     """(n, 3) whose convex hull is that of the robot."""
-    owners: NDArray[np.int64]
+    owners: Indices
     """(n,) the place of each point's link in the tree's order."""
     com: Array
     """(3,)"""
@@ -83,7 +82,7 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
         message, severity = "tips", None if meant else Severity.INFO
         details = {"outcome": _describe_outcome(model, end, owners)}
     worst = _find_tipping_link(weights, now)
-    touching = compute_contact_points(model, points, owners, stand=now)
+    touching = compute_contact_points(model, points, owners, support=now)
     yield rule.finding(
         message,
         at=model.mass_by_name[worst.link.name].inertial,
@@ -126,7 +125,7 @@ def _find_tipping_link(weights: Sequence[LinkMass], now: GroundSupport) -> LinkM
     return max(weights, key=lambda w: w.mass * float((w.com - now.nearest) @ now.outwards))
 
 
-def _describe_outcome(model: Model, end: TipOver, owners: NDArray[np.int64]) -> str:
+def _describe_outcome(model: Model, end: TipOver, owners: Indices) -> str:
     if end.last_contact is None or not math.isfinite(end.tilt):
         return "it falls over"
     return f"it comes to rest tilted by {math.degrees(end.tilt):.0f}°, on {model.tree.order[owners[end.last_contact]]}"

@@ -16,9 +16,8 @@ from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # Flat shapes have boxes without volume: each box is enlarged by this fraction of its diagonal.
 _PADDING = 0.01

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.facts.arrays import Array
 from urdfcheck.facts.inertials.inertia_tensor import (
     Solid,
     compute_principal_moments,
@@ -18,11 +18,6 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 from urdfcheck.facts.mesh.measure import compute_mesh_solid
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 # Names and primitives that a message lists before it counts the rest.
 LISTED = 8

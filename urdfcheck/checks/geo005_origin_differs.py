@@ -14,7 +14,7 @@ from urdfcheck.model import Link, Model, Shape
 from urdfcheck.model.repairs.edits import edit_literals
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,7 +23,7 @@ class _PlacedShape:
 
     shape: Shape
     mesh_name: str
-    pose: NDArray[np.float64]
+    pose: Array
     """(4, 4) in the link's frame"""
 
     @property

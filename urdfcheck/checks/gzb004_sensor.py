@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names, split_name_words
 from urdfcheck.model import Model
-from urdfcheck.model.inertials.fixed_joint_lumping import FixedJointReduction, reduce_fixed_joints
+from urdfcheck.model.fixed_joint_lumping import FixedJointReduction, reduce_fixed_joints
 from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element

@@ -15,7 +15,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     measure_tensor_rounding,
 )
 from urdfcheck.model import DeclaredTensor, Model
-from urdfcheck.model.repairs.inertial_edits import InertialProposal, propose_repair
+from urdfcheck.model.inertials.inertial_proposals import InertialProposal, propose_repair
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass
 
 

@@ -15,9 +15,9 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     measure_tensor_rounding,
 )
 from urdfcheck.model import DeclaredTensor, Model
+from urdfcheck.model.inertials.inertial_proposals import propose_repair
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.edits import edit_literals
-from urdfcheck.model.repairs.inertial_edits import propose_repair
 from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass
 
 DIAGONAL = (0, 3, 5)

@@ -14,11 +14,11 @@ from urdfcheck.facts.inertials.inertia_tensor import list_half_units
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
-from urdfcheck.model.repairs.inertial_edits import propose_from_geometry
+from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 
 def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
@@ -56,7 +56,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
 
 
 def _compute_excess(
-    part: EnclosedInertial, declared: DeclaredTensor, points: NDArray[np.float64], *, ratio: float, margin: float
+    part: EnclosedInertial, declared: DeclaredTensor, points: Array, *, ratio: float, margin: float
 ) -> tuple[float, float]:
     """Return the worst ratio of the inertial's variance along an axis to the greatest possible one, and its root (m) there.
 

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -15,12 +20,9 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
-from urdfcheck.model.repairs.inertial_edits import propose_from_geometry
+from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 # An equal mass is compared with the drawn geometry if at least this many links have it.
 _FEWEST = 4
@@ -106,7 +108,7 @@ def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float) -> _Mis
     return min((misfit for misfit in misfits if misfit is not None), default=None)
 
 
-def _compare_moments(declared: NDArray[np.float64], solid: NDArray[np.float64]) -> _Misfit | None:
+def _compare_moments(declared: Array, solid: Array) -> _Misfit | None:
     """Compare the principal moments of two tensors (3, 3); None if a factor is not finite."""
     moments, expected = np.linalg.eigvalsh(declared), np.maximum(np.linalg.eigvalsh(solid), 1e-300)
     with np.errstate(over="ignore"):

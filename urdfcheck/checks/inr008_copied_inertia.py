@@ -17,9 +17,8 @@ from urdfcheck.model.rigid_bodies import is_point_mass
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # Tensors that agree in this many digits are one number that was copied.
 _DIGITS = 9

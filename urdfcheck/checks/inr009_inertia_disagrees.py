@@ -19,18 +19,17 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
+from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry, propose_undo
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
-from urdfcheck.model.repairs.inertial_edits import InertialRepair, propose_from_geometry, propose_undo
+from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.rigid_bodies import compute_body_mass
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.text.xml import Attribute
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
+    from urdfcheck.facts.inertials.declared_and_drawn import VisualGeometry
 
-    from urdfcheck.facts.inertials.diagnosis import VisualGeometry
-
-    Array = NDArray[np.float64]
 
 # A part of a rigid body that is lighter than this share of it decides nothing about how the body moves.
 LIGHT = 0.05
@@ -58,15 +57,15 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
     contradicted_links = find_contradicted_links(model)
     for name, judged in inertial_diagnoses(model).items():
         tensor, diagnosis = model.tensor_by_name[name], judged.diagnosis
-        if diagnosis.sound or not diagnosis.decided or not _is_possible(judged):
+        if diagnosis.sound or not diagnosis.at_fault or not _is_possible(judged):
             continue
         if diagnosis.cause is not None:
-            by_twin, unmirrored = diagnosis.by == "twin", diagnosis.cause in MIRROR_CAUSES
+            by_twin, unmirrored = diagnosis.judged_by == "twin", diagnosis.cause in MIRROR_CAUSES
             if by_twin + unmirrored + (name in contradicted_links) < 2:
                 yield _build_cause_finding(model, rule, judged, tensor=tensor, cause=diagnosis.cause)
         elif (
-            diagnosis.by == "mesh"
-            and diagnosis.possible
+            diagnosis.judged_by == "mesh"
+            and diagnosis.fits_geometry
             and max(diagnosis.tensor_mismatch, diagnosis.com_mismatch) > far
         ):
             if diagnosis.com_mismatch <= far and _is_rounded_uniform(model, tensor, judged):
@@ -118,7 +117,7 @@ def _build_cause_finding(
     data = _collect_data(model, link, judged)
     exact = diagnosis.unique and mended is not None and cause not in AMBIGUOUS_CAUSES
     message = "cause" if mended is None else "exact" if exact else "named"
-    if mended is not None and diagnosis.by == "twin":
+    if mended is not None and diagnosis.judged_by == "twin":
         message = "twin"
     elif cause in {"com_missing", "mesh_scale"}:
         message = cause
@@ -188,7 +187,7 @@ def _format_ruled_out(judged: DiagnosedInertial) -> str:
 
 
 def _list_twins(model: Model, judged: DiagnosedInertial) -> list[Link]:
-    return [model.link_by_name[twin] for twin in judged.twins] if judged.diagnosis.by == "twin" else []
+    return [model.link_by_name[twin] for twin in judged.twins] if judged.diagnosis.judged_by == "twin" else []
 
 
 def _iter_definitions(mended: InertialRepair | None) -> Iterator[Located]:

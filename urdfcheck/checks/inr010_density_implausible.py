@@ -17,15 +17,11 @@ from urdfcheck.facts.mesh.measure import compute_convex_hull
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_rigid_bodies
-from urdfcheck.model.shapes.visual_solid import (
-    collect_body_corners,
-    has_drawn_shape,
-    has_unit_ambiguity,
-    measure_links_volume,
-)
+from urdfcheck.model.shapes.corners import collect_body_corners
+from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_links_volume
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +34,7 @@ class _PaddedHull:
     """m², not enlarged"""
 
     @classmethod
-    def from_points(cls, points: NDArray[np.float64], margin: float) -> _PaddedHull:
+    def from_points(cls, points: Array, margin: float) -> _PaddedHull:
         """Compute the hull of ``points`` (K, 3) in m, enlarged by ``margin`` of its size."""
         with np.errstate(all="ignore"):  # other rules report impossible numbers
             hull = compute_convex_hull(points)

@@ -65,7 +65,7 @@ def _measure_rotation(declared: CompleteInertial, rel_tol: float) -> _RotatedIne
 
 def _has_known_mistake(model: Model, link: Link) -> bool:
     judged = inertial_diagnoses(model).get(link.name)
-    return judged is not None and judged.diagnosis.decided and judged.diagnosis.cause is not None
+    return judged is not None and judged.diagnosis.at_fault and judged.diagnosis.cause is not None
 
 
 def _propose_edits(part: _RotatedInertial) -> list[Edit]:

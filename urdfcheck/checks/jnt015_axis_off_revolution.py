@@ -15,14 +15,14 @@ from urdfcheck.core.text import format_point
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_mass_covariance
 from urdfcheck.facts.likeness.revolution import RoundOutline, find_revolution_axis, measure_line_angle, measure_outline
 from urdfcheck.model import Inertial, Joint, Link, Model, Shape
-from urdfcheck.model.ground.wheels import WHEEL_NAME, collect_shape_corners, rolling_wheels
+from urdfcheck.model.ground.wheels import WHEEL_NAME, rolling_wheels
 from urdfcheck.model.repairs.edits import edit_literal, swap_literals
+from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # A part that carries a wheel is named after it and turns about another axis.
 _CARRIER = re.compile(

@@ -93,7 +93,7 @@ def _has_asymmetric_drawing(model: Model, joint: Joint, eccentric: float) -> boo
     """Whether the drawn part extends unequally far in 16 directions across the axis."""
     import numpy as np
 
-    from urdfcheck.model.shapes.visual_solid import collect_rigid_corners
+    from urdfcheck.model.shapes.corners import collect_rigid_corners
 
     points, axis = collect_rigid_corners(model, model.link_by_name[joint.child]), np.array(joint.axis)
     if points is None:

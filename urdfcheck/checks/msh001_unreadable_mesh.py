@@ -1,4 +1,4 @@
-"""MSH001: mesh files are whole and hold triangles."""
+"""MSH001 reports mesh files that cannot be read or hold no triangles."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.text.shape_roles import describe_unreadable_mesh
+from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh
 
-# A format that we cannot read, and geometry kept in a second file, need not be broken.
+# A file in a format that we cannot read, or with its geometry in a second file, need not be broken.
 UNREAD_SEVERITIES = {"unsupported": Severity.WARNING, "external-buffer": Severity.INFO}
 CAUSES = {"html": "web_page", "truncated": "incomplete", "wrong-size": "incomplete"}
 REPAIRS = {
@@ -16,7 +16,7 @@ REPAIRS = {
     "entities": "export the mesh again, or write the text of the entities where they are used and delete their declarations",
     "no-triangles": "export the part as a surface of triangles",
 }
-# What other rules tell: PKG009, and URC905.
+# PKG009 and URC905 report these.
 REPORTED_ELSEWHERE = {"lfs-pointer", "too-large"}
 
 

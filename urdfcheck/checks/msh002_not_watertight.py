@@ -1,90 +1,97 @@
-"""MSH002: meshes are closed."""
+"""MSH002 reports meshes with open edges."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import join_names
-from urdfcheck.facts.mesh.measure import Boundary
+from urdfcheck.core.text import format_large_count, join_names, join_numbers
+from urdfcheck.facts.mesh.measure import MeshFacts
+from urdfcheck.facts.mesh.topology import Boundary
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.shapes.mesh_marks import round_significant, sample_for_drawing
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 
-# What a report can draw: the longest rims, each thinned to this many points.
+# A report draws the longest rims, each thinned to this many points.
 MAX_LOOPS, MAX_POINTS = 16, 64
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _OpenMesh:
+    """A mesh file with open edges, and its uses."""
+
+    uses: Sequence[MeshUse]
+    facts: MeshFacts
+
+    @property
+    def use(self) -> MeshUse:
+        """The first use."""
+        return self.uses[0]
+
+    @property
+    def label(self) -> str:
+        """``arm.stl (1,234)``: the file and its number of open edges."""
+        return f"{self.use.name} ({self.facts.open_edges:,})"
+
+
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    drawn: list[MeshUse] = []
-    colliding: list[Sequence[MeshUse]] = []
+    drawn: list[_OpenMesh] = []
+    colliding: list[_OpenMesh] = []
     for uses, facts in model.meshes.list_measured():
-        # Where a corner is nowhere, its triangles are missing: MSH007 says so.
-        if not facts.open_edges or facts.non_finite_vertices:
-            continue
-        if uses[0].shape.role != "collision":
-            drawn.append(uses[0])
-        else:
-            colliding.append(uses)
+        # The triangles at a corner that is not finite are missing: MSH007 reports it.
+        if facts.open_edges and not facts.non_finite_vertices:
+            group = colliding if uses[0].shape.role == "collision" else drawn
+            group.append(_OpenMesh(uses, facts))
     if colliding:
         yield _build_collision_finding(model, rule, colliding)
     if drawn:
-        counts = [_count_open_edges(model, use) for use in drawn]
         yield rule.finding(
             "drawn",
-            at=drawn[0].filename,
-            related=[use.filename for use in drawn[1:]],
+            at=drawn[0].use.filename,
+            related=[mesh.use.filename for mesh in drawn[1:]],
             severity=Severity.INFO,
             count=len(drawn),
-            meshes=join_names([f"{use.name} ({n:,})" for use, n in zip(drawn, counts, strict=True)]),
+            meshes=join_names(mesh.label for mesh in drawn),
         )
 
 
-def _build_collision_finding(model: Model, rule: Rule, meshes: list[Sequence[MeshUse]]) -> Finding:
-    """One finding for all of a robot: they come from one exporter, or one program that made them coarser."""
-    holes = {uses[0]: _collect_boundary_loops(model, uses[0]) for uses in meshes}
+def _build_collision_finding(model: Model, rule: Rule, meshes: Sequence[_OpenMesh]) -> Finding:
+    """Return one finding for the whole robot: one exporter made all meshes, or one program simplified them."""
+    holes = {mesh.use: _collect_boundary_loops(model, mesh) for mesh in meshes}
     worst = max(holes, key=lambda use: holes[use][0]["length"])
-    counts = [_count_open_edges(model, use) for use in holes]
-    names = join_names(f"{use.name} ({n:,})" for use, n in zip(holes, counts, strict=True))
+    open_edges = sum(mesh.facts.open_edges for mesh in meshes)
     several = len(meshes) > 1
-    places = sum(map(len, holes.values()))
-    first, *rest = (use.filename for uses in meshes for use in uses)
+    at, *related = (use.filename for mesh in meshes for use in mesh.uses)
     finding = rule.finding(
         "collision",
-        at=first,
-        related=rest,
+        at=at,
+        related=related,
         meshes=f"{len(meshes)} collision meshes are" if several else f"collision mesh {worst.filename.value} is",
-        edges=f"{sum(counts):,} edge" + "s" * (sum(counts) > 1) + (f", {names}," if several else ""),
-        open_edges=sum(counts),
-        places=f"{places:,} place" + "s" * (places > 1),
+        edges=format_large_count(open_edges, "edge")
+        + (f", {join_names(mesh.label for mesh in meshes)}," if several else ""),
+        open_edges=open_edges,
+        places=format_large_count(sum(map(len, holes.values())), "place"),
         length=holes[worst][0]["length"],
-        centre=" ".join(f"{v:g}" for v in holes[worst][0]["centre"]),
+        centre=join_numbers(holes[worst][0]["centre"], separator=" "),
         whose=f"the frame of {worst.name}" if several else "the mesh's frame",
         loops=[loop for loops in holes.values() for loop in loops[:MAX_LOOPS]],
     )
     return replace(finding, subjects=tuple(dict.fromkeys(use.filename.location.subject for use in holes)))
 
 
-def _count_open_edges(model: Model, use: MeshUse) -> int:
-    assert use.resource.path is not None, "its file was measured"
-    return model.meshes.facts[use.resource.path].open_edges
-
-
-def _collect_boundary_loops(model: Model, use: MeshUse) -> list[dict[str, Any]]:
-    assert use.resource.path is not None, "its file was measured"
-    loops = [
-        _describe_boundary_loop(model, use, boundary) for boundary in model.meshes.facts[use.resource.path].boundaries
-    ]
+def _collect_boundary_loops(model: Model, mesh: _OpenMesh) -> list[dict[str, Any]]:
+    """Describe the rims of a mesh, the longest first."""
+    loops = [_describe_boundary_loop(model, mesh.use, boundary) for boundary in mesh.facts.boundaries]
     return sorted(loops, key=lambda loop: -loop["length"])
 
 
 def _describe_boundary_loop(model: Model, use: MeshUse, boundary: Boundary) -> dict[str, Any]:
-    """Sizes in metres, places in the mesh's own frame after scaling."""
+    """Return lengths in metres and places in the mesh's own frame after scaling."""
     scale = np.array(compute_drawn_scale(model, use.shape) or (1.0, 1.0, 1.0))
     points = boundary.points * scale
     steps = np.diff(points, axis=0, append=points[:1] if boundary.closed else points[-1:])
@@ -92,5 +99,5 @@ def _describe_boundary_loop(model: Model, use: MeshUse, boundary: Boundary) -> d
         "closed": boundary.closed,
         "length": round_significant(float(np.linalg.norm(steps, axis=1).sum())),
         "centre": [round_significant(float(v), 4) for v in boundary.centre * scale],
-        "points": sample_for_drawing(model, use, boundary.points, MAX_POINTS),
+        "points": sample_for_drawing(model, use, boundary.points, most=MAX_POINTS),
     }

@@ -1,11 +1,11 @@
-"""MSH003: neighbouring triangles of a mesh face the same side."""
+"""MSH003 reports meshes whose neighbouring triangles face opposite sides."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_large_count, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.shapes.mesh_marks import sample_for_drawing
@@ -26,7 +26,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             related=[use.filename for use in uses[1:]],
             mesh=uses[0].filename.value,
             wrong=wrong,
-            edges=f"{wrong:,} edge" + "s" * (wrong > 1),
+            edges=format_large_count(wrong, "edge"),
             lines=sample_for_drawing(model, uses[0], facts.flipped_lines),
         )
     if drawn:
@@ -36,5 +36,5 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             related=[use.filename for use in drawn[1:]],
             severity=Severity.INFO,
             count=len(drawn),
-            meshes=join_names([use.name for use in drawn]),
+            meshes=join_names(use.name for use in drawn),
         )

@@ -1,4 +1,4 @@
-"""MSH004: closed meshes enclose a positive volume."""
+"""MSH004 reports closed meshes whose triangles face inwards."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for uses, facts in model.meshes.list_measured():
         if not facts.inside_out:
             continue
-        # A scale that mirrors turns the mesh the right way out again in consumers that leave the corners as they are.
+        # A mirroring scale turns the mesh right side out again in consumers that keep the order of the corners.
         upright = [use for use in uses if use.shape.size is not None and prod(use.shape.size) > 0]
         if upright:
             yield rule.finding(

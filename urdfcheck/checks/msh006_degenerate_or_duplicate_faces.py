@@ -1,4 +1,4 @@
-"""MSH006: collision meshes hold no triangle without area and none twice."""
+"""MSH006 reports triangles of collision meshes that have no area or occur twice."""
 
 from __future__ import annotations
 
@@ -15,34 +15,33 @@ from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.shapes.mesh_marks import sample_for_drawing
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-# Meshes whose triangles a report can draw, and triangles of each.
+# A report draws so many triangles of so many meshes.
 MAX_MESHES, MAX_TRIANGLES = 8, 32
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    found: list[tuple[MeshUse, MeshFacts]] = []
-    for uses, facts in model.meshes.list_measured():
-        if uses[0].shape.role != "collision":
-            continue
-        if facts.degenerate_faces or facts.duplicate_faces:
-            found.append((uses[0], facts))
-    if found:
+    meshes: list[tuple[MeshUse, MeshFacts]] = [
+        (uses[0], facts)
+        for uses, facts in model.meshes.list_measured()
+        if uses[0].shape.role == "collision" and (facts.degenerate_faces or facts.duplicate_faces)
+    ]
+    if meshes:
         yield rule.finding(
             "collision",
-            at=found[0][0].filename,
-            related=[use.filename for use, _ in found[1:]],
-            degenerate=sum(facts.degenerate_faces for _, facts in found),
-            duplicate=sum(facts.duplicate_faces for _, facts in found),
-            meshes=join_names([f"{use.name} ({_format_face_counts(facts)})" for use, facts in found]),
+            at=meshes[0][0].filename,
+            related=[use.filename for use, _ in meshes[1:]],
+            degenerate=sum(facts.degenerate_faces for _, facts in meshes),
+            duplicate=sum(facts.duplicate_faces for _, facts in meshes),
+            meshes=join_names(f"{use.name} ({_format_face_counts(facts)})" for use, facts in meshes),
             places=[
                 {
                     "mesh": use.filename.value,
                     "link": use.link.name,
-                    "triangles": sample_for_drawing(model, use, _find_bad_triangles(facts), MAX_TRIANGLES),
+                    "triangles": sample_for_drawing(model, use, _find_bad_triangles(facts), most=MAX_TRIANGLES),
                 }
-                for use, facts in found[:MAX_MESHES]
+                for use, facts in meshes[:MAX_MESHES]
             ],
         )
 
@@ -52,13 +51,13 @@ def _format_face_counts(facts: MeshFacts) -> str:
     return ", ".join(f"{n:,} {what}" for n, what in counts if n)
 
 
-def _find_bad_triangles(facts: MeshFacts) -> NDArray[np.float64]:
-    """Corners (n, 3, 3) of those triangles without area, or repeated, that welding the mesh has not dropped."""
+def _find_bad_triangles(facts: MeshFacts) -> Array:
+    """Return the corners (n, 3, 3) of the triangles without area, or repeated, that the welded mesh still has."""
     corners = facts.vertices[facts.faces]
     sides = corners - np.roll(corners, 1, axis=1)
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-    odd = area <= 1e-14 * (sides**2).sum(axis=2).max(axis=1)
-    repeated = np.ones(len(odd), dtype=bool)
+    degenerate = area <= 1e-14 * (sides**2).sum(axis=2).max(axis=1)
+    repeated = np.ones(len(degenerate), dtype=bool)
     repeated[np.unique(np.sort(facts.faces, axis=1), axis=0, return_index=True)[1]] = False
-    left: NDArray[np.float64] = corners[odd | repeated]
-    return left
+    bad: Array = corners[degenerate | repeated]
+    return bad

@@ -1,16 +1,17 @@
-"""MSH007: every corner of a mesh is somewhere."""
+"""MSH007 reports mesh corners with a coordinate that is NaN or infinite."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import format_large_count
 from urdfcheck.model import Model
 
-# What MuJoCo does with such a mesh that collides, and with one that is only drawn.
+# MuJoCo's reaction to such a mesh that collides, and to one that is only drawn.
 MUJOCO_REFUSES = "refuses to compile: vertex coordinate is not finite"
 MUJOCO_SKIPS = "loads it: it leaves out what is only drawn"
-# What Bullet does with a binary STL that collides.
+# Bullet's reaction to a binary STL that collides.
 BULLET_CRASHES = "refuses the file by crashing"
 
 
@@ -29,5 +30,5 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 },
                 mesh=uses[0].filename.value,
                 count=facts.non_finite_vertices,
-                corners=f"{facts.non_finite_vertices:,} corner" + "s" * (facts.non_finite_vertices > 1),
+                corners=format_large_count(facts.non_finite_vertices, "corner"),
             )

@@ -1,4 +1,4 @@
-"""MSH009: collision meshes have few enough triangles to collide with."""
+"""MSH009 reports collision meshes with too many triangles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""MSH010: collision meshes are not mirrored by their scale."""
+"""MSH010 reports collision meshes that their scale mirrors."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import prod
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
 
 
@@ -25,5 +25,5 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             related=[use.filename for use in mirrored[1:]],
             count=len(mirrored),
             meshes=join_names(names),
-            shapes=f"{len(mirrored)} collision shape" + "s" * (len(mirrored) > 1),
+            shapes=format_count(len(mirrored), "collision shape"),
         )

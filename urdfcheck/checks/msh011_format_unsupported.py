@@ -1,4 +1,4 @@
-"""MSH011: the programs that the model is meant for can load its meshes."""
+"""MSH011 reports meshes that the target programs cannot load."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from urdfcheck.facts.mesh.measure import MeshFacts
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 
-# What programs load that have loaders of their own. Those that use Assimp (RViz, MoveIt, Pinocchio) read every format that
-# is read here.
+# The formats of programs that do not load meshes by Assimp. Those that do (RViz, MoveIt, Pinocchio) read every format that
+# we read.
 FORMATS = {
     "mujoco": frozenset({"stl", "obj"}),
     "drake": frozenset({"obj", "gltf"}),
@@ -20,7 +20,7 @@ FORMATS = {
     "gazebo": frozenset({"stl", "obj", "dae", "gltf", "glb"}),
 }
 NAMES = {"mujoco": "MuJoCo", "drake": "Drake", "bullet": "PyBullet", "gazebo": "Gazebo"}
-# These refuse the model for a mesh that it collides with; the others leave out whatever they cannot load.
+# These reject the model for a collision mesh that they cannot load; the others leave out the mesh.
 COLLISION_ONLY = frozenset({"mujoco", "drake"})
 MUJOCO_STL_FACES = 200_000
 
@@ -38,48 +38,48 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if model.targets and program == "mujoco" and heavy:
             most = max(facts.n_triangles for _, facts in heavy)
             yield _build_finding(rule, "faces", heavy, triangles=most, limit=MUJOCO_STL_FACES)
-        found = [*refused, *(heavy if program == "mujoco" else ())]
-        if found:
-            unable[program] = found
+        unloadable = [*refused, *(heavy if program == "mujoco" else ())]
+        if unloadable:
+            unable[program] = unloadable
     if not model.targets and unable:
         yield _build_untargeted_finding(rule, unable)
 
 
 def _build_untargeted_finding(rule: Rule, unable: Mapping[str, list[tuple[MeshUse, MeshFacts]]]) -> Finding:
-    """Nobody said who will read the model: worth knowing, once."""
-    meshes = list({use.name: (use, facts) for found in unable.values() for use, facts in found}.values())
-    told = {program: str(rule.consumers[program][program]) for program in unable}
+    """Return one note for a model without declared targets."""
+    meshes = list({use.name: (use, facts) for rejected in unable.values() for use, facts in rejected}.values())
+    reactions = {program: str(rule.consumers[program][program]) for program in unable}
     heavy = [f for _, f in unable.get("mujoco", ()) if _get_file_format(f) in FORMATS["mujoco"]]
     if heavy:
-        told["mujoco"] = str(rule.consumers["faces"]["mujoco"])
+        reactions["mujoco"] = str(rule.consumers["faces"]["mujoco"])
     names = join_names([NAMES[program] for program in unable])
-    return _build_finding(rule, "any", meshes, consequences=told, severity=Severity.INFO, programs=names)
+    return _build_finding(rule, "any", meshes, consequences=reactions, severity=Severity.INFO, programs=names)
 
 
 def _collect_loaded_meshes(model: Model, target: str) -> list[tuple[MeshUse, MeshFacts]]:
-    """The first use of each file that a program loads."""
+    """Return the first use of each file that a program loads."""
     collision_only = target in COLLISION_ONLY and not (target == "mujoco" and _has_discardvisual_off(model))
-    found = [(uses[0], facts) for uses, facts in model.meshes.list_measured()]
-    return [(u, f) for u, f in found if u.shape.role == "collision" or not collision_only]
+    first_uses = [(uses[0], facts) for uses, facts in model.meshes.list_measured()]
+    return [(use, facts) for use, facts in first_uses if use.shape.role == "collision" or not collision_only]
 
 
 def _has_discardvisual_off(model: Model) -> bool:
-    """MuJoCo discards what a URDF only draws, unless the model says otherwise."""
+    """Whether the model keeps its visuals in MuJoCo, which discards them by default."""
     compilers = [c for extension in model.robot.find_children("mujoco") for c in extension.find_children("compiler")]
     return any(compiler.get("discardvisual") == "false" for compiler in compilers)
 
 
 def _get_file_format(facts: MeshFacts) -> str:
-    """Whether an STL file is text or binary is another rule's."""
+    """Return the format of a file; MSH012 distinguishes text and binary STL."""
     return facts.format.partition("-")[0]
 
 
-def _build_finding(rule: Rule, message: str, found: list[tuple[MeshUse, MeshFacts]], **data: Any) -> Finding:
+def _build_finding(rule: Rule, message: str, meshes: list[tuple[MeshUse, MeshFacts]], **data: Any) -> Finding:
     return rule.finding(
         message,
-        at=found[0][0].filename,
-        related=[use.filename for use, _ in found[1:]],
-        count=len(found),
-        meshes=join_names([use.name for use, _ in found]),
+        at=meshes[0][0].filename,
+        related=[use.filename for use, _ in meshes[1:]],
+        count=len(meshes),
+        meshes=join_names(use.name for use, _ in meshes),
         **data,
     )

@@ -1,4 +1,4 @@
-"""MSH013: a collision mesh is one body."""
+"""MSH013 reports collision meshes of several separate pieces."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from urdfcheck.model.meshes import MeshUse
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    found: list[tuple[MeshUse, int]] = []
+    pieces: list[tuple[MeshUse, int]] = []
     for uses, facts in model.meshes.list_measured():
         if uses[0].shape.role == "collision" and len(facts.components) > 1:
-            found.append((uses[0], len(facts.components)))
-    found.sort(key=lambda entry: -entry[1])
-    if found:
+            pieces.append((uses[0], len(facts.components)))
+    pieces.sort(key=lambda entry: -entry[1])
+    if pieces:
         yield rule.finding(
             "several",
-            at=found[0][0].filename,
-            related=[use.filename for use, _ in found[1:]],
-            count=len(found),
-            meshes=join_names([f"{use.name} ({n})" for use, n in found]),
-            most=found[0][1],
+            at=pieces[0][0].filename,
+            related=[use.filename for use, _ in pieces[1:]],
+            count=len(pieces),
+            meshes=join_names(f"{use.name} ({count})" for use, count in pieces),
+            most=pieces[0][1],
         )

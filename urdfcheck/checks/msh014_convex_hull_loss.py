@@ -1,4 +1,4 @@
-"""MSH014: the convex hull of a collision mesh is nearly the mesh."""
+"""MSH014 reports collision meshes whose convex hull is much larger than the mesh."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ MIN_HULL_SHARE = 1e-6
 
 
 def check(model: Model, rule: Rule, *, times: float) -> Iterator[Finding]:
-    found: list[tuple[MeshUse, float]] = []
+    ratios: list[tuple[MeshUse, float]] = []
     for uses, facts in model.meshes.list_measured():
         # The volume of an open mesh means nothing.
         if uses[0].shape.role != "collision" or not facts.closed:
             continue
         volume, hull = abs(facts.volume), facts.hull.volume
         if volume > MIN_HULL_SHARE * hull and hull > times * volume:
-            found.append((uses[0], hull / volume))
-    found.sort(key=lambda entry: -entry[1])
-    if found:
+            ratios.append((uses[0], hull / volume))
+    ratios.sort(key=lambda entry: -entry[1])
+    if ratios:
         yield rule.finding(
             "fills",
-            at=found[0][0].filename,
-            related=[use.filename for use, _ in found[1:]],
-            count=len(found),
-            meshes=join_names([f"{use.name} ({ratio:.3g} times)" for use, ratio in found]),
-            most=found[0][1],
+            at=ratios[0][0].filename,
+            related=[use.filename for use, _ in ratios[1:]],
+            count=len(ratios),
+            meshes=join_names(f"{use.name} ({ratio:.3g} times)" for use, ratio in ratios),
+            most=ratios[0][1],
         )

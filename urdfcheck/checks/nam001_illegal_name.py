@@ -1,15 +1,15 @@
-"""NAM001: names of links and joints that some program refuses or changes."""
+"""NAM001 reports names of links and joints that a program refuses, changes or takes apart."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
 
-# Each kind of mistake: its message, its severity, and whether a link or joint (told apart by the flag) makes it.
+# Each kind of mistake: its message, its severity, and whether a name makes it (the flag: the name of a link, not a joint).
 _KINDS: tuple[tuple[str, Severity, Callable[[str, bool], bool]], ...] = (
     ("empty", Severity.WARNING, lambda name, _: not name.strip()),
     ("space", Severity.WARNING, lambda name, _: bool(name.strip()) and any(c.isspace() for c in name)),
@@ -22,17 +22,19 @@ _KINDS: tuple[tuple[str, Severity, Callable[[str, bool], bool]], ...] = (
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    parts: list[Link | Joint] = [*model.links, *model.joints]
-    named = [part for part in parts if "name" in part.element.attributes]
-    for message, severity, wrong in _KINDS:
-        yield from _build_findings(message, severity, [p for p in named if wrong(p.name, isinstance(p, Link))], rule)
+    named = [part for part in model.named_elements if "name" in part.element.attributes]
+    for message, severity, is_wrong in _KINDS:
+        wrong = [part for part in named if is_wrong(part.name, isinstance(part, Link))]
+        yield from _build_findings(rule, message, severity=severity, parts=wrong)
     roots = {link.name for link in model.links} - {joint.child for joint in model.joints}
     worlds = [p for p in named if p.name == "world" and (isinstance(p, Joint) or p.name not in roots)]
-    yield from _build_findings("world", Severity.WARNING, worlds, rule)
+    yield from _build_findings(rule, "world", severity=Severity.WARNING, parts=worlds)
 
 
-def _build_findings(message: str, severity: Severity, parts: list[Link | Joint], rule: Rule) -> Iterator[Finding]:
-    """One finding for all names of a kind: they come from one habit."""
+def _build_findings(
+    rule: Rule, message: str, *, severity: Severity, parts: Sequence[Link | Joint]
+) -> Iterator[Finding]:
+    """Report all names with one mistake together: they come from one habit."""
     if parts:
         names = [part.name for part in parts]
         finding = rule.finding(

@@ -1,4 +1,4 @@
-"""NAM002: one robot spells its names in one way."""
+"""NAM002 reports names that are spelled in another style than the others of the robot."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ def check(model: Model, rule: Rule, *, least: int, share: float) -> Iterator[Fin
     odd: list[Attribute] = []
     styles: list[str] = []
     for parts in (model.links, model.joints):
-        style, breaking = _find_style_outliers(parts, least, share)
-        odd += breaking
-        if breaking:
+        style, outliers = _find_style_outliers(parts, least, share)
+        odd += outliers
+        if outliers:
             styles.append(style)
     if odd:
         finding = rule.finding(
@@ -36,18 +36,19 @@ def check(model: Model, rule: Rule, *, least: int, share: float) -> Iterator[Fin
 
 
 def _find_style_outliers(parts: Sequence[Link | Joint], least: int, share: float) -> tuple[str, list[Attribute]]:
-    """The style of almost all names of a kind, and the names of another one. A name that fits every style decides nothing."""
+    """Return the style of almost all names of a kind, and the names of another style; a name that fits both counts as neither."""
     named = [p.element.attributes["name"] for p in parts if p.name and p.name not in _STANDARD]
-    known = [(attribute, style) for attribute in named if (style := _classify_case_style(attribute.value)) is not None]
+    styled = [(attribute, style) for attribute in named if (style := _classify_case_style(attribute.value)) is not None]
     for style in ("lower case", "camelCase"):
-        odd = [attribute for attribute, other in known if other != style]
-        if len(known) - len(odd) >= least and len(known) - len(odd) >= share * len(known):
+        odd = [attribute for attribute, other in styled if other != style]
+        usual = len(styled) - len(odd)
+        if usual >= least and usual >= share * len(styled):
             return style, odd
     return "", []
 
 
 def _classify_case_style(name: str) -> str | None:
-    """How a name is spelled; None for one lower-case word, which every style writes so."""
+    """Return the style of a name, or None for one lower-case word, which fits every style."""
     if _CAMEL.search(name):
         return "camelCase"
     if any(c.isupper() for c in name):

@@ -1,4 +1,4 @@
-"""NAM003: one robot under several names."""
+"""NAM003 reports a robot name that disagrees with its file or its package."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import PurePosixPath
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
 
-# What packages and files add to a robot's name.
+# Words that packages and files add to the name of a robot.
 _GENERIC_WORDS = frozenset({
     "description", "descriptions", "support", "model", "models", "robot", "robots", "urdf", "xacro", "gazebo", "ros",
     "ros2", "moveit", "config", "bringup", "resources", "sim", "simulation", "package", "pkg", "common", "data",
@@ -32,13 +32,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         return
     for file, included in _find_dropped_names(model):
         names = (name.value, package.name, included)
-        if len({_extract_name_words(n)[0] for n in names}) == 1:  # they begin alike: three names for one robot
+        if len({_extract_name_words(n)[0] for n in names}) == 1:  # the same first word: three names for one robot
             yield rule.finding("several", at=name, name=name.value, package=package.name, included=included, file=file)
             return
 
 
 def _find_dropped_names(model: Model) -> Iterator[tuple[str, str]]:
-    """The files that the model includes and the names of their roots, which xacro drops."""
+    """Yield the included files and the names of their root elements, which xacro drops."""
     for file, tree in model.source.trees.items():
         included = tree.get("name")
         if file != model.source.name and included not in {"", model.name} and _extract_name_words(included):
@@ -46,19 +46,19 @@ def _find_dropped_names(model: Model) -> Iterator[tuple[str, str]]:
 
 
 def _extract_name_words(name: str) -> list[str]:
-    """The words of a name in lower case, without those that say nothing about the robot."""
+    """Return the words of a name in lower case, without generic ones."""
     words = re.findall(r"[a-z0-9]+", name.lower())
     return [w for w in words if w not in _GENERIC_WORDS] or words
 
 
 def _is_related_name(one: str, other: str) -> bool:
-    """Whether one name is the other with something added (``husky`` and ``husky_description``)."""
+    """Whether one name extends the other (``husky`` and ``husky_description``)."""
     a, b = _extract_name_words(one), _extract_name_words(other)
     return set(a) <= set(b) or set(b) <= set(a) or "".join(a) in "".join(b) or "".join(b) in "".join(a)
 
 
 def _is_misspelt_name(name: str, stem: str) -> bool:
-    """Two long names of the same digits that differ in a letter or two."""
+    """Whether two long names have the same digits and differ in a letter or two."""
     a, b = "".join(_extract_name_words(name)), "".join(_extract_name_words(stem))
     if min(len(a), len(b)) < _MIN_LETTERS or _is_related_name(name, stem) or sorted(a) == sorted(b):
         return False

@@ -1,4 +1,4 @@
-"""NAM004: frames with a standard name stand where the standard puts them."""
+"""NAM004 reports frames with a standard name that are not where the standard puts them."""
 
 from __future__ import annotations
 
@@ -8,16 +8,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from urdfcheck.core import Edit, Finding, Location, Rule
+from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core.text import join_numbers
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.source.text.tokens import build_replacement_edits
 
-# What a base_link may hang on: the fixed world, the frames that localisation moves, and the footprint (REP 105, REP 120).
+# The frames above a base_link: the fixed world, the frames that localisation moves, and the footprint (REP 105, REP 120).
 _ABOVE_BASE = frozenset({"world", "map", "earth", "odom", "base_footprint"})
 # x to the right, y down, z forward, seen from a camera link with x forward and z up (REP 103).
 _OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 _OPTICAL_RPY = "-1.5707963267948966 0 -1.5707963267948966"
-# What a camera link and its optical frame add to the camera's name.
+# Words that a camera link and its optical frame add to the camera's name.
 _FRAME_SUFFIX = re.compile(r"_?(?:optical|frame|link|joint|parent)(?=_|$)")
 
 
@@ -36,67 +38,59 @@ def check(model: Model, rule: Rule, *, angle_tol: float) -> Iterator[Finding]:
 
 
 def _check_tool_frame(joint: Joint, rule: Rule, tol: float) -> Iterator[Finding]:
-    """tool0 is the flange with z pointing away from the robot, where the flange has x."""
+    """Compare tool0 with the standard: z points away from the robot, along the x axis of the flange."""
     matrix = joint.origin.matrix
     if matrix is None or joint.type != "fixed":
         return
     off = float(np.arccos(np.clip(matrix[0, 2], -1.0, 1.0)))
     if off > tol:
-        yield rule.finding("tool", at=_locate_rotation(joint), off=off)
+        yield rule.finding("tool", at=locate_origin_attribute(joint, "rpy"), off=off)
 
 
 def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Finding]:
-    """One finding for all optical frames with one wrong rotation: they come from one habit."""
-    wrong: dict[tuple[int, ...], list[Joint]] = {}
+    """Report all optical frames with one wrong rotation together: they come from one habit."""
+    wrong: dict[tuple[int, ...], tuple[np.ndarray, list[Joint]]] = {}
     for joint in model.joints:
         matrix = joint.origin.matrix
         if joint.type != "fixed" or matrix is None or not _is_optical_frame(joint.child, joint.parent):
             continue
-        if _measure_rotation_angle(matrix[:3, :3] @ _OPTICAL.T) > tol:
-            wrong.setdefault(tuple(np.round(matrix[:3, :3] * 1e3).astype(int).ravel()), []).append(joint)
-    for joints in wrong.values():
-        first = joints[0]
-        rotation = first.origin.matrix
-        assert rotation is not None
-        unturned = _measure_rotation_angle(rotation[:3, :3]) <= tol
+        rotation = matrix[:3, :3]
+        if _measure_rotation_angle(rotation @ _OPTICAL.T) > tol:
+            key = tuple(np.round(rotation * 1e3).astype(int).ravel())
+            wrong.setdefault(key, (rotation, []))[1].append(joint)
+    for rotation, joints in wrong.values():
+        places = [locate_origin_attribute(joint, "rpy") for joint in joints]
         finding = rule.finding(
-            "optical-unturned" if unturned else "optical",
-            at=_locate_rotation(first),
-            related=[_locate_rotation(joint) for joint in joints[1:]],
+            "optical-unturned" if _measure_rotation_angle(rotation) <= tol else "optical",
+            at=places[0],
+            related=places[1:],
             edits=_propose_edits(joints),
             names=" and ".join(dict.fromkeys(joint.child for joint in joints[:3])),
-            parent=first.parent,
-            look=_describe_direction(rotation[:3, 2]),
-            top=_describe_direction(-rotation[:3, 1]),
-            typed=" ".join(f"{v:g}" for v in first.origin.rpy or ()),
+            parent=joints[0].parent,
+            look=_describe_direction(rotation[:, 2]),
+            top=_describe_direction(-rotation[:, 1]),
+            typed=join_numbers(joints[0].origin.rpy or (), separator=" "),
         )
-        yield replace(finding, subjects=tuple(_locate_rotation(joint).subject for joint in joints))
+        yield replace(finding, subjects=tuple(place.subject for place in places))
 
 
 def _is_optical_frame(child: str, parent: str) -> bool:
-    """Whether a name says that it is the optical frame of the camera that its parent is."""
+    """Whether the child is, by its name, the optical frame of the camera that the parent is."""
     if "optical" not in child.lower() or "optical" in parent.lower():
         return False
     return _FRAME_SUFFIX.sub("", child.lower()) == _FRAME_SUFFIX.sub("", parent.lower())
 
 
 def _measure_rotation_angle(rotation: np.ndarray) -> float:
-    """The angle (rad) of a rotation matrix."""
+    """Return the angle (rad) of a rotation matrix."""
     return float(np.arccos(np.clip((np.trace(rotation) - 1.0) / 2.0, -1.0, 1.0)))
 
 
 def _describe_direction(vector: np.ndarray) -> str:
-    """Where a unit vector in a camera link (x forward, y left, z up) mostly points."""
+    """Return the main direction of a unit vector in a camera link (x forward, y left, z up)."""
     axis = int(np.abs(vector).argmax())
     names = (("back", "forward"), ("right", "left"), ("down", "up"))
     return names[axis][int(vector[axis] > 0)]
-
-
-def _locate_rotation(joint: Joint) -> Location:
-    """Where the rotation of a joint is typed."""
-    element = joint.origin.element
-    attribute = joint.origin.get_attribute("rpy")
-    return joint.location if element is None else element.location if attribute is None else attribute.location
 
 
 def _propose_edits(joints: list[Joint]) -> tuple[Edit, ...]:

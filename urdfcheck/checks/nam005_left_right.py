@@ -1,4 +1,4 @@
-"""NAM005: what is called left is on the left, as the rest of the robot has it."""
+"""NAM005 reports links called left that are on the right, and the reverse."""
 
 from __future__ import annotations
 
@@ -7,33 +7,31 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
+from urdfcheck.facts.arrays import Array
 from urdfcheck.model import Joint, Model
 
-Array = NDArray[np.float64]
-
-# Words of a name, and what stands between them.
+# The words of a name and the text between them.
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[^A-Za-z]+")
 _RIGHT = {"left": "right", "Left": "Right", "LEFT": "RIGHT"}
-# left, and a letter that says front, rear, back or the like: fl, rl, lf, lb, bl, lh, hl.
+# Left with a letter for front, rear, back or the like: fl, rl, lf, lb, bl, lh, hl.
 _SHORT_LEFT = re.compile(r"l|[fbrhmFBRHM]?[lL]|[lL][fbrhmFBRHM]")
 # Frames are aligned to within this rotation (entries of the matrix).
 _ALIGNMENT_TOLERANCE = 1e-3
-# Longer names were not typed by anybody, and each of their words is tried.
+# Nobody types longer names, and each of their words costs a comparison.
 _MAX_NAME_LENGTH = 200
 
 
 @dataclass(frozen=True, slots=True)
 class _LimbPair:
-    """A left and a right limb of one body: the joints that hold them, and by how much (m) left is left of right, as the
-    coordinates of the body have it (y points to the left)."""
+    """The joints that hold a left and a right limb of one body."""
 
     left: Joint
     right: Joint
     offset: float
+    """The distance (m) by which left is left of right in the frame of the body, whose y axis points to the left."""
 
 
 def check(model: Model, rule: Rule, *, least: int, apart: float) -> Iterator[Finding]:
@@ -59,30 +57,32 @@ def check(model: Model, rule: Rule, *, least: int, apart: float) -> Iterator[Fin
 
 
 def _find_limb_pairs(model: Model, apart: float) -> Iterator[_LimbPair]:
-    """The limbs of each pair of names that differ in their side, each limb once, where they are apart (m) across the body
-    rather than along it."""
+    """Yield each pair of limbs whose names differ in the side and which are ``apart`` (m) across the body, not along it."""
     tree, frames = model.tree, model.frames
-    seen: set[tuple[str, str]] = set()
+    yielded: set[tuple[str, str]] = set()
     for name in tree.order:
         for other in _generate_right_names(name):
             if other not in frames:
                 continue
             paths = tree.find_path_to(name), tree.find_path_to(other)
             shared = _count_shared_joints(*paths)
-            if shared in {len(paths[0]), len(paths[1])}:  # one hangs on the other
+            if shared in {len(paths[0]), len(paths[1])}:  # one carries the other
                 continue
             left, right = paths[0][shared], paths[1][shared]
             body = frames[left.parent]
             distance = body[:3, :3].T @ (frames[name][:3, 3] - frames[other][:3, 3])
             across = abs(distance[1]) >= max(apart, 0.5 * float(np.linalg.norm(distance)))
-            if across and (left.name, right.name) not in seen and _can_tell_sides(body, left, right):
-                seen.add((left.name, right.name))
+            if across and (left.name, right.name) not in yielded and _can_tell_sides(body, left, right):
+                yielded.add((left.name, right.name))
                 yield _LimbPair(left, right, float(distance[1]))
 
 
 def _can_tell_sides(body: Array, left: Joint, right: Joint) -> bool:
-    """Whether left and right can only mean the robot's: on a body that is turned like the root, no fingers of a gripper that
-    may be mounted either way, and nothing fixed that faces backwards or upside down."""
+    """Whether left and right can only be those of the robot.
+
+    Not on a body that is turned against the root, not for the fingers of a gripper, which can be mounted either way, and not
+    for fixed parts that face backwards or upside down.
+    """
     if np.abs(body[:3, :3] - np.eye(3)).max() > _ALIGNMENT_TOLERANCE or left.type == right.type == "prismatic":
         return False
     turns = [joint.origin.matrix for joint in (left, right) if joint.type == "fixed"]
@@ -90,7 +90,7 @@ def _can_tell_sides(body: Array, left: Joint, right: Joint) -> bool:
 
 
 def _count_shared_joints(one: tuple[Joint, ...], other: tuple[Joint, ...]) -> int:
-    """How many joints two paths begin with."""
+    """Count the joints with which both paths begin."""
     for number, (a, b) in enumerate(zip(one, other, strict=False)):
         if a is not b:
             return number
@@ -98,7 +98,7 @@ def _count_shared_joints(one: tuple[Joint, ...], other: tuple[Joint, ...]) -> in
 
 
 def _generate_right_names(name: str) -> Iterator[str]:
-    """A name with one word for left made the word for right."""
+    """Yield the name with one word for left replaced by the word for right."""
     words = _WORDS.findall(name) if len(name) <= _MAX_NAME_LENGTH else []
     for place, word in enumerate(words):
         swapped = _RIGHT.get(word)

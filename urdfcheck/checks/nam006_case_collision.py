@@ -1,4 +1,4 @@
-"""NAM006: names that differ in nothing but upper and lower case."""
+"""NAM006 reports names that differ only in upper and lower case."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _check_case_clashes(kind: str, parts: tuple[Link, ...] | tuple[Joint, ...], rule: Rule) -> Iterator[Finding]:
-    """One finding for each name that several parts of a kind spell differently. One spelling twice is a duplicate."""
-    alike: dict[str, dict[str, Link | Joint]] = {}
+    """Report each name that parts of a kind spell differently; one spelling twice is a duplicate (KIN001)."""
+    by_key: dict[str, dict[str, Link | Joint]] = {}
     for part in parts:
-        alike.setdefault(part.name.casefold(), {}).setdefault(part.name, part)
-    for spellings in alike.values():
+        by_key.setdefault(part.name.casefold(), {}).setdefault(part.name, part)
+    for spellings in by_key.values():
         if len(spellings) > 1:
             first, second, *others = [part.element.attributes["name"] for part in spellings.values()]
             yield rule.finding(

@@ -1,4 +1,4 @@
-"""NAM007: the name of a joint says what it joins."""
+"""NAM007 reports joint names that disagree with the links that the joint connects."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names, split_name_words
 from urdfcheck.model import Joint, Link, Model
 
-# Words that say what kind of thing has the name, not which one.
-_KIND = frozenset({"joint", "jnt", "link", "lnk", "frame", "fixed"})
+# Words for the kind of a part, which do not identify it.
+_KINDS = frozenset({"joint", "jnt", "link", "lnk", "frame", "fixed"})
 _SIDES = frozenset({"left", "right", "l", "r", "front", "rear", "back"})
 
 
 def check(model: Model, rule: Rule, *, least: int) -> Iterator[Finding]:
     yield from _build_findings("reversed", [joint for joint in model.joints if _is_reversed(joint)], rule)
     yield from _build_findings("other", list(_find_misnamed_joints(model, least)), rule)
-    # `base_to_arm_link` names the link arm_link, and one name for a link and a joint is another rule's business.
+    # `base_to_arm_link` names the link arm_link, and a joint may have the name of its link.
     joints = [j for j in model.joints if not any(j.name.endswith(link) for link in (j.parent, j.child) if link)]
     yield from _build_findings("link-as-joint", [j for j in joints if _has_kind_suffix(j.name, "link", "joint")], rule)
     yield from _build_findings(
@@ -26,7 +26,7 @@ def check(model: Model, rule: Rule, *, least: int) -> Iterator[Finding]:
 
 
 def _build_findings(message: str, parts: list[Joint] | list[Link], rule: Rule) -> Iterator[Finding]:
-    """One finding for all names with the same mistake: they come from one habit."""
+    """Report all names with one mistake together: they come from one habit."""
     if not parts:
         return
     first, names = parts[0], [part.element.attributes["name"] for part in parts]
@@ -44,32 +44,23 @@ def _build_findings(message: str, parts: list[Joint] | list[Link], rule: Rule) -
 
 def _is_reversed(joint: Joint) -> bool:
     """Whether ``A_to_B`` goes from B to A."""
-    one, to, other = joint.name.partition("_to_")
-    if (
-        not to
-        or not _build_name_key(one)
-        or not _build_name_key(other)
-        or _build_name_key(one) == _build_name_key(other)
-    ):
+    start, to, end = joint.name.partition("_to_")
+    named = _build_name_key(start), _build_name_key(end)
+    if not to or not all(named) or named[0] == named[1]:
         return False
-    return _build_name_key(one) == _build_name_key(joint.child) and _build_name_key(other) == _build_name_key(
-        joint.parent
-    )
+    return named == (_build_name_key(joint.child), _build_name_key(joint.parent))
 
 
 def _find_misnamed_joints(model: Model, least: int) -> Iterator[Joint]:
-    """Joints with the name of another link than the one they carry, in number or side, where joints are named after what
-    they carry."""
-    after_child = [
-        joint
-        for joint in model.joints
-        if _build_name_key(joint.name) and _build_name_key(joint.name) == _build_name_key(joint.child)
-    ]
-    if len(after_child) < least:
+    """Yield joints that are named after another link than their child, with another number or side.
+
+    Nothing if fewer than ``least`` joints of the model are named after their child.
+    """
+    keys = [(_build_name_key(joint.name), _build_name_key(joint.child)) for joint in model.joints]
+    if sum(bool(name) and name == child for name, child in keys) < least:
         return
     links = {_build_name_key(link.name) for link in model.links}
-    for joint in model.joints:
-        name, child = _build_name_key(joint.name), _build_name_key(joint.child)
+    for joint, (name, child) in zip(model.joints, keys, strict=True):
         if (
             name in links
             and name not in {child, _build_name_key(joint.parent)}
@@ -79,7 +70,8 @@ def _find_misnamed_joints(model: Model, least: int) -> Iterator[Joint]:
 
 
 def _build_name_key(name: str) -> tuple[str, ...]:
-    return tuple(word for word in map(str.lower, split_name_words(name)) if word not in _KIND)
+    """Return the words that identify a part, in lower case."""
+    return tuple(word for word in map(str.lower, split_name_words(name)) if word not in _KINDS)
 
 
 def _replace_number_and_side(key: tuple[str, ...]) -> tuple[str, ...]:
@@ -87,6 +79,6 @@ def _replace_number_and_side(key: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _has_kind_suffix(name: str, kind: str, other: str) -> bool:
-    """Whether a name ends in the word for a kind, and nowhere has the word for the other."""
+    """Whether a name ends in the word for one kind and does not contain the word for the other."""
     parts = [word.lower() for word in split_name_words(name)]
     return len(parts) > 1 and parts[-1] == kind and other not in parts

@@ -1,4 +1,4 @@
-"""PKG003: paths are spelled as the files are, in upper and lower case."""
+"""PKG003 reports paths that differ from the names on disk in upper and lower case."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from collections.abc import Iterator, Mapping
 from urdfcheck.core import Applicability, Edit, Finding, Location, Rule
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import ResourceUse, find_machine_path, list_resource_uses
-from urdfcheck.source.text.shape_roles import describe_missing_mesh
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.xml import SourceFile
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
-    found: dict[tuple[object, str], list[ResourceUse]] = {}
+    by_path: dict[tuple[object, str], list[ResourceUse]] = {}
     for use in list_resource_uses(source):
         resource = use.resource
         if not resource.exists and resource.actual_spelling is not None and find_machine_path(use, source) is None:
-            found.setdefault((resource.path, resource.text), []).append(use)
-    for uses in found.values():
+            by_path.setdefault((resource.path, resource.text), []).append(use)
+    for uses in by_path.values():
         first = uses[0]
         actual = first.resource.actual_spelling or ""
         edits = [_propose_edit(use, actual, source.files) for use in uses]
@@ -35,16 +35,16 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
 
 
 def _extract_typed_ending(use: ResourceUse, actual: str) -> str:
-    """The last parts of the path as typed: as many as are spelled otherwise on disk."""
+    """Return as many last parts of the typed path as ``actual``, their spelling on disk, has."""
     return "/".join(use.resource.text.replace("\\", "/").split("/")[-len(actual.split("/")) :])
 
 
 def _propose_edit(use: ResourceUse, actual: str, files: Mapping[str, SourceFile]) -> Edit | None:
-    """Replace the end of the typed path, which must be typed out there and not computed, and differ in nothing else."""
+    """Return the edit of the path's end, or None unless it is typed there and differs only in upper and lower case."""
     span, written = use.attribute.span, _extract_typed_ending(use, actual)
     if span is None or span.file not in files or not use.attribute.typed.endswith(written):
         return None
-    if written.casefold() != actual.casefold():  # a blank that is typed as %20
+    if written.casefold() != actual.casefold():  # e.g. a blank that is typed as %20
         return None
     return Edit(files[span.file].make_span(span.end - len(written), span.end), written, actual)
 

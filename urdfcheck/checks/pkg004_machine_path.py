@@ -1,4 +1,4 @@
-"""PKG004: paths of meshes and textures mean something on every machine."""
+"""PKG004 reports paths of meshes and textures that only one machine can open."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import ResourceUse, find_machine_path, list_resource_uses
-from urdfcheck.source.text.shape_roles import describe_missing_mesh
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh
+from urdfcheck.source.text.tokens import build_replacement_edits
 
 
 @dataclass(slots=True, eq=False)
 class _MachinePath:
-    """The text that holds the path of a machine, and the files that come from it."""
+    """A text with the path of one machine, and the files that are named by it."""
 
     location: Location
     uses: list[ResourceUse] = field(default_factory=list)
@@ -30,7 +31,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         if typed is None:
             continue
         at = Location(use.location.subject, typed.span, use.location.via)
-        # One place for each text, and for each file that several texts name.
+        # Paths from one definition are one cause, and so are the texts that name one file.
         key = use.resource.path if typed is use.attribute else typed.span
         places.setdefault(key, _MachinePath(at)).uses.append(use)
     for place in places.values():
@@ -57,20 +58,20 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
 
 
 def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
-    """The package path of a file that lies in the model's own package."""
-    own, path = source.package, use.resource.path
-    if own is None or path is None or not use.resource.exists:
+    """Return the package path of a file in the model's own package, or None for another file."""
+    package, path = source.package, use.resource.path
+    if package is None or path is None or not use.resource.exists:
         return None
     try:
-        return f"package://{own.name}/{path.resolve().relative_to(own.path.resolve()).as_posix()}"
+        return f"package://{package.name}/{path.resolve().relative_to(package.path.resolve()).as_posix()}"
     except ValueError:
         return None
 
 
 def _propose_edits(place: _MachinePath, source: Source) -> list[Edit]:
-    edits = {}
+    edits: dict[Edit, None] = {}
     for use in place.uses:
-        span, portable = use.attribute.span, _build_portable_path(use, source)
-        if span is not None and use.attribute.literal and portable:
-            edits[span] = Edit(span, use.attribute.typed, portable)
-    return list(edits.values())
+        portable = _build_portable_path(use, source)
+        if portable is not None:
+            edits |= dict.fromkeys(build_replacement_edits([use.attribute], portable))
+    return list(edits)

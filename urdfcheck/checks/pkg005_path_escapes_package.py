@@ -1,4 +1,4 @@
-"""PKG005: no path leads out of its package by ``..``."""
+"""PKG005 reports paths that lead out of their package by ``..``."""
 
 from __future__ import annotations
 
@@ -10,30 +10,33 @@ from pathlib import Path
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.core.text import join_names
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.resources import list_resource_uses
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.source.xacro.usage import iter_elements_by_tag, select_own_trees
+from urdfcheck.source.xacro.usage import iter_elements_by_tag
 
 _FIND = re.compile(r"^\s*\$\(find\s+([^\s()]+)\s*\)/([^$]*)$")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class _EscapingPath:
-    """A path that leads out of the folder of ``package`` to a file that is there."""
+    """A path that leads out of its package to a file that exists."""
 
     attribute: Attribute
     text: str
     package: str
+    """The package in which the path begins."""
     target: Path
+    """The file, as an absolute path."""
 
 
 @dataclass(slots=True)
 class _EscapeTarget:
-    """What several paths lead to: another package, or a folder that belongs to none."""
+    """The target of several paths: another package, or a folder outside of all packages."""
 
     package: str
+    """Empty for a folder outside of all packages."""
     folder: Path
     escapes: list[_EscapingPath] = field(default_factory=list)
 
@@ -49,37 +52,39 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
 
 
 def _find_escaping_files(source: Source) -> Iterator[_EscapingPath]:
-    own = source.package
+    home = source.package
     for use in list_resource_uses(source):
         resource = use.resource
         if resource.path is None or not resource.exists or ".." not in resource.text:
             continue
-        folder = source.finder.find(resource.package) if resource.package else None if own is None else own.path
-        name = resource.package or ("" if own is None else own.name)
+        folder = source.finder.find(resource.package) if resource.package else None if home is None else home.path
+        name = resource.package or ("" if home is None else home.name)
         if folder is not None and resource.kind in {"package", "relative"} and not _is_below(resource.path, folder):
-            yield _EscapingPath(use.attribute, resource.text, name, _make_absolute(resource.path))
+            target = _make_absolute(resource.path)
+            yield _EscapingPath(attribute=use.attribute, text=resource.text, package=name, target=target)
 
 
 def _find_escaping_includes(source: Source) -> Iterator[_EscapingPath]:
-    own = source.package
-    trees = select_own_trees(source)
-    for element in iter_elements_by_tag(trees, "xacro:include") if own is not None else ():
-        name = element.attributes.get("filename")
-        if own is None or name is None or name.span is None or ".." not in name.value:
+    home_package = source.package
+    if home_package is None:
+        return
+    for element in iter_elements_by_tag(select_own_trees(source), "xacro:include"):
+        filename = element.attributes.get("filename")
+        if filename is None or filename.span is None or ".." not in filename.value:
             continue
-        found = _FIND.match(name.value)
-        package, inside = found.groups() if found else (own.name, name.value.strip())
-        home = source.finder.find(package) if found else own.path
-        start = home if found else source.files[name.span.file].path.absolute().parent
+        match = _FIND.match(filename.value)
+        package, inside = match.groups() if match else (home_package.name, filename.value.strip())
+        home = source.finder.find(package) if match else home_package.path
+        start = home if match else source.files[filename.span.file].path.absolute().parent
         if home is None or start is None or "$" in inside:
             continue
         target = start / inside
         if not _is_below(target, home) and source.finder.can_open(target) and target.is_file():
-            yield _EscapingPath(name, name.value, package, _make_absolute(target))
+            yield _EscapingPath(attribute=filename, text=filename.value, package=package, target=_make_absolute(target))
 
 
 def _is_below(path: Path, folder: Path) -> bool:
-    """Whether a path stays in a folder, by its text or by where it really leads."""
+    """Whether a path stays in a folder, by its text or with symbolic links resolved."""
     return any(
         f in p.parents for p, f in ((_make_absolute(path), _make_absolute(folder)), (path.resolve(), folder.resolve()))
     )

@@ -1,4 +1,4 @@
-"""PKG006: the package's name is one that all of ROS accepts."""
+"""PKG006 reports package names that not all of ROS accepts."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from urdfcheck.source.package.finder import Package
 
 # REP 144: lower case letters, digits and underscores, beginning with a letter, at least two characters.
 _REP144 = re.compile(r"[a-z][a-z0-9_]+")
-# What catkin_pkg takes with a warning at most.
+# catkin_pkg accepts these, some with a warning.
 _CATKIN = re.compile(r"[a-z][a-z0-9_-]*")
 
 
@@ -47,7 +47,7 @@ def _explain_illegal_name(name: str) -> str:
 
 
 def _suggest_name(name: str) -> str:
-    """The name with what is not allowed replaced: ``Car-3`` becomes ``car_3``."""
+    """Replace what is not allowed: ``Car-3`` becomes ``car_3``."""
     words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
     cleaned = re.sub(r"_+", "_", re.sub(r"[^a-z0-9]", "_", words)).strip("_")
     return cleaned if re.match(r"[a-z]", cleaned) else f"robot_{cleaned}".rstrip("_")

@@ -1,4 +1,4 @@
-"""PKG007: a package depends on the packages that its files name."""
+"""PKG007 reports packages that a package names and does not declare as dependencies."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from urdfcheck.source.package.finder import Package, load_package
 from urdfcheck.source.package.references import PackageMention, read_package_contents
 from urdfcheck.source.text.xml import Element, SourceFile
 
-# Packages that stand for many, whose names begin otherwise.
+# Metapackages, and what the names of their packages begin with unless with the name of the metapackage.
 _PARTS_OF = {
     "gazebo_ros_pkgs": ("gazebo_",),
     "ros_gz": ("ros_gz_", "ros_ign_"),
@@ -21,9 +21,9 @@ _PARTS_OF = {
     "ros_base": ("",),
     "ros_core": ("",),
 }
-# Packages that are looked for among the dependencies of dependencies.
+# The dependencies of so many packages are read.
 _MAX_MANIFESTS = 1_000
-# In a model these are PKG001's when they are not found.
+# PKG001 reports unknown packages that other files name.
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
 
 
@@ -32,15 +32,15 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     if root is None or file is None or root.tag != "package":
         return
     declared = {package.name, *package.dependencies}
-    named: dict[str, list[PackageMention]] = {}
+    undeclared: dict[str, list[PackageMention]] = {}
     for mention in read_package_contents(package).mentions:
         if mention.package not in declared:
-            named.setdefault(mention.package, []).append(mention)
-    covered = _collect_indirect_dependencies(package) if named else set()
+            undeclared.setdefault(mention.package, []).append(mention)
+    covered = _collect_indirect_dependencies(package) if undeclared else set()
     parts = tuple(prefix for name in package.dependencies for prefix in _PARTS_OF.get(name, (f"{name}_",)))
     missing = {
         name: uses
-        for name, uses in sorted(named.items())
+        for name, uses in sorted(undeclared.items())
         if name not in covered and not name.startswith(parts) and _needs_declaration(name, uses, package)
     }
     if not missing:
@@ -51,7 +51,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         "undeclared" if len(names) == 1 else "several",
         at=root.find_child("name") or root,
         related=[use.location for uses in missing.values() for use in uses[:3]],
-        edits=_propose_edits(root, file, tag, names),
+        edits=_propose_edits(root, file, tag=tag, names=names),
         name=names[0],
         names=names,
         listed=join_names(names),
@@ -65,7 +65,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
 
 
 def _collect_indirect_dependencies(package: Package) -> set[str]:
-    """What comes with the declared dependencies, as far as these are found: they depend on it themselves."""
+    """Return the dependencies of the declared dependencies that are found, and so on."""
     covered: set[str] = set()
     left = sorted(package.dependencies)
     for _ in range(_MAX_MANIFESTS):
@@ -83,20 +83,20 @@ def _collect_indirect_dependencies(package: Package) -> set[str]:
 
 
 def _needs_declaration(name: str, uses: list[PackageMention], package: Package) -> bool:
-    """Whether a package is one that must be declared: it is found, or only launch files name it, which fail without it."""
+    """Whether a package must be declared: it is found, or only launch files name it, which fail without it."""
     if package.finder is not None and package.finder.find(name) is not None:
         return True
     return all(use.location.span is not None and use.location.span.file.endswith(_LAUNCH_SUFFIXES) for use in uses)
 
 
-def _propose_edits(root: Element, file: SourceFile, tag: str, names: list[str]) -> list[Edit]:
-    """The missing lines behind the last dependency of their kind, or of any, or before the end, as their neighbours stand."""
-    alike = (
+def _propose_edits(root: Element, file: SourceFile, *, tag: str, names: list[str]) -> list[Edit]:
+    """Insert the missing lines behind the last dependency of their kind, else of any kind, else behind the last element."""
+    dependencies = (
         root.find_children(tag)
         or root.find_children("depend")
         or [e for e in root.children if e.tag.endswith("depend")]
     )
-    before = alike[-1] if alike else (root.children[-1] if root.children else None)
+    before = dependencies[-1] if dependencies else (root.children[-1] if root.children else None)
     if before is None or before.span is None:
         return []
     end = file.text.find(f"</{before.tag}>", before.span.end)

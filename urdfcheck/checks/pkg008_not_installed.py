@@ -1,4 +1,4 @@
-"""PKG008: a ROS 2 package installs the folders that models and launch files look for in it."""
+"""PKG008 reports folders that models and launch files read and that a ROS 2 package does not install."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from urdfcheck.source.package.references import PackageMention, iter_package_men
 
 
 def check(package: Package, rule: Rule) -> Iterator[Finding]:
-    done = read_install_rules(package)
-    if done is None or done.installs_all:
+    install = read_install_rules(package)
+    if install is None or install.installs_all:
         return
     missing: dict[str, list[PackageMention]] = {}
     for mention in iter_package_mentions(package):
         folder = mention.folder
-        if folder and folder not in done.path_parts and (package.path / folder).is_dir():
+        if folder and folder not in install.path_parts and (package.path / folder).is_dir():
             missing.setdefault(folder, []).append(mention)
     if not missing:
         return
     folders = sorted(missing)
     finding = rule.finding(
-        f"{done.build_form}-several" if len(folders) > 1 else done.build_form,
-        at=done.at,
+        f"{install.build_form}-several" if len(folders) > 1 else install.build_form,
+        at=install.at,
         related=[mention.location for name in folders for mention in missing[name][:3]],
-        edits=done.build_edits(folders),
+        edits=install.build_edits(folders),
         package=package.name,
         folder=folders[0],
         folders=folders,

@@ -1,4 +1,4 @@
-"""PKG009: mesh files are the meshes, not the pointers that Git LFS leaves in their place."""
+"""PKG009 reports mesh files that are only the pointers of Git LFS."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from urdfcheck.core.text import join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.resources import ResourceUse, list_resource_uses
-from urdfcheck.source.text.shape_roles import describe_unreadable_mesh
+from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh
 from urdfcheck.system.files import read_start
 
 POINTER = b"version https://git-lfs.github.com/spec/"
 _SIZE = re.compile(rb"^size (\d+)$", re.MULTILINE)
-# A pointer of the format's first version has 130 bytes; by its specification none has more than 1024.
+# A pointer of the format's first version has 130 bytes; its specification allows up to 1024.
 _MAX_POINTER_BYTES = 1024
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
-    """One finding for each repository: one command repairs all of its files."""
+    """Report each repository once: one command repairs all of its files."""
     sizes: dict[Path, int | None] = {}
     by_repository: dict[Path | None, list[ResourceUse]] = {}
     for use in list_resource_uses(source):
@@ -41,7 +41,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             cause="archive" if repository is None else "clone",
             path=format_path(paths[0]),
             count=len(paths),
-            listed=join_names([path.name for path in paths], 4),
+            listed=join_names((path.name for path in paths), 4),
             files=[format_path(path) for path in paths],
             consequences=describe_unreadable_mesh(use.attribute.owner for use in uses),
             bytes=sum(sizes[path] or 0 for path in paths),
@@ -51,7 +51,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
 
 
 def _read_pointer_size(path: Path) -> int | None:
-    """The size in bytes of the file that a pointer stands for; None when the file is no pointer."""
+    """Return the size in bytes of the file that a pointer replaces, or None if the file is not a pointer."""
     try:
         start = read_start(path, _MAX_POINTER_BYTES)
     except OSError:
@@ -63,5 +63,5 @@ def _read_pointer_size(path: Path) -> int | None:
 
 
 def _find_repository(path: Path) -> Path | None:
-    """The clone that a file lies in; None in a folder that is none, as an unpacked archive."""
+    """Return the clone that contains a file, or None outside of a clone, e.g. in an unpacked archive."""
     return next((folder for folder in path.parents if (folder / ".git").exists()), None)

@@ -1,4 +1,4 @@
-"""PKG011: paths of meshes and textures are spelled so that every program and system reads them alike."""
+"""PKG011 reports spellings of mesh and texture paths that some programs or systems cannot read."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from urdfcheck.source.resources import (
     list_resource_uses,
     normalize_spelling,
 )
+from urdfcheck.source.text.tokens import build_replacement_edits
 
 _SCHEMES = ("package", "model", "file")
-# What libcurl fetches, and with it RViz.
+# RViz fetches these by libcurl.
 _REMOTE = frozenset({"http", "https", "ftp", "ftps"})
 _SCHEME = re.compile(r"^([A-Za-z][A-Za-z0-9+.-]+)://")
 _ONE_SLASH = re.compile(rf"^(?:{'|'.join(_SCHEMES)}):/?[^/]")
@@ -26,23 +27,25 @@ _ONE_SLASH = re.compile(rf"^(?:{'|'.join(_SCHEMES)}):/?[^/]")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _PathProblem:
-    """What is wrong with a path. ``message``: blank | backslash | letters | remote | scheme | slashes; ``part`` what several
-    paths of one cause share; ``plain`` how it should be written, None where nobody knows."""
+    """A mistake in the spelling of a path, and the paths that have it."""
 
     message: str
+    """blank | backslash | letters | remote | scheme | slashes"""
     part: str
+    """The text that all paths with one cause share."""
     suggestion: str | None
+    """The correct path, None if it is unknown."""
     uses: list[ResourceUse] = field(default_factory=list)
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
-    found: dict[tuple[str, str], _PathProblem] = {}
+    problems: dict[tuple[str, str], _PathProblem] = {}
     for use in list_resource_uses(source):
-        spelling = _classify_path_problem(use)
-        if spelling is not None and find_machine_path(use, source) is None:
-            found.setdefault((spelling.message, spelling.part), spelling).uses.append(use)
-    for spelling in found.values():
-        yield _build_finding(spelling, source, rule)
+        problem = _classify_path_problem(use)
+        if problem is not None and find_machine_path(use, source) is None:
+            problems.setdefault((problem.message, problem.part), problem).uses.append(use)
+    for problem in problems.values():
+        yield _build_finding(problem, source, rule)
 
 
 def _classify_path_problem(use: ResourceUse) -> _PathProblem | None:
@@ -59,49 +62,46 @@ def _classify_path_problem(use: ResourceUse) -> _PathProblem | None:
     if "\\" in text:
         return _PathProblem("backslash", "", normalize_spelling(text))
     if re.search(r"\s", text):
-        return _PathProblem(
-            "blank", _truncate_at_problem(text, r"\s"), text.strip() if not re.search(r"\s", text.strip()) else None
-        )
+        stripped = None if re.search(r"\s", text.strip()) else text.strip()
+        return _PathProblem("blank", _truncate_at_problem(text, r"\s"), stripped)
     if not text.isascii():
         return _PathProblem("letters", _truncate_at_problem(text, r"[^\x00-\x7f]"), None)
     return None
 
 
 def _truncate_at_problem(text: str, wrong: str) -> str:
-    """The path as far as its first part with something wrong in it: below one such folder all paths have one cause."""
+    """Return the path up to its first wrong part, a cause that all paths below one such folder share."""
     match = re.search(rf"^.*?{wrong}[^/]*", text, re.DOTALL)
     return text if match is None else match.group(0)
 
 
-def _build_finding(spelling: _PathProblem, source: Source, rule: Rule) -> Finding:
-    first, *others = spelling.uses
-    files = list(dict.fromkeys(use.resource.text for use in spelling.uses))
-    lost = [use for use in spelling.uses if is_misspelt(use)]
-    there = any(
+def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding:
+    at, *others = problem.uses
+    files = list(dict.fromkeys(use.resource.text for use in problem.uses))
+    lost = [use for use in problem.uses if is_misspelt(use)]
+    exists = any(
         source.finder.resolve_resource(normalize_spelling(u.resource.text), source.path.parent).exists for u in lost
     )
-    edits = [edit for use in spelling.uses for edit in _propose_edits(use)]
+    edits = [edit for use in problem.uses for edit in _propose_edits(use)]
     return rule.finding(
-        spelling.message,
-        at=first,
-        related=[use for use in others if use.attribute.span != first.attribute.span],
+        problem.message,
+        at=at,
+        related=[use for use in others if use.attribute.span != at.attribute.span],
         edits={edit.span: edit for edit in edits}.values(),
         severity=Severity.ERROR if lost else None,
         file=files[0],
         files=files,
-        part=spelling.part,
-        scheme=spelling.part,
-        letters="".join(sorted({c for c in spelling.part if not c.isascii()})[:10]),
-        plain=spelling.suggestion or "",
-        hint=f" (did you mean {spelling.suggestion!r}?)"
-        if spelling.suggestion and spelling.message == "scheme"
-        else "",
+        part=problem.part,
+        scheme=problem.part,
+        letters="".join(sorted({c for c in problem.part if not c.isascii()})[:10]),
+        plain=problem.suggestion or "",
+        hint=f" (did you mean {problem.suggestion!r}?)" if problem.suggestion and problem.message == "scheme" else "",
         more=f", and {join_names(files[1:], 2)}" if len(files) > 1 else "",
-        lost=": the file is there and is not found under this name" if there else "",
+        lost=": the file is there and is not found under this name" if exists else "",
     )
 
 
-def _propose_edits(use: ResourceUse) -> Iterator[Edit]:
-    spelling, attribute = _classify_path_problem(use), use.attribute
-    if spelling is not None and spelling.suggestion is not None and attribute.literal and attribute.span is not None:
-        yield Edit(attribute.span, attribute.typed, spelling.suggestion)
+def _propose_edits(use: ResourceUse) -> tuple[Edit, ...]:
+    problem = _classify_path_problem(use)  # paths with one problem have different corrections
+    suggestion = None if problem is None else problem.suggestion
+    return () if suggestion is None else build_replacement_edits([use.attribute], suggestion)

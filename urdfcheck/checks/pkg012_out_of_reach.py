@@ -1,19 +1,20 @@
-"""PKG012: nothing that a model names lies outside of what may be read."""
+"""PKG012 reports files that a model names outside of the folders that may be read."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_count, join_names
+from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.launch_file import Launch
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.resources import ResourceUse, find_machine_path, is_misspelt, list_resource_uses
 from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.xacro.usage import locate_expression
 
 
-def check(subject: Source | Launch, rule: Rule) -> Iterator[Finding]:
+def check(context: Source | LaunchContext, rule: Rule) -> Iterator[Finding]:
+    subject = context.launch if isinstance(context, LaunchContext) else context
     for problem in subject.problems:
         if problem.kind == "out-of-reach":
             yield _build_unread_finding(problem, subject, rule)
@@ -25,7 +26,7 @@ def check(subject: Source | Launch, rule: Rule) -> Iterator[Finding]:
                 "mesh",
                 at=uses[0],
                 related={u.attribute.span: u for u in uses[1:]}.values(),
-                amount="1 file lies" if len(files) == 1 else f"{len(files)} files lie",
+                amount=format_count(len(files), "file lies", "files lie"),
                 files=files,
                 listed=join_names(files, 3),
             )
@@ -38,7 +39,7 @@ def _is_outside(use: ResourceUse, source: Source) -> bool:
 def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule) -> Finding:
     if isinstance(subject, Launch):
         return rule.finding("launch", at=problem.location, path=problem.data["path"])
-    at = locate_expression(subject, problem, "load_yaml")  # a property is evaluated where it is first read
+    at = locate_expression(subject, problem, "load_yaml")  # xacro evaluates a property where it is first read
     others = [] if at is problem.location else [problem.location]
     related = [*others, *(r for r in problem.related if r.span != at.span)]
     return rule.finding("read", at=at, related=related, path=problem.data["path"])

@@ -1,4 +1,4 @@
-"""SRD001: what an SRDF names is there, and its groups can be built."""
+"""SRD001 reports names in an SRDF that do not exist, and groups that cannot be built."""
 
 from __future__ import annotations
 
@@ -8,19 +8,20 @@ from dataclasses import dataclass
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import find_only_near_name, format_name_hint
 from urdfcheck.model import Model
-from urdfcheck.model.likeness.sibling_robots import PackageNames
+from urdfcheck.model.likeness.sibling_robots import PackageNames, package_names
 from urdfcheck.model.motion.planning_limits import collect_group_joints
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
+from urdfcheck.model.repairs.edits import edit_literals
 from urdfcheck.source.ros.srdf import Srdf, is_about_model, is_configured_for
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
 
-# How alike a name must be that nothing else in the description means, to be the one that is meant where the description may
-# be for a robot that differs: left and right fingers are alike to 0.79.
+# In a description that may be for a variant of the robot, a name this much like an unused one is a slip of it. Left and right
+# fingers have a likeness of 0.79.
 MIN_SIMILARITY_ELSEWHERE = 0.85
-# Each suggestion looks at all names.
+# Each suggestion compares all names.
 MAX_HINTS = 100
-# The attributes that name links and joints of the robot: by element, and by the element around it.
+# The attributes that name links and joints of the robot, by element and the element around it.
 _LINKS = {
     ("link", "group"): ("name",),
     ("chain", "group"): ("base_link", "tip_link"),
@@ -37,7 +38,10 @@ _GROUPS = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _NameUse:
+    """An attribute that names a part of the robot or a group."""
+
     kind: str
+    """link | joint | group"""
     attribute: Attribute
 
     @property
@@ -46,11 +50,12 @@ class _NameUse:
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    elsewhere = PackageNames(model)
+    elsewhere = package_names(model)
     srdfs = [srdf for srdf in semantic_descriptions(model) if is_about_model(srdf, model.source)]
     for srdf in srdfs:
-        yield from _check_unknown_names(model, rule, srdf, elsewhere)
-        yield from _check_groups(rule, srdf)
+        yield from _check_unknown_names(model, rule, srdf=srdf, elsewhere=elsewhere)
+        yield from _check_unknown_groups(rule, srdf)
+        yield from _check_group_cycles(rule, srdf)
     for srdf in srdfs:
         yield from _check_chains(model, rule, srdf)
         yield from _check_virtual_joints(model, rule, srdf)
@@ -67,28 +72,27 @@ def _collect_name_uses(srdf: Srdf) -> Iterator[_NameUse]:
                     yield _NameUse(kind, attribute)
 
 
-def _check_unknown_names(model: Model, rule: Rule, srdf: Srdf, elsewhere: PackageNames) -> Iterator[Finding]:
-    """One finding for each name of a link or joint that the robot lacks, where no other variant of it can have it."""
+def _check_unknown_names(model: Model, rule: Rule, *, srdf: Srdf, elsewhere: PackageNames) -> Iterator[Finding]:
+    """Report each name of a link or joint that the robot and its other variants lack."""
     known = {"link": frozenset(model.link_by_name), "joint": model.joint_by_name.keys() | srdf.virtual_joints}
     uses: dict[tuple[str, str], list[_NameUse]] = {}
     for use in _collect_name_uses(srdf):
         if use.kind != "group":
             uses.setdefault((use.kind, use.name), []).append(use)
-    missing = {key: found for key, found in uses.items() if key[1] not in known[key[0]]}
+    missing = {key: like for key, like in uses.items() if key[1] not in known[key[0]]}
     if 2 * len(missing) > len(uses):
         return  # it is for another robot of this name
-    surely = is_configured_for(srdf, model.source)
-    for index, ((kind, name), found) in enumerate(missing.items()):
-        free = known[kind] if index < MAX_HINTS else frozenset[str]()
-        if surely:
-            near = find_only_near_name(name, free)
+    is_certain = is_configured_for(srdf, model.source)
+    for index, ((kind, name), like) in enumerate(missing.items()):
+        candidates = known[kind] if index < MAX_HINTS else frozenset[str]()
+        if is_certain:
+            near = find_only_near_name(name, candidates)
         else:
-            near = find_only_near_name(
-                name, free - {other for of, other in uses if of == kind}, MIN_SIMILARITY_ELSEWHERE
-            )
-        if (near is None and not surely) or elsewhere.can_package_have(kind, name):
+            used = {other for other_kind, other in uses if other_kind == kind}
+            near = find_only_near_name(name, candidates - used, MIN_SIMILARITY_ELSEWHERE)
+        if (near is None and not is_certain) or elsewhere.can_package_have(kind, name):
             continue
-        attributes = [use.attribute for use in found]
+        attributes = [use.attribute for use in like]
         yield rule.finding(
             kind,
             at=attributes[0],
@@ -96,16 +100,17 @@ def _check_unknown_names(model: Model, rule: Rule, srdf: Srdf, elsewhere: Packag
             edits=build_replacement_edits(attributes, near) if near is not None else (),
             where=_describe_element(attributes[0].owner),
             name=name,
-            near=format_name_hint(name, free),
+            near=format_name_hint(name, candidates),
         )
 
 
-def _check_groups(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
-    told: set[str] = set()
+def _check_unknown_groups(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
+    """Report names of groups that the description does not define."""
+    reported: set[str] = set()
     for use in _collect_name_uses(srdf):
         if use.kind == "group" and use.name not in srdf.groups:
-            known = srdf.groups if len(told) < MAX_HINTS else ()
-            told.add(use.name)
+            known = srdf.groups if len(reported) < MAX_HINTS else ()
+            reported.add(use.name)
             near = find_only_near_name(use.name, known)
             yield rule.finding(
                 "group",
@@ -115,15 +120,31 @@ def _check_groups(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
                 name=use.name,
                 near=format_name_hint(use.name, known),
             )
-    inside = {
+
+
+def _check_group_cycles(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
+    """Report groups that contain each other in a cycle."""
+    cycle = _find_group_cycle(_find_incomplete_groups(srdf))
+    if cycle:
+        element = next(
+            e for e in srdf.groups[cycle[0]].find_children("group") if e.get("name").strip() == cycle[1 % len(cycle)]
+        )
+        path = " → ".join((*cycle[:4], "…") if len(cycle) > 5 else (*cycle, cycle[0]))
+        yield rule.finding("cycle", at=element.attributes["name"], path=path)
+
+
+def _find_incomplete_groups(srdf: Srdf) -> dict[str, set[str]]:
+    """Return the groups that srdfdom never completes, each with the incomplete groups in it.
+
+    srdfdom completes a group once all groups in it are complete.
+    """
+    waiting = {
         name: {e.get("name").strip() for e in group.find_children("group")} & srdf.groups.keys()
         for name, group in srdf.groups.items()
     }
-    # As srdfdom does: a group is complete once all groups in it are.
-    waiting = {name: set(inner) for name, inner in inside.items()}
-    complete = [name for name, inner in inside.items() if not inner]
+    complete = [name for name, inner in waiting.items() if not inner]
     holders: dict[str, list[str]] = {}
-    for name, inner in inside.items():
+    for name, inner in waiting.items():
         for other in inner:
             holders.setdefault(other, []).append(name)
     while complete:
@@ -133,17 +154,11 @@ def _check_groups(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
             waiting[holder].discard(done)
             if not waiting[holder]:
                 complete.append(holder)
-    circle = _find_group_cycle(waiting)
-    if circle:
-        element = next(
-            e for e in srdf.groups[circle[0]].find_children("group") if e.get("name").strip() == circle[1 % len(circle)]
-        )
-        path = " → ".join((*circle[:4], "…") if len(circle) > 5 else (*circle, circle[0]))
-        yield rule.finding("cycle", at=element.attributes["name"], path=path)
+    return waiting
 
 
 def _find_group_cycle(waiting: dict[str, set[str]]) -> list[str]:
-    """Groups that contain each other in a circle, from the first in the file's order of names."""
+    """Return groups that contain each other in a cycle, from the alphabetically first."""
     if not waiting:
         return []
     order: dict[str, int] = {}
@@ -157,24 +172,20 @@ def _find_group_cycle(waiting: dict[str, set[str]]) -> list[str]:
 def _check_chains(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Finding]:
     for group in srdf.groups.values():
         for chain in group.find_children("chain"):
-            ends = chain.attributes.get("base_link"), chain.attributes.get("tip_link")
-            if ends[0] is None or ends[1] is None:
+            base_attribute, tip_attribute = chain.attributes.get("base_link"), chain.attributes.get("tip_link")
+            if base_attribute is None or tip_attribute is None:
                 continue
-            base, tip = (end.value.strip() for end in ends if end is not None)
+            base, tip = base_attribute.value.strip(), tip_attribute.value.strip()
             if base not in model.link_by_name or tip not in model.link_by_name:
                 continue
             message = _classify_chain_problem(model, base, tip)
+            edits = edit_literals(((base_attribute, tip), (tip_attribute, base))) if message == "chain-reversed" else []
             if message is not None:
-                swaps = (
-                    [*build_replacement_edits([ends[0]], tip), *build_replacement_edits([ends[1]], base)]
-                    if message == "chain-reversed"
-                    else []
-                )
                 yield rule.finding(
                     message,
                     at=chain,
                     severity=Severity.WARNING,
-                    edits=swaps if len(swaps) == 2 else (),
+                    edits=edits,
                     group=group.get("name").strip(),
                     base=base,
                     tip=tip,
@@ -188,7 +199,7 @@ def _classify_chain_problem(model: Model, base: str, tip: str) -> str | None:
 
 
 def _check_virtual_joints(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Finding]:
-    """Virtual joints that move the robot but do not carry its root: MoveIt skips them."""
+    """Report virtual joints that move the robot but do not carry its root: MoveIt ignores them."""
     for joint in srdf.root.find_children("virtual_joint"):
         child = joint.attributes.get("child_link")
         moves = joint.get("type").strip().lower() in {"planar", "floating"}
@@ -208,7 +219,7 @@ def _check_virtual_joints(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Find
 
 
 def _check_state_joints(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Finding]:
-    """Joints of a state that are not in its group: one finding for each state."""
+    """Report the joints of each state that are not in its group."""
     joints = collect_group_joints(model, srdf)
     for state in srdf.root.find_children("group_state"):
         group = state.get("group").strip()
@@ -234,7 +245,7 @@ def _check_state_joints(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Findin
 
 
 def _describe_element(element: Element) -> str:
-    """``group arm``, ``state home``: what of the description names something."""
+    """Return ``group arm`` or ``state home`` for the part of a description that names something."""
     words = {"group_state": "state", "end_effector": "end effector", "virtual_joint": "virtual joint"}
     named = element if element.tag in words or element.parent is None else element.parent
     if element.tag == "passive_joint":

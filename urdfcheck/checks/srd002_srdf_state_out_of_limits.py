@@ -1,4 +1,4 @@
-"""SRD002: the named states of an SRDF are within the joints' limits."""
+"""SRD002 reports named states of an SRDF that exceed the limits of the joints."""
 
 from __future__ import annotations
 
@@ -19,12 +19,16 @@ from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class _OutOfRangeValue:
+    """The position of a joint in a state, which its limits exclude."""
+
     joint: str
     attribute: Attribute
     value: float
+    """rad or m"""
     range: PositionRange
+    """The positions within the limits."""
     is_rotary: bool
 
     @property
@@ -33,7 +37,7 @@ class _OutOfRangeValue:
 
     @property
     def is_in_degrees(self) -> bool:
-        """Whether it is no angle that a joint of so small a range is given, and fits when it is taken for degrees."""
+        """Whether the value exceeds a turn in radians and is within the limits if it is in degrees."""
         return (
             self.is_rotary
             and abs(self.value) > 2 * math.pi
@@ -45,63 +49,64 @@ def check(model: Model, rule: Rule, *, tol: float) -> Iterator[Finding]:
     for srdf in list_own_srdfs(model):
         limits = {entry.joint.text: entry for entry in load_joint_limits(model, srdf)}
         for state in srdf.root.find_children("group_state"):
-            yield from _check_state(model, rule, state, limits, tol)
+            yield from _check_state(model, rule, state=state, limits=limits, tol=tol)
 
 
 def _check_state(
-    model: Model, rule: Rule, state: Element, limits: Mapping[str, JointLimits], tol: float
+    model: Model, rule: Rule, *, state: Element, limits: Mapping[str, JointLimits], tol: float
 ) -> Iterator[Finding]:
     outside = [
-        found
+        wrong
         for element in state.find_children("joint")
-        if (found := _find_out_of_range_value(model, element, limits, tol)) is not None
+        if (wrong := _find_out_of_range_value(model, element, limits=limits, tol=tol)) is not None
     ]
-    if outside and all(found.is_in_degrees for found in outside):
+    if outside and all(wrong.is_in_degrees for wrong in outside):
         yield rule.finding(
             "degrees",
             at=outside[0].attribute,
-            related=[found.attribute for found in outside[1:]],
+            related=[wrong.attribute for wrong in outside[1:]],
             edits=_propose_edits(model, state),
             state=state.get("name"),
-            values=", ".join(f"{found.joint} = {found.value:g}" for found in outside[:6]),
+            values=", ".join(f"{wrong.joint} = {wrong.value:g}" for wrong in outside[:6]),
             joint=outside[0].joint,
             lower=outside[0].range.lower,
             upper=outside[0].range.upper,
         )
         return
-    for found in outside:
-        bound = found.range.lower if found.value < found.range.lower else found.range.upper
+    for wrong in outside:
         yield rule.finding(
             "outside",
-            at=found.attribute,
-            related=[model.joint_by_name[found.joint].limit or model.joint_by_name[found.joint]],
+            at=wrong.attribute,
+            related=[model.joint_by_name[wrong.joint].limit or model.joint_by_name[wrong.joint]],
             state=state.get("name"),
-            joint=found.joint,
-            value=found.value,
-            excess=found.excess,
-            unit="rad" if found.is_rotary else "m",
-            bound=bound,
-            source=found.range.source,
+            joint=wrong.joint,
+            value=wrong.value,
+            excess=wrong.excess,
+            unit="rad" if wrong.is_rotary else "m",
+            bound=wrong.range.lower if wrong.value < wrong.range.lower else wrong.range.upper,
+            source=wrong.range.source,
         )
 
 
 def _find_out_of_range_value(
-    model: Model, element: Element, limits: Mapping[str, JointLimits], tol: float
+    model: Model, element: Element, *, limits: Mapping[str, JointLimits], tol: float
 ) -> _OutOfRangeValue | None:
     joint = model.joint_by_name.get(element.get("name").strip())
     at = element.attributes.get("value")
     value = None if at is None else parse_number(at.value)
-    # A follower is put where its leader says.
+    # The position of a mimic joint follows from that of its leader.
     if joint is None or at is None or value is None or joint.mimic is not None:
         return None
     known = compute_position_range(joint, limits)
     if known is None or known.lower - tol <= value <= known.upper + tol:
         return None
-    return _OutOfRangeValue(joint.name, at, value, known, joint.type == "revolute")
+    return _OutOfRangeValue(
+        joint=joint.name, attribute=at, value=value, range=known, is_rotary=joint.type == "revolute"
+    )
 
 
 def _propose_edits(model: Model, state: Element) -> list[Edit]:
-    """Every angle of the state, where all of them can be edited."""
+    """Return edits that convert all angles of the state to radians; nothing if one of them cannot be edited."""
     edits: list[Edit] = []
     for element in state.find_children("joint"):
         joint, at = model.joint_by_name.get(element.get("name").strip()), element.attributes.get("value")

@@ -1,4 +1,4 @@
-"""SRD003: the joint_limits.yaml of a MoveIt configuration fits the model."""
+"""SRD003 reports entries in the joint_limits.yaml of a MoveIt configuration that do not fit the model."""
 
 from __future__ import annotations
 
@@ -18,53 +18,53 @@ from urdfcheck.model.parts import Joint
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.ros.joint_limits import JointLimits
 from urdfcheck.source.ros.srdf import Srdf
-from urdfcheck.source.text.yaml import find_yaml_error
+from urdfcheck.source.ros.yaml_files import find_yaml_error
 
-# What ROS 2 reads as a floating-point number, and refuses as an integer.
+# ROS 2 reads these as floating-point numbers, and rejects integers.
 _DOUBLES = ("min_position", "max_position", "max_velocity", "max_acceleration", "max_jerk")
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
     elsewhere = PackageNames(model)
-    seen: set[str] = set()
+    checked: set[str] = set()
     for srdf in list_own_srdfs(model):
-        if str(srdf.path.parent) in seen:  # one file for several descriptions of the robot
+        if str(srdf.path.parent) in checked:  # several descriptions of the robot share the file
             continue
-        seen.add(str(srdf.path.parent))
+        checked.add(str(srdf.path.parent))
         problem = find_yaml_error(srdf.path.parent / LIMITS_FILE, model.source.finder)
         if problem is not None:
             yield rule.finding(
                 "broken", at=Location("yaml", problem.span), severity=Severity.ERROR, reason=str(problem)
             )
         limits = load_joint_limits(model, srdf)
-        yield from _check_unknown_joints(model, rule, srdf, limits, elsewhere)
+        yield from _check_unknown_joints(model, rule, srdf=srdf, limits=limits, elsewhere=elsewhere)
         yield from _check_integer_values(rule, limits, model.source.finder.find_package_of(srdf.path.absolute()))
         for entry in limits:
             joint = model.joint_by_name.get(entry.joint.text)
             if joint is not None and joint.mimic is None:
-                yield from _check_position_limits(rule, entry, joint, rel_tol)
-                yield from _check_velocity_limit(rule, entry, joint, rel_tol)
+                yield from _check_position_limits(rule, entry, joint, rel_tol=rel_tol)
+                yield from _check_velocity_limit(rule, entry, joint, rel_tol=rel_tol)
 
 
 def _check_unknown_joints(
-    model: Model, rule: Rule, srdf: Srdf, limits: tuple[JointLimits, ...], elsewhere: PackageNames
+    model: Model, rule: Rule, *, srdf: Srdf, limits: tuple[JointLimits, ...], elsewhere: PackageNames
 ) -> Iterator[Finding]:
     missing = [e for e in limits if e.joint.text not in model.joint_by_name and e.joint.text not in srdf.virtual_joints]
     if 2 * len(missing) > len(limits):
         return  # it is for another robot
-    free = model.joint_by_name.keys() - {entry.joint.text for entry in limits}
+    unused = model.joint_by_name.keys() - {entry.joint.text for entry in limits}
     for entry in missing:
-        # The variables of a joint with several degrees of freedom are called joint/x.
+        # MoveIt calls the variables of a joint with several degrees of freedom joint/x.
         name = entry.joint.text
         if "/" in name or elsewhere.can_package_have("joint", name):
             continue
-        near = find_nearest_name(name, free)
+        near = find_nearest_name(name, unused)
         edits = () if near is None else entry.joint.build_edits(near)
-        yield rule.finding("unknown", at=entry.joint, edits=edits, joint=name, near=format_name_hint(name, free))
+        yield rule.finding("unknown", at=entry.joint, edits=edits, joint=name, near=format_name_hint(name, unused))
 
 
 def _check_integer_values(rule: Rule, limits: tuple[JointLimits, ...], package: Package | None) -> Iterator[Finding]:
-    """Numbers without a point, which a node of ROS 2 refuses: one finding for the file."""
+    """Report all numbers without a decimal point, which a node of ROS 2 rejects, together."""
     if package is None or package.root is None or not any(name.startswith("ament_") for name in package.dependencies):
         return
     typed = [value for entry in limits for name in _DOUBLES if (value := entry.get_setting(name)) and value.is_integer]
@@ -81,7 +81,7 @@ def _check_integer_values(rule: Rule, limits: tuple[JointLimits, ...], package: 
         )
 
 
-def _check_position_limits(rule: Rule, entry: JointLimits, joint: Joint, rel_tol: float) -> Iterator[Finding]:
+def _check_position_limits(rule: Rule, entry: JointLimits, joint: Joint, *, rel_tol: float) -> Iterator[Finding]:
     low, high = entry.get_number("min_position"), entry.get_number("max_position")
     at = entry.get_setting("max_position") or entry.get_setting("min_position")
     if at is None:
@@ -96,11 +96,11 @@ def _check_position_limits(rule: Rule, entry: JointLimits, joint: Joint, rel_tol
     if known is None:
         return
     slack = rel_tol * (known.upper - known.lower)
-    for name, value, bound, beyond in (
+    for name, value, bound, is_beyond in (
         ("min_position", low, known.lower, low is not None and low < known.lower - slack),
         ("max_position", high, known.upper, high is not None and high > known.upper + slack),
     ):
-        if beyond:
+        if is_beyond:
             yield rule.finding(
                 "position",
                 at=entry.get_setting(name) or at,
@@ -113,21 +113,20 @@ def _check_position_limits(rule: Rule, entry: JointLimits, joint: Joint, rel_tol
             )
 
 
-def _check_velocity_limit(rule: Rule, entry: JointLimits, joint: Joint, rel_tol: float) -> Iterator[Finding]:
+def _check_velocity_limit(rule: Rule, entry: JointLimits, joint: Joint, *, rel_tol: float) -> Iterator[Finding]:
     at, value = entry.get_setting("max_velocity"), entry.get_number("max_velocity")
-    own = joint.get_limit_value("velocity")
-    off = entry.is_off("has_velocity_limits")
-    if at is None or value is None or off:
+    limit = joint.get_limit_value("velocity")
+    if at is None or value is None or entry.is_off("has_velocity_limits"):
         return
     if value <= 0:
         yield rule.finding("zero", at=at, joint=joint.name, value=value)
-    elif own is not None and own > 0 and value > own * (1 + rel_tol):
+    elif limit is not None and limit > 0 and value > limit * (1 + rel_tol):
         yield rule.finding(
             "velocity",
             at=at,
             related=[joint.limit] if joint.limit is not None else [],
             joint=joint.name,
             value=value,
-            own=own,
+            own=limit,
             unit="m/s" if joint.type == "prismatic" else "rad/s",
         )

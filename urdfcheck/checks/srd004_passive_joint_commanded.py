@@ -1,4 +1,4 @@
-"""SRD004: no controller commands a joint that the SRDF calls passive."""
+"""SRD004 reports joints that the SRDF calls passive and that a controller commands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""SYM001: the frames of like joints follow one pattern."""
+"""SYM001 reports a joint whose frame breaks the pattern of like joints."""
 
 from __future__ import annotations
 
@@ -26,9 +26,8 @@ from urdfcheck.model.repairs.origin_edits import describe_definitions, list_defi
 from urdfcheck.source.text.values import parse_number
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # The frames that a pattern predicts are only as exact as the siblings' rpy, of which 1.57 is the coarsest.
 ANGLE_TOLERANCE = 2e-3

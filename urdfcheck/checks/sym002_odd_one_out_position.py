@@ -1,4 +1,4 @@
-"""SYM002: the places of like joints follow one layout."""
+"""SYM002 reports a joint that is displaced from the layout of like joints."""
 
 from __future__ import annotations
 
@@ -21,9 +21,8 @@ from urdfcheck.source.text.tokens import tokenize_attribute
 from urdfcheck.source.text.values import parse_number
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # A displacement, or a joint's place on what carries it, is like another within this share of the deviation.
 SIMILAR_SHARE = 0.25

@@ -1,4 +1,4 @@
-"""SYM003: links that draw one part have one inertial."""
+"""SYM003 reports links that draw the same part with different inertials."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 from urdfcheck.core import Confidence, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.likeness.mirror import measure_deviation
 from urdfcheck.model import Model
@@ -27,7 +27,7 @@ MAX_FIT_DEVIATION, MIN_DEVIATION_RATIO = 0.1, 3.0
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
     for opinion in find_odd_copies(model, note):
         judged = inertial_diagnoses(model).get(opinion.link.name)
-        if judged is not None and judged.diagnosis.by == "twin" and not judged.diagnosis.decided:
+        if judged is not None and judged.diagnosis.judged_by == "twin" and not judged.diagnosis.at_fault:
             continue  # its own numbers are those of what it draws: the others may be wrong alike
         count = len(opinion.by)
         why = f"{count} like links that draw the same part ({join_names(link.name for link in opinion.by)}) agree on theirs"

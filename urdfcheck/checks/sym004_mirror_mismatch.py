@@ -1,4 +1,4 @@
-"""SYM004: what is left and right of a robot is each other's mirror image."""
+"""SYM004 reports left and right parts that are not mirror images of each other."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from urdfcheck.core import Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs, measure_principal_deviation
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
@@ -37,9 +37,8 @@ from urdfcheck.model.repairs.edits import AttributeChange, describe_remedy, make
 from urdfcheck.source.text.values import read_attribute_number
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # A mistake that INR009 leaves to this rule.
 UNMIRRORED = "unmirrored"
@@ -148,7 +147,7 @@ def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
     causes = []
     for name in (pair.one, pair.other):
         judged = inertial_diagnoses(model).get(name)
-        found = None if judged is None or not judged.diagnosis.decided else judged.diagnosis.cause
+        found = None if judged is None or not judged.diagnosis.at_fault else judged.diagnosis.cause
         causes.append(None if found == UNMIRRORED else found)
     return causes[0] != causes[1]
 

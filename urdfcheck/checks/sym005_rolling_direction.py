@@ -1,4 +1,4 @@
-"""SYM005: a positive velocity rolls all wheels the same way."""
+"""SYM005 reports wheels that a positive velocity rolls in opposite directions."""
 
 from __future__ import annotations
 

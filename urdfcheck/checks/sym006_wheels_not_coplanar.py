@@ -1,4 +1,4 @@
-"""SYM006: the wheels touch the ground together."""
+"""SYM006 reports wheels that do not touch the ground together."""
 
 from __future__ import annotations
 

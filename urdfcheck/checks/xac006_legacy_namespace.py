@@ -1,4 +1,4 @@
-"""XAC006: the xacro prefix is bound to xacro's own namespace."""
+"""XAC006 reports xacro prefixes that are not bound to xacro's current namespace."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Applicability, Finding, Rule
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.source.xacro.usage import select_own_trees
 
 CURRENT = "http://www.ros.org/wiki/xacro"
 # What the wiki's own pages declared at some time; every release of xacro takes it.

@@ -1,4 +1,4 @@
-"""XAC007: xacro's own tags and calls of macros have the prefix."""
+"""XAC007 reports tags of xacro and calls of macros without the prefix."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.text.xml import Element, SourceFile
-from urdfcheck.source.xacro.usage import find_unprefixed_tags, select_own_trees
+from urdfcheck.source.xacro.usage import find_unprefixed_tags
 
 # Tags of one file that are listed, and mended in one go.
 _MAX_EDITED = 500

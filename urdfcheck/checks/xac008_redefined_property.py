@@ -1,4 +1,4 @@
-"""XAC008: no property gets another value before anything has read the one it had."""
+"""XAC008 reports properties that are redefined before anything reads their first value."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from collections.abc import Iterator, Mapping
 
 from urdfcheck.core import Finding, Location, Rule, Span
 from urdfcheck.model import Model
+from urdfcheck.source.load import select_own_trees
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.usage import iter_elements_by_tag, select_own_trees
+from urdfcheck.source.xacro.usage import iter_elements_by_tag
 
 _CONDITIONS = frozenset({"xacro:if", "xacro:unless"})
 

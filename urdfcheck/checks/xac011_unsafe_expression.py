@@ -1,12 +1,11 @@
-"""XAC011: expressions stay inside xacro's language."""
+"""XAC011 reports expressions that leave xacro's language."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.source.load import Source
-from urdfcheck.source.xacro.usage import locate_expression
+from urdfcheck.source.load import Source, locate_expression
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:

@@ -1,4 +1,4 @@
-"""XAC012: what the root elements of included files declare is not lost."""
+"""XAC012 reports declarations on the root element of an included file that the include loses."""
 
 from __future__ import annotations
 

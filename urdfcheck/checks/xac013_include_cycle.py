@@ -1,4 +1,4 @@
-"""XAC013: no file includes itself, directly or through others."""
+"""XAC013 reports files that include themselves, directly or through others."""
 
 from __future__ import annotations
 

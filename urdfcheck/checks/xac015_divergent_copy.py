@@ -1,4 +1,4 @@
-"""XAC015: a URDF and a xacro that describe one robot agree."""
+"""XAC015 reports a URDF and a xacro of one robot that differ."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""XAC016: which variables of the environment the model was expanded without."""
+"""XAC016 reports environment variables that the model was expanded without."""
 
 from __future__ import annotations
 

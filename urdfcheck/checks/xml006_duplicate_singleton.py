@@ -1,4 +1,4 @@
-"""XML006: what an element has one of, it has once."""
+"""XML006 reports elements that occur twice where only one counts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""XML007: numbers that the reference parser cannot read, and what is wrong with them."""
+"""XML007 reports numbers that the reference parser cannot read."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import Any
 
 from urdfcheck.core import Applicability, Edit, Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, describe_loss, is_unexpanded, iter_urdf_elements
+from urdfcheck.source.text.engine_reactions import describe_loss
+from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.values import DECIMAL, MAX_MAGNITUDE, is_computable, parse_number
 from urdfcheck.source.text.xml import Attribute
 

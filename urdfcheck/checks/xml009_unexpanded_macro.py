@@ -1,4 +1,4 @@
-"""XML009: xacro that nothing has expanded."""
+"""XML009 reports xacro that remains unexpanded."""
 
 from __future__ import annotations
 

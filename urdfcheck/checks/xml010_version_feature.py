@@ -1,4 +1,4 @@
-"""XML010: what a newer version of URDF brought is used in a robot that declares it, and as it says."""
+"""XML010 reports features of newer URDF versions in a robot that does not declare them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import replace
 
 from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import describe_loss, is_unexpanded, iter_urdf_elements, parse_urdf_version
+from urdfcheck.source.text.engine_reactions import describe_loss
+from urdfcheck.source.text.grammar import is_unexpanded, iter_urdf_elements, parse_urdf_version
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Element
 

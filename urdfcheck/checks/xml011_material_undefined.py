@@ -1,4 +1,4 @@
-"""XML011: a material that a shape refers to is defined, and its texture is there."""
+"""XML011 reports materials that are not defined, and textures that do not exist."""
 
 from __future__ import annotations
 

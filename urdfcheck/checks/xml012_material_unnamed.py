@@ -1,4 +1,4 @@
-"""XML012: materials without a name, and materials that share one."""
+"""XML012 reports materials without a name, and names with several meanings."""
 
 from __future__ import annotations
 

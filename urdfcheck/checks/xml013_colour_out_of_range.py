@@ -1,4 +1,4 @@
-"""XML013: the parts of a colour lie between 0 and 1."""
+"""XML013 reports colours with a component outside 0 to 1."""
 
 from __future__ import annotations
 

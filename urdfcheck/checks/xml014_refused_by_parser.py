@@ -1,4 +1,4 @@
-"""XML014: what the reference parser says when it really loads the model."""
+"""XML014 reports what the reference parser says when it loads the model."""
 
 from __future__ import annotations
 

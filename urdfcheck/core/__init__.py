@@ -21,7 +21,7 @@ from urdfcheck.core.findings import (
     Suppression,
     Verdict,
 )
-from urdfcheck.core.rule import Rule, RuleOption
+from urdfcheck.core.rule import Rule, RuleFamily, RuleOption
 from urdfcheck.core.run import ModelInfo, Run
 
 __all__ = [
@@ -38,6 +38,7 @@ __all__ = [
     "Location",
     "ModelInfo",
     "Rule",
+    "RuleFamily",
     "RuleOption",
     "Run",
     "Severity",

@@ -31,6 +31,15 @@ class RuleOption:
 
 
 @dataclass(frozen=True, slots=True)
+class RuleFamily:
+    """A family of rules: those whose codes begin with the same three letters."""
+
+    code: str
+    title: str
+    layers: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Rule:
     """A rule as its page in ``rules/`` declares it. ``concerns``: the only programs that mind such a defect, empty where it is
     one whoever reads the model. ``fix``: the best that its findings offer; ``display`` is advice."""
@@ -46,6 +55,7 @@ class Rule:
     tags: tuple[str, ...]
     hidden_by: tuple[str, ...]
     concerns: tuple[str, ...]
+    depends_on_targets: bool
     fix: Applicability
     options: Mapping[str, RuleOption]
     messages: Mapping[str, str]
@@ -54,6 +64,8 @@ class Rule:
     consumers: Mapping[str, Any]
     stem: str
     page: str
+    layers: tuple[str, ...] = ("visual",)
+    """What the 3D view of the report shows for a finding: layers of its viewer."""
 
     @property
     def summary(self) -> str:

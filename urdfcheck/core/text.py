@@ -80,3 +80,13 @@ def format_length(metres: float, *, digits: int = 3, micrometres: bool = False) 
     if metres * 1e3 >= 1.0 or not micrometres:
         return f"{metres * 1e3:.{digits}g} mm"
     return f"{metres * 1e6:.{digits}g} µm"
+
+
+def format_large_count(count: int, one: str) -> str:
+    """Return ``1 edge`` or ``12,345 edges``."""
+    return f"{count:,} {one if count == 1 else one + 's'}"
+
+
+def truncate_text(text: str, most: int) -> str:
+    """Return a text, or its beginning and ``...`` if it has more than ``most`` characters."""
+    return text if len(text) <= most else text[: most - 3] + "..."

@@ -1,16 +1,17 @@
-"""The one memo: a fact of a model is a function, computed when it is first asked for and remembered on the model."""
+"""The one memo: a fact of a model is a function, computed when it is first called and remembered on the model."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator
 from functools import wraps
+from inspect import isgeneratorfunction
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
 from urdfcheck.core.errors import FactUnavailableError
 
 
 class Remembering(Protocol):
-    """What holds a memo: a model."""
+    """An object that holds a memo: a model."""
 
     @property
     def memo(self) -> dict[Hashable, Any]: ...
@@ -24,8 +25,14 @@ T = TypeVar("T")
 def fact(compute: Callable[Concatenate[M, P], T]) -> Callable[Concatenate[M, P], T]:
     """Compute a fact once per model, and per set of (hashable) arguments after the model.
 
-    A `FactUnavailableError` is remembered as well and raised again: every link asks for the tree of a model that has none.
+    A `FactUnavailableError` is remembered as well and raised again: every link asks for the tree of a model, which may have
+    none.
+
+    :raises TypeError: when the function returns an iterator.
     """
+
+    if isgeneratorfunction(compute):
+        raise TypeError(f"{compute.__qualname__} is a generator: only its first caller would see what it yields")
 
     @wraps(compute)
     def get(model: M, /, *args: P.args, **kwargs: P.kwargs) -> T:

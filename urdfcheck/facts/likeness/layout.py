@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array
+
 
 # Places that keep a layout keep it to within this share of its size: 0.1 mm of a car of 0.2 m typed to 0.1 mm.
 _EXACT = 5e-4

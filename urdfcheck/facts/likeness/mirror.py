@@ -17,11 +17,11 @@ import numpy as np
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+    from urdfcheck.facts.arrays import Array
+    from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 
-    Array = NDArray[np.float64]
 
 # What an inertial says beside its mass: the COM, and the inertia in URDF's order.
 NUMBERS = ("x", "y", "z", "ixx", "ixy", "ixz", "iyy", "iyz", "izz")

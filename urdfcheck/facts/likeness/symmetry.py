@@ -21,9 +21,9 @@ import numpy as np
 from urdfcheck.facts.motion.kinematics import compute_axis_angle
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array
 
 
 # Frames of a pattern agree with it to what rpy typed with three digits leaves (1.57 is off by 8e-4 rad).

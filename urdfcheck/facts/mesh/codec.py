@@ -16,8 +16,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.int64]
+    from urdfcheck.facts.arrays import Array, Indices
+
 
 BITS = 14
 STEPS = (1 << BITS) - 1

@@ -25,7 +25,8 @@ from urdfcheck.facts.mesh.number_text import BadTokenError, TokenizedText
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Indices = NDArray[np.int64]
+    from urdfcheck.facts.arrays import Array, Indices
+
 
 _STL_HEADER = 84
 _STL_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -65,7 +66,7 @@ class RawMesh:
 
     format: str
     vertices: NDArray[np.floating]
-    faces: NDArray[np.int64] | None
+    faces: Indices | None
     solid_header: bool = False
     unit: float | None = None
     up_axis: str | None = None
@@ -247,7 +248,7 @@ def _triangulate_fans(text: TokenizedText, first: Indices, counts: Indices, name
     return np.concatenate(triangles)[order], owner[order]
 
 
-def _parse_numbers(text: TokenizedText, tokens: Indices, name: str) -> NDArray[np.float64]:
+def _parse_numbers(text: TokenizedText, tokens: Indices, name: str) -> Array:
     with _locate_bad_tokens(text, tokens, name):
         return text.parse_numbers(tokens)
 
@@ -273,7 +274,7 @@ def _make_bad_line_error(text: TokenizedText, token: int, name: str) -> MeshErro
     return MeshError("malformed", f"cannot be read as {name}: line {number} is {line!r}")
 
 
-def _build_checked_mesh(name: str, vertices: NDArray[np.float64], faces: Indices) -> RawMesh:
+def _build_checked_mesh(name: str, vertices: Array, faces: Indices) -> RawMesh:
     _refuse_bad_indices(faces, len(vertices))
     return RawMesh(name, vertices, faces)
 
@@ -296,7 +297,7 @@ def _decode_dae(data: bytes) -> RawMesh:
     # A broken material or light is no concern here, and other loaders pass over it.
     with _silence_logger("collada"):
         document = Collada(io.BytesIO(_NAN.sub(b"1e999", data) if b"nan" in data.lower() else data), ignore=[DaeError])
-    parts: list[tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]] = []
+    parts: list[tuple[Array, Indices, Array]] = []
     colors: list[tuple[int, Color | None]] = []
     if document.scene is not None:
         _refuse_bomb(document.scene.nodes)
@@ -348,9 +349,9 @@ def _refuse_encoding(data: bytes) -> None:
 
 def _refuse_bomb(nodes: list[Any]) -> None:
     """Refuse nodes of pycollada that place too much, or geometry that is not all there, before anything is expanded."""
-    known: dict[int, NDArray[np.float64]] = {}  # geometries and triangles that a node places
+    known: dict[int, Array] = {}  # geometries and triangles that a node places
 
-    def count_placed(node: Any) -> NDArray[np.float64]:
+    def count_placed(node: Any) -> Array:
         if id(node) not in known:
             total = np.zeros(2)
             if hasattr(node, "geometry"):
@@ -436,7 +437,7 @@ def _decode_ply(data: bytes) -> RawMesh:
 
 def _join_parts(
     name: str,
-    parts: list[tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]],
+    parts: list[tuple[Array, Indices, Array]],
 ) -> RawMesh:
     """One mesh of a scene's parts: placed vertices, faces, and the (4, 4) matrix that placed them."""
     vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0

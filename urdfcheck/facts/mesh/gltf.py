@@ -19,8 +19,8 @@ from urdfcheck.facts.mesh.decode_limits import MOST_NESTED, MOST_PLACED, MeshErr
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.int64]
+    from urdfcheck.facts.arrays import Array, Indices
+
     Json = Mapping[str, Any]
 
 _COMPRESSED = {"KHR_draco_mesh_compression": "Draco", "EXT_meshopt_compression": "meshopt"}

@@ -38,7 +38,8 @@ from urdfcheck.facts.mesh.topology import (
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Indices
+
     Parts = MutableMapping[str, Mapping[str, NDArray[Any]]]
 
 __all__ = [
@@ -68,7 +69,7 @@ class MeshHull:
     Of a flat or straight mesh it is the bounding box, which contains it, with the volume 0."""
 
     vertices: Array
-    faces: NDArray[np.int64]
+    faces: Indices
     volume: float
     area: float
 
@@ -145,7 +146,7 @@ class MeshFacts:
         return _freeze_array(self._surface["vertices"].astype(np.float64))
 
     @cached_property
-    def faces(self) -> NDArray[np.int64]:
+    def faces(self) -> Indices:
         return _freeze_array(self._surface["faces"].astype(np.int64))
 
     @property
@@ -155,7 +156,7 @@ class MeshFacts:
         return self.parts["surface"]
 
     @property
-    def colors(self) -> tuple[NDArray[np.int64], Array] | None:
+    def colors(self) -> tuple[Indices, Array] | None:
         if "colors" not in self.parts:
             return None
         part = self.parts["colors"]
@@ -192,7 +193,7 @@ class MeshFacts:
         return self.dropped_duplicates + int(self._get_part("duplicates", count_repeated)["count"])
 
     @property
-    def components(self) -> NDArray[np.int64]:
+    def components(self) -> Indices:
         """Number of faces of each piece that hangs together by vertices, largest first."""
         return self._get_part("components", lambda: {"sizes": count_component_faces(self.faces, self.n_vertices)})[
             "sizes"

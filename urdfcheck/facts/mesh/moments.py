@@ -14,10 +14,8 @@ import numpy as np
 from urdfcheck.facts.mesh.topology import compute_bounds
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array, Indices
 
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.int64]
 
 # Triangles worked on at a time: their temporaries stay in the processor's cache.
 _CHUNK = 8192

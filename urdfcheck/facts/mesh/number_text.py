@@ -16,7 +16,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Indices = NDArray[np.int64]
+    from urdfcheck.facts.arrays import Array, Bools, Indices
+
     Words = NDArray[np.uint64]
 
 _PAD = 24  # so that as many bytes before any token's end can be read
@@ -64,11 +65,11 @@ class TokenizedText:
     def get_token(self, index: int) -> bytes:
         return self._data[self.starts[index] : self.ends[index]]
 
-    def match_word(self, word: bytes) -> NDArray[np.bool_]:
+    def match_word(self, word: bytes) -> Bools:
         """Which tokens are this word of up to eight lower case letters, in whatever case."""
         mask = np.uint64(2 ** (8 * len(word)) - 1)
         wanted = np.uint64(int.from_bytes(word, "little"))
-        found: NDArray[np.bool_] = (self._heads & mask == wanted) & (self.ends - self.starts == len(word))
+        found: Bools = (self._heads & mask == wanted) & (self.ends - self.starts == len(word))
         return found
 
     @cached_property
@@ -87,7 +88,7 @@ class TokenizedText:
         number = before.replace(b"\r\n", b"\n").replace(b"\r", b"\n").count(b"\n") + 1
         return number, line.decode(errors="replace").strip()[:80]
 
-    def parse_numbers(self, tokens: Indices) -> NDArray[np.float64]:
+    def parse_numbers(self, tokens: Indices) -> Array:
         """The values of tokens; of the shape of ``tokens``.
 
         :raises BadToken: when one is no number.
@@ -99,7 +100,7 @@ class TokenizedText:
                 values[at : at + _CHUNK] = self._parse_number_chunk(flat[at : at + _CHUNK])
         return values.reshape(tokens.shape)
 
-    def _parse_number_chunk(self, tokens: Indices) -> NDArray[np.float64]:
+    def _parse_number_chunk(self, tokens: Indices) -> Array:
         start, end = np.take(self.starts, tokens), np.take(self.ends, tokens)
         lead = np.take(self.bytes, start)
         begin = start + ((lead == 43) | (lead == 45))
@@ -120,7 +121,7 @@ class TokenizedText:
         size = np.abs(power)
         usual &= size < len(_TENS)
         tens = np.take(_TENS, size, mode="clip")
-        values: NDArray[np.float64] = digits.astype(np.float64)
+        values: Array = digits.astype(np.float64)
         values = np.where(power < 0, values / tens, values * tens)
         np.negative(values, out=values, where=lead == 45)
         index: int
@@ -180,7 +181,7 @@ class TokenizedText:
             stop[here[good]] = mark[good]
         return power, stop
 
-    def _parse_digits(self, end: Indices, count: Indices) -> tuple[Words, NDArray[np.bool_]]:
+    def _parse_digits(self, end: Indices, count: Indices) -> tuple[Words, Bools]:
         """The number that the ``count`` (0 to 8) bytes before ``end`` spell, and whether all of them are digits."""
         word = self._words[end - 8]
         word ^= _ZEROS

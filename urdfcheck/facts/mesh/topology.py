@@ -17,8 +17,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.int64]
+    from urdfcheck.facts.arrays import Array, Bools, Indices
+
 
 # Odd multipliers without structure: digits of the golden ratio, of pi and of e.
 _MIX = tuple(np.uint64(factor) for factor in (0x9E3779B97F4A7C15, 0x243F6A8885A308D3, 0xB7E151628AED2A6B))
@@ -179,9 +179,9 @@ def drop_repeated_faces(surface: Surface) -> Surface:
     return Surface(surface.vertices, surface.faces[~again], surface.collapsed, count)
 
 
-def find_repeated_faces(faces: Indices) -> NDArray[np.bool_]:
+def find_repeated_faces(faces: Indices) -> Bools:
     """Which of the faces (F, 3) have the corners of an earlier one, either way round."""
-    again: NDArray[np.bool_] = _find_first_equal_rows(np.sort(faces, axis=1), 4 * len(faces)) != np.arange(len(faces))
+    again: Bools = _find_first_equal_rows(np.sort(faces, axis=1), 4 * len(faces)) != np.arange(len(faces))
     return again
 
 
@@ -237,14 +237,14 @@ def _scale_to_cells(points: Array, distance: float) -> Array:
     return cells
 
 
-def _match_cells(cells: NDArray[Any], some: Indices) -> NDArray[np.bool_]:
+def _match_cells(cells: NDArray[Any], some: Indices) -> Bools:
     """Which rows of ``cells`` (n, 3) may equal one of ``some`` of them: all that do, and few others."""
     keys = _hash_rows(cells)
     bits = max(16, (16 * len(some)).bit_length())
     slot = (keys >> np.uint64(64 - bits)).view(np.int64)
     taken = np.zeros(1 << bits, dtype=bool)
     taken[slot[some]] = True
-    found: NDArray[np.bool_] = np.take(taken, slot)
+    found: Bools = np.take(taken, slot)
     return found
 
 
@@ -272,7 +272,7 @@ def classify_edges(faces: Indices, n_vertices: int) -> Edges:
     )
 
 
-def _build_half_edges(faces: Indices, n_vertices: int) -> tuple[NDArray[np.uint64], Indices, NDArray[np.bool_]]:
+def _build_half_edges(faces: Indices, n_vertices: int) -> tuple[NDArray[np.uint64], Indices, Bools]:
     """Each face's three edges (all first ones, all second, all third) as ``low * n_vertices + high``; a slot for each that
     lies near those of its neighbours, so that memory is read where it was read before; and whether it runs from high to low."""
     corners = np.ascontiguousarray(faces.T)
@@ -291,7 +291,7 @@ def _build_half_edges(faces: Indices, n_vertices: int) -> tuple[NDArray[np.uint6
     return keys.reshape(-1), slot.reshape(-1), backward.reshape(-1)
 
 
-def _is_closed_manifold(first: Indices, backward: NDArray[np.bool_]) -> bool:
+def _is_closed_manifold(first: Indices, backward: Bools) -> bool:
     """Whether every edge belongs to two faces that run along it in opposite directions."""
     second = np.flatnonzero(first != np.arange(len(first)))
     if 2 * len(second) != len(first):

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Array = NDArray[np.float64]
-    Bools = NDArray[np.bool_]
+    from urdfcheck.facts.arrays import Array, Bools, Indices
+
 
 # Lengths that differ by less than this fraction of the smaller of two shapes are one: single precision of a mesh file
 # (6e-8), coordinates written with six digits (5e-7 each), their sums along a chain, and the 1e-6 to which coal's GJK works.
@@ -51,7 +51,7 @@ class CollisionGeometry:
     kind: str
     size: tuple[float, ...] = ()
     vertices: Array | None = None
-    faces: NDArray[np.int64] | None = None
+    faces: Indices | None = None
     closed: bool = False
 
     @property
@@ -137,7 +137,7 @@ class Colliders:
             found[owner] = (middle, float(reach.max()))
         return found
 
-    def detect_collisions(self, frames: Array, pairs: NDArray[np.int64]) -> Bools:
+    def detect_collisions(self, frames: Array, pairs: Indices) -> Bools:
         """Whether bodies meet (K, N).
 
         Faces in one plane count as met where neither shape's box lies on one side of it, to within `ROUNDING`.
@@ -155,7 +155,7 @@ class Colliders:
                     found[k, start + n] = True
         return found
 
-    def detect_collisions_per_pair(self, frames: Array, pairs: NDArray[np.int64]) -> Bools:
+    def detect_collisions_per_pair(self, frames: Array, pairs: Indices) -> Bools:
         """Whether each pair of bodies meets in its own configuration (K,): ``frames`` (K, B, 4, 4), ``pairs`` (K, 2)."""
         own = np.arange(len(pairs))
         near = self._filter_shape_pairs(frames, pairs, own, own)
@@ -165,7 +165,7 @@ class Colliders:
                 found[k] = near.has_collision(row)
         return found
 
-    def find_candidate_pairs(self, frames: Array, pairs: NDArray[np.int64]) -> CandidatePairs:
+    def find_candidate_pairs(self, frames: Array, pairs: Indices) -> CandidatePairs:
         """What spheres and boxes cannot tell apart, arguments as for `detect_collisions`."""
         bodies, place = np.unique(pairs, return_inverse=True)
         first, second = place.reshape(-1, 2).T
@@ -184,9 +184,7 @@ class Colliders:
         pair, pose = (np.concatenate(found) for found in zip(*near, strict=True))
         return self._filter_shape_pairs(frames, pairs, pair, pose)
 
-    def _filter_shape_pairs(
-        self, frames: Array, pairs: NDArray[np.int64], pair: NDArray[np.int64], pose: NDArray[np.int64]
-    ) -> CandidatePairs:
+    def _filter_shape_pairs(self, frames: Array, pairs: Indices, pair: Indices, pose: Indices) -> CandidatePairs:
         """The shapes of some pairs, each in one configuration, that spheres and boxes about them cannot tell apart."""
         shapes = np.flatnonzero(np.isin(self._owner, pairs[pair]))
         column = np.zeros(len(self.placed), dtype=np.int64)
@@ -212,16 +210,14 @@ class Colliders:
         k, n, one, other = (np.concatenate(rows) for rows in zip(*found, strict=True))
         return CandidatePairs(self, k, n, one, other, column[one], column[other], turns, at)
 
-    def _split_into_batches(self, pairs: NDArray[np.int64]) -> list[slice]:
+    def _split_into_batches(self, pairs: Indices) -> list[slice]:
         """Runs of pairs of bodies whose shapes make few pairs."""
         one, other = self._count[pairs].T
         part = np.cumsum(one * other) // BATCH_SIZE
         starts = [0, *(np.flatnonzero(np.diff(part)) + 1).tolist()]
         return [slice(start, end) for start, end in zip(starts, [*starts[1:], len(pairs)], strict=True)]
 
-    def _expand_shape_pairs(
-        self, pairs: NDArray[np.int64], pair: NDArray[np.int64], pose: NDArray[np.int64]
-    ) -> tuple[Any, ...]:
+    def _expand_shape_pairs(self, pairs: Indices, pair: Indices, pose: Indices) -> tuple[Any, ...]:
         """Pairs of bodies as pairs of shapes: the pair's place, the configuration, the two shapes."""
         order = np.argsort(self._owner, kind="stable")
         count = self._count
@@ -384,12 +380,12 @@ class CandidatePairs:
     def __init__(
         self,
         colliders: Colliders,
-        pair: NDArray[np.int64],
-        pose: NDArray[np.int64],
-        one: NDArray[np.int64],
-        other: NDArray[np.int64],
-        first: NDArray[np.int64],
-        second: NDArray[np.int64],
+        pair: Indices,
+        pose: Indices,
+        one: Indices,
+        other: Indices,
+        first: Indices,
+        second: Indices,
         turns: Array,
         at: Array,
     ) -> None:
@@ -435,7 +431,7 @@ def detect_box_overlap(
     return overlap
 
 
-def is_convex(vertices: Array, faces: NDArray[np.int64]) -> bool:
+def is_convex(vertices: Array, faces: Indices) -> bool:
     """Whether no vertex lies outside the plane of a face, to within `ROUNDING` of the mesh's diagonal; the mesh is closed.
 
     False for a flat mesh, which has no inside, and for more than `LARGEST_CONVEX` faces. The largest faces come first, which
@@ -575,7 +571,7 @@ def compute_least_distance(
     return near
 
 
-def list_all_pairs(count: int) -> NDArray[np.int64]:
+def list_all_pairs(count: int) -> Indices:
     """All pairs (K, 2) of ``count`` things, the lower first."""
     return np.column_stack(np.triu_indices(count, 1))
 

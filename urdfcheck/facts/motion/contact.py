@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Indices
+
 
 # A tilt that nobody sees, 0.5°: what it brings to the ground touches (a wheel that hangs 2 mm high, 0.25 m from the COM).
 SLACK = math.radians(0.5)
@@ -31,7 +32,7 @@ class GroundSupport:
     on that edge, and ``outwards`` (3,) the unit vector across it, in the plane; ``height`` (m) of the COM above the plane.
     """
 
-    touching: NDArray[np.int64]
+    touching: Indices
     polygon: Array
     margin: float
     nearest: Array

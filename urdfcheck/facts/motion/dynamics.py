@@ -16,7 +16,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Bools
+
 
 # What a body adds to the inertia that its joint moves, for the mass matrix to be well conditioned.
 ADDED_INERTIA_SHARE = 0.01
@@ -32,7 +33,7 @@ class JointCoordinates:
 
     neutral: Array
     position: NDArray[np.intp]
-    continuous: NDArray[np.bool_]
+    continuous: Bools
     velocity: NDArray[np.intp]
 
 

@@ -19,7 +19,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array
+
 
 GRAVITY = 9.81
 # s between two looks at a moving mechanism: a fall of half a millimetre.

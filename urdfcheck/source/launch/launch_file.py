@@ -13,25 +13,21 @@ import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location, Span
 from urdfcheck.source.launch.python_launch_file import (
-    LAUNCH_SUFFIXES,
     MAX_LENGTH,
     PythonLaunch,
     may_be_built,
     read_python_launch,
 )
+from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
 from urdfcheck.system.files import read_regular
-
-if TYPE_CHECKING:
-    from urdfcheck.model.robot import Model
 
 # How many times launch files are included before it counts as a circle.
 MAX_INCLUDES = 64
@@ -57,7 +53,7 @@ class UnresolvedReason:
 _Value = tuple[str | None, UnresolvedReason | None]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class DescriptionSource:
     """Where a launch file, or one that it includes, takes robot_description from.
 
@@ -93,7 +89,7 @@ class BrokenInclude:
     unresolved: UnresolvedReason
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class StaticTransform:
     """A static_transform_publisher node: ``parent`` to ``child`` in metres and radians.
 
@@ -117,12 +113,12 @@ class LaunchScope:
     resolver: SubstitutionResolver
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Launch:
     """One launch file. ``dialect``: ros1 | ros2 | python; ``root`` is None for Python and for broken XML.
 
     ``files`` holds it and those that it includes, ``broken`` the includes that lead nowhere. ``python`` is what could be read
-    of one in Python. ``model`` is the model that its robot_description leads to, once it is loaded. ``scope`` is this file as
+    of one in Python. ``scope`` is this file as
     it is launched with the defaults of its arguments, and ``scopes`` the included ones by their elements.
     """
 
@@ -137,7 +133,6 @@ class Launch:
     finder: PackageFinder
     package: Package | None
     python: PythonLaunch | None = None
-    model: Model | None = None
     broken_includes: tuple[BrokenInclude, ...] = ()
     scope: LaunchScope | None = None
     scopes: Mapping[Element, LaunchScope] = field(default_factory=dict)
@@ -197,18 +192,54 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
         if python.file is not None:
             files[name] = python.file
         problems = () if python.read_problem is None else (python.read_problem,)
-        return Launch(path, name, "python", None, files, problems, (), (), finder, package, python)
+        return Launch(
+            path=path,
+            name=name,
+            dialect="python",
+            root=None,
+            files=files,
+            problems=problems,
+            descriptions=(),
+            transforms=(),
+            finder=finder,
+            package=package,
+            python=python,
+        )
     try:
         source = SourceFile.read(path, name)
         files[name] = source
         root = parse_xml(source)
     except OSError as error:
         start = Location("launch", Span(name, 1, 1, 1, 1, 0, 0))
-        problem = Problem("unreadable", error.strerror or str(error), start)
-        return Launch(path, name, "ros1", None, files, (problem,), (), (), finder, package)
+        problem = Problem(kind="unreadable", message=error.strerror or str(error), location=start)
+        return Launch(
+            path=path,
+            name=name,
+            dialect="ros1",
+            root=None,
+            files=files,
+            problems=(problem,),
+            descriptions=(),
+            transforms=(),
+            finder=finder,
+            package=package,
+        )
     except XmlError as error:
-        problem = Problem(error.reason, str(error), Location("launch", error.span), error.data)
-        return Launch(path, name, "ros1", None, files, (problem,), (), (), finder, package)
+        problem = Problem(
+            kind=error.reason, message=str(error), location=Location("launch", error.span), data=error.data
+        )
+        return Launch(
+            path=path,
+            name=name,
+            dialect="ros1",
+            root=None,
+            files=files,
+            problems=(problem,),
+            descriptions=(),
+            transforms=(),
+            finder=finder,
+            package=package,
+        )
     ros2 = (
         "$(find-pkg-share" in source.text
         or "$(var " in source.text
@@ -216,19 +247,21 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
     )
     resolver = SubstitutionResolver(root, path, finder, {})
     key: _Key = (os.path.realpath(path), frozenset())
-    including = _IncludeState(finder, files, ros2, {key}, [], [], {}, {})
+    including = _IncludeState(
+        finder=finder, files=files, ros2=ros2, seen={key}, problems=[], broken=[], missing={}, scopes={}
+    )
     descriptions = (*_find_descriptions(root, resolver), *_read_includes(root, resolver, including, (key,)))
     return Launch(
-        path,
-        name,
-        "ros2" if ros2 else "ros1",
-        root,
-        files,
-        tuple(including.problems),
-        descriptions,
-        tuple(_read_static_transforms(root, resolver)),
-        finder,
-        package,
+        path=path,
+        name=name,
+        dialect="ros2" if ros2 else "ros1",
+        root=root,
+        files=files,
+        problems=tuple(including.problems),
+        descriptions=descriptions,
+        transforms=tuple(_read_static_transforms(root, resolver)),
+        finder=finder,
+        package=package,
         broken_includes=tuple(including.broken),
         scope=LaunchScope(root, resolver),
         scopes=including.scopes,
@@ -239,7 +272,7 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
 _Key = tuple[str, frozenset[tuple[str, _Value]]]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class _IncludeState:
     """What all launch files that one includes share: the files that were ``seen``, the ``problems`` with those that were not
     opened, the includes that are ``broken``, whether a path that is not there is sure to be ``missing``, and what was read, by
@@ -274,7 +307,12 @@ def _read_includes(
         if not including.finder.can_open(Path(text)):
             shown = format_path(Path(text))
             including.problems.append(
-                Problem("out-of-reach", f"{shown}: {OUT_OF_REACH}", file.location, {"path": shown})
+                Problem(
+                    kind="out-of-reach",
+                    message=f"{shown}: {OUT_OF_REACH}",
+                    location=file.location,
+                    data={"path": shown},
+                )
             )
             continue
         if not os.path.isfile(text):
@@ -454,7 +492,13 @@ def read_description(element: Element, resolver: SubstitutionResolver) -> Descri
     if not value.value.strip().startswith("$("):
         return None
     _, unresolved = resolver.resolve_value(value.value)
-    return None if unresolved is None else DescriptionSource(value, (), value.value.strip(), None, {}, unresolved)
+    return (
+        None
+        if unresolved is None
+        else DescriptionSource(
+            at=value, words=(), file=value.value.strip(), path=None, arguments={}, unresolved=unresolved
+        )
+    )
 
 
 def _parse_command(at: Attribute, text: str, resolver: SubstitutionResolver) -> DescriptionSource:
@@ -474,7 +518,9 @@ def _parse_command(at: Attribute, text: str, resolver: SubstitutionResolver) -> 
         elif not word.startswith("-"):
             files.append(word)
     if not files or not re.search(r"xacro|cat$", command[0]):  # another program makes the model
-        return DescriptionSource(at, words, text, None, {}, UnresolvedReason("launch-time", text))
+        return DescriptionSource(
+            at=at, words=words, file=text, path=None, arguments={}, unresolved=UnresolvedReason("launch-time", text)
+        )
     return _make_description(at, words, files[0], arguments, resolver)
 
 
@@ -499,7 +545,7 @@ def _make_description(
     if path is not None and (allowed or not path.is_absolute()) and not (allowed and os.path.isfile(path)):
         unresolved = UnresolvedReason("file", format_path(path))
         path = None
-    return DescriptionSource(at, words, file, path, dict(arguments), unresolved)
+    return DescriptionSource(at=at, words=words, file=file, path=path, arguments=dict(arguments), unresolved=unresolved)
 
 
 def _read_static_transforms(root: Element, resolver: SubstitutionResolver) -> Iterator[StaticTransform]:
@@ -517,7 +563,15 @@ def _read_static_transforms(root: Element, resolver: SubstitutionResolver) -> It
         xyz = numbers[:3] if numbers else None
         rpy = (numbers[5], numbers[4], numbers[3]) if len(numbers) == 6 else None
         quaternion_values = numbers[3:] if len(numbers) == 7 else None
-        yield StaticTransform(node, args, parent.lstrip("/"), child.lstrip("/"), xyz, rpy, quaternion_values)
+        yield StaticTransform(
+            node=node,
+            at=args,
+            parent=parent.lstrip("/"),
+            child=child.lstrip("/"),
+            xyz=xyz,
+            rpy=rpy,
+            quaternion=quaternion_values,
+        )
 
 
 def parse_transform_arguments(words: Sequence[str]) -> tuple[str, str, tuple[float, ...]] | None:

@@ -24,12 +24,12 @@ from urdfcheck.source.launch.nodes_xml import (
     shorten_line,
 )
 from urdfcheck.source.launch.python_launch_file import (
-    LAUNCH_SUFFIXES,
     PythonLaunch,
     PythonLaunchReader,
     get_function_name,
     get_package_name,
 )
+from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import SourceFile
 
@@ -92,10 +92,10 @@ class _PythonActionReader:
                 program = words[0] if words else ""
                 condition, off = self.read_condition(call)
                 yield LaunchAction(
-                    "process",
-                    "",
-                    program,
-                    "",
+                    kind="process",
+                    package="",
+                    program=program,
+                    name="",
                     words=words[1:],
                     typed=shorten_line(" ".join(words)),
                     condition=condition,
@@ -119,18 +119,20 @@ class _PythonActionReader:
         condition, off = self.read_condition(call)
         given = self.read_parameters(_find_argument(call, -1, "parameters"))
         plain = LaunchAction(
-            "node",
-            shorten_line(self.read_expression(_find_argument(call, -1, "package"))),
-            shorten_line(program),
-            name,
-            namespace,
-            words,
-            shorten_line(" ".join(typed)),
-            tuple(itertools.islice(self.read_remaps(_find_argument(call, -1, "remappings")), MOST_NAMES)),
-            {key: shorten_line(self.read_expression(value)) for key, value in given.items() if key in _PARAMETERS},
-            condition,
-            off,
-            self.compute_spans(call),
+            kind="node",
+            package=shorten_line(self.read_expression(_find_argument(call, -1, "package"))),
+            program=shorten_line(program),
+            name=name,
+            namespace=namespace,
+            words=words,
+            typed=shorten_line(" ".join(typed)),
+            remaps=tuple(itertools.islice(self.read_remaps(_find_argument(call, -1, "remappings")), MOST_NAMES)),
+            parameters={
+                key: shorten_line(self.read_expression(value)) for key, value in given.items() if key in _PARAMETERS
+            },
+            condition=condition,
+            off=off,
+            spans=self.compute_spans(call),
         )
         if "robot_description" in given:
             value = given["robot_description"]
@@ -150,10 +152,10 @@ class _PythonActionReader:
         texts = [n.value for n in inside if isinstance(n, ast.Constant) and isinstance(n.value, str)]
         file = next((text for text in texts if text.endswith(LAUNCH_SUFFIXES)), "")
         return LaunchAction(
-            "launch file",
-            package,
-            shorten_line(file.rpartition("/")[2]) or "a launch file",
-            "",
+            kind="launch file",
+            package=package,
+            program=shorten_line(file.rpartition("/")[2]) or "a launch file",
+            name="",
             condition=condition,
             off=off,
             spans=self.compute_spans(call),

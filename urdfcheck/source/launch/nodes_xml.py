@@ -37,7 +37,7 @@ _PARAMETERS = frozenset({"robot_description", "use_sim_time", "use_gui", "source
 _EXCLUDED = (("if", frozenset({"false", "0"})), ("unless", frozenset({"true", "1"})))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LaunchAction:
     """A node, process or unread launch file. ``kind`` as in :class:`~urdfcheck.core.SceneNode`; ``words``: its arguments
     with what could be resolved, ``typed`` without; ``remaps``: from and to; ``parameters``: those of its own that matter."""
@@ -101,7 +101,7 @@ def read_launch_actions(launch: Launch) -> LaunchContents:
     reader = _XmlActionReader(launch)
     notes = []
     try:
-        reader.read_children(launch.scope.root, _ElementContext(launch.scope.resolver))
+        reader.read_children(launch.scope.root, _ElementContext(resolver=launch.scope.resolver))
     except RecursionError:
         notes.append("The files are nested too deeply: not all of it is shown.")
     if len(reader.nodes) > MAX_ACTIONS:
@@ -109,7 +109,7 @@ def read_launch_actions(launch: Launch) -> LaunchContents:
     return LaunchContents(tuple(reader.nodes[:MAX_ACTIONS]), tuple(reader.parameters[:MAX_ACTIONS]), tuple(notes))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class _ElementContext:
     """What the elements around one say: namespace, remaps and conditions."""
 
@@ -210,11 +210,11 @@ class _XmlActionReader:
 
     def add_action(self, kind: str, element: Element, around: _ElementContext, **known: object) -> None:
         plain = LaunchAction(
-            kind,
-            "",
-            "",
-            "",
-            around.namespace,
+            kind=kind,
+            package="",
+            program="",
+            name="",
+            namespace=around.namespace,
             condition=" and ".join(around.conditions),
             off=around.off,
             spans=_compute_spans(element),

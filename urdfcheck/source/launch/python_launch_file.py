@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import NEWLINE, Location, Span
+from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path, list_subfolders
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.problems import Problem
@@ -20,7 +21,6 @@ from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
 MODEL_SUFFIXES = (".urdf", ".xacro")
-LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".launch.py", "_launch.xml", "_launch.py")
 # A path that is longer is none: it comes from names that multiply each other.
 MAX_LENGTH = 4000
 # Its syntax tree takes a few hundred times as much memory. This is some 25,000 lines.
@@ -39,7 +39,7 @@ class LocatedPath:
     location: Location
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PythonLaunch:
     """What could be read of a Python launch file.
 
@@ -70,9 +70,11 @@ def read_python_launch(path: Path, finder: PackageFinder) -> PythonLaunch:
         data = read_regular(path, MAX_PYTHON)
     except FileTooLargeError as error:
         limits = {"what": "bytes", "limit": error.limit, "found": error.found}
-        return PythonLaunch(read_problem=Problem("too-large", error.message, start, limits))
+        return PythonLaunch(read_problem=Problem(kind="too-large", message=error.message, location=start, data=limits))
     except OSError as error:
-        return PythonLaunch(read_problem=Problem("unreadable", error.strerror or str(error), start))
+        return PythonLaunch(
+            read_problem=Problem(kind="unreadable", message=error.strerror or str(error), location=start)
+        )
     file = SourceFile(path, name, data.decode("utf-8-sig", "replace"))
     try:
         with warnings.catch_warnings():
@@ -85,9 +87,14 @@ def read_python_launch(path: Path, finder: PackageFinder) -> PythonLaunch:
             return PythonLaunchReader(tree, file, path, finder).read()
     except SyntaxError as error:
         at = _find_rest_of_line(file, error.lineno, (error.offset or 1) - 1)
-        return PythonLaunch(file, syntax_problem=Problem("syntax", error.msg, Location("launch", at)))
+        return PythonLaunch(
+            file=file, syntax_problem=Problem(kind="syntax", message=error.msg, location=Location("launch", at))
+        )
     except (ValueError, RecursionError, MemoryError):  # a zero byte, or nested too deeply
-        return PythonLaunch(file, syntax_problem=Problem("syntax", "it is no text or nested too deeply", start))
+        return PythonLaunch(
+            file=file,
+            syntax_problem=Problem(kind="syntax", message="it is no text or nested too deeply", location=start),
+        )
 
 
 def _find_line_starts(text: str) -> list[int]:
@@ -151,12 +158,12 @@ class PythonLaunchReader:
             unknown = {}
         includes = self.locate_paths(self.find_missing_includes())
         return PythonLaunch(
-            self.file,
-            tuple(found),
-            self.locate_paths(missing),
-            includes,
-            self.locate_paths(unknown),
-            self.find_description_key(),
+            file=self.file,
+            models=tuple(found),
+            missing_models=self.locate_paths(missing),
+            missing_includes=includes,
+            unknown_models=self.locate_paths(unknown),
+            description_location=self.find_description_key(),
         )
 
     def find_missing_includes(self) -> dict[str, ast.expr]:

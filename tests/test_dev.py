@@ -1,0 +1,90 @@
+"""A rule is two files: what ``python -m urdfcheck.dev new-rule`` writes, and that it fails until it is filled in."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import REPOSITORY
+
+from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.dev.__main__ import main
+from urdfcheck.dev.new_rule import TO_DO, write_new_rule
+from urdfcheck.rules import load_page
+
+FILLED_IN = {
+    f'tags = ["{TO_DO}"]': 'tags = ["names"]',
+    f"{TO_DO}: actual against expected, e.g. {{kind}}": "{kind}",
+    f'"{TO_DO}" in attribute.value': 'attribute.value.endswith("_")',
+}
+
+
+@pytest.fixture
+def checkout(tmp_path: Path) -> Path:
+    """A copy of what a rule needs: the pages, the package, and the tests of the pages."""
+    ignore = shutil.ignore_patterns("__pycache__", "*.pyc")
+    for folder in ("rules", "urdfcheck", "tests"):
+        shutil.copytree(REPOSITORY / folder, tmp_path / folder, ignore=ignore)
+    shutil.copy(REPOSITORY / "pyproject.toml", tmp_path)
+    return tmp_path
+
+
+def run_page_tests(checkout: Path) -> subprocess.CompletedProcess[str]:
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        "tests/test_rules.py",
+        "-k",
+        "NAM998 or nam998",
+    ]
+    environment = {"PYTHONPATH": str(checkout), "PATH": "/usr/bin:/bin", "HOME": str(checkout)}
+    return subprocess.run(command, cwd=checkout, env=environment, capture_output=True, text=True)
+
+
+@pytest.mark.slow
+def test_a_new_rule_fails_until_it_is_filled_in(checkout: Path) -> None:
+    page, module = write_new_rule("NAM998", "dangling-underscore", checkout)
+    assert load_page(page).stem == module.stem
+    unfilled = run_page_tests(checkout)
+    assert unfilled.returncode == 1, unfilled.stdout + unfilled.stderr
+    assert "is still to be written" in unfilled.stdout
+    assert "test_bad_block_gives_the_finding_on_the_marked_line" in unfilled.stdout
+    for path in (page, module):
+        text = path.read_text(encoding="utf-8")
+        for before, after in FILLED_IN.items():
+            text = text.replace(before, after)
+        path.write_text(text.replace(TO_DO, "words"), encoding="utf-8")
+    filled = run_page_tests(checkout)
+    assert filled.returncode == 0, filled.stdout + filled.stderr
+
+
+@pytest.mark.parametrize(
+    ("code", "name", "reason"),
+    [
+        ("NAM8", "x", "is not a code"),
+        ("NAM998", "Dangling", "is not a name"),
+        ("ABC001", "x", "rules/families.toml"),
+        ("NAM001", "x", "exists already"),
+        ("NAM998", "illegal-name", "exists already"),
+    ],
+)
+def test_a_wrong_code_or_name_is_refused_with_the_reason(code: str, name: str, reason: str) -> None:
+    with pytest.raises(UrdfcheckError, match=reason):
+        write_new_rule(code, name)
+
+
+def test_a_folder_that_is_not_a_checkout_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UrdfcheckError, match="not a checkout"):
+        write_new_rule("NAM998", "x", tmp_path)
+
+
+def test_the_tests_of_a_rule_that_does_not_exist(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["rule", "NAM998"]) == 2
+    assert "new-rule NAM998 NAME" in capsys.readouterr().err

@@ -1,0 +1,1 @@
+"""Tools for who works on urdfcheck itself, in a checkout: ``python -m urdfcheck.dev``."""

@@ -1,0 +1,28 @@
+"""The tests of one rule alone: its page and examples, its style and its types."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.rules import find_pages_folder, has_check, load_rules
+
+
+def run_rule_tests(code: str) -> int:
+    """Run what ``make test`` would say about one rule, in seconds, and return the exit code of the first that fails.
+
+    :raises UrdfcheckError: when no page has this code.
+    """
+    rule = load_rules().get(code)
+    if rule is None:
+        raise UrdfcheckError(
+            f"no page in rules/ has the code {code!r}: python -m urdfcheck.dev new-rule {code} NAME writes one"
+        )
+    repository = find_pages_folder().parent
+    commands = [["pytest", "-q", "-p", "no:cacheprovider", "tests/test_rules.py", "-k", f"{code} or {rule.stem}"]]
+    if has_check(rule):
+        module = f"urdfcheck/checks/{rule.stem}.py"
+        commands += [["ruff", "check", module], ["ruff", "format", "--check", module], ["mypy", module]]
+    codes = [subprocess.run([sys.executable, "-m", *command], cwd=repository).returncode for command in commands]
+    return next(filter(None, codes), 0)
