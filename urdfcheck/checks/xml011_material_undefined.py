@@ -53,6 +53,6 @@ def _check_textures(model: Model, rule: Rule) -> Iterator[Finding]:
         path = find_missing_path(use, model.source) if use.attribute.owner.tag == "texture" else None
         if path is not None and not path.exists():
             missing.setdefault(format_path(path), []).append(use)
-    for path, uses in missing.items():
+    for missing_path, uses in missing.items():
         related = {use.attribute.span: use for use in uses[1:] if use.attribute.span != uses[0].attribute.span}
-        yield rule.finding("texture", at=uses[0], related=related.values(), path=path)
+        yield rule.finding("texture", at=uses[0], related=related.values(), path=missing_path)
