@@ -24,49 +24,54 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
-# A displacement, or a joint's place on what carries it, is like another within this share of the deviation.
+# Two displacements, or two positions of joints on their parents, agree within this share of the deviation.
 SIMILAR_SHARE = 0.25
-# A number is right when it misses the layout by less than this share of the deviation, or twice as much as the siblings do.
+# A number is right if it misses the layout by less than this share of the deviation, or less than twice as far as the siblings.
 EXACT_SHARE = 1e-3
-# From here on SYM006 tells that a wheel is too high or too low, in parts of its radius and in m.
+# SYM006 reports a wheel that is too high or too low by this share of its radius and this distance (m).
 WHEEL_SPREAD, MIN_WHEEL_GAP = 0.01, 1e-4
-# Within 8° of the vertical.
+# The direction is within 8° of the vertical.
 MIN_VERTICAL_COSINE = 0.99
 NUMBER_WORDS = {3: "three", 4: "four", 5: "five", 6: "six", 7: "seven"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _PositionCorrection:
-    """A joint whose xyz has to change, to ``needed`` (3,) in m, and the joints in its siblings' place."""
+    """A joint whose xyz has to change."""
 
     joint: Joint
     needed: Array
+    """The xyz that its origin needs, (3,) in m."""
     counterparts: tuple[Joint, ...]
+    """The joints at its place in the chains of the siblings."""
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    odd: dict[str, tuple[tuple[Joint, ...], MisplacedPosition]] = {}
+    outliers: dict[str, tuple[tuple[Joint, ...], MisplacedPosition]] = {}
     rises = _compute_wheel_offsets(model)
     for group in sibling_joints(model):
         base = model.frames[find_common_base(model, group)]
         places = [
             _transform_to_frame(base, model.frames[joint.child][:3, 3] - rises.get(joint.name, 0.0)) for joint in group
         ]
-        found = find_misplaced_position(places)
-        if found is not None and _is_body_displaced(
-            model, group, rises, found, base, places[found.index] - found.expected
-        ):
-            odd[group[found.index].name] = group, found
-    for name, (group, one) in odd.items():
+        misplaced = find_misplaced_position(places)
+        if misplaced is None:
+            continue
+        off = places[misplaced.index] - misplaced.expected
+        if _is_body_displaced(model, group, misplaced.index, base=base, rises=rises, off=off):
+            outliers[group[misplaced.index].name] = group, misplaced
+    for name, (group, misplaced) in outliers.items():
         before = {joint.name for joint in model.tree.find_path_to(model.joint_by_name[name].child)} - {name}
-        finding = None if before & odd.keys() else _build_finding(model, rule, group, one)
+        finding = None if before & outliers.keys() else _build_finding(model, rule, group=group, misplaced=misplaced)
         if finding is not None:
             yield finding
 
 
 def _compute_wheel_offsets(model: Model) -> dict[str, Array]:
-    """By how much (3,) the joint of the one wheel is too high that SYM006 names: the others do not follow its height, and if
-    it stands where they put it otherwise, nothing else is to be said."""
+    """Return how far (3,) in m the joint of a wheel is too high that SYM006 reports, or nothing.
+
+    The height of that wheel is not reported again, and it does not count in the layout.
+    """
     footing = find_uneven_wheels(model, rel_tol=WHEEL_SPREAD, abs_tol=MIN_WHEEL_GAP)
     if footing is None or footing.odd_wheel is None or footing.odd_wheel.is_caused_by_radius:
         return {}
@@ -74,34 +79,32 @@ def _compute_wheel_offsets(model: Model) -> dict[str, Array]:
 
 
 def _is_body_displaced(
-    model: Model,
-    group: Sequence[Joint],
-    rises: Mapping[str, Array],
-    found: MisplacedPosition,
-    base: Array,
-    off: Array,
+    model: Model, group: Sequence[Joint], index: int, *, base: Array, rises: Mapping[str, Array], off: Array
 ) -> bool:
-    """Whether what the joint carries is off by as much: a frame moved along the joint's axis is a choice of frame."""
+    """Whether the COM behind a joint is displaced like its frame: otherwise only the frame was chosen differently.
+
+    ``base``: (4, 4), the frame of the common base; ``off``: (3,) in m, in that frame.
+    """
     centres = [_compute_com(model, joint) for joint in group]
     known = [
         _transform_to_frame(base, centre - rises.get(joint.name, 0.0))
         for joint, centre in zip(group, centres, strict=True)
         if centre is not None
     ]
-    own = restore_position(found.index, known) if len(known) == len(centres) else None
-    if own is None:
+    restored = restore_position(index, known) if len(known) == len(centres) else None
+    if restored is None:
         return False
-    return bool(np.linalg.norm(known[found.index] - own.expected - off) < SIMILAR_SHARE * np.linalg.norm(off))
+    return bool(np.linalg.norm(known[index] - restored.expected - off) < SIMILAR_SHARE * np.linalg.norm(off))
 
 
 def _transform_to_frame(base: Array, place: Array) -> Array:
-    """A place (3,) in root coordinates as one in those of a frame (4, 4)."""
+    """Transform a position (3,) from root coordinates to a frame (4, 4)."""
     local: Array = base[:3, :3].T @ (place - base[:3, 3])
     return local
 
 
 def _compute_com(model: Model, joint: Joint) -> Array | None:
-    """The COM of what a joint carries, declared or else drawn, in root coordinates."""
+    """Return the COM of the child of a joint, declared or else drawn, (3,) in root coordinates."""
     link = model.link_by_name[joint.child]
     drawn = measure_link_geometry(model, link) if link.inertial is None else None
     local = drawn.solid.com if drawn is not None else None
@@ -111,63 +114,66 @@ def _compute_com(model: Model, joint: Joint) -> Array | None:
     return None if local is None else frame[:3, :3] @ local + frame[:3, 3]
 
 
-def _build_finding(model: Model, rule: Rule, group: Sequence[Joint], found: MisplacedPosition) -> Finding | None:
-    joint = group[found.index]
+def _build_finding(model: Model, rule: Rule, *, group: Sequence[Joint], misplaced: MisplacedPosition) -> Finding | None:
+    joint = group[misplaced.index]
     others = [other for other in group if other is not joint]
     base = model.frames[find_common_base(model, group)]
-    off = model.frames[joint.child][:3, 3] - (base[:3, :3] @ found.expected + base[:3, 3])
-    suspects = _find_position_corrections(model, joint, others, off)
-    if not suspects:
-        return None  # it stands where its siblings do, on something that stands askew
-    one = suspects[0]
-    delta = model.frames[one.joint.parent][:3, :3].T @ off
+    off = model.frames[joint.child][:3, 3] - (base[:3, :3] @ misplaced.expected + base[:3, 3])
+    corrections = _find_position_corrections(model, joint, others, off=off)
+    if not corrections:
+        return None  # the joint is correct on its parent, which is turned
+    correction = corrections[0]
+    delta = model.frames[correction.joint.parent][:3, :3].T @ off
     data: dict[str, Any] = {
         "joint": joint.name,
         "siblings": ", ".join(other.name for other in others),
         "count": NUMBER_WORDS.get(len(others), str(len(others))),
-        "layout": found.layout,
+        "layout": misplaced.layout,
         "off": float(np.linalg.norm(off)) * 1e3,
         "where": _describe_offset(joint, off),
         "along": _format_displacement(delta),
-        "frame": one.joint.parent,
+        "frame": correction.joint.parent,
     }
-    if len(suspects) > 1:
+    if len(corrections) > 1:
         chain = trace_fixed_chain(model, joint, find_common_base(model, group))
         return rule.finding(
             "chain",
             at=locate_origin_attribute(joint, "xyz"),
             related=[locate_origin_attribute(other, "xyz") for other in (*reversed(chain[:-1]), *others)],
-            chain=join_names([j.name for j in chain]),
+            chain=join_names(link.name for link in chain),
             **data,
         )
-    words = _format_xyz(one, max(EXACT_SHARE * float(np.linalg.norm(off)), 2 * found.residual))
+    words = _format_xyz(correction, max(EXACT_SHARE * float(np.linalg.norm(off)), 2 * misplaced.residual))
     data["expected"] = " ".join(words)
-    attribute, definitions = one.joint.origin.get_attribute("xyz"), list_definitions(one.joint, "xyz")
-    message = "misplaced" if one.joint is joint else "mount"
+    attribute, definitions = correction.joint.origin.get_attribute("xyz"), list_definitions(correction.joint, "xyz")
+    message = "misplaced" if correction.joint is joint else "mount"
     if attribute is not None and definitions:
         message = "computed"
         data |= {"typed": attribute.typed, "definitions": join_names(describe_definitions(definitions))}
-    place = locate_origin_attribute(one.joint, "xyz")
-    around = [locate_origin_attribute(other, "xyz") for other in one.counterparts]
+    at = locate_origin_attribute(correction.joint, "xyz")
+    around = [locate_origin_attribute(other, "xyz") for other in correction.counterparts]
     return rule.finding(
         message,
-        at=place,
-        edits=_propose_edits(model, one, words),
-        related=[*definitions, *(other for other in around if other.span != place.span)],
-        origin=one.joint.name,
+        at=at,
+        edits=_propose_edits(model, correction, words),
+        related=[*definitions, *(other for other in around if other.span != at.span)],
+        origin=correction.joint.name,
         **data,
     )
 
 
 def _find_position_corrections(
-    model: Model, joint: Joint, others: Sequence[Joint], off: Array
+    model: Model, joint: Joint, others: Sequence[Joint], *, off: Array
 ) -> list[_PositionCorrection]:
-    """The joints of a chain whose xyz is not that of a sibling in their place, and would be with the layout kept."""
+    """Return the joints of a chain whose xyz no counterpart has, and one would have with the layout restored.
+
+    ``off``: (3,) in m, the deviation from the layout in root coordinates. A chain of one joint needs no such counterpart.
+    """
     base = find_common_base(model, [joint, *others])
     chain = trace_fixed_chain(model, joint, base)
     chains = [trace_fixed_chain(model, other, base)[-len(chain) :] for other in others]
     near = SIMILAR_SHARE * float(np.linalg.norm(off))
-    found = []
+    corrections = []
     for place, one in enumerate(chain):
         like = tuple(other[place] for other in chains if len(other) == len(chain))
         sizes = [np.abs(xyz) for other in like if (xyz := other.origin.xyz) is not None]
@@ -177,12 +183,12 @@ def _find_position_corrections(
         needed = now - model.frames[one.parent][:3, :3].T @ off
         fits = [any((np.abs(np.abs(xyz) - size) < near).all() for size in sizes) for xyz in (now, needed)]
         if not fits[0] and (len(chain) == 1 or fits[1]):
-            found.append(_PositionCorrection(one, needed, like))
-    return found
+            corrections.append(_PositionCorrection(one, needed, like))
+    return corrections
 
 
 def _describe_offset(joint: Joint, off: Array) -> str:
-    """``3 mm too high`` of a wheel, for which z is up, else ``3 mm beside it``."""
+    """Return ``3 mm too high`` for a wheel that is displaced along z, else ``3 mm beside it``."""
     distance = float(np.linalg.norm(off))
     upright = (
         bool(WHEEL_NAME.search(f"{joint.name} {joint.child}")) and abs(float(off[2])) > MIN_VERTICAL_COSINE * distance
@@ -192,7 +198,7 @@ def _describe_offset(joint: Joint, off: Array) -> str:
 
 
 def _format_displacement(delta: Array) -> str:
-    """``2 mm along +x and 1 mm along -z``: what counts of a displacement."""
+    """Return ``2 mm along +x and 1 mm along -z``: the main components of a displacement (3,) in m."""
     least = 0.1 * float(np.abs(delta).max())
     parts = [
         f"{abs(d) * 1e3:.4g} mm along {'+' if d > 0 else '-'}{letter}"
@@ -202,29 +208,29 @@ def _format_displacement(delta: Array) -> str:
     return " and ".join(parts)
 
 
-def _format_xyz(one: _PositionCorrection, near: float) -> list[str]:
-    """The three numbers of the xyz that is needed: as typed where they are right, to within ``near`` (m), else as a sibling
-    spells them."""
-    own = one.joint.origin.get_attribute("xyz")
-    typed = own.value.split() if own is not None else ["0", "0", "0"]
-    others = [a.value.split() for joint in one.counterparts if (a := joint.origin.get_attribute("xyz")) is not None]
-    found = []
-    for i, (value, word) in enumerate(zip(one.needed.tolist(), typed, strict=True)):
+def _format_xyz(correction: _PositionCorrection, near: float) -> list[str]:
+    """Return the three numbers of the needed xyz: as typed if right within ``near`` (m), else as a sibling has them."""
+    attribute = correction.joint.origin.get_attribute("xyz")
+    typed = attribute.value.split() if attribute is not None else ["0", "0", "0"]
+    like = [joint.origin.get_attribute("xyz") for joint in correction.counterparts]
+    others = [other.value.split() for other in like if other is not None]
+    words = []
+    for i, (value, word) in enumerate(zip(correction.needed.tolist(), typed, strict=True)):
         spelled = [w[i] for w in others if len(w) == 3 and abs(abs(parse_number(w[i]) or 0.0) - abs(value)) < near]
         if abs(value - float(word)) < near:
-            found.append(word)
+            words.append(word)
         elif spelled and abs(value) > near:
-            found.append(("-" if value < 0 else "") + spelled[0].lstrip("+-"))
+            words.append(("-" if value < 0 else "") + spelled[0].lstrip("+-"))
         else:
             decimals = max([len(w[i].partition(".")[2]) for w in (typed, *others) if len(w) == 3], default=6)
             text = f"{value:.{min(max(decimals, 3), 6)}f}"
-            found.append(text.rstrip("0").rstrip(".") if float(text) else "0")
-    return found
+            words.append(text.rstrip("0").rstrip(".") if float(text) else "0")
+    return words
 
 
-def _propose_edits(model: Model, one: _PositionCorrection, wanted: Sequence[str]) -> list[Edit]:
-    attribute = one.joint.origin.get_attribute("xyz")
-    words = tokenize_attribute(attribute, model.source.files)
-    if attribute is None or not attribute.literal or len(words) != 3:
+def _propose_edits(model: Model, correction: _PositionCorrection, words: Sequence[str]) -> list[Edit]:
+    attribute = correction.joint.origin.get_attribute("xyz")
+    tokens = tokenize_attribute(attribute, model.source.files)
+    if attribute is None or not attribute.literal or len(tokens) != 3:
         return []
-    return [word.build_edit(text) for word, text in zip(words, wanted, strict=True) if word.text != text]
+    return [token.build_edit(word) for token, word in zip(tokens, words, strict=True) if token.text != word]

@@ -19,74 +19,90 @@ from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.repairs.inertial_edits import build_inertial_repair
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
-# A uniform part of the drawn shape has an inertial this near to that of a part with screws and bearings in it; and the wrong
-# one of two is three times as far from it.
+# The inertial of a real part, with its screws and bearings, is this near to that of a uniform part of the drawn shape. The
+# wrong one of two inertials is three times as far from it.
 MAX_FIT_DEVIATION, MIN_DEVIATION_RATIO = 0.1, 3.0
 
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
-    for opinion in find_odd_copies(model, note):
-        judged = inertial_diagnoses(model).get(opinion.link.name)
-        if judged is not None and judged.diagnosis.judged_by == "twin" and not judged.diagnosis.at_fault:
-            continue  # its own numbers are those of what it draws: the others may be wrong alike
-        count = len(opinion.by)
-        why = f"{count} like links that draw the same part ({join_names(link.name for link in opinion.by)}) agree on theirs"
-        yield _build_outlier_finding(rule, opinion, why, differ, note)
+    for odd in find_odd_copies(model, note):
+        diagnosed = inertial_diagnoses(model).get(odd.link.name)
+        if diagnosed is not None and diagnosed.diagnosis.judged_by == "twin" and not diagnosed.diagnosis.at_fault:
+            continue  # its numbers fit its drawing: all others may have the same mistake
+        names = join_names(link.name for link in odd.by)
+        why = f"{len(odd.by)} like links that draw the same part ({names}) agree on theirs"
+        yield _build_outlier_finding(model, rule, odd, why=why, differ=differ, note=note)
     sides = {frozenset((pair.one, pair.other)) for pair in mirror_pairs(model)}
     for pair in find_differing_pairs(model, note, excluded=sides):
         wrong = _pick_wrong_inertial(model, pair)
         if wrong is None:
-            yield _build_pair_finding(rule, pair, note)
+            yield _build_pair_finding(model, rule, pair, note=note)
         else:
             why = f"its like link {wrong.by[0].name} has those of the part that both draw"
-            yield _build_outlier_finding(rule, wrong, why, differ, note)
+            yield _build_outlier_finding(model, rule, wrong, why=why, differ=differ, note=note)
 
 
-def _build_outlier_finding(rule: Rule, opinion: CopyComparison, why: str, differ: float, note: float) -> Finding:
-    inertial = _get_inertial(opinion.link)
-    mended = build_inertial_repair(inertial, opinion.expected)
-    shared = any(_get_inertial(link).element.span == inertial.element.span for link in opinion.by)
+def _build_outlier_finding(
+    model: Model, rule: Rule, odd: CopyComparison, *, why: str, differ: float, note: float
+) -> Finding:
+    inertial = _get_inertial(model, odd.link)
+    others = [_get_inertial(model, link) for link in odd.by]
+    repair = build_inertial_repair(inertial, odd.expected)
+    shared = any(other.element.span == inertial.element.span for other in others)
     return rule.finding(
-        "odd" if mended.edits and not shared else "computed",
-        at=locate_difference(inertial, opinion.deviation, note),
-        related=[locate_difference(_get_inertial(link), opinion.deviation, note) for link in opinion.by],
-        edits=() if shared else mended.edits,
-        severity=None if opinion.deviation.worst >= differ else Severity.INFO,
-        numbers=mended.text,
+        "odd" if repair.edits and not shared else "computed",
+        at=locate_difference(inertial, odd.deviation, note),
+        related=[locate_difference(other, odd.deviation, note) for other in others],
+        edits=() if shared else repair.edits,
+        severity=None if odd.deviation.worst >= differ else Severity.INFO,
+        numbers=repair.text,
         why=why,
-        siblings=join_names(link.name for link in opinion.by),
-        **_collect_data(opinion, note),
+        siblings=join_names(link.name for link in odd.by),
+        **_collect_data(odd, note),
     )
 
 
-def _build_pair_finding(rule: Rule, pair: Sequence[CopyComparison], note: float) -> Finding:
+def _build_pair_finding(
+    model: Model, rule: Rule, pair: tuple[CopyComparison, CopyComparison], *, note: float
+) -> Finding:
     one, other = pair
-    places = [locate_difference(_get_inertial(opinion.link), opinion.deviation, note) for opinion in pair]
+    here, there = _get_inertial(model, one.link), _get_inertial(model, other.link)
     return rule.finding(
         "pair",
-        at=places[0],
-        related=[places[1]],
+        at=locate_difference(here, one.deviation, note),
+        related=[locate_difference(there, other.deviation, note)],
         severity=Severity.INFO,
         confidence=Confidence.HEURISTIC,
         sibling=other.link.name,
-        there=build_inertial_repair(_get_inertial(other.link), other.expected).text,
-        here=build_inertial_repair(_get_inertial(one.link), one.expected).text,
+        there=build_inertial_repair(there, other.expected).text,
+        here=build_inertial_repair(here, one.expected).text,
         **_collect_data(one, note),
     )
 
 
-def _collect_data(opinion: CopyComparison, note: float) -> dict[str, Any]:
+def _get_inertial(model: Model, link: Link) -> Inertial:
+    """Return the inertial of a link with a complete tensor, which all compared links have."""
+    return model.tensor_by_name[link.name].inertial
+
+
+def _collect_data(comparison: CopyComparison, note: float) -> dict[str, Any]:
+    differences = describe_differences(
+        comparison.actual, comparison.expected, deviation=comparison.deviation, threshold=note
+    )
     return {
-        "link": opinion.link.name,
-        "differences": ", ".join(describe_differences(opinion.actual, opinion.expected, opinion.deviation, note)),
-        "share": opinion.deviation.worst,
+        "link": comparison.link.name,
+        "differences": ", ".join(differences),
+        "share": comparison.deviation.worst,
     }
 
 
 def _pick_wrong_inertial(model: Model, pair: Sequence[CopyComparison]) -> CopyComparison | None:
-    """The one of two whose inertial is not that of the part that both draw, where the other's is and undoing one mistake leads to
-    it: without a mistake one may hold a motor that the other has not. Its mass may not differ."""
-    misses = [_measure_uniform_deviation(model, opinion.link, opinion.actual) for opinion in pair]
+    """Return the one of two copies with a wrong inertial, or None.
+
+    Only the other has the inertial of the part that both draw, and undoing one mistake leads to it: without a mistake, one
+    may contain a motor that the other lacks. The masses agree.
+    """
+    misses = [_measure_uniform_deviation(model, comparison.link, comparison.actual) for comparison in pair]
     known = [miss for miss in misses if miss is not None]
     if (
         len(known) != len(pair)
@@ -95,20 +111,15 @@ def _pick_wrong_inertial(model: Model, pair: Sequence[CopyComparison]) -> CopyCo
     ):
         return None
     wrong = pair[known.index(max(known))]
-    judged = inertial_diagnoses(model).get(wrong.link.name)
-    mistaken = judged is not None and judged.diagnosis.cause is not None
-    return wrong if mistaken and wrong.deviation.worst > wrong.deviation.mass else None
+    diagnosed = inertial_diagnoses(model).get(wrong.link.name)
+    is_explained = diagnosed is not None and diagnosed.diagnosis.cause is not None
+    return wrong if is_explained and wrong.deviation.worst > wrong.deviation.mass else None
 
 
-def _measure_uniform_deviation(model: Model, link: Link, found: DeclaredInertial) -> float | None:
-    """How far COM and tensor are from those of a uniform part of this mass."""
+def _measure_uniform_deviation(model: Model, link: Link, declared: DeclaredInertial) -> float | None:
+    """Measure the deviation of COM and tensor from those of a uniform part of this mass; None without a closed drawing."""
     drawn = measure_link_geometry(model, link)
     if drawn is None or not drawn.closed:
         return None
-    uniform = DeclaredInertial(found.mass, drawn.solid.com, compute_solid_inertia(drawn.solid, found.mass))
-    return measure_deviation(found, uniform).worst
-
-
-def _get_inertial(link: Link) -> Inertial:
-    assert link.inertial is not None
-    return link.inertial
+    uniform = DeclaredInertial(declared.mass, drawn.solid.com, compute_solid_inertia(drawn.solid, declared.mass))
+    return measure_deviation(declared, uniform).worst

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdfcheck.core import Finding, Located, Location, Rule, Severity
-from urdfcheck.core.text import join_names
+from urdfcheck.core import Finding, Located, Rule, Severity
+from urdfcheck.core.text import format_point, join_names, join_numbers
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs, measure_principal_deviation
 from urdfcheck.model import Joint, Link, Model
@@ -34,15 +35,16 @@ from urdfcheck.model.likeness.mirrored_joints import (
     is_shifted,
 )
 from urdfcheck.model.repairs.edits import AttributeChange, describe_remedy, make_attribute_edits
+from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.source.text.values import read_attribute_number
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
-# A mistake that INR009 leaves to this rule.
+# INR009 leaves this mistake to SYM004.
 UNMIRRORED = "unmirrored"
-# So many joints of one chain with wrong limits have one cause.
+# From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3
 ONE_SIDE_RELATIONS = {
     "mirrored": "the mirror image of {}",
@@ -57,63 +59,54 @@ BOTH_SIDES_RELATIONS = {
 
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
-    found = mirror_pairs(model)
-    wrong = [
-        one
-        for pair in _skip_repeated_pairs(found)
-        if (one := find_mismatched_limit(model, pair, found, note)) is not None
-    ]
-    for chain in group_by_chain(wrong):
-        if len(chain) < MIN_CHAIN_JOINTS:
-            yield from (_build_limits_finding(rule, one, differ) for one in chain)
-        else:
-            yield _build_chain_finding(model, rule, chain, differ, note)
-    told: dict[str, set[str]] = {"inertial": set(), "dynamics": set(), "place": set()}
-    for pair in found:
+    pairs, shares = mirror_pairs(model), _Shares(differ, note)
+    yield from _compare_limits(model, rule, pairs, shares=shares)
+    reported: dict[str, set[str]] = {"inertial": set(), "dynamics": set(), "place": set()}
+    for pair in pairs:
         for subject, finding in (
-            ("inertial", _compare_inertials(model, rule, pair, differ, note)),
-            ("dynamics", _compare_dynamics(model, rule, pair, differ, note)),
-            ("place", _compare_origins(model, rule, pair, found)),
+            ("inertial", _compare_inertials(model, rule, pair, shares=shares)),
+            ("dynamics", _compare_dynamics(model, rule, pair, shares=shares)),
+            ("place", _compare_origins(model, rule, pair, pairs=pairs)),
         ):
-            # A link may be in a pair of its hand and in one of the robot: what is wrong with it is told once.
-            if finding is not None and not told[subject] & {pair.one, pair.other}:
-                told[subject] |= {pair.one, pair.other}
+            # A link may be in a pair of its hand and in one of the robot: its mistake is reported once.
+            if finding is not None and not reported[subject] & {pair.one, pair.other}:
+                reported[subject] |= {pair.one, pair.other}
                 yield finding
 
 
-def _skip_repeated_pairs(found: Iterable[MirrorPair]) -> Iterator[MirrorPair]:
-    """The pairs without those of links that are in an earlier one."""
-    seen: set[str] = set()
-    for pair in found:
-        if not seen & {pair.one, pair.other}:
-            seen |= {pair.one, pair.other}
-            yield pair
+@dataclass(frozen=True, slots=True)
+class _Shares:
+    """The options of the rule, as relative differences."""
 
+    differ: float
+    """From here on a difference is a warning."""
+    note: float
+    """Beyond this a difference is reported."""
 
-def _choose_severity(share: float, differ: float, pair: MirrorPair, cause: str | None = None) -> Severity:
-    """Parts that only their places and drawings make a pair may be meant to differ."""
-    return Severity.WARNING if share >= differ and (pair.is_named or cause is not None) else Severity.INFO
+    def choose_severity(self, difference: float, pair: MirrorPair, cause: str | None = None) -> Severity:
+        """Return INFO for small differences, and for unnamed pairs without a cause, which may be meant to differ."""
+        is_wrong = difference >= self.differ and (pair.is_named or cause is not None)
+        return Severity.WARNING if is_wrong else Severity.INFO
 
 
 # -- inertials --------------------------------------------------------------------------------------------------------
 
 
-def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, differ: float, note: float) -> Finding | None:
-    both = compare_sides(model, pair)
+def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _Shares) -> Finding | None:
+    both, note = compare_sides(model, pair), shares.note
     if both is None:
-        return (
-            None
-            if _is_explained_by_one_side(model, pair)
-            else _compare_principal_moments(model, rule, pair, differ, note)
-        )
+        if _is_explained_by_one_side(model, pair):
+            return None
+        return _compare_principal_moments(model, rule, pair, shares=shares)
     if not both[1].deviation.worst > note:
         return None
-    wrong = find_wrong_side(model, pair, both, note)
+    wrong = find_wrong_side(model, pair, both, threshold=note)
     side, like = (both[1], ()) if wrong is None else wrong
-    apart, cause = side.deviation, find_cause(pair, side, note)
+    deviation, cause = side.deviation, find_cause(pair, side, note)
     if cause not in CONTRADICTIONS and _is_explained_by_one_side(model, pair):
         return None
-    parts = (("centre of mass", apart.com_offset), ("inertia tensor", apart.spread))
+    parts = (("centre of mass", deviation.com_offset), ("inertia tensor", deviation.spread))
+    differences = describe_differences(side.actual, side.expected, deviation=deviation, threshold=note)
     data: dict[str, Any] = {
         "one": both[0].link.name,
         "other": both[1].link.name,
@@ -122,17 +115,17 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, differ: float
         "relation": (BOTH_SIDES_RELATIONS if wrong is None else ONE_SIDE_RELATIONS)[pair.drawn_as or ""].format(
             side.twin.name
         ),
-        "differences": ", ".join(describe_differences(side.actual, side.expected, apart, note)),
+        "differences": ", ".join(differences),
         "what": " and the ".join(word for word, share in parts if share > note),
         "signs": join_names(find_wrong_signs(side.actual, side.expected, note), 9),
-        "share": apart.worst,
+        "share": deviation.worst,
         "between": _list_subjects(both[0].link, both[1].link),
     }
     place: dict[str, Any] = {
-        "at": _locate_difference(side.link, apart, note),
-        "related": [_locate_difference(side.twin, apart, note)],
+        "at": _locate_difference(model, side.link, deviation, note=note),
+        "related": [_locate_difference(model, side.twin, deviation, note=note)],
         "cause": cause,
-        "severity": _choose_severity(apart.worst, differ, pair, cause),
+        "severity": shares.choose_severity(deviation.worst, pair, cause),
     }
     shared = _has_shared_inertial(side)
     if wrong is None:
@@ -143,55 +136,53 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, differ: float
 
 
 def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
-    """Whether one link's numbers have a mistake of their own, which INR009 names: then the pair differs for that."""
+    """Whether INR009 reports a mistake in one of the links, which explains the difference."""
     causes = []
     for name in (pair.one, pair.other):
-        judged = inertial_diagnoses(model).get(name)
-        found = None if judged is None or not judged.diagnosis.at_fault else judged.diagnosis.cause
-        causes.append(None if found == UNMIRRORED else found)
+        diagnosed = inertial_diagnoses(model).get(name)
+        cause = None if diagnosed is None or not diagnosed.diagnosis.at_fault else diagnosed.diagnosis.cause
+        causes.append(None if cause == UNMIRRORED else cause)
     return causes[0] != causes[1]
 
 
-def _compare_principal_moments(
-    model: Model, rule: Rule, pair: MirrorPair, differ: float, note: float
-) -> Finding | None:
-    """What holds of mirror images and of copies alike, for a pair of which the drawings say nothing."""
+def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, shares: _Shares) -> Finding | None:
+    """Compare what mirror images and copies have in common, for a pair whose drawings are not related."""
     if pair.drawn_as not in {None, "neither"} or not (
         pair.is_named and pair.is_in_place and pair.is_alike is not False
     ):
         return None
     one, other = (model.link_by_name[name] for name in (pair.one, pair.other))
     first, second = get_comparable_inertial(one), get_comparable_inertial(other)
-    apart = None if first is None or second is None else measure_principal_deviation(second, first)
-    if first is None or second is None or apart is None or not apart.worst > note:
+    if first is None or second is None:
         return None
-    told = []
-    if apart.mass > note:
-        told.append(f"masses of {first.mass:.4g} and {second.mass:.4g} kg")
-    if apart.spread > note:
-        told.append(
-            f"principal moments of ({_format_principal_moments(first)}) and ({_format_principal_moments(second)}) kg·m²"
-        )
+    deviation, note = measure_principal_deviation(second, first), shares.note
+    if deviation is None or not deviation.worst > note:
+        return None
+    differences = []
+    if deviation.mass > note:
+        differences.append(f"masses of {first.mass:.4g} and {second.mass:.4g} kg")
+    if deviation.spread > note:
+        moments = _format_principal_moments(first), _format_principal_moments(second)
+        differences.append(f"principal moments of ({moments[0]}) and ({moments[1]}) kg·m²")
     return rule.finding(
         "moments",
-        at=_locate_difference(other, apart, note),
-        related=[_locate_difference(one, apart, note)],
-        severity=_choose_severity(apart.worst, differ, pair),
+        at=_locate_difference(model, other, deviation, note=note),
+        related=[_locate_difference(model, one, deviation, note=note)],
+        severity=shares.choose_severity(deviation.worst, pair),
         one=one.name,
         other=other.name,
-        differences=" and ".join(told),
-        share=apart.worst,
+        differences=" and ".join(differences),
+        share=deviation.worst,
         between=_list_subjects(one, other),
     )
 
 
 def _format_principal_moments(numbers: DeclaredInertial) -> str:
-    return ", ".join(f"{moment:.3g}" for moment in np.linalg.eigvalsh(numbers.inertia))
+    return join_numbers(np.linalg.eigvalsh(numbers.inertia), digits=3)
 
 
-def _locate_difference(link: Link, apart: InertialDeviation, note: float) -> Located:
-    assert link.inertial is not None
-    return locate_difference(link.inertial, apart, note)
+def _locate_difference(model: Model, link: Link, deviation: InertialDeviation, *, note: float) -> Located:
+    return locate_difference(model.tensor_by_name[link.name].inertial, deviation, note)
 
 
 def _describe_remedy(side: PairSide) -> str:
@@ -203,122 +194,134 @@ def _describe_remedy(side: PairSide) -> str:
 def _has_shared_inertial(side: PairSide) -> bool:
     """Whether one text makes the inertials of both sides."""
     one, other = side.link.inertial, side.twin.inertial
-    assert one is not None
-    assert other is not None
-    return one.element.span == other.element.span
+    return one is not None and other is not None and one.element.span == other.element.span
 
 
 def _list_subjects(*both: Link | Joint) -> list[str]:
-    """The elements of both sides: a rule that explains either explains the difference (`worker.hide`)."""
+    """Return the subjects of both sides: a stronger rule that reports either supersedes this one."""
     return [one.location.subject for one in both]
 
 
 # -- joints -----------------------------------------------------------------------------------------------------------
 
 
-def _build_limits_finding(rule: Rule, one: MismatchedLimit, differ: float) -> Finding:
-    limit, twin = one.joint.limit, one.twin.limit
-    assert limit is not None
-    assert twin is not None
-    cause = "limits_copied" if one.copied else None
-    texts = {name: f"{value + 0.0:.10g}" for name, value in one.expected.items()}
-    shared = limit.span == twin.span
-    wanted = [AttributeChange(limit.attributes.get(name), name, text) for name, text in texts.items()]
+def _compare_limits(model: Model, rule: Rule, pairs: Sequence[MirrorPair], *, shares: _Shares) -> Iterator[Finding]:
+    mismatches = [
+        mismatch
+        for pair in _skip_repeated_pairs(pairs)
+        if (mismatch := find_mismatched_limit(model, pair, known_pairs=pairs, threshold=shares.note)) is not None
+    ]
+    for chain in group_by_chain(mismatches):
+        if len(chain) < MIN_CHAIN_JOINTS:
+            yield from (_build_limits_finding(rule, mismatch, shares) for mismatch in chain)
+        else:
+            yield _build_chain_finding(model, rule, chain, shares=shares)
+
+
+def _skip_repeated_pairs(pairs: Iterable[MirrorPair]) -> Iterator[MirrorPair]:
+    """Yield the pairs, but not those of links in an earlier pair."""
+    paired: set[str] = set()
+    for pair in pairs:
+        if not paired & {pair.one, pair.other}:
+            paired |= {pair.one, pair.other}
+            yield pair
+
+
+def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares) -> Finding:
+    joint, twin = mismatch.joint, mismatch.twin
+    limits = [side.limit or side.element for side in (joint, twin)]
+    cause = "limits_copied" if mismatch.copied else None
+    shared = limits[0].span == limits[1].span
+    changes = [
+        AttributeChange(limits[0].attributes.get(name), name, f"{value + 0.0:.10g}")
+        for name, value in mismatch.expected.items()
+    ]
     return rule.finding(
-        "limits" if one.agreeing_joints else "limits_pair",
-        at=limit,
-        related=[twin],
+        "limits" if mismatch.agreeing_joints else "limits_pair",
+        at=limits[0],
+        related=limits[1:],
         cause=cause,
-        severity=_choose_severity(one.max_difference, differ, one.pair, cause),
-        edits=make_attribute_edits(wanted) if one.agreeing_joints and not shared else [],
-        joint=one.joint.name,
-        twin=one.twin.name,
-        differences=_describe_limit_differences(one),
-        like=join_names(one.agreeing_joints),
-        remedy=describe_remedy(wanted, one.joint.name, one.twin.name, shared=shared),
-        share=one.max_difference,
+        severity=shares.choose_severity(mismatch.max_difference, mismatch.pair, cause),
+        edits=make_attribute_edits(changes) if mismatch.agreeing_joints and not shared else [],
+        joint=joint.name,
+        twin=twin.name,
+        differences=_describe_limit_differences(mismatch),
+        like=join_names(mismatch.agreeing_joints),
+        remedy=describe_remedy(changes, joint.name, twin.name, shared=shared),
+        share=mismatch.max_difference,
     )
 
 
-def _build_chain_finding(
-    model: Model, rule: Rule, chain: Sequence[MismatchedLimit], differ: float, note: float
-) -> Finding:
-    limits = [limit for one in chain for limit in (one.joint.limit, one.twin.limit) if limit is not None]
-    cause = "shifted" if is_shifted(model, chain, note) else None
+def _build_chain_finding(model: Model, rule: Rule, chain: Sequence[MismatchedLimit], *, shares: _Shares) -> Finding:
+    limits = [limit for pair in chain for limit in (pair.joint.limit, pair.twin.limit) if limit is not None]
+    cause = "shifted" if is_shifted(model, chain, shares.note) else None
     return rule.finding(
         "chain",
         at=limits[0],
         related=limits[1:],
         cause=cause,
-        severity=_choose_severity(max(one.max_difference for one in chain), differ, chain[0].pair, cause),
+        severity=shares.choose_severity(max(pair.max_difference for pair in chain), chain[0].pair, cause),
         count=len(chain),
-        joints=join_names((one.joint.name for one in chain), 12),
-        twins=join_names((one.twin.name for one in chain), 12),
+        joints=join_names((pair.joint.name for pair in chain), 12),
+        twins=join_names((pair.twin.name for pair in chain), 12),
         joint=chain[0].joint.name,
         differences=_describe_limit_differences(chain[0]),
     )
 
 
-def _describe_limit_differences(one: MismatchedLimit) -> str:
+def _describe_limit_differences(mismatch: MismatchedLimit) -> str:
     return ", ".join(
-        f"{name} {one.joint.get_limit_value(name) or 0.0:.6g} instead of {value + 0.0:.6g}"
-        for name, value in one.expected.items()
+        f"{name} {mismatch.joint.get_limit_value(name) or 0.0:.6g} instead of {value + 0.0:.6g}"
+        for name, value in mismatch.expected.items()
     )
 
 
-def _compare_dynamics(model: Model, rule: Rule, pair: MirrorPair, differ: float, note: float) -> Finding | None:
+def _compare_dynamics(model: Model, rule: Rule, pair: MirrorPair, *, shares: _Shares) -> Finding | None:
     joints = find_pair_joints(model, pair)
     if joints is None or pair.drawn_as == "neither":
         return None
     elements = [joint.element.find_child("dynamics") for joint in joints]
-    told: list[str] = []
+    differences: list[str] = []
     share = 0.0
     for name in ("damping", "friction"):
         a, b = (0.0 if e is None or name not in e.attributes else read_attribute_number(e, name) for e in elements)
-        if a is not None and b is not None and abs(a - b) > note * max(abs(a), abs(b)):
-            told.append(f"{name} {b:g} instead of {a:g}")
+        if a is not None and b is not None and abs(a - b) > shares.note * max(abs(a), abs(b)):
+            differences.append(f"{name} {b:g} instead of {a:g}")
             share = max(share, abs(a - b) / max(abs(a), abs(b)))
-    if not told:
+    if not differences:
         return None
     return rule.finding(
         "dynamics",
         at=elements[1] or joints[1].element,
         related=[elements[0] or joints[0].element],
-        severity=_choose_severity(share, differ, pair),
+        severity=shares.choose_severity(share, pair),
         joint=joints[1].name,
         twin=joints[0].name,
-        differences=", ".join(told),
+        differences=", ".join(differences),
         share=share,
     )
 
 
-def _compare_origins(model: Model, rule: Rule, pair: MirrorPair, found: Sequence[MirrorPair]) -> Finding | None:
-    off = find_misplaced_joint(model, pair, found)
+def _compare_origins(model: Model, rule: Rule, pair: MirrorPair, *, pairs: Sequence[MirrorPair]) -> Finding | None:
+    off = find_misplaced_joint(model, pair, pairs)
     if off is None:
         return None
     both = off.joint, off.twin
     data: dict[str, Any] = {"joint": off.joint.name, "twin": off.twin.name, "between": _list_subjects(*both)}
     if off.distance:
-        at, related = (_locate_origin(joint, "xyz") for joint in both)
+        at, related = (locate_origin_attribute(joint, "xyz") for joint in both)
         back, there = off.places
         first, second = _describe_move(off.joint, off.twin, there), _describe_move(off.twin, off.joint, back)
         return rule.finding(
             "origin", at=at, related=[related], distance=off.distance * 1e3, first=first, second=second, **data
         )
-    at, related = (_locate_origin(joint, "rpy") if off.turned else joint.axis_location for joint in both)
+    at, related = (locate_origin_attribute(joint, "rpy") if off.turned else joint.axis_location for joint in both)
     return rule.finding("axis", at=at, related=[related], angle=math.degrees(off.angle), **data)
 
 
 def _describe_move(joint: Joint, twin: Joint, place: Array) -> str:
-    """How a joint gets to another place (3,) in its parent's frame."""
-    text = " ".join(f"{round(float(v), 6) + 0.0:g}" for v in place)
+    """Return the instruction that moves a joint to another position (3,) in the frame of its parent."""
+    text = format_point(place, decimals=6)
     attributes = [one.origin.get_attribute("xyz") for one in (joint, twin)]
     shared = attributes[0] is not None and attributes[1] is not None and attributes[0].span == attributes[1].span
     return describe_remedy([AttributeChange(attributes[0], "xyz", text)], joint.name, twin.name, shared=shared)
-
-
-def _locate_origin(joint: Joint, name: str) -> Location:
-    attribute = joint.origin.get_attribute(name)
-    if attribute is not None:
-        return attribute.location
-    return joint.location if joint.origin.element is None else joint.origin.element.location

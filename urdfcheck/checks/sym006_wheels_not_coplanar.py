@@ -11,28 +11,29 @@ from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.model import Model
 from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
 from urdfcheck.model.parts import Joint
+from urdfcheck.model.repairs.edits import edit_literal
 
 
 def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[Finding]:
     footing = find_uneven_wheels(model, rel_tol=spread, abs_tol=least)
     if footing is None:
         return
-    found, odd = footing.wheels, footing.odd_wheel
-    radius = min(wheel.radius for wheel in found)
-    heights = {wheel.joint.child: round(float(wheel.contact[2]), 6) for wheel in found}
+    wheels, odd = footing.wheels, footing.odd_wheel
+    radius = min(wheel.radius for wheel in wheels)
+    heights = {wheel.joint.child: round(float(wheel.contact[2]), 6) for wheel in wheels}
     data: dict[str, Any] = {
         "gap": footing.gap * 1e3,
         "part": footing.gap / radius,
         "radius": radius * 1e3,
-        "contacts": {w.joint.child: [round(float(v), 6) + 0.0 for v in w.contact] for w in found},
+        "contacts": {w.joint.child: [round(float(v), 6) + 0.0 for v in w.contact] for w in wheels},
         "heights": ", ".join(f"{name} {1e3 * height:.1f}" for name, height in heights.items()),
     }
     if odd is None:
         yield rule.finding(
             "uneven",
-            at=_locate(found[0].joint),
-            related=[_locate(w.joint) for w in found[1:]],
-            count=len(found),
+            at=_locate_xyz(wheels[0].joint),
+            related=[_locate_xyz(wheel.joint) for wheel in wheels[1:]],
+            count=len(wheels),
             **data,
         )
         return
@@ -42,33 +43,31 @@ def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[
         "joint": joint.name,
         "off": abs(odd.rise) * 1e3,
         "where": "above" if odd.rise > 0 else "below",
-        "others": ", ".join(w.joint.child for w in found if w is not odd.wheel),
+        "others": ", ".join(wheel.joint.child for wheel in wheels if wheel is not odd.wheel),
     }
     if odd.is_caused_by_radius:
         data |= {"own": odd.wheel.radius * 1e3, "usual": (odd.wheel.radius + odd.radius_deficit) * 1e3}
-        yield rule.finding("radius", at=_locate(joint), **data)
+        yield rule.finding("radius", at=_locate_xyz(joint), **data)
         return
     before, after, edits = _propose_origin_xyz(model, joint, odd.rise)
-    yield rule.finding("odd", at=_locate(joint), edits=edits, before=before, after=after, **data)
+    yield rule.finding("odd", at=_locate_xyz(joint), edits=edits, before=before, after=after, **data)
 
 
 def _propose_origin_xyz(model: Model, joint: Joint, rise: float) -> tuple[str, str, list[Edit]]:
-    """The xyz of a joint's origin, what it has to be to bring the wheel down by ``rise``, and the edit that makes it so."""
+    """Return the xyz of a joint, the xyz that lowers the wheel by ``rise`` (m), and the edit."""
     typed = joint.origin.xyz or (0.0, 0.0, 0.0)
     shift = model.frames[joint.parent][:3, :3].T @ np.array((0.0, 0.0, -rise))
     attribute = joint.origin.get_attribute("xyz")
     words = ["0", "0", "0"] if attribute is None else attribute.value.split()
-    # What the shift does not reach stays as it was typed.
+    # Numbers that the shift does not change stay as typed.
     moved = [
         word if abs(step) < 1e-3 * abs(rise) else f"{round(value + step, 6) + 0.0:.10g}"
         for word, value, step in zip(words, typed, shift.tolist(), strict=True)
     ]
     before, after = " ".join(words), " ".join(moved)
-    if attribute is None or not attribute.literal or attribute.span is None:
-        return before, after, []
-    return before, after, [Edit(attribute.span, attribute.typed, after)]
+    return before, after, edit_literal(attribute, after)
 
 
-def _locate(joint: Joint) -> Location:
+def _locate_xyz(joint: Joint) -> Location:
     attribute = joint.origin.get_attribute("xyz")
     return joint.location if attribute is None else attribute.location

@@ -32,8 +32,8 @@ def _check_mesh_sizes(model: Model, rule: Rule) -> Iterator[Finding]:
     for path, uses in model.meshes.group_by_file().items():
         error = model.meshes.errors.get(path)
         if error is not None and error.reason_id == "too-large":
-            first, *others = (use.filename for use in uses)
-            yield rule.finding("mesh", at=first, related=others, mesh=first.value, error=str(error))
+            at, *related = (use.filename for use in uses)
+            yield rule.finding("mesh", at=at, related=related, mesh=at.value, error=str(error))
 
 
 def _check_tree_depth(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -43,4 +43,4 @@ def _check_tree_depth(model: Model, rule: Rule) -> Iterator[Finding]:
         last = model.link_by_name[deep.link].element
         yield rule.finding("chain", at=last, what="levels", limit=deep.limit, found=deep.levels)
     except FactUnavailableError:
-        pass  # the KIN rules say why there is no tree
+        pass  # the KIN rules report why there is no tree

@@ -19,18 +19,20 @@ from urdfcheck.source.xacro.usage import collect_macros, collect_properties, fin
 
 _EXPRESSIONS = " when evaluating expression '"
 _PATH = re.compile(r"(?<![\w./])/[^\s'\",:]+")
-# What an empty file name ends in: the folder that is put before it is opened as a file.
+# The error of an empty file name, after which the folder before it is opened as a file.
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class _ExpansionFailure:
-    """What stopped the expansion. ``expression`` is the innermost one that failed, empty when it was none."""
+    """What stopped the expansion."""
 
     source: Source
     problem: Problem
     reason: str
+    """The message of xacro."""
     expression: str
+    """The innermost expression that failed, or empty."""
 
     @property
     def macro(self) -> str:
@@ -39,8 +41,10 @@ class _ExpansionFailure:
         return str(calls[-1]).split(".")[-1]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class _FailureReport:
+    """The contents of the finding."""
+
     message: str
     at: Location
     related: tuple[Location, ...]
@@ -51,30 +55,31 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     for problem in source.find_problems("expansion-failed"):
         reason, *expressions = problem.message.split(_EXPRESSIONS)
         typed = expressions[0].rstrip().removesuffix("'") if expressions else ""
-        failure = _ExpansionFailure(source, problem, reason, problem.data.get("evaluated") or typed)
-        verdict = _classify_failure(failure)
+        expression = problem.data.get("evaluated") or typed
+        failure = _ExpansionFailure(source=source, problem=problem, reason=reason, expression=expression)
+        report = _classify_failure(failure)
         yield rule.finding(
-            verdict.message,
-            at=verdict.at,
-            related=verdict.related,
+            report.message,
+            at=report.at,
+            related=report.related,
             macros=list(problem.data.get("macros") or ()),
-            between=_find_unprefixed_tags(failure, verdict),
-            **verdict.data,
+            between=_find_unprefixed_tags(failure, report),
+            **report.data,
         )
 
 
-def _find_unprefixed_tags(failure: _ExpansionFailure, verdict: _FailureReport) -> list[str]:
-    """The tags that would define what is missing if they had xacro's prefix: then that is the cause, and told by its rule."""
-    if verdict.message not in {"undefined-name", "unknown-macro", "undefined-block"}:
+def _find_unprefixed_tags(failure: _ExpansionFailure, report: _FailureReport) -> list[str]:
+    """Return the tags that would define what is missing if they had xacro's prefix: XAC007 reports that cause."""
+    if report.message not in {"undefined-name", "unknown-macro", "undefined-block"}:
         return []
-    found = find_unprefixed_tags(failure.source.trees)
-    return [e.subject for e in found if e.tag == "include" or e.get("name") == verdict.data["name"]]
+    tags = find_unprefixed_tags(failure.source.trees)
+    return [e.subject for e in tags if e.tag == "include" or e.get("name") == report.data["name"]]
 
 
 def _classify_failure(failure: _ExpansionFailure) -> _FailureReport:
     reader, file = failure.problem.data.get("reader"), failure.problem.data.get("file")
     if reader is not None:
-        return _build_report(failure, "yaml", failure.problem.location, (reader,), file=file, reason=failure.reason)
+        return _build_report(failure, "yaml", extra=(reader,), file=file, reason=failure.reason)
     for pattern, explain in _EXPLANATIONS:
         match = re.search(pattern, failure.reason)
         if match:
@@ -84,7 +89,7 @@ def _classify_failure(failure: _ExpansionFailure) -> _FailureReport:
         return _build_report_at_expression(failure, "refused", reason=reason)
     if failure.expression:
         return _build_report_at_expression(failure, "expression-failed", reason=reason)
-    return _build_report(failure, "failed", failure.problem.location, reason=reason)
+    return _build_report(failure, "failed", reason=reason)
 
 
 def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
@@ -109,11 +114,11 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
         why = f" (did you mean {near!r}?)" if near else ""
         define = f'define it before this line: `<xacro:property name="{name}" value="…"/>`'
         repair = f"write `{near}`, or {define}" if near else define
-    return _build_report_at_expression(failure, "undefined-name", extra, name=name, hint=why, repair=repair)
+    return _build_report_at_expression(failure, "undefined-name", extra=extra, name=name, hint=why, repair=repair)
 
 
 def _explain_undefined_argument(failure: _ExpansionFailure, name: str, declared: Iterable[str]) -> _FailureReport:
-    """A name in ``$(eval …)``, which reads arguments and no properties."""
+    """Explain a name in ``$(eval …)``, which reads arguments and no properties."""
     define = f'declare it before this line: `<xacro:arg name="{name}" default="…"/>`'
     defined = collect_properties(failure.source.trees).get(name, ())
     if defined:
@@ -126,11 +131,11 @@ def _explain_undefined_argument(failure: _ExpansionFailure, name: str, declared:
         why = f" (did you mean {near!r}?)" if near else ""
         repair = f"write `{near}`, or {define}" if near else define
     places = tuple(a.location for a in defined)
-    return _build_report_at_expression(failure, "undefined-name", places, name=name, hint=why, repair=repair)
+    return _build_report_at_expression(failure, "undefined-name", extra=places, name=name, hint=why, repair=repair)
 
 
 def _find_built_in_name(name: str) -> str | None:
-    """What xacro defines itself under a name spelled otherwise: ``True`` for ``true``, ``pi`` for ``PI``."""
+    """Return the built-in name of xacro that differs only in case: ``True`` for ``true``, ``pi`` for ``PI``."""
     built_in = {n.lower(): n for n in (*dir(math), "True", "False") if not n.startswith("_")}
     return built_in.get(name.lower())
 
@@ -143,8 +148,7 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
     return _build_report(
         failure,
         "unknown-macro",
-        failure.problem.location,
-        extra,
+        extra=extra,
         name=name,
         files=len(failure.source.trees),
         hint=format_name_hint(name, known) if known else "; no file defines any macro",
@@ -154,49 +158,45 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
 def _explain_missing_parameters(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
     names = [n.strip() for n in match.group(1).split(",")]
     call = _find_failing_element(failure)
-    at = failure.problem.location if call is None else _locate_in_call(failure, call.location)
-    written = " ".join(f'{n}="…"' for n in names)
     return _build_report(
-        failure, "parameters-missing", at, _locate_macro_definition(failure), macro=failure.macro, names=names,
-        listed=", ".join(names), written=written,
-    )  # fmt: skip
+        failure,
+        "parameters-missing",
+        at=None if call is None else _locate_in_call(failure, call.location),
+        extra=_locate_macro_definition(failure),
+        macro=failure.macro,
+        names=names,
+        listed=", ".join(names),
+        written=" ".join(f'{n}="…"' for n in names),
+    )
 
 
 def _explain_unknown_parameter(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
     name, call = match.group(1), _find_failing_element(failure)
     typed = None if call is None else call.attributes.get(name)
     macro = collect_macros(failure.source.trees).get(failure.macro)
-    taken = () if macro is None else macro.parameters
+    parameters = () if macro is None else macro.parameters
     return _build_report(
         failure,
         "parameter-unknown",
-        failure.problem.location if typed is None else _locate_in_call(failure, typed.location),
-        _locate_macro_definition(failure),
+        at=None if typed is None else _locate_in_call(failure, typed.location),
+        extra=_locate_macro_definition(failure),
         macro=failure.macro,
         name=name,
-        takes=join_names(taken) or "none",
-        hint=format_name_hint(name, taken),
+        takes=join_names(parameters) or "none",
+        hint=format_name_hint(name, parameters),
     )
 
 
 def _explain_block_mismatch(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
-    return _build_report(
-        failure,
-        "blocks",
-        failure.problem.location,
-        _locate_macro_definition(failure),
-        macro=failure.macro,
-        reason=match.group(0),
-    )
+    definition = _locate_macro_definition(failure)
+    return _build_report(failure, "blocks", extra=definition, macro=failure.macro, reason=match.group(0))
 
 
 def _explain_undefined_block(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
     trees = failure.source.trees
     known = {*collect_properties(trees), *(p for m in collect_macros(trees).values() for p in m.parameters)}
     name = match.group(1)
-    return _build_report(
-        failure, "undefined-block", failure.problem.location, name=name, hint=format_name_hint(name, known)
-    )  # fmt: skip
+    return _build_report(failure, "undefined-block", name=name, hint=format_name_hint(name, known))
 
 
 def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
@@ -213,11 +213,11 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     data: dict[str, Any] = {"file": format_path(path), "hint": near}
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
-    return _build_report(failure, "file-missing", failure.problem.location, **data)
+    return _build_report(failure, "file-missing", **data)
 
 
 def _describe_sibling_folders(source: Source, path: Path) -> str:
-    """The folders beside the outermost one of a path that is not there: often a part of its name came from an argument."""
+    """List the folders beside the outermost missing one: an argument may have given a part of its name."""
     missing = next((folder for folder in reversed(path.parents) if not folder.is_dir()), path)
     try:
         names = (
@@ -228,8 +228,8 @@ def _describe_sibling_folders(source: Source, path: Path) -> str:
     return f" (beside it: {join_names(names, 4)})" if names else ""
 
 
-def _explain_empty_file_name(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
-    # The last definition in the chain is the one that gives the empty text.
+def _explain_empty_file_name(failure: _ExpansionFailure, _match: re.Match[str]) -> _FailureReport:
+    # The last definition in the chain gives the empty text.
     origin = failure.problem.related[-1].subject if failure.problem.related else ""
     kind, _, name = origin.partition("[")
     given = f": {kind} {name.rstrip(']')} is empty" if name and kind != "property" else ""
@@ -241,7 +241,7 @@ def _explain_missing_key(failure: _ExpansionFailure, match: re.Match[str]) -> _F
 
 
 def _explain_bad_condition(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
-    return _build_report(failure, "condition", failure.problem.location, typed=match.group(1), value=match.group(2))
+    return _build_report(failure, "condition", typed=match.group(1), value=match.group(2))
 
 
 def _explain_environment(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
@@ -250,16 +250,14 @@ def _explain_environment(failure: _ExpansionFailure, match: re.Match[str]) -> _F
 
 
 def _explain_missing_attribute(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
-    return _build_report(
-        failure, "attribute-missing", failure.problem.location, tag=match.group(1), name=match.group(2)
-    )
+    return _build_report(failure, "attribute-missing", tag=match.group(1), name=match.group(2))
 
 
-def _explain_endless_expansion(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
-    return _build_report(failure, "endless", failure.problem.location, reason=failure.reason.split(" Consider ")[0])
+def _explain_endless_expansion(failure: _ExpansionFailure, _match: re.Match[str]) -> _FailureReport:
+    return _build_report(failure, "endless", reason=failure.reason.split(" Consider ")[0])
 
 
-def _explain_syntax_error(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
+def _explain_syntax_error(failure: _ExpansionFailure, _match: re.Match[str]) -> _FailureReport:
     reason = re.sub(r" \(<(?:expression|string)>, line \d+\)", "", failure.reason)
     shown = f"`{failure.expression}`" if failure.expression else "this"
     return _build_report_at_expression(failure, "syntax", shown=shown, reason=reason)
@@ -284,23 +282,31 @@ _EXPLANATIONS: tuple[tuple[str, Callable[[_ExpansionFailure, re.Match[str]], _Fa
 
 
 def _build_report_at_expression(
-    failure: _ExpansionFailure, message: str, extra: tuple[Location, ...] = (), **data: Any
+    failure: _ExpansionFailure, message: str, *, extra: tuple[Location, ...] = (), **data: Any
 ) -> _FailureReport:
-    """A finding where the failing expression is typed, which may be in a property that is read somewhere else."""
+    """Report where the failing expression is typed, possibly in a property that another place reads."""
     at = locate_expression(failure.source, failure.problem, failure.expression)
     extra = extra if at is failure.problem.location else (failure.problem.location, *extra)
-    return _build_report(failure, message, at, extra, expression=failure.expression, **data)
+    return _build_report(failure, message, at=at, extra=extra, expression=failure.expression, **data)
 
 
 def _build_report(
-    failure: _ExpansionFailure, message: str, at: Location, extra: tuple[Location, ...] = (), **data: Any
+    failure: _ExpansionFailure,
+    message: str,
+    *,
+    at: Location | None = None,
+    extra: tuple[Location, ...] = (),
+    **data: Any,
 ) -> _FailureReport:
-    related = (*extra, *failure.problem.related)
-    return _FailureReport(message, at, tuple(r for r in dict.fromkeys(related) if r.span != at.span), data)
+    """Report ``at`` a place, by default that of the problem."""
+    at = failure.problem.location if at is None else at
+    places = dict.fromkeys((*extra, *failure.problem.related))
+    related = tuple(place for place in places if place.span != at.span)
+    return _FailureReport(message=message, at=at, related=related, data=data)
 
 
 def _find_failing_element(failure: _ExpansionFailure) -> Element | None:
-    """The element that the problem stands in, as typed."""
+    """Return the innermost typed element that contains the problem."""
     span = failure.problem.location.span
     tree = None if span is None else failure.source.trees.get(span.file)
     if span is None or tree is None:

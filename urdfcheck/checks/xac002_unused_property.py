@@ -16,7 +16,7 @@ from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.xacro.usage import collect_properties, collect_read_names
 
-# A property that by its name is a side of a link: base_x of base or base_link.
+# The name of such a property means a side of a link: base_x is one of base or base_link.
 _SIDE = re.compile(r"^(\w+?)_(?:size_|dim_)?([xyz])$")
 
 
@@ -33,11 +33,11 @@ def check(model: Model, rule: Rule, *, each: int, near: float) -> Iterator[Findi
             yield _build_summary_finding(file, unread, rule)
             continue
         for definitions in unread:
-            yield _build_property_finding(definitions, model, rule, near)
+            yield _build_property_finding(model, rule, definitions, near=near)
 
 
 def _find_unread_properties(source: Source) -> list[list[Attribute]]:
-    """The definitions of each property that nothing reads; those for another scope are meant for other files."""
+    """Return the definitions of each property that nothing reads; those with a scope are for other files."""
     read = set().union(*(collect_read_names(tree) for tree in source.trees.values()))
     unread = {
         name: definitions
@@ -50,10 +50,10 @@ def _find_unread_properties(source: Source) -> list[list[Attribute]]:
     return [definitions for name, definitions in unread.items() if name not in elsewhere.names]
 
 
-def _build_property_finding(definitions: Sequence[Attribute], model: Model, rule: Rule, near: float) -> Finding:
+def _build_property_finding(model: Model, rule: Rule, definitions: Sequence[Attribute], *, near: float) -> Finding:
     first, *others = definitions
     value = first.owner.get("value") or first.owner.get("default")
-    wrong = _find_mismatched_side(first.value, value, model, near)
+    wrong = _find_mismatched_side(model, first.value, value, near=near)
     return rule.finding(
         "unused" if wrong is None else "wrong",
         at=first,
@@ -66,8 +66,8 @@ def _build_property_finding(definitions: Sequence[Attribute], model: Model, rule
     )
 
 
-def _find_mismatched_side(name: str, value: str, model: Model, near: float) -> tuple[str, tuple[float, ...]] | None:
-    """The link whose side a property names with another length than the link (or half of it) has, and its sides."""
+def _find_mismatched_side(model: Model, name: str, value: str, *, near: float) -> tuple[str, tuple[float, ...]] | None:
+    """Return the link that a property names and its sides (m), if neither the named side nor half of it has this value."""
     named, typed = _SIDE.match(name), parse_number(value)
     if named is None or typed is None:
         return None

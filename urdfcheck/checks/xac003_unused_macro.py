@@ -35,7 +35,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _find_uncalled_macros(source: Source) -> list[Macro]:
-    """The macros that no file calls which may know them; none where the name of one that is called is computed."""
+    """Return the macros that no file calls; nothing if a file computes the name of the macro that it calls."""
     called = collect_called_macros(source.trees)
     uncalled = [m for name, m in collect_macros(select_own_trees(source)).items() if name and name not in called]
     if not uncalled or any("$" in name for name in called):

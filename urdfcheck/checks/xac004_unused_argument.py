@@ -14,7 +14,7 @@ from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.xacro.usage import collect_read_arguments, iter_elements_by_tag
 
-# Lines that are deleted in one go, beside the first.
+# One fix deletes the first line and at most so many others.
 _MAX_EDITED = 100
 
 
@@ -45,8 +45,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _find_unread_arguments(source: Source) -> list[Attribute]:
-    """The names of the arguments that nothing reads and nobody hands over. One that several files declare is part of what
-    they agree on: the outer file hands it to the inner one."""
+    """Return the names of the arguments that nothing reads and no command line gives.
+
+    An argument that several files declare is not one of them: the outer file passes it to the inner one.
+    """
     declared = [e.attributes["name"] for e in iter_elements_by_tag(source.trees, "xacro:arg") if "name" in e.attributes]
     times = Counter(name.value for name in declared)
     used = collect_read_arguments(source.trees) | source.arguments_read | source.arguments.keys()

@@ -25,20 +25,21 @@ _DEGREE = re.compile(r"DEG(?:REES?)?_?(?:2|TO)_?RAD(?:IANS?)?|D2R", re.IGNORECAS
 
 @dataclass(frozen=True, slots=True)
 class _MathConstant:
-    """What a property must mean: its name in words, its value, and what xacro writes for it."""
+    """A constant that the name of a property promises."""
 
     words: str
     value: float
     expression: str
+    """The expression of xacro for it."""
 
 
 class _ReadableNames:
-    """Which names something may read: an expression of any file of the model, its package or folder, or what is unseen."""
+    """The names that something may read: an expression in the model, its package or folder, or a file that is not found."""
 
     def __init__(self, source: Source) -> None:
         self.source = source
         self.here = set().union(*(collect_read_names(tree) for tree in source.trees.values()))
-        # Where the expansion stopped, or did not follow an include to another package, nobody knows what reads a name.
+        # After a failed expansion or an include that was not followed, the readers of a name are unknown.
         self.unknown = source.root is None or has_unseen_includes(source)
 
     @cached_property
@@ -53,7 +54,7 @@ class _ReadableNames:
 def check(source: Source, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
     if not source.is_xacro:
         return
-    read = _ReadableNames(source)
+    names = _ReadableNames(source)
     for name, definitions in collect_properties(select_own_trees(source)).items():
         for definition in definitions:
             value = definition.owner.attributes.get("value")
@@ -61,19 +62,23 @@ def check(source: Source, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
             constant = None if value is None or typed is None else _match_constant(name, value.value)
             if value is not None and typed is not None and constant is not None:
                 off = abs(typed / constant.value - 1)
-                yield from _check_constant(name, value, constant, off, rel_tol, read, source, rule)
+                yield from _check_constant(
+                    source, rule, name=name, value=value, constant=constant, off=off, rel_tol=rel_tol, names=names
+                )
 
 
 def _check_constant(
+    source: Source,
+    rule: Rule,
+    *,
     name: str,
     value: Attribute,
     constant: _MathConstant,
     off: float,
     rel_tol: float,
-    read: _ReadableNames,
-    source: Source,
-    rule: Rule,
+    names: _ReadableNames,
 ) -> Iterator[Finding]:
+    """Report a constant that is ``off`` by this share, or that hides pi itself."""
     data: dict[str, Any] = {
         "name": name,
         "value": value.value,
@@ -84,7 +89,7 @@ def _check_constant(
         "digits": _count_significant_digits(value.value),
     }
     removed = build_removal_edits(value.owner, source.files)
-    is_read = off > rel_tol and read.may_be_read(name)
+    is_read = off > rel_tol and names.may_be_read(name)
     if is_read and name != "pi":
         edits = [] if value.span is None else [Edit(value.span, value.typed, constant.expression)]
         yield rule.finding("rounded" if off < 0.01 else "wrong", at=value, edits=edits, **data)
@@ -96,7 +101,7 @@ def _check_constant(
 
 
 def _match_constant(name: str, text: str) -> _MathConstant | None:
-    """The constant that a name promises; of names such as ``PI_2`` the value must say which fraction is meant."""
+    """Return the constant that a name promises; the value decides which fraction a name such as ``PI_2`` means."""
     if _PI.fullmatch(name):
         return _MathConstant("π", math.pi, "${pi}")
     if _DEGREE.fullmatch(name):
@@ -106,6 +111,6 @@ def _match_constant(name: str, text: str) -> _MathConstant | None:
 
 
 def _count_significant_digits(text: str) -> int:
-    """The significant digits of a number as typed."""
+    """Count the significant digits of a number as typed."""
     mantissa = text.lower().partition("e")[0]
     return len(re.sub(r"\D", "", mantissa).lstrip("0"))

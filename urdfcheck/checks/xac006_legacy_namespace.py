@@ -12,10 +12,10 @@ from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute
 
 CURRENT = "http://www.ros.org/wiki/xacro"
-# What the wiki's own pages declared at some time; every release of xacro takes it.
+# The wiki's own pages once declared the second one; every release of xacro accepts it.
 _ACCEPTED = frozenset({CURRENT, "http://wiki.ros.org/xacro"})
 _LEGACY = ("http://ros.org/wiki/xacro", "http://www.ros.org/wiki/xacro/#")
-# Closer than this to the current one, an unknown address is a slip of the finger and not a name of one's own.
+# An unknown address this much like the current one is a misspelling, not another namespace.
 _MIN_SIMILARITY = 0.9
 
 

@@ -31,13 +31,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for problem in problems:
         first, second = problem.data["lost"], problem.location
         before, after = definitions.get(first.span), definitions.get(second.span)
-        if before is None or after is None or _is_intentional(before, after, second, tags):
+        if before is None or after is None or _is_intentional(before, after, second=second, tags=tags):
             continue
         files = _get_file_name(first), _get_file_name(second)
         message = _choose_message(first, second, files)
         if message is None or not own.keys() & set(files):
             continue
-        # The definition that has no effect is the one that the author of both files can see is wrong.
+        # The author of both files can see that the definition without effect is wrong.
         at, other = (first, second) if message == "included" else (second, first)
         yield rule.finding(
             message,
@@ -51,8 +51,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         )
 
 
-def _is_intentional(before: Element, after: Element, second: Location, tags: Mapping[Span | None, Element]) -> bool:
-    """Whether the second value is equal, or is there on a condition, for another scope, or in a file that was chosen."""
+def _is_intentional(before: Element, after: Element, *, second: Location, tags: Mapping[Span | None, Element]) -> bool:
+    """Whether the second value is equal, conditional, for another scope, or in a file with a computed name."""
     if (
         "scope" in before.attributes
         or "scope" in after.attributes
@@ -60,12 +60,12 @@ def _is_intentional(before: Element, after: Element, second: Location, tags: Map
     ):
         return True
     calls = [tags[span] for span in second.via if span in tags]
-    chosen = any("$" in call.get("filename").replace("$(find ", "") for call in calls)
-    return chosen or any(_is_conditional(element) for element in (after, *calls))
+    is_computed = any("$" in call.get("filename").replace("$(find ", "") for call in calls)
+    return is_computed or any(_is_conditional(element) for element in (after, *calls))
 
 
 def _choose_message(first: Location, second: Location, files: tuple[str, str]) -> str | None:
-    """How the first value is lost; None where a file sets what a file that it includes has set, as one sets defaults."""
+    """Return how the first value is lost, or None if a file overrides the default of a file that it includes."""
     if files[0] == files[1]:
         return "twice"
     if files[0] in {span.file for span in second.via}:

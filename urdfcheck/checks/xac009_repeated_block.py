@@ -14,25 +14,27 @@ from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element
 
-# Digits that CAD exports of one part differ in: residue of the arithmetic, not another part.
+# CAD exports of one part differ in these digits, by rounding.
 _TOLERANCES = {"rel_tol": 1e-6, "abs_tol": 1e-12}
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class _LinkBlock:
-    """A link and the joint that carries it. ``shape`` is its structure without any value."""
+    """A link and the joint that carries it."""
 
     link: Element
     name: str
     columns: tuple[Attribute, ...]
+    """All attributes, in the order of the structure."""
     structure: tuple[tuple[str, ...], ...]
+    """The tag, level and attribute names of each element."""
 
     def get_value(self, column: int) -> str:
-        """A value with the block's own name left out, so that what follows from the name is equal."""
+        """Return a value without the name of the block, so that values derived from the name are equal."""
         return self.columns[column].value.replace(self.name, "\0")
 
     def find_differing_columns(self, other: _LinkBlock) -> list[int]:
-        """The columns in which two blocks of one structure differ."""
+        """Return the columns in which two blocks of one structure differ."""
         return [i for i in range(len(self.columns)) if not _is_equal_value(self.get_value(i), other.get_value(i))]
 
 
@@ -41,10 +43,10 @@ def check(source: Source, rule: Rule, *, blocks: int, attributes: int, share: fl
         return
     for name, tree in select_own_trees(source).items():
         if name.endswith(".urdf"):
-            continue  # included as some program wrote it
+            continue  # written by a program, and included unchanged
         for parent in tree.walk():
-            found = [b for b in _collect_blocks(parent) if len(b.columns) >= attributes]
-            for group in _group_blocks(found, share):
+            candidates = [b for b in _collect_blocks(parent) if len(b.columns) >= attributes]
+            for group in _group_blocks(candidates, share):
                 if len(group) >= blocks:
                     yield _build_finding(group, rule)
 
@@ -53,7 +55,7 @@ def _build_finding(group: Sequence[_LinkBlock], rule: Rule) -> Finding:
     first = group[0]
     columns = sorted({i for other in group[1:] for i in first.find_differing_columns(other)})
     macro = _suggest_macro_name([b.name for b in group])
-    told = [_describe_attribute(first.columns[i]) for i in columns if first.columns[i].name != "name"]
+    differing = [_describe_attribute(first.columns[i]) for i in columns if first.columns[i].name != "name"]
     whole, split = _split_columns(group, columns)
     varies = classify_columns(split)
     parameters = [*(c.name for c in varies.parameters), *_name_parameters([first.columns[i] for i in whole])]
@@ -65,10 +67,10 @@ def _build_finding(group: Sequence[_LinkBlock], rule: Rule) -> Finding:
         related=[b.link for b in group[1:]],
         count=len(group),
         links=[b.name for b in group],
-        listed=join_names([b.name for b in group], 4),
+        listed=join_names((b.name for b in group), 4),
         what="links and the joints that carry them" if with_joint else "links",
-        differences=told,
-        differ=join_names(told) or "nothing",
+        differences=differing,
+        differ=join_names(differing) or "nothing",
         macro=macro,
         parameters=" ".join(["name", *parameters]),
         call="".join(f' {p}="{given.get(p, "…")}"' for p in parameters),
@@ -85,7 +87,7 @@ def _build_finding(group: Sequence[_LinkBlock], rule: Rule) -> Finding:
 
 
 def _split_columns(group: Sequence[_LinkBlock], columns: Sequence[int]) -> tuple[list[int], list[NumberColumn]]:
-    """The differing attributes that are one parameter each, and the numbers of those that are rows of numbers."""
+    """Split the differing columns into those that are one parameter each, and the numbers of all others."""
     whole, split = [], []
     for i in columns:
         attribute = group[0].columns[i]
@@ -97,17 +99,21 @@ def _split_columns(group: Sequence[_LinkBlock], columns: Sequence[int]) -> tuple
             continue
         names = _name_numbers(attribute, len(rows[0]))
         for name, words in zip(names, zip(*rows, strict=True), strict=True):
-            leads = _describe_attribute(attribute) == "joint origin xyz"
-            split.append(NumberColumn(name, words, leads, attribute.name == "rpy"))
+            split.append(_make_number_column(attribute, name, words))
     names = [c.name for c in split]
-    # Two origins have an x each: there the whole attribute is the parameter.
+    # The x of two origins would be one name: then whole attributes are the parameters.
     if len(set(names)) < len(names):
         return list(columns), []
     return whole, split
 
 
+def _make_number_column(attribute: Attribute, name: str, words: tuple[str, ...]) -> NumberColumn:
+    is_coordinate = _describe_attribute(attribute) == "joint origin xyz"
+    return NumberColumn(name, words, is_coordinate=is_coordinate, is_angle=attribute.name == "rpy")
+
+
 def _name_numbers(attribute: Attribute, count: int) -> list[str]:
-    """A name for each number of an attribute: x y z and roll pitch yaw of the joint's origin, else the attribute's own."""
+    """Name each number of an attribute: x y z and roll pitch yaw for the joint's origin, else after the attribute."""
     place = _describe_attribute(attribute)
     if place in {"joint origin xyz", "joint origin rpy"} and count == 3:
         return ["x", "y", "z"] if attribute.name == "xyz" else ["roll", "pitch", "yaw"]
@@ -131,16 +137,16 @@ def _build_block(link: Element, joint: Element | None) -> _LinkBlock:
     elements = [*link.walk(), *(joint.walk() if joint is not None else ())]
     columns = [e.attributes[n] for e in elements for n in sorted(e.attributes)]
     depth = {id(link): 0, id(joint): 0}
-    shape = []
+    structure = []
     for element in elements:
         level = depth.setdefault(id(element), depth.get(id(element.parent), 0) + 1)
-        shape.append((element.tag, str(level), *sorted(element.attributes)))
-    return _LinkBlock(link, link.get("name"), tuple(columns), tuple(shape))
+        structure.append((element.tag, str(level), *sorted(element.attributes)))
+    return _LinkBlock(link=link, name=link.get("name"), columns=tuple(columns), structure=tuple(structure))
 
 
-def _group_blocks(found: Sequence[_LinkBlock], share: float) -> Iterator[list[_LinkBlock]]:
-    """Blocks of one structure, of which each differs from the first in few columns only."""
-    left = list(found)
+def _group_blocks(blocks: Sequence[_LinkBlock], share: float) -> Iterator[list[_LinkBlock]]:
+    """Group blocks of one structure that differ from the first in at most this share of the columns."""
+    left = list(blocks)
     while left:
         first = left[0]
         allowed = share * len(first.columns)
@@ -162,7 +168,7 @@ def _is_equal_word(one: str, other: str) -> bool:
 
 
 def _describe_attribute(attribute: Attribute) -> str:
-    """``joint origin rpy``."""
+    """Return ``joint origin rpy``."""
     subject = attribute.owner
     while subject.parent is not None and subject.tag not in {"link", "joint"}:
         subject = subject.parent
@@ -171,11 +177,11 @@ def _describe_attribute(attribute: Attribute) -> str:
 
 
 def _name_parameters(columns: Sequence[Attribute]) -> list[str]:
-    """A name for each column: its attribute's where that is enough, else with the element's before it."""
+    """Name each column after its attribute if that is unique, else after element and attribute."""
     short = [c.name for c in columns]
     long = [f"{c.owner.tag}_{c.name}" for c in columns]
-    clear = [short.count(s) == 1 and s != "name" for s in short]
-    return list(dict.fromkeys(s if c else n for s, n, c in zip(short, long, clear, strict=True)))
+    is_clear = [name != "name" and short.count(name) == 1 for name in short]
+    return list(dict.fromkeys(s if clear else n for s, n, clear in zip(short, long, is_clear, strict=True)))
 
 
 def _find_common_prefix(names: Sequence[str]) -> str:
@@ -184,7 +190,7 @@ def _find_common_prefix(names: Sequence[str]) -> str:
 
 
 def _suggest_macro_name(names: Sequence[str]) -> str:
-    """What the names have in common: ``wheel`` of wheel_1 and wheel_2, or of left_wheel and right_wheel."""
+    """Return what the names have in common: ``wheel`` for wheel_1 and wheel_2, or for left_wheel and right_wheel."""
     names = [re.sub(r"\$\{[^$}]*\}", "", n) for n in names]
     prefix = _find_common_prefix(names)
     suffix = _find_common_prefix([n[::-1] for n in names])[::-1]

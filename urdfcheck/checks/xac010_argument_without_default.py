@@ -34,7 +34,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
 
 
 def _find_undeclared_arguments(source: Source) -> list[str]:
-    """The arguments that the files reached read, nobody has given and no file declares."""
+    """Return the arguments that the included files read and that are neither given nor declared."""
     declared = {e.get("name") for e in iter_elements_by_tag(source.trees, "xacro:arg")}
     read = {
         name: None

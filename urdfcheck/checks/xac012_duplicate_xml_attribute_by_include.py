@@ -11,7 +11,7 @@ from urdfcheck.model import Model
 from urdfcheck.source.text.grammar import iter_urdf_elements, parse_urdf_version
 from urdfcheck.source.text.xml import Attribute, Element
 
-# What a later version of URDF brought: since when, how it is called, and the attributes by which it is known.
+# Features of later URDF versions by tag: the version, the name, and the attributes that make the feature (none: the tag).
 _NEWER_FEATURES: Mapping[str, tuple[tuple[int, int], str, frozenset[str]]] = {
     "origin": ((1, 1), "quat_xyzw", frozenset({"quat_xyzw"})),
     "capsule": ((1, 1), "<capsule>", frozenset()),
@@ -26,17 +26,19 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _check_versions(model: Model, rule: Rule) -> Iterator[Finding]:
-    """An included file that is written in a newer URDF than the robot says to be."""
+    """Report included files that use a newer version of URDF than the robot declares."""
     source, main = model.source, model.source.main_tree
-    own = None if main is None else parse_urdf_version(main)
-    if not source.is_xacro or main is None or own is None:
+    main_version = None if main is None else parse_urdf_version(main)
+    if not source.is_xacro or main is None or main_version is None:
         return
     for name, tree in source.trees.items():
         declared, version = tree.attributes.get("version"), parse_urdf_version(tree)
-        if declared is None or version is None or version <= own or tree is main:
+        if declared is None or version is None or version <= main_version or tree is main:
             continue
         lost = [
-            e for e in _find_elements_in_file(name, model.robot) if own < (_get_required_version(e) or own) <= version
+            element
+            for element in _find_elements_in_file(name, model.robot)
+            if main_version < (_get_required_version(element) or main_version) <= version
         ]
         if lost:
             finding = rule.finding(
@@ -49,7 +51,7 @@ def _check_versions(model: Model, rule: Rule) -> Iterator[Finding]:
                 file=name,
                 main=source.name,
             )
-            # What is used in vain is no defect of its own: these elements give way.
+            # This finding supersedes those about the elements, which have no other defect.
             yield replace(finding, subjects=tuple(dict.fromkeys((*finding.subjects, *(e.subject for e in lost)))))
 
 
@@ -58,17 +60,17 @@ def _find_elements_in_file(file: str, robot: Element) -> list[Element]:
 
 
 def _get_required_version(element: Element) -> tuple[int, int] | None:
-    """The version of URDF from which on all of an element is read, None for what has always been."""
+    """Return the first version of URDF that reads all of an element, or None for an element of the first version."""
     since, _, names = _NEWER_FEATURES.get(element.tag, (None, "", frozenset()))
     return since if not names or names & element.attributes.keys() else None
 
 
 def _check_prefixes(model: Model, rule: Rule) -> Iterator[Finding]:
-    """A prefix that an included file binds to another address than the file that includes it: xacro keeps the first."""
+    """Report prefixes that an included file binds to another address than the including file: xacro keeps the first."""
     source = model.source
-    said = [m for p in source.find_problems("xacro-warning") if (m := _REDEFINED.match(p.message)) is not None]
-    declared = _collect_namespace_prefixes(source.trees) if said else {}
-    for name, old, new in dict.fromkeys(match.groups() for match in said):
+    warnings = [m for p in source.find_problems("xacro-warning") if (m := _REDEFINED.match(p.message)) is not None]
+    declared = _collect_namespace_prefixes(source.trees) if warnings else {}
+    for name, old, new in dict.fromkeys(match.groups() for match in warnings):
         if name != "xmlns:xacro" and (name, new) in declared:
             yield rule.finding(
                 "prefix",
@@ -82,11 +84,11 @@ def _check_prefixes(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _collect_namespace_prefixes(trees: Mapping[str, Element]) -> dict[tuple[str, str], Attribute]:
-    """The first declaration of each prefix with each address."""
-    found: dict[tuple[str, str], Attribute] = {}
+    """Return the first declaration of each prefix with each address."""
+    declarations: dict[tuple[str, str], Attribute] = {}
     for tree in trees.values():
         for element in tree.walk():
             for name, attribute in element.attributes.items():
                 if name.startswith("xmlns:"):
-                    found.setdefault((name, attribute.value), attribute)
-    return found
+                    declarations.setdefault((name, attribute.value), attribute)
+    return declarations

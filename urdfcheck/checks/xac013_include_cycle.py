@@ -10,16 +10,16 @@ from urdfcheck.source.load import Source
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     for problem in source.find_problems("include-cycle"):
-        # The way goes once round: the last include leads to where the first of the circle stands.
-        first, way = problem.location.span, problem.location.via
-        circle = way[way.index(first) :] if first in way else way
-        if not circle:
+        # `via` goes round once: its last include leads back to the file with the first include of the cycle.
+        first, via = problem.location.span, problem.location.via
+        cycle = via[via.index(first) :] if first in via else via
+        if not cycle:
             continue
-        *before, closing = circle
-        files = list(dict.fromkeys(span.file for span in circle))
+        *before, closing = cycle
+        files = list(dict.fromkeys(span.file for span in cycle))
         yield rule.finding(
             "circle" if len(files) > 1 else "itself",
-            at=Location(problem.location.subject, closing, way[: len(way) - 1]),
+            at=Location(problem.location.subject, closing, via[:-1]),
             related=[Location(problem.location.subject, span) for span in before],
             file=files[0],
             files=files,

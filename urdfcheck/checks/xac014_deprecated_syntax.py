@@ -22,11 +22,11 @@ def check(subject: Source | LaunchContext, rule: Rule) -> Iterator[Finding]:
 
 
 def _check_functions(source: Source, rule: Rule) -> Iterator[Finding]:
-    """What xacro itself says of a function each time that it is called."""
+    """Report the deprecated functions about which xacro warns."""
     for problem in source.find_problems("xacro-warning"):
-        said = _DIRECT.match(problem.message)
-        if said:
-            yield rule.finding("function", at=problem.location, function=said.group(1), namespace=said.group(2))
+        match = _DIRECT.match(problem.message)
+        if match:
+            yield rule.finding("function", at=problem.location, function=match.group(1), namespace=match.group(2))
 
 
 def _check_options(launch: Launch, rule: Rule) -> Iterator[Finding]:

@@ -3,29 +3,35 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.export.outline import ModelOutline
 
-# Of the name of a part, in characters, of which none that was typed has so many.
+# No typed name of a part has more characters.
 _MAX_NAME_LENGTH = 1_000
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class _ModelDifference:
-    """What differs between two outlines. ``values``: parts that both have with other values."""
+    """The differences between the outlines of a URDF and a xacro."""
 
     names: bool
+    """Whether the robots have different names."""
     values: tuple[str, ...]
+    """Parts of both with different values."""
     only_urdf: tuple[str, ...]
+    """Parts that the xacro lacks."""
     only_xacro: tuple[str, ...]
+    """Parts that the URDF lacks."""
     extensions: tuple[str, ...]
+    """Extension elements whose numbers differ, in words."""
 
     @property
     def weight(self) -> int:
+        """The number of parts that differ."""
         return len(self.values) + len(self.only_urdf) + len(self.only_xacro)
 
     def __bool__(self) -> bool:
@@ -41,14 +47,14 @@ def check(outlines: list[ModelOutline], rule: Rule, *, overlap: float, links: in
         ]
         if not copies:
             continue
-        # Of several variants of the xacro, the one that the URDF was made from is the nearest.
+        # The URDF was made from the most similar variant of the xacro.
         xacro = min(copies, key=lambda o: (_compare_outlines(urdf, o).weight, o.model))
         difference = _compare_outlines(urdf, xacro)
         if difference:
-            yield replace(_build_finding(urdf, xacro, difference, rule), model=urdf.model)
+            yield replace(_build_finding(rule, urdf, xacro, difference=difference), model=urdf.model)
 
 
-def _build_finding(urdf: ModelOutline, xacro: ModelOutline, difference: _ModelDifference, rule: Rule) -> Finding:
+def _build_finding(rule: Rule, urdf: ModelOutline, xacro: ModelOutline, *, difference: _ModelDifference) -> Finding:
     return rule.finding(
         "diverged" if difference.weight else "equal-bodies",
         at=urdf.location,
@@ -67,11 +73,11 @@ def _describe_differences(urdf: ModelOutline, xacro: ModelOutline, difference: _
     if difference.names:
         yield f"the robot's name ({urdf.robot!r} and {xacro.robot!r})"
     if difference.values:
-        told = [f"{part}: {_format_part(urdf, part)} and {_format_part(xacro, part)}" for part in difference.values]
-        yield f"{_format_count(difference.values, 'value')} ({join_names(told, 3)})"
+        values = (f"{part}: {_format_part(urdf, part)} and {_format_part(xacro, part)}" for part in difference.values)
+        yield f"{format_count(len(difference.values), 'value')} ({join_names(values, 3)})"
     for only, where in ((difference.only_urdf, "URDF"), (difference.only_xacro, "xacro")):
         if only:
-            yield f"{_format_count(only, 'part')} only in the {where} ({join_names(only, 3)})"
+            yield f"{format_count(len(only), 'part')} only in the {where} ({join_names(only, 3)})"
     if difference.extensions:
         yield f"extensions ({', '.join(difference.extensions)})"
 
@@ -80,19 +86,15 @@ def _format_part(outline: ModelOutline, part: str) -> str:
     return " ".join(outline.parts[part]) or "nothing"
 
 
-def _format_count(things: Sequence[str], what: str) -> str:
-    return f"{len(things)} {what}{'' if len(things) == 1 else 's'}"
-
-
 def _compare_outlines(urdf: ModelOutline, xacro: ModelOutline) -> _ModelDifference:
     both = urdf.parts.keys() & xacro.parts.keys()
     tags = sorted({*urdf.extensions, *xacro.extensions})
     return _ModelDifference(
-        urdf.robot != xacro.robot,
-        tuple(sorted(p for p in both if urdf.parts[p] != xacro.parts[p])),
-        _reduce_to_top_parts(urdf.parts.keys() - both, xacro.parts),
-        _reduce_to_top_parts(xacro.parts.keys() - both, urdf.parts),
-        tuple(
+        names=urdf.robot != xacro.robot,
+        values=tuple(sorted(p for p in both if urdf.parts[p] != xacro.parts[p])),
+        only_urdf=_reduce_to_top_parts(urdf.parts.keys() - both, xacro.parts),
+        only_xacro=_reduce_to_top_parts(xacro.parts.keys() - both, urdf.parts),
+        extensions=tuple(
             f"{urdf.extensions.get(t, 0)} and {xacro.extensions.get(t, 0)} <{t}>"
             for t in tags
             if urdf.extensions.get(t, 0) != xacro.extensions.get(t, 0)
@@ -101,20 +103,20 @@ def _compare_outlines(urdf: ModelOutline, xacro: ModelOutline) -> _ModelDifferen
 
 
 def _reduce_to_top_parts(parts: Iterable[str], other: Iterable[str]) -> tuple[str, ...]:
-    """Parts that only one has: what the other lacks altogether (a link, a collision) counts once, by its name."""
+    """Reduce parts that only one model has to their outermost elements: a link or collision that the other lacks counts once."""
     known = {prefix for part in other for prefix in _list_prefixes(part)}
     return tuple(sorted({next((p for p in _list_prefixes(part) if p not in known), part) for part in parts}))
 
 
 def _list_prefixes(part: str) -> list[str]:
-    """``link[a]``, ``link[a]/inertial``, ``link[a]/inertial/mass``, ``link[a]/inertial/mass@value``."""
+    """Return ``link[a]``, ``link[a]/inertial``, ``link[a]/inertial/mass``, ``link[a]/inertial/mass@value``."""
     if len(part) > _MAX_NAME_LENGTH:  # its prefixes would have more characters than there is memory for
         return [part]
     return [part[: m.start()] for m in re.finditer(r"[/@](?![^\[]*\])", part)] + [part]
 
 
 def _compute_overlap(one: ModelOutline, other: ModelOutline) -> float:
-    """Jaccard index of the names of links and joints."""
+    """Return the Jaccard index of the names of links and joints."""
     a = {*(("link", n) for n in one.links), *(("joint", n) for n in one.joints)}
     b = {*(("link", n) for n in other.links), *(("joint", n) for n in other.joints)}
     return len(a & b) / len(a | b) if a | b else 0.0

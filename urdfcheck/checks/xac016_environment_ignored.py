@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 
 
@@ -21,7 +21,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         at=place[first],
         related=[place[span] for span in others],
         variables=names,
-        amount="1 variable" if len(names) == 1 else f"{len(names)} variables",
+        amount=format_count(len(names), "variable"),
         was="was" if len(names) == 1 else "were",
         listed=join_names(names, 5),
         options=" ".join(f"--env {name}" for name in names[:5]) + (" …" if len(names) > 5 else ""),

@@ -14,22 +14,23 @@ from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import SourceFile, find_unbound_prefix
 
 _KINDS = ("malformed", "encoding", "utf-16", "instruction", "doctype", "prefix", "unreadable")
-# How a file that was never XML begins, and what that tells.
+# How a file that was never XML begins, and the cause.
 _CAUSES = (("version https://git-lfs", "git_lfs"), ("<!doctype html", "web_page"), ("<html", "web_page"))
-# What we refuse and ROS may read.
+# We reject this, and ROS may read it.
 _OUR_CHOICE = "doctype"
 
 
 def check(subject: Source | LaunchContext | Package, rule: Rule) -> Iterator[Finding]:
     if isinstance(subject, Source):
         yield from _check_model(subject, rule)
-    elif isinstance(subject, LaunchContext):
-        yield from _check_companion_file(subject.launch.problems, subject.launch.files, "launch", rule)
+    elif isinstance(subject, Launch):
+        yield from _check_companion_file(rule, "launch", problems=subject.problems, files=subject.files)
     else:
         files = {} if subject.file is None else {subject.file.name: subject.file}
-        yield from _check_companion_file(subject.problems, files, "manifest", rule)
+        yield from _check_companion_file(rule, "manifest", problems=subject.problems, files=files)
         for problem, file in find_broken_srdfs(subject.path):
-            yield from _check_companion_file([problem], {} if file is None else {file.name: file}, "srdf", rule)
+            files = {} if file is None else {file.name: file}
+            yield from _check_companion_file(rule, "srdf", problems=[problem], files=files)
 
 
 def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -46,9 +47,9 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
 
 
 def _check_companion_file(
-    problems: Sequence[Problem], files: Mapping[str, SourceFile], message: str, rule: Rule
+    rule: Rule, message: str, *, problems: Sequence[Problem], files: Mapping[str, SourceFile]
 ) -> Iterator[Finding]:
-    """A launch file or a package.xml that could not be read."""
+    """Report a launch file, package.xml or SRDF that cannot be read."""
     for problem in problems:
         if problem.kind not in _KINDS:
             continue
@@ -71,9 +72,9 @@ def _choose_message(problem: Problem, file: SourceFile | None) -> str:
 
 
 def _is_xacro_prefix(source: Source) -> bool:
-    """A plain URDF with xacro's own prefix was meant to be expanded: XML009 says so."""
-    found = find_unbound_prefix(source.main_tree) if source.main_tree is not None else None
-    return found is not None and found[1] == "xacro"
+    """Whether the unbound prefix of a plain URDF is that of xacro: XML009 reports that it was not expanded."""
+    unbound = find_unbound_prefix(source.main_tree) if source.main_tree is not None else None
+    return unbound is not None and unbound[1] == "xacro"
 
 
 def _classify_cause(problem: Problem, file: SourceFile | None) -> str | None:

@@ -43,12 +43,12 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
             yield rule.finding("root", at=root, tag=root.tag)
         else:
             edits = build_rename_edits([root], "robot", source.files) if root.tag == "Robot" else ()
-            told = _describe_consequences(root.tag)
-            yield rule.finding("format", at=root, edits=edits, consequences=told, tag=root.tag, format=known)
+            consequences = _describe_consequences(root.tag)
+            yield rule.finding("format", at=root, edits=edits, consequences=consequences, tag=root.tag, format=known)
         return
     name = root.attributes.get("name")
     if name is None:
-        # A xacro file without a name that was only found in a folder is a part that some model includes.
+        # A xacro file without a name that was found in a folder is a part of the model that includes it.
         if source.explicit or not source.is_xacro:
             yield rule.finding("unnamed", at=root)
     elif not name.value.strip():
@@ -56,6 +56,9 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
 
 
 def _describe_consequences(tag: str) -> dict[str, str]:
-    """What MuJoCo and Gazebo do with a file of this kind: each has a format of its own."""
-    own = {"mujoco": tag == "mujoco", "gazebo": tag == "sdf"}
-    return {name: "loads it: this is its own format" if reads else "refuses the file" for name, reads in own.items()}
+    """Return the reactions of MuJoCo and Gazebo, each of which has its own format."""
+    is_own_format = {"mujoco": tag == "mujoco", "gazebo": tag == "sdf"}
+    return {
+        name: "loads it: this is its own format" if reads else "refuses the file"
+        for name, reads in is_own_format.items()
+    }

@@ -7,13 +7,14 @@ from dataclasses import replace
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import format_repetition
 from urdfcheck.model import Model
 from urdfcheck.source.text.engine_reactions import is_collision_part
 from urdfcheck.source.text.grammar import CHILDREN, guess_element_tag, iter_urdf_elements
 from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.xml import Element
 
-# Elements that a program other than urdfdom reads where they stand, or that name an extension of their own.
+# Elements that a program other than urdfdom reads here, or that are an extension with its own name.
 _EXTENSIONS: dict[str, frozenset[str]] = {
     "robot": frozenset(
         {
@@ -42,29 +43,29 @@ _EXTENSIONS: dict[str, frozenset[str]] = {
     "collision": frozenset({"verbose", "material", "contact_coefficients"}),
     "geometry": frozenset({"plane", "cdf"}),  # Bullet
 }
-# What SDF has inside a link, a collision or a joint: in a URDF it counts only inside <gazebo>.
+# Elements of a link, a collision or a joint in SDF: in a URDF they count only inside <gazebo>.
 _SDF = frozenset({
     "gravity", "kinematic", "self_collide", "surface", "enable_wind", "velocity_decay", "must_be_base_link",
     "laser_retro", "max_contacts", "selfCollide", "turnGravityOff", "dampingFactor", "maxContacts", "mu1", "mu2",
     "kp", "kd", "minDepth", "maxVel", "fdir1", "implicitSpringDamper", "provideFeedback", "stopCfm", "stopErp",
     "fudgeFactor", "plugin", "pose", "static",
 })  # fmt: skip
-# Unprefixed xacro has a rule of its own (XAC007).
+# XAC007 reports xacro without its prefix.
 _XACRO = frozenset(["macro", "property", "include", "arg", "if", "unless", "insert_block"])
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    found: dict[tuple[str, str], list[Element]] = {}
+    unknown: dict[tuple[str, str], list[Element]] = {}
     for parent in iter_urdf_elements(model.robot):
         for child in parent.children:
             if _is_unknown_element(parent.tag, child):
-                found.setdefault((parent.tag, child.tag), []).append(child)
-    for (parent_tag, tag), places in found.items():
-        judged = _classify_element(parent_tag, places[0])
-        if judged is None:
+                unknown.setdefault((parent.tag, child.tag), []).append(child)
+    for (parent_tag, tag), places in unknown.items():
+        verdict = _classify_element(parent_tag, places[0])
+        if verdict is None:
             continue
-        message, severity, data = judged
-        data = {"tag": tag, "parent": parent_tag, "times": _format_times(len(places)), **data}
+        message, severity, data = verdict
+        data = {"tag": tag, "parent": parent_tag, "times": format_repetition(len(places)), **data}
         finding = rule.finding(
             message,
             at=places[0],
@@ -78,7 +79,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _describe_consequences(parent: str, places: list[Element]) -> dict[str, str]:
-    """What urdfdom, MuJoCo, Drake and Bullet do with it: where a shape should be, they find none."""
+    """Return the reactions of urdfdom, MuJoCo, Drake and Bullet, which miss a shape in a geometry."""
     if parent != "geometry":
         return dict.fromkeys(("urdfdom", "mujoco", "drake", "bullet"), "ignores it without a message")
     drawn = not any(map(is_collision_part, places))
@@ -96,7 +97,7 @@ def _is_unknown_element(parent: str, child: Element) -> bool:
 
 
 def _classify_element(parent: str, child: Element) -> tuple[str, Severity, dict[str, Any]] | None:
-    """Which message an unknown element deserves, None when it is somebody's own extension of the robot."""
+    """Return the message, its severity and its data for an unknown element, or None for an extension of the robot."""
     near = guess_element_tag(parent, child)
     if near is not None:
         return "misspelt", Severity.ERROR if parent == "geometry" else Severity.WARNING, {"near": near}
@@ -111,7 +112,3 @@ def _classify_element(parent: str, child: Element) -> tuple[str, Severity, dict[
     if child.tag in _SDF:
         return "sdf", Severity.WARNING, {}
     return "ignored", Severity.INFO, {}
-
-
-def _format_times(count: int) -> str:
-    return "" if count == 1 else f" ({count} times)"

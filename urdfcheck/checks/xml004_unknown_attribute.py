@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity, Span
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_repetition, join_names
 from urdfcheck.model import Model
 from urdfcheck.source.text.engine_reactions import describe_engine_reactions, describe_loss
 from urdfcheck.source.text.grammar import (
@@ -23,44 +23,45 @@ from urdfcheck.source.text.tokens import find_name_span
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile
 
-# Labels and notes; what nothing is expected to read.
+# Labels and notes, which nothing is expected to read.
 _LABELS = frozenset({"name", "id", "comment", "description"})
-# What Bullet reads (group, mask, concave), and what a link had before URDF 1.0 (type).
+# Bullet reads group, mask and concave; a link had a type before URDF 1.0.
 _EXTENSIONS: Mapping[str, frozenset[str]] = {
     "link": frozenset({"type"}),
     "collision": frozenset({"group", "mask", "concave"}),
 }
-# Types of joints whose axis nothing reads.
+# Nothing reads the axis of these types of joints.
 _WITHOUT_AXIS = frozenset({"fixed", "floating"})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _UnreadAttribute:
-    """One attribute that is not read: which message that deserves, what the message needs, and what programs do."""
+    """An attribute that nothing reads, and the contents of its finding."""
 
     attribute: Attribute
     message: str
     data: Mapping[str, Any]
+    """The values that the message needs."""
     consequences: Mapping[str, str] = field(default_factory=dict)
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    found: dict[tuple[str, ...], list[_UnreadAttribute]] = {}
+    by_kind: dict[tuple[str, ...], list[_UnreadAttribute]] = {}
     for element in iter_urdf_elements(model.robot):
         for attribute in element.attributes.values():
             unread = _classify_attribute(element, attribute)
             if unread is not None:
-                # What resembles nothing is one finding for all of an element's own attributes.
+                # Attributes that resemble no known one are reported together.
                 name = "" if unread.message == "ignored" else attribute.name
                 kind = (unread.message, element.tag, name, unread.consequences.get("urdfdom", ""))
-                found.setdefault(kind, []).append(unread)
+                by_kind.setdefault(kind, []).append(unread)
     for around, element in iter_misspelt_contents(model.robot):
         for attribute in element.attributes.values():
             unread = _classify_attribute(element, attribute)
             if unread is not None and "near" in unread.data:
                 slip = _UnreadAttribute(attribute, "inside", {"near": unread.data["near"], "around": around.tag})
-                found.setdefault((slip.message, element.tag, attribute.name, around.tag), []).append(slip)
-    for places in found.values():
+                by_kind.setdefault((slip.message, element.tag, attribute.name, around.tag), []).append(slip)
+    for places in by_kind.values():
         yield _build_finding(places, rule, model.source.files)
 
 
@@ -78,8 +79,8 @@ def _classify_attribute(element: Element, attribute: Attribute) -> _UnreadAttrib
     if tag == "robot" and near == "name":
         return None  # a robot without a name: XML002
     if near is not None and near in REQUIRED_ATTRIBUTES.get(tag, ()):
-        told = {"urdfdom": describe_loss(element), **describe_engine_reactions(element, [near])}
-        return _UnreadAttribute(attribute, "required", {"near": near}, told)
+        consequences = {"urdfdom": describe_loss(element), **describe_engine_reactions(element, [near])}
+        return _UnreadAttribute(attribute, "required", {"near": near}, consequences=consequences)
     if near is not None:
         return _UnreadAttribute(attribute, "misspelt", {"near": near})
     homes = sorted(
@@ -93,12 +94,12 @@ def _classify_attribute(element: Element, attribute: Attribute) -> _UnreadAttrib
 
 
 def _build_finding(places: list[_UnreadAttribute], rule: Rule, files: Mapping[str, SourceFile]) -> Finding:
-    """One finding for the same slip in many places."""
+    """Report one mistake in all of its places."""
     first = places[0]
     spans = [find_name_span(place.attribute, files) for place in places]
     locations = [_locate_attribute_name(place.attribute, span) for place, span in zip(places, spans, strict=True)]
     near = first.data.get("near", "")
-    # A line of a macro stands in the file once however many elements it makes.
+    # A line of a macro is one place, however many elements it makes.
     names = dict.fromkeys(span for span in spans if span is not None)
     subjects = dict.fromkeys(place.attribute.owner.subject for place in places)
     finding = rule.finding(
@@ -110,7 +111,7 @@ def _build_finding(places: list[_UnreadAttribute], rule: Rule, files: Mapping[st
         severity={"required": Severity.ERROR, "ignored": Severity.INFO}.get(first.message),
         attribute=join_names(dict.fromkeys(f"`{place.attribute.name}`" for place in places)),
         tag=first.attribute.owner.tag,
-        times="" if len(subjects) == 1 else f" ({len(subjects)} times)",
+        times=format_repetition(len(subjects)),
         **first.data,
     )
     return replace(finding, subjects=tuple(place.attribute.location.subject for place in places))

@@ -11,14 +11,14 @@ from urdfcheck.source.text.engine_reactions import describe_engine_reactions, de
 from urdfcheck.source.text.grammar import REQUIRED_ATTRIBUTES, is_attribute_missing, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
 
-# A limit's effort and velocity, a joint's type and a safety controller's k_velocity have rules of their own.
+# Other rules check a limit's effort and velocity, a joint's type and a safety controller's k_velocity.
 _CHILDREN = {
     "joint": ("parent", "child"),
     "inertial": ("mass", "inertia"),
     "visual": ("geometry",),
     "collision": ("geometry",),
 }
-# The tags whose attributes are told here.
+# Only the attributes of these tags are checked.
 _CHECKED_TAGS = frozenset({
     "link", "parent", "child", "mass", "inertia", "mesh", "box", "cylinder", "capsule", "sphere", "mimic", "material",
     "color",
@@ -51,25 +51,25 @@ def _check_children(element: Element, rule: Rule) -> Iterator[Finding]:
     missing = [tag for tag in _CHILDREN.get(element.tag, ()) if element.find_child(tag) is None]
     if missing:
         listed = " and no ".join(f"<{tag}>" for tag in missing)
-        told = _describe_consequences(element)
         yield rule.finding(
-            "child", at=element, consequences=told, tag=element.tag, missing=listed, owner=_describe_owner(element)
+            "child",
+            at=element,
+            consequences=_describe_consequences(element),
+            tag=element.tag,
+            missing=listed,
+            owner=_describe_owner(element),
         )
 
 
 def _check_attributes(element: Element, rule: Rule) -> Iterator[Finding]:
-    wanted = (
-        REQUIRED_ATTRIBUTES[element.tag]
-        if element.tag in _CHECKED_TAGS
-        else ("name",)
-        if element.tag == "joint"
-        else ()
-    )
-    missing = [name for name in wanted if is_attribute_missing(element, name)]
+    required = REQUIRED_ATTRIBUTES[element.tag] if element.tag in _CHECKED_TAGS else ()
+    if element.tag == "joint":
+        required = ("name",)
+    missing = [name for name in required if is_attribute_missing(element, name)]
     data: dict[str, Any] = {"tag": element.tag, "owner": _describe_owner(element)}
     if missing:
-        told = {**_describe_consequences(element), **describe_engine_reactions(element, missing)}
-        yield rule.finding("attribute", at=element, consequences=told, missing=", ".join(missing), **data)
+        consequences = {**_describe_consequences(element), **describe_engine_reactions(element, missing)}
+        yield rule.finding("attribute", at=element, consequences=consequences, missing=", ".join(missing), **data)
     elif element.tag in {"parent", "child"} and "link" in element.attributes and not element.get("link"):
         at = element.attributes["link"]
         yield rule.finding("empty", at=at, consequences=_describe_consequences(element), missing="link", **data)
@@ -82,7 +82,7 @@ def _describe_consequences(element: Element) -> dict[str, str]:
 
 
 def _describe_owner(element: Element) -> str:
-    """``link arm`` or ``joint hinge``: the named part around an element, or the robot."""
+    """Return ``link arm`` or ``joint hinge``, the named part around an element, or the robot."""
     inner = element
     while inner.parent is not None and inner.parent.tag != "robot":
         inner = inner.parent

@@ -11,9 +11,9 @@ from urdfcheck.source.text.grammar import CHILDREN, iter_urdf_elements
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
 
-# Children of which there may be many.
+# An element may have several of these children.
 _REPEATABLE = frozenset({"link", "joint", "visual", "collision"})
-# What MuJoCo does not look at, so that it does not refuse two of them.
+# MuJoCo ignores these, and does not reject two of them.
 _UNSEEN_BY_MUJOCO = frozenset({"safety_controller", "calibration", "texture"})
 _COLLECTIONS = frozenset({"robot"})
 
@@ -23,11 +23,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if element.tag in _COLLECTIONS:
             continue
         for same in _find_repeated_children(element):
-            yield _build_finding(element, same, model, rule)
+            yield _build_finding(model, rule, element, same=same)
 
 
 def _find_repeated_children(element: Element) -> Iterator[list[Element]]:
-    """The children of which there may be one: of each tag, and of a geometry all shapes together."""
+    """Return the groups of children of which only one may exist: of one tag, or all shapes of a geometry."""
     groups: dict[str, list[Element]] = {}
     for child in element.children:
         if child.tag in CHILDREN.get(element.tag, frozenset()) - _REPEATABLE:
@@ -35,12 +35,12 @@ def _find_repeated_children(element: Element) -> Iterator[list[Element]]:
     return (group for group in groups.values() if len(group) > 1)
 
 
-def _build_finding(element: Element, same: list[Element], model: Model, rule: Rule) -> Finding:
+def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Element]) -> Finding:
     first, second = same[0], same[1]
     content = _build_content_key(first)
     identical = all(_build_content_key(other) == content for other in same[1:])
     message = "shapes" if element.tag == "geometry" else "identical" if identical else "repeated"
-    # urdfdom takes the first of them: to delete the others changes nothing there.
+    # urdfdom reads only the first: deleting the others changes nothing there.
     edits = [edit for other in same[1:] for edit in build_removal_edits(other, model.source.files)] if identical else []
     return rule.finding(
         message,
@@ -65,13 +65,13 @@ def _describe_mujoco_behaviour(element: Element, second: Element) -> str:
 
 
 def _build_content_key(element: Element) -> tuple[object, ...]:
-    """Everything that an element says, in comparable form."""
+    """Return the contents of an element in comparable form."""
     attributes = sorted((name, " ".join(a.value.split())) for name, a in element.attributes.items())
     return element.tag, tuple(attributes), tuple(_build_content_key(child) for child in element.children)
 
 
 def _describe_owner(element: Element) -> str:
-    """``joint hinge``, or ``visual of link arm``."""
+    """Return ``joint hinge``, or ``visual of link arm``."""
     parts: list[Element] = [element]
     while parts[-1].parent is not None and parts[-1].parent.tag != "robot":
         parts.append(parts[-1].parent)

@@ -8,7 +8,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Applicability, Edit, Finding, Rule, Severity
+from urdfcheck.core.text import truncate_text
 from urdfcheck.model import Model
+from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.engine_reactions import describe_loss
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.values import DECIMAL, MAX_MAGNITUDE, is_computable, parse_number
@@ -24,7 +26,7 @@ _UNITS = frozenset({
     "deg", "degree", "degrees", "°", "%", "n", "nm", "mnm", "n*m", "n·m", "nmm", "s", "ms", "rpm", "rad/s", "deg/s",
     "m/s", "mm/s", "kgm2", "kg*m2", "kg·m2", "kgm^2", "kg*m^2", "kg·m²", "kgm²", "gmm2", "g*mm2", "g*mm^2", '"', "'",
 })  # fmt: skip
-# What is computed with, not only compared: a limit of 1e308 is a way to write that there is none.
+# These numbers go into computations and not only comparisons: a limit of 1e308 means that there is no limit.
 _MEASURED = frozenset({"origin", "mass", "inertia", "axis", "box", "cylinder", "capsule", "sphere", "mesh"})
 _SI = frozenset({"m", "kg", "rad", "n", "nm", "n*m", "n·m", "s", "rad/s", "m/s"})
 
@@ -35,9 +37,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             attribute = element.attributes.get(name)
             if attribute is None or is_unexpanded(attribute.value):
                 continue
-            judged = _classify_value(attribute.value, count)
-            if judged is not None:
-                message, word, better = judged
+            verdict = _classify_value(attribute.value, count)
+            if verdict is not None:
+                message, word, better = verdict
                 edits = _propose_edits(attribute, word, better)
                 yield rule.finding(
                     message,
@@ -64,25 +66,24 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _collect_data(attribute: Attribute, word: str) -> dict[str, Any]:
-    shown = word if len(word) <= 40 else word[:37] + "..."
     names = [unicodedata.name(c, f"U+{ord(c):04X}").lower() for c in word if not c.isascii()]
     return {
         "where": f"{attribute.owner.subject}@{attribute.name}",
         "attribute": attribute.name,
-        "word": shown,
+        "word": truncate_text(word, 40),
         "character": names[0] if names else "",
     }
 
 
-def _propose_edits(attribute: Attribute, word: str, better: str | None) -> tuple[Edit, ...]:
-    """Replace a word of a literal attribute; none where the repair is not certain."""
-    if better is None or not attribute.literal or attribute.span is None or attribute.typed.count(word) != 1:
-        return ()
-    return (Edit(attribute.span, attribute.typed, attribute.typed.replace(word, better)),)
+def _propose_edits(attribute: Attribute, word: str, better: str | None) -> list[Edit]:
+    """Replace a word of a literal attribute; nothing if the repair is not certain."""
+    if better is None or attribute.typed.count(word) != 1:
+        return []
+    return edit_literal(attribute, attribute.typed.replace(word, better))
 
 
 def _classify_value(value: str, count: int) -> tuple[str, str, str | None] | None:
-    """The message for a value that holds a word that is no number, that word, and what it probably should read."""
+    """Return the message for a value with a malformed number, the malformed word and its correction, or None if all is well."""
     words = value.split()
     if not words:
         return "empty", value, None
@@ -98,7 +99,7 @@ def _classify_value(value: str, count: int) -> tuple[str, str, str | None] | Non
 
 
 def _classify_foreign_blank(value: str) -> tuple[str, str, str | None] | None:
-    """Python splits at a non-breaking space, no parser of URDF does."""
+    """Report a non-breaking space, which separates words for Python and not for parsers of URDF."""
     return None if value.isascii() else ("character", value, " ".join(value.split()))
 
 
@@ -121,7 +122,7 @@ def _classify_word(word: str) -> tuple[str, str, str | None]:
         # 1,000 may mean one or a thousand; 0,000 and 0,5 cannot mean thousands.
         thousands = re.fullmatch(r"[+-]?[1-9]\d{0,2},\d{3}", word)
         return "comma", word, None if thousands else word.replace(",", ".")
-    if DECIMAL.fullmatch(word):  # and no number: not a finite one
+    if DECIMAL.fullmatch(word):  # a decimal number that is not finite
         return "overflow", word, None
     if _EXPRESSION.fullmatch(word):
         return "expression", word, None
@@ -129,7 +130,7 @@ def _classify_word(word: str) -> tuple[str, str, str | None]:
 
 
 def _find_extreme_number(attribute: Attribute) -> str | None:
-    """The first number with which no check can compute. Small ones count as zero, but of a mass, which divides."""
+    """Return the first number with which no check can compute; small ones count as zero, except a mass, a divisor."""
     tag = attribute.owner.tag
     for word in attribute.value.split() if tag in _MEASURED else ():
         value = parse_number(word) or 0.0
@@ -139,9 +140,9 @@ def _find_extreme_number(attribute: Attribute) -> str | None:
 
 
 def _has_blank(attribute: Attribute, count: int, *, plain: bool) -> bool:
-    """White space that urdfdom does not skip: any after a single number, a tab or line break after one of several.
+    """Whether urdfdom does not skip some white space: any after a single number, a tab or line break after one of several.
 
-    xacro writes tabs and line breaks as spaces, so there only the first counts.
+    xacro writes tabs and line breaks as spaces, so only the white space after a single number counts there.
     """
     text = attribute.typed if plain and attribute.literal else attribute.value
     if count == 1:

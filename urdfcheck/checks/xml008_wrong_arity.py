@@ -6,12 +6,13 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model import Model
+from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.engine_reactions import describe_loss
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, iter_urdf_elements
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute
 
-# What is probably meant by fewer numbers: one scale for all axes, a colour without its alpha.
+# The probable meaning of fewer numbers: one scale for all axes, a colour without alpha.
 _COMPLETED = {("mesh", "scale", 1): "{0} {0} {0}", ("color", "rgba", 3): "{0} {1} {2} 1"}
 
 
@@ -22,7 +23,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             words = attribute.value.split() if attribute is not None else []
             if attribute is None or not words or len(words) == count or any(parse_number(w) is None for w in words):
                 continue
-            # A colour of the wrong length is not even mentioned by urdfdom: it becomes black.
+            # urdfdom reads a colour of the wrong length as black, without a message.
             message = "colour" if element.tag == "color" else "count"
             yield rule.finding(
                 message,
@@ -37,8 +38,6 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             )
 
 
-def _propose_edits(attribute: Attribute, words: list[str]) -> tuple[Edit, ...]:
-    form = _COMPLETED.get((attribute.owner.tag, attribute.name, len(words)))
-    if form is None or not attribute.literal or attribute.span is None:
-        return ()
-    return (Edit(attribute.span, attribute.typed, form.format(*words)),)
+def _propose_edits(attribute: Attribute, words: list[str]) -> list[Edit]:
+    template = _COMPLETED.get((attribute.owner.tag, attribute.name, len(words)))
+    return [] if template is None else edit_literal(attribute, template.format(*words))

@@ -6,13 +6,14 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Location, Rule
+from urdfcheck.core.text import truncate_text
 from urdfcheck.source.load import Source
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
 
 _SUBSTITUTION = re.compile(r"\$\{[^}]*\}?|\$\([^)]*\)?")
 
-# What Drake and Bullet do with the file, and with one in which a number is missing.
+# The reactions of Drake and Bullet to the file, by whether a number is missing in it.
 CONSEQUENCES = {
     False: {"drake": "loads it", "bullet": "loads it"},
     True: {"drake": "refuses the file", "bullet": "replaces the number by 0, or refuses the file"},
@@ -28,22 +29,21 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             for where, text, number in _find_unexpanded_xacro(element):
                 yield rule.finding("left", at=where, consequences=CONSEQUENCES[number], text=text)
         return
-    found = [place for element in root.walk() for place in _find_unexpanded_xacro(element)]
-    if found:
-        tags = sum(text.startswith("<") for _, text, _ in found)
-        told = CONSEQUENCES[any(number for *_, number in found)]
+    left = [place for element in root.walk() for place in _find_unexpanded_xacro(element)]
+    if left:
+        tags = sum(text.startswith("<") for _, text, _ in left)
         yield rule.finding(
             "not_expanded",
-            at=found[0][0],
-            consequences=told,
-            text=found[0][1],
+            at=left[0][0],
+            consequences=CONSEQUENCES[any(number for *_, number in left)],
+            text=left[0][1],
             elements=tags,
-            values=len(found) - tags,
+            values=len(left) - tags,
         )
 
 
 def _find_unexpanded_xacro(element: Element) -> Iterator[tuple[Location, str, bool]]:
-    """What is left of xacro in one element, with the text that shows it, and whether a number should be there."""
+    """Yield the places of xacro in one element, each with its text and whether a number should be there."""
     numbers = NUMERIC_ATTRIBUTES.get(element.tag, {})
     if element.tag.startswith("xacro:"):
         yield element.location, f"<{element.tag}>", False
@@ -56,5 +56,4 @@ def _find_unexpanded_xacro(element: Element) -> Iterator[tuple[Location, str, bo
 
 def _shorten_expression(text: str) -> str:
     match = _SUBSTITUTION.search(text)
-    shown = match.group(0) if match else text.strip()
-    return shown if len(shown) <= 60 else shown[:57] + "..."
+    return truncate_text(match.group(0) if match else text.strip(), 60)

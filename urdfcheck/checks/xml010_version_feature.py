@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Located, Rule, Severity
+from urdfcheck.core.text import format_repetition
 from urdfcheck.model import Model
 from urdfcheck.source.text.engine_reactions import describe_loss
 from urdfcheck.source.text.grammar import is_unexpanded, iter_urdf_elements, parse_urdf_version
@@ -25,16 +26,16 @@ def check(model: Model, rule: Rule, *, tol: float) -> Iterator[Finding]:
         return
     if version > (1, 0) and declared is not None:
         yield rule.finding("newer", at=declared, severity=Severity.INFO, version=declared.value)
-    found = list(iter_urdf_elements(model.robot))
-    turned = [e for e in found if e.tag == "origin" and "quat_xyzw" in e.attributes]
+    elements = list(iter_urdf_elements(model.robot))
+    turned = [e for e in elements if e.tag == "origin" and "quat_xyzw" in e.attributes]
     if version < (1, 1):
-        yield from _build_findings(rule, "capsule", [e for e in found if e.tag == "capsule"])
+        yield from _build_findings(rule, "capsule", [e for e in elements if e.tag == "capsule"])
         yield from _build_findings(rule, "quaternion", [e.attributes["quat_xyzw"] for e in turned])
     else:
         for origin in turned:
             yield from _check_quaternion(rule, origin, tol)
     if version < (1, 2):
-        limits = [e.attributes[name] for e in found if e.tag == "limit" for name in _LIMITS if name in e.attributes]
+        limits = [e.attributes[name] for e in elements if e.tag == "limit" for name in _LIMITS if name in e.attributes]
         yield from _build_findings(rule, "limit", limits)
 
 
@@ -57,10 +58,11 @@ def _check_quaternion(rule: Rule, origin: Element, tol: float) -> Iterator[Findi
 
 
 def _build_findings(rule: Rule, message: str, places: Iterable[Located]) -> Iterator[Finding]:
-    """One finding for all places where a feature is used: its cause is the version."""
+    """Report all uses of a feature together: the declared version is the cause."""
     locations = list(dict.fromkeys(place.location for place in places))
     if locations:
         spans = {location.span: location for location in locations[1:] if location.span != locations[0].span}
-        times = "" if len(locations) == 1 else f" ({len(locations)} times)"
-        finding = rule.finding(message, at=locations[0], related=spans.values(), times=times)
+        finding = rule.finding(
+            message, at=locations[0], related=spans.values(), times=format_repetition(len(locations))
+        )
         yield replace(finding, subjects=tuple(location.subject for location in locations))

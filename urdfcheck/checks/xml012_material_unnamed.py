@@ -7,11 +7,12 @@ from dataclasses import replace
 from itertools import chain
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import format_count, join_numbers
 from urdfcheck.model import Model
 from urdfcheck.source.text.values import read_attribute_numbers
 from urdfcheck.source.text.xml import Element
 
-# Colours are shown with 8 bits per channel: half a step cannot be seen.
+# Screens show 8 bits per channel: half a step is invisible.
 _STEP = 0.5 / 255
 
 
@@ -27,7 +28,7 @@ def _check_empty_names(materials: list[Element], rule: Rule) -> Iterator[Finding
     names = [material.attributes["name"] for material in materials if "name" in material.attributes]
     empty = [name.location for name in names if not name.value.strip()]
     if empty:
-        what = "1 material has" if len(empty) == 1 else f"{len(empty)} materials have"
+        what = format_count(len(empty), "material has", "materials have")
         finding = rule.finding("empty", at=empty[0], related=empty[1:10], what=what, count=len(empty))
         yield replace(finding, subjects=tuple(location.subject for location in empty))
 
@@ -41,7 +42,7 @@ def _check_repeated_materials(own: list[Element], rule: Rule) -> Iterator[Findin
 
 
 def _check_conflicting_materials(own: list[Element], inner: list[Element], rule: Rule) -> Iterator[Finding]:
-    """The first definition of a name (the robot's own come first) counts for every visual that uses the name."""
+    """Report definitions that have no effect: the first of a name counts, those of the robot before those of its links."""
     first: dict[str, Element] = {}
     others: dict[str, list[Element]] = {}
     for material in chain(own, inner):
@@ -65,7 +66,7 @@ def _check_conflicting_materials(own: list[Element], inner: list[Element], rule:
 
 
 def _read_rgba(material: Element) -> tuple[float, ...] | None:
-    return read_attribute_numbers(material.find_child("color"), "rgba", 4, ())
+    return read_attribute_numbers(material.find_child("color"), "rgba", 4, default=())
 
 
 def _get_texture_path(material: Element) -> str:
@@ -84,8 +85,8 @@ def _is_same_appearance(a: Element, b: Element) -> bool:
 
 def _describe_appearance(material: Element) -> str:
     rgba = _read_rgba(material)
-    parts = [" ".join(f"{x:g}" for x in rgba)] if rgba else []
-    return ", ".join([*parts, *([_get_texture_path(material)] if _get_texture_path(material) else [])]) or "no colour"
+    parts = [join_numbers(rgba or (), separator=" "), _get_texture_path(material)]
+    return ", ".join(filter(None, parts)) or "no colour"
 
 
 def _describe_owner(material: Element) -> str:

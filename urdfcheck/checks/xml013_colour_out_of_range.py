@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import format_repetition, join_numbers
 from urdfcheck.model import Model
+from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.grammar import iter_urdf_elements
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Attribute
@@ -15,35 +17,35 @@ _SCALE = 255
 
 
 def check(model: Model, rule: Rule, *, rounding: float) -> Iterator[Finding]:
-    found: dict[tuple[float, ...], list[Attribute]] = {}
+    by_colour: dict[tuple[float, ...], list[Attribute]] = {}
     for element in iter_urdf_elements(model.robot):
         attribute = element.attributes.get("rgba") if element.tag == "color" else None
         rgba = parse_numbers(attribute.value, 4) if attribute is not None else None
         if attribute is not None and rgba is not None and not all(0 <= part <= 1 for part in rgba):
-            found.setdefault(rgba, []).append(attribute)
-    for rgba, attributes in found.items():
-        yield _build_finding(rule, rgba, attributes, rounding)
+            by_colour.setdefault(rgba, []).append(attribute)
+    for rgba, attributes in by_colour.items():
+        yield _build_finding(rule, rgba, attributes, rounding=rounding)
 
 
-def _build_finding(rule: Rule, rgba: tuple[float, ...], attributes: list[Attribute], rounding: float) -> Finding:
-    """One finding for all places with the same numbers."""
+def _build_finding(rule: Rule, rgba: tuple[float, ...], attributes: list[Attribute], *, rounding: float) -> Finding:
+    """Report all places with the same numbers together."""
     better = _scale_to_unit_range(rgba) or _clip_rounding(rgba, rounding)
     places = {a.span: a for a in attributes if a.span is not None}
-    text = "" if better is None else " ".join(f"{part:.4g}" for part in better)
+    text = "" if better is None else join_numbers(better, digits=4, separator=" ")
     finding = rule.finding(
         "scaled" if _scale_to_unit_range(rgba) else "outside",
         at=attributes[0],
         related=[a for span, a in places.items() if span != attributes[0].span],
-        edits=[Edit(a.span, a.typed, text) for a in places.values() if text and a.literal and a.span is not None],
-        rgba=" ".join(f"{part:g}" for part in rgba),
+        edits=[edit for attribute in places.values() if text for edit in edit_literal(attribute, text)],
+        rgba=join_numbers(rgba, separator=" "),
         better=text or "each part between 0 and 1",
-        times="" if len(attributes) == 1 else f" ({len(attributes)} times)",
+        times=format_repetition(len(attributes)),
     )
     return replace(finding, subjects=tuple(a.location.subject for a in attributes))
 
 
 def _scale_to_unit_range(rgba: tuple[float, ...]) -> tuple[float, ...] | None:
-    """The colour that is meant by whole numbers up to 255; the alpha among them often is a fraction."""
+    """Scale whole numbers up to 255 to the range of 0 to 1, or return None; their alpha may be a fraction already."""
     colour, alpha = rgba[:3], rgba[3]
     whole = all(part == round(part) and 0 <= part <= _SCALE for part in colour)
     if not whole or max(colour) < 2 or not 0 <= alpha <= _SCALE:
@@ -52,6 +54,6 @@ def _scale_to_unit_range(rgba: tuple[float, ...]) -> tuple[float, ...] | None:
 
 
 def _clip_rounding(rgba: tuple[float, ...], rounding: float) -> tuple[float, ...] | None:
-    """The colour without what rounding added; None where more is wrong with it."""
+    """Return the colour without its rounding errors, or None if it has larger errors."""
     inside = tuple(min(max(part, 0.0), 1.0) for part in rgba)
     return inside if all(abs(a - b) <= rounding for a, b in zip(inside, rgba, strict=True)) else None
