@@ -23,8 +23,8 @@ _OUR_CHOICE = "doctype"
 def check(subject: Source | LaunchContext | Package, rule: Rule) -> Iterator[Finding]:
     if isinstance(subject, Source):
         yield from _check_model(subject, rule)
-    elif isinstance(subject, Launch):
-        yield from _check_companion_file(rule, "launch", problems=subject.problems, files=subject.files)
+    elif isinstance(subject, LaunchContext):
+        yield from _check_companion_file(rule, "launch", problems=subject.launch.problems, files=subject.launch.files)
     else:
         files = {} if subject.file is None else {subject.file.name: subject.file}
         yield from _check_companion_file(rule, "manifest", problems=subject.problems, files=files)
