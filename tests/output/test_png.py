@@ -77,7 +77,7 @@ def cube(flip: bool = False) -> SceneMesh:
     corners = np.array([(x, y, z) for x in (-100, 100) for y in (-100, 100) for z in (-100, 100)], dtype=float)
     quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
     faces = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
-    packed = pack_mesh(corners, faces[:, ::-1] if flip else faces, np.zeros((0, 2, 3)), 1000)
+    packed = pack_mesh(corners, faces[:, ::-1] if flip else faces, np.zeros((0, 2, 3)), max_faces=1000)
     low, high = tuple(map(float, packed.low)), tuple(map(float, packed.high))
     drawing = SceneDrawing(packed.n_vertices, packed.n_faces, 0, False, low, high, packed.data, RED)
     return SceneMesh("cube.stl", "cube", "stl", 684, 12, (200.0,) * 3, None, True, drawings=(drawing,))

@@ -252,7 +252,7 @@ def test_ros_and_what_is_named_is_read(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.delenv("ROS_VERSION", raising=False)
     path = tmp_path / "robot.xacro"
     path.write_text(f'{HEAD}<a b="$(env ROS_DISTRO)$(optenv NAMED 0)$(optenv ROS_VERSION 2)$(env NAMED)"/></robot>')
-    expansion = expand_xacro(path, {}, PackageFinder(tmp_path, environment={}), frozenset({"NAMED"}))
+    expansion = expand_xacro(path, {}, PackageFinder(tmp_path, environment={}), extra_environment=frozenset({"NAMED"}))
     assert expansion.root is not None
     assert expansion.root.children[0].get("b") == "jazzy121"
     assert not expansion.problems

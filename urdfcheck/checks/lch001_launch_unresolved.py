@@ -13,11 +13,11 @@ from urdfcheck.source.launch.launch_file import (
     BrokenInclude,
     DescriptionSource,
     Launch,
-    UnresolvedReason,
     is_included_by_sibling,
     list_declared_arguments,
 )
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
+from urdfcheck.source.launch.substitutions import UnresolvedReason
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import Element

@@ -8,7 +8,7 @@ from itertools import zip_longest
 
 from urdfcheck.core import Finding, Location, Rule
 from urdfcheck.model.launch_context import LaunchContext
-from urdfcheck.source.launch.launch_file import get_executable
+from urdfcheck.source.launch.static_transforms import get_executable
 from urdfcheck.source.text.tokens import Token, tokenize_attribute
 from urdfcheck.source.text.values import parse_number
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.repairs.edits import edit_literals
-from urdfcheck.source.launch.launch_file import get_executable
+from urdfcheck.source.launch.static_transforms import get_executable
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element

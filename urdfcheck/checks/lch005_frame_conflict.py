@@ -10,7 +10,7 @@ from urdfcheck.core.text import find_nearest_name
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.shapes.extent import find_lowest_point
-from urdfcheck.source.launch.launch_file import StaticTransform
+from urdfcheck.source.launch.static_transforms import StaticTransform
 
 # The line that the SolidWorks exporter writes into every launch file, whatever the robot is.
 _EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model.launch_context import LaunchContext
-from urdfcheck.source.launch.launch_file import get_executable
+from urdfcheck.source.launch.static_transforms import get_executable
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
 

@@ -25,8 +25,9 @@ from urdfcheck.model.ground.wheels import rolling_wheels
 from urdfcheck.model.motion.collisions.self_collisions import self_collisions
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Pose
 from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_link_solid
-from urdfcheck.source.launch.launch_file import Launch, StaticTransform
+from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.node_graph import build_launch_scene
+from urdfcheck.source.launch.static_transforms import StaticTransform
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.values import read_attribute_number, read_attribute_numbers
 from urdfcheck.source.text.xml import Element

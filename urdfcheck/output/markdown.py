@@ -107,6 +107,7 @@ class _BoundedPage:
             self.missing.append(format_count(len(blocks) - shown, noun))
 
     def build_text(self) -> str:
+        """Join the lines, and report at the end what did not fit."""
         if self.missing:
             missing = ", ".join(self.missing)
             self.lines.append(

@@ -282,10 +282,10 @@ class _Planner:
             self.add_target(target)
 
     def add_target(self, target: ModelTarget) -> None:
-        known = self.models.setdefault(resolve_path(target.path), [])
-        for index, other in enumerate(known):
+        targets = self.models.setdefault(resolve_path(target.path), [])
+        for index, other in enumerate(targets):
             if dict(other.arguments) == dict(target.arguments):
-                known[index] = replace(
+                targets[index] = replace(
                     other,
                     launches=(*other.launches, *(x for x in target.launches if x not in other.launches)),
                     explicit=other.explicit or target.explicit,
@@ -294,7 +294,7 @@ class _Planner:
                     name=other.name or target.name,
                 )
                 return
-        known.append(target)
+        targets.append(target)
 
     def add_launch(self, path: Path) -> None:
         if resolve_path(path) in self.launches or not self.is_usable(path):
@@ -342,10 +342,10 @@ class _Planner:
 
         ``find`` also gets the name by which other packages reach the file's package; empty within the package.
         """
-        own = self.make_finder(path).find_package_of(path.absolute())
-        inner = path.absolute().parent if own is None else own.path
+        own_package = self.make_finder(path).find_package_of(path.absolute())
+        inner = path.absolute().parent if own_package is None else own_package.path
         outer = next((f for f in inner.parents if (f / ".git").exists()), None)
-        for folder, package in ((inner, ""), (outer, "" if own is None else own.name)):
+        for folder, package in ((inner, ""), (outer, "" if own_package is None else own_package.name)):
             if folder is None:
                 continue
             users = find(self.get_folder(folder if path.is_absolute() else Path(os.path.relpath(folder))), package)
@@ -381,8 +381,8 @@ class _Planner:
             for given in build_argument_sets(free[:MOST_ARGUMENTS])
         ]
         defaults = {c.name: c.default for c in free}
-        known = [{name: value for name, value in t.arguments.items() if value != defaults.get(name)} for t in targets]
-        return [target for target in variants if target.arguments not in known]
+        checked = [{name: value for name, value in t.arguments.items() if value != defaults.get(name)} for t in targets]
+        return [target for target in variants if target.arguments not in checked]
 
     def build_plan(self) -> Plan:
         """Return what was added, in a stable order."""

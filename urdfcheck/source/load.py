@@ -96,7 +96,7 @@ def load_source(
     if root is not None and is_xacro:
         from urdfcheck.source.xacro.expand import expand_xacro
 
-        expansion = expand_xacro(path, arguments, finder, environment)
+        expansion = expand_xacro(path, arguments, finder, extra_environment=environment)
         root, problems = expansion.root, [*problems, *expansion.problems]
         files.update(expansion.files)
         trees.update(expansion.trees)

@@ -1,9 +1,9 @@
 """Numbers of text formats, many at a time.
 
-A token's digits are read eight at a time as one 64-bit word and added up inside it (Lemire, *Quickly parsing eight digits*,
-2022), for all tokens at once. A number of up to 15 digits and a power of ten up to 22 is rounded as ``float`` rounds it
-(Clinger, *How to read floating point numbers accurately*, 1990), others to within two units in the last place; what is
-written in no usual way is left to ``float`` itself.
+A token's digits are read eight at a time as one 64-bit word and summed inside it (Lemire, *Quickly parsing eight digits*,
+2022), for all tokens together. A number of up to 15 digits and a power of ten up to 22 is rounded as ``float`` rounds it
+(Clinger, *How to read floating point numbers accurately*, 1990), others to within two units in the last place; ``float``
+itself reads unusual spellings.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     Words = NDArray[np.uint64]
 
-_PAD = 24  # so that as many bytes before any token's end can be read
+_PAD = 24  # allows to read as many bytes before any token's end
 _CHUNK = 16384  # tokens worked on at a time: their temporaries stay in the processor's cache
 _TENS = np.array([float(f"1e{power}") for power in range(309)])
 _WHOLE_TENS = np.array([10**power for power in range(20)], dtype=np.uint64)
@@ -40,8 +40,8 @@ class BadTokenError(Exception):
 
 
 class TokenizedText:
-    """The bytes of a text file and its tokens: runs of bytes above the blank. ``starts`` and ``ends`` (n,) are positions in
-    ``bytes``, which holds the file between blanks."""
+    """The bytes of a text file and its tokens, which are runs of bytes above the blank. ``starts`` and ``ends`` (n,) are
+    positions in ``bytes``, which holds the file between blanks."""
 
     def __init__(self, data: bytes) -> None:
         self._data = b" " * _PAD + data + b" " * 8
@@ -56,7 +56,7 @@ class TokenizedText:
         return len(self.starts)
 
     def find_line_starts(self) -> Indices:
-        """The index of the first token of each line that has one."""
+        """Find the index of the first token of each line that has one."""
         newlines = np.flatnonzero((self.bytes == 10) | (self.bytes == 13))
         index = np.concatenate(((0,), np.searchsorted(self.starts, newlines)))
         index = index[np.diff(index, prepend=-1) > 0]
@@ -66,20 +66,20 @@ class TokenizedText:
         return self._data[self.starts[index] : self.ends[index]]
 
     def match_word(self, word: bytes) -> Bools:
-        """Which tokens are this word of up to eight lower case letters, in whatever case."""
+        """Return which tokens (n,) are this word of up to eight lower case letters, in any case."""
         mask = np.uint64(2 ** (8 * len(word)) - 1)
         wanted = np.uint64(int.from_bytes(word, "little"))
-        found: Bools = (self._heads & mask == wanted) & (self.ends - self.starts == len(word))
-        return found
+        matches: Bools = (self._heads & mask == wanted) & (self.ends - self.starts == len(word))
+        return matches
 
     @cached_property
     def _heads(self) -> Words:
-        """The first eight bytes of each token, its letters made small."""
+        """The first eight bytes of each token, in lower case."""
         heads: Words = self._words[self.starts] | np.uint64(0x2020202020202020)
         return heads
 
     def locate_token(self, index: int) -> tuple[int, str]:
-        """The number of a token's line, from 1, and the start of its text, for a message."""
+        """Return the number of a token's line, from 1, and the start of its text, for a message."""
         start = int(self.starts[index])
         before = self._data[:start]
         line = (
@@ -89,9 +89,9 @@ class TokenizedText:
         return number, line.decode(errors="replace").strip()[:80]
 
     def parse_numbers(self, tokens: Indices) -> Array:
-        """The values of tokens; of the shape of ``tokens``.
+        """Return the values of tokens, in the shape of ``tokens``.
 
-        :raises BadToken: when one is no number.
+        :raises BadTokenError: when one is not a number.
         """
         flat = tokens.ravel()
         values = np.empty(len(flat))
@@ -133,9 +133,9 @@ class TokenizedText:
         return values
 
     def parse_indices(self, tokens: Indices) -> Indices:
-        """The whole numbers that tokens begin with, up to their first slash; of the shape of ``tokens``.
+        """Return the whole numbers with which tokens begin, up to their first slash, in the shape of ``tokens``.
 
-        :raises BadToken: when one begins with none.
+        :raises BadTokenError: when one does not begin with a whole number.
         """
         start, end = np.take(self.starts, tokens).ravel(), np.take(self.ends, tokens).ravel()
         lead = np.take(self.bytes, start)
@@ -150,23 +150,23 @@ class TokenizedText:
             good &= fine
         if not good.all():
             raise BadTokenError(int(tokens.ravel()[np.argmin(good)]))
-        found = values.view(np.int64)
-        np.negative(found, out=found, where=lead == 45)
-        return found.reshape(tokens.shape)
+        indices = values.view(np.int64)
+        np.negative(indices, out=indices, where=lead == 45)
+        return indices.reshape(tokens.shape)
 
     def _find_byte(self, byte: int, begin: Indices, end: Indices) -> Indices:
-        """The first place of a byte in each span, or its end."""
+        """Find the first position of a byte in each span, or the span's end."""
         if byte not in self._places:
             self._places[byte] = np.flatnonzero(self.bytes == byte)
         places = self._places[byte]
         if not len(places):
             return end
-        found = np.take(places, np.searchsorted(places, begin), mode="clip")
-        return np.where((found >= begin) & (found < end), found, end)
+        following = np.take(places, np.searchsorted(places, begin), mode="clip")
+        return np.where((following >= begin) & (following < end), following, end)
 
     def _parse_exponents(self, begin: Indices, end: Indices) -> tuple[Indices, Indices]:
-        """The power of ten that each token ends with, and where the digits before it stop. Of up to three digits: what is
-        longer stays, and is no digit."""
+        """Return the power of ten with which each token ends, and where the digits before it stop. Powers have up to three
+        digits; longer ones stay in the token, which is then not a number."""
         power, stop = np.zeros(len(end), dtype=np.int64), end.copy()
         for back in (5, 4, 3, 2):
             here = np.flatnonzero((np.take(self.bytes, end - back) | 32 == 101) & (end - back > begin))
@@ -182,12 +182,12 @@ class TokenizedText:
         return power, stop
 
     def _parse_digits(self, end: Indices, count: Indices) -> tuple[Words, Bools]:
-        """The number that the ``count`` (0 to 8) bytes before ``end`` spell, and whether all of them are digits."""
+        """Return the number that the ``count`` (0 to 8) bytes before ``end`` spell, and whether all of them are digits."""
         word = self._words[end - 8]
         word ^= _ZEROS
         word &= np.take(_LAST, count)
         good = ((word + _PAST_NINE) | word) & _HIGH_BITS == 0
-        # Pairs of digits, then fours, then all eight, each in the place of the first of them.
+        # Pairs of digits, then fours, then all eight, each at the position of the first of them.
         word = word * np.uint64(10) + (word >> np.uint64(8))
         pairs = np.uint64(0x000000FF000000FF)
         upper = (word & pairs) * np.uint64(100 + (1_000_000 << 32))

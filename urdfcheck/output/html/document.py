@@ -15,7 +15,7 @@ from urdfcheck.output.html.sections.appendix import list_fired_rules, render_app
 from urdfcheck.output.html.sections.model_section import render_model
 from urdfcheck.output.html.sections.page_header import make_report_title, render_header
 from urdfcheck.output.html.sections.toolbar import render_toolbar
-from urdfcheck.output.html.viewer.scene_data import build_stage_data
+from urdfcheck.output.html.viewer.scene_data import build_scene_data
 from urdfcheck.output.html.viewer.viewer_page import read_viewer_style, render_viewer, render_viewer_scripts
 from urdfcheck.output.shared.inert import escape_for_html, escape_for_json
 
@@ -54,7 +54,7 @@ def render_document(run: Run, parts: Sequence[ReportPart], *, title: str, index_
 </div>
 {_render_key_help()}
 """)
-    scripts, allowed = _render_stage_scripts(drawn) if drawn else ("", [])
+    scripts, allowed = _render_scene_scripts(drawn) if drawn else ("", [])
     style = read_style_sheet() + (read_viewer_style() if drawn else "")
     return f"""{render_document_head(title, style, [*allowed, read_page_script()])}<body>
 {body}{scripts}<script>{read_page_script()}</script>
@@ -63,12 +63,12 @@ def render_document(run: Run, parts: Sequence[ReportPart], *, title: str, index_
 """
 
 
-def _render_stage_scripts(drawn: Sequence[ReportPart]) -> tuple[str, list[str]]:
+def _render_scene_scripts(drawn: Sequence[ReportPart]) -> tuple[str, list[str]]:
     """Render what draws the robots; return it and the texts of its scripts. ASCII JSON needs no escaping in HTML."""
     titles = Counter(part.title for part in drawn)
     names = (part.title if titles[part.title] == 1 else f"{part.title} ({part.file_label})" for part in drawn)
     models = [(p.id, name, p.scene, p.cards) for p, name in zip(drawn, names, strict=True) if p.scene is not None]
-    data, geometry = build_stage_data(models)
+    data, geometry = build_scene_data(models)
     return render_viewer_scripts(escape_for_json(json.dumps(data, separators=(",", ":"), allow_nan=False)), geometry)
 
 

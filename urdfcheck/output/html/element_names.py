@@ -20,6 +20,11 @@ def render_element_name(element_key: ElementKey) -> str:
     return f"<code{render_data_attribute(element_key)}>{escape_html(element_key[1])}</code>"
 
 
+def describe_mark(mark: SeverityMark) -> str:
+    """Describe the mark of an element for a tooltip."""
+    return f"{mark.severity}, the worst of {mark.count} findings" if mark.count > 1 else str(mark.severity)
+
+
 def render_mark_link(mark: SeverityMark | None) -> str:
     """Render a link to the card of an element's worst finding; empty without one."""
     if mark is None:

@@ -135,6 +135,7 @@ def has_equal_contacts(drop_test: DropTest) -> bool:
 
 
 def format_peak_speed(speed: float | None) -> str:
+    """Format a speed in m/s; None means that the simulation burst."""
     return "burst" if speed is None else f"{speed:.2g}"
 
 

@@ -167,11 +167,11 @@ class PackageFinder:
         return self._around
 
     def _scan_folders(self, levels: Sequence[Path]) -> dict[str, Path]:
-        found: dict[str, Path] = {}
+        packages: dict[str, Path] = {}
         for level in levels:
             for name, folder in _walk_packages(level, LEVELS_DOWN_AROUND, self._can_follow):
-                found.setdefault(name, folder)
-        return found
+                packages.setdefault(name, folder)
+        return packages
 
     def list_parent_folders(self) -> list[Path]:
         """Return the folders from the start upwards that can belong to the same workspace."""
@@ -231,8 +231,8 @@ class PackageFinder:
         if self._workspace is None:
             levels = self.list_parent_folders()
             if levels and not (levels[-1] / ".git").exists():
-                own = next((n for n, level in enumerate(levels) if (level / "package.xml").is_file()), None)
-                levels = levels[: 1 if own is None else own + 2]
+                innermost = next((n for n, level in enumerate(levels) if (level / "package.xml").is_file()), None)
+                levels = levels[: 1 if innermost is None else innermost + 2]
             self._workspace = {**self._scan_folders(levels), **self._scan_paths(), **self.explicit}
         return self._workspace
 
@@ -271,18 +271,20 @@ class PackageFinder:
         if scheme and scheme.group(1) in {"package", "model"}:
             package, _, rest = scheme.group(2).partition("/")
             folder = self.find(package)
-            return self._look_up_file(text, "package", package, None if folder is None else folder / unquote(rest))
+            return self._look_up_file(
+                text, "package", None if folder is None else folder / unquote(rest), package=package
+            )
         if scheme and scheme.group(1) == "file":
-            return self._look_up_file(text, "file", None, Path(unquote(scheme.group(2))))
+            return self._look_up_file(text, "file", Path(unquote(scheme.group(2))))
         if scheme:
             return Resource(text=text, kind="other", package=None, path=None, exists=False)
         if text.startswith("~"):
-            return self._look_up_file(text, "home", None, Path(os.path.expanduser(text)))
+            return self._look_up_file(text, "home", Path(os.path.expanduser(text)))
         if os.path.isabs(text) or re.match(r"^[A-Za-z]:[\\/]", text):
-            return self._look_up_file(text, "absolute", None, Path(text))
-        return self._look_up_file(text, "relative", None, base / text)
+            return self._look_up_file(text, "absolute", Path(text))
+        return self._look_up_file(text, "relative", base / text)
 
-    def _look_up_file(self, text: str, kind: str, package: str | None, path: Path | None) -> Resource:
+    def _look_up_file(self, text: str, kind: str, path: Path | None, *, package: str | None = None) -> Resource:
         if path is None:
             return Resource(text=text, kind=kind, package=package, path=None, exists=False)
         if not self.can_open(path):

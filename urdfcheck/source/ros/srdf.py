@@ -192,13 +192,13 @@ def load_srdf(
             return None
         from urdfcheck.source.xacro.expand import expand_xacro
 
-        expansion = expand_xacro(path, arguments, finder, extra_environment)
+        expansion = expand_xacro(path, arguments, finder, extra_environment=extra_environment)
         if any(problem.kind == "time-limit" for problem in expansion.problems):
             raise ModelTimeout  # the time limit is the model's, not the SRDF's: no time is left for anything
         root, files = expansion.root, expansion.files
     if root is None or root.get("name").strip() != robot:
         return None
-    return Srdf(path, name, root, files)
+    return Srdf(path, name, root=root, files=files)
 
 
 def find_broken_srdfs(package: Path) -> Iterator[tuple[Problem, SourceFile | None]]:
@@ -215,13 +215,15 @@ def find_broken_srdfs(package: Path) -> Iterator[tuple[Problem, SourceFile | Non
 def _find_srdf_files(source: Source) -> Iterator[Path]:
     """Yield every file in reach that is named like a semantic description."""
     yield from _list_srdfs(source.path.absolute().parent)
-    own = source.package
-    if own is not None:
-        yield from _find_srdfs_below(own.path)
+    package = source.package
+    if package is not None:
+        yield from _find_srdfs_below(package.path)
     for name, folder in sorted(source.finder.list_workspace_packages().items()):
-        if own is None or folder != own.path:
+        if package is None or folder != package.path:
             files = [file for inner in SRDF_FOLDERS for file in _list_srdfs(folder / inner)]
-            if files and (name.endswith("_moveit_config") or (own is not None and has_dependency(folder, own.name))):
+            if files and (
+                name.endswith("_moveit_config") or (package is not None and has_dependency(folder, package.name))
+            ):
                 source.finder.find(name)  # then it counts as found, and its files are in reach
                 yield from files
 

@@ -62,7 +62,7 @@ def find_ignore_comments(file: SourceFile) -> list[IgnoreComment]:
             index = bisect_left(starts, comment.span.end)
             start = starts[index] if index < len(starts) else comment.span.end
             end = ends.get(index, len(file.text)) if index < len(starts) else start
-            comments.append(_parse_ignore_comment(text, comment.span, start, end))
+            comments.append(_parse_ignore_comment(text, comment.span, start=start, end=end))
     return comments
 
 
@@ -75,10 +75,10 @@ def _iter_hash_comments(file: SourceFile) -> Iterator[IgnoreComment]:
         if not file.text[line : match.start()].strip():  # the comment is alone on its line
             newline = NEWLINE.search(file.text, end)
             line, end = end, len(file.text) if newline is None else newline.end()
-        yield _parse_ignore_comment(match.group(1).strip(), span, line, end)
+        yield _parse_ignore_comment(match.group(1).strip(), span, start=line, end=end)
 
 
-def _parse_ignore_comment(text: str, span: Span, start: int, end: int) -> IgnoreComment:
+def _parse_ignore_comment(text: str, span: Span, *, start: int, end: int) -> IgnoreComment:
     match = _IGNORE.match(text.removeprefix(MARK).strip())
     if match is None:
         return IgnoreComment(span=span, selectors=(), reason="", start=start, end=end)

@@ -135,9 +135,9 @@ def parse_located_yaml(source: SourceFile) -> YamlValue | None:
 def _make_value(key: str, node: Node, source: SourceFile) -> YamlValue:
     start, end = node.start_mark.index, node.end_mark.index
     if isinstance(node, ScalarNode) and node.style in {"'", '"'}:
-        start = source.text.find(node.style, start) + 1  # a tag or an anchor may stand before it
+        start = source.text.find(node.style, start) + 1  # after a tag or an anchor
         end -= 1
-    return YamlValue(key, node, source, source.make_span(start, max(start, end)))
+    return YamlValue(key, node, source, span=source.make_span(start, max(start, end)))
 
 
 def compose_nodes(source: SourceFile) -> Node | None:

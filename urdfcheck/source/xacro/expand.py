@@ -42,7 +42,11 @@ class Expansion:
 
 
 def expand_xacro(
-    path: Path, arguments: Mapping[str, str], finder: PackageFinder, extra_environment: frozenset[str] = frozenset()
+    path: Path,
+    arguments: Mapping[str, str],
+    finder: PackageFinder,
+    *,
+    extra_environment: frozenset[str] = frozenset(),
 ) -> Expansion:
     """Expand a xacro file with the given arguments. Never raises because of the file's content.
 

@@ -43,7 +43,7 @@ class _OriginCopier(UserDataHandler):
     def handle(self, operation: int, key: str, data: Origin, _src: Any, dst: Any) -> None:
         # Cloning a node below one that an include brought in counts as an import from the other document.
         if operation in (self.NODE_CLONED, self.NODE_IMPORTED):
-            clone = Origin(data.raw, data.via, dict(data.reads), dict(data.added))
+            clone = Origin(data.raw, data.via, reads=dict(data.reads), added=dict(data.added))
             dst.setUserData(key, clone, self)
 
 

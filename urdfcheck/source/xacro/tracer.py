@@ -370,7 +370,7 @@ class Tracer:
         def convert_argument(name: str) -> Any:
             return substitution.convert_value(substitution._eval_arg(name, context["arg"]), "auto")
 
-        own: dict[str, Callable[..., Any]] = {
+        commands: dict[str, Callable[..., Any]] = {
             "arg": convert_argument,
             "dirname": lambda: substitution._eval_dirname(self.access.get_current_file()),
             "env": self.access.read_environment,
@@ -378,7 +378,7 @@ class Tracer:
             "find": self.access.find_package,
         }
         functions: dict[str, Any] = {"true": True, "false": False, "True": True, "False": False, **self.symbols["math"]}
-        functions |= {name: self.guards.guard_function(name, function) for name, function in own.items()}
+        functions |= {name: self.guards.guard_function(name, function) for name, function in commands.items()}
         builtin = {name: self.guards.make_forbidden_function(name) for name in dir(builtins)} | dict(
             self.symbols["python"]
         )
@@ -472,7 +472,7 @@ class Tracer:
             result = original(table, key, value, unevaluated)
             self.record_definition(table, key, span if kind == "property" else None)
             reads = () if unevaluated else self.last_reads
-            _get_definitions(table)[key] = Definition(kind, key, span, reads)
+            _get_definitions(table)[key] = Definition(kind, key, span, reads=reads)
             return result
 
         return set_traced_item
@@ -500,7 +500,9 @@ class Tracer:
                 definition = _get_definitions(table).get(key)
                 if definition is not None and lazy and self.trace.failed_at is None:
                     reads = tuple(dict.fromkeys(self.trace.readers[-1]))
-                    self.trace.record_failed_read(Definition(definition.kind, definition.name, definition.span, reads))
+                    self.trace.record_failed_read(
+                        Definition(definition.kind, definition.name, definition.span, reads=reads)
+                    )
                 raise
             finally:
                 if lazy:
@@ -509,7 +511,7 @@ class Tracer:
             definition = _get_definitions(table).get(key)
             if definition is not None:
                 if lazy:
-                    definition = Definition(definition.kind, definition.name, definition.span, reads)
+                    definition = Definition(definition.kind, definition.name, definition.span, reads=reads)
                     _get_definitions(table)[key] = definition
                 self.trace.record_read(definition)
             return value

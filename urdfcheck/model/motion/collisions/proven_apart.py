@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
-from urdfcheck.facts.motion.collision import ROUNDING, compute_swept_spheres
+from urdfcheck.facts.motion.collision_geometry import ROUNDING
+from urdfcheck.facts.motion.swept_spheres import compute_swept_spheres
 from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.collisions.setup import CollisionSetup
 from urdfcheck.model.motion.poses import JointConfigurations

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
-from urdfcheck.facts.motion.collision import Colliders, CollisionGeometry, PlacedGeometry, list_all_pairs
+from urdfcheck.facts.motion.collision import Colliders, list_all_pairs
+from urdfcheck.facts.motion.collision_geometry import CollisionGeometry, PlacedGeometry
 from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.poses import JointConfigurations
@@ -38,6 +39,8 @@ MOST_COMPARED = 2_000_000
 _CODE_MODULES = (
     *MEASURING_MODULES,
     "urdfcheck.facts.motion.collision",
+    "urdfcheck.facts.motion.collision_geometry",
+    "urdfcheck.facts.motion.swept_spheres",
     "urdfcheck.facts.motion.kinematics",
     "urdfcheck.model.shapes",
     "urdfcheck.model.motion.collisions",

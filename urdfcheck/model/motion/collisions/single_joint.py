@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.motion.collision import ROUNDING, compute_least_distance
+from urdfcheck.facts.motion.collision_geometry import ROUNDING
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
+from urdfcheck.facts.motion.swept_spheres import compute_least_distance
 from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.collisions.self_collisions import SelfCollisions, self_collisions
 from urdfcheck.model.motion.collisions.setup import CollisionSetup, Relation

@@ -11,11 +11,12 @@ from urdfcheck.output.shared.wording import format_count
 
 
 def list_fired_rules(run: Run) -> list[Rule]:
-    """The rules behind the findings that have a page, by code."""
+    """List the rules behind the findings that have a page, by code."""
     return [run.rules[code] for code in sorted({f.code for f in run.findings}) if code in run.rules]
 
 
 def render_appendix(run: Run) -> str:
+    """Render the fired rules, the skipped checks, all checks, and how the report was made."""
     parts = []
     fired = list_fired_rules(run)
     if fired:
@@ -38,7 +39,7 @@ def _render_rule_page(rule: Rule) -> str:
     code = escape_html(rule.code)
     return (
         f'<details class="rule"><summary><h3><span class="rule-code">{code}</span> {escape_html(rule.name)}</h3></summary>'
-        # A browser opens what a link points into, but not a fold that is itself the target.
+        # A browser opens a fold whose content is the target of a link, but not a fold that is itself the target.
         f'<div id="rule-{code}"><p class="facts">{rule.severity} · {rule.confidence} · since {escape_html(rule.since)}</p>'
         f"{shown}</div></details>"
     )
@@ -57,7 +58,7 @@ def _render_about(run: Run) -> str:
     versions = "".join(
         f"<div><dt>{escape_html(k)}</dt><dd>{escape_html(v)}</dd></div>" for k, v in run.versions.items()
     )
-    # A reproducible report tells no time.
+    # A reproducible report has no duration.
     took = f' in <span class="seconds">{run.seconds:.1f} s</span>' if run.seconds else ""
     return (
         '<section id="about"><h2>How this report was made</h2>'

@@ -23,15 +23,15 @@ from urdfcheck.output.shared.drop_test_wording import (
 
 
 def render_drop_test(drop_test: DropTest) -> str:
-    """The section's content."""
-    told = "".join(f"<p>{escape_html(line)}.</p>" for line in describe_drop_setup(drop_test))
+    """Render the content of the section."""
+    setup = "".join(f"<p>{escape_html(line)}.</p>" for line in describe_drop_setup(drop_test))
     runs = (drop_test.held,) if has_equal_contacts(drop_test) else (drop_test.free, drop_test.held)
     contacts = "".join(
         _render_contacts_table(drop_test, release, len(runs) == 1) for release in runs if release.touching
     )
     return (
-        f"<h3>Drop test</h3><p>Let go for {SECONDS:g} s at a time step of {1e3 * STEP:g} ms in {escape_html(drop_test.simulator)}.</p>"
-        f"{told}{_render_outcomes_table(drop_test)}{contacts}{_render_stability_figure(drop_test.curves)}"
+        f"<h3>Drop test</h3><p>Let go for {SECONDS:g} s at a time step of {1e3 * STEP:g} ms in "
+        f"{escape_html(drop_test.simulator)}.</p>{setup}{_render_outcomes_table(drop_test)}{contacts}{_render_stability_figure(drop_test.curves)}"
     )
 
 
@@ -60,24 +60,26 @@ def _render_contacts_table(drop_test: DropTest, release: ReleaseResult, is_share
     )
     how = "with and without torques" if is_shared else format_release_heading(release)
     head = f'<tr><th scope="col">Link</th>{heads}</tr>'
-    return render_table(f"On the ground at the end, {how}; places in the root link’s frame", head, rows, foot)
+    return render_table(f"On the ground at the end, {how}; places in the root link’s frame", head, rows, foot=foot)
 
 
 def _replace_minus_sign(text: str) -> str:
-    """With a true minus sign where the text begins with one."""
+    """Replace a hyphen at the beginning of the text by a true minus sign."""
     return f"−{text[1:]}" if text[:1] == "-" and len(text) > 1 else text
 
 
 def _render_stability_figure(curves: Sequence[StabilityCurve]) -> str:
-    told = "".join(
-        f'<li><svg class="chart" width="34" height="10" aria-hidden="true" focusable="false"><path class="curve '
-        f'{get_curve_class(curve)}" d="M1 5H33"/></svg> {describe_damping_scheme(curve)}: largest stable step {escape_html(format_largest_stable_step(curve))}</li>'
+    legend = "".join(
+        '<li><svg class="chart" width="34" height="10" aria-hidden="true" focusable="false">'
+        f'<path class="curve {get_curve_class(curve)}" d="M1 5H33"/></svg> {describe_damping_scheme(curve)}: '
+        f"largest stable step {escape_html(format_largest_stable_step(curve))}</li>"
         for curve in curves
     )
     return (
-        f'<figure><div class="scroll" role="group" tabindex="0" aria-label="Speed against time step">{draw_stability_chart(curves)}</div>'
-        f'<ul class="legend">{told}</ul><figcaption>The fastest speed of any link within {SECONDS:g} s without torques, against '
-        f"the time step; a cross is where the simulation burst or gained energy.</figcaption></figure>"
+        '<figure><div class="scroll" role="group" tabindex="0" aria-label="Speed against time step">'
+        f"{draw_stability_chart(curves)}</div>"
+        f'<ul class="legend">{legend}</ul><figcaption>The fastest speed of any link within {SECONDS:g} s without '
+        f"torques, against the time step; a cross is where the simulation burst or gained energy.</figcaption></figure>"
         f"<details><summary>The curve as numbers</summary>{''.join(map(_render_curve_table, curves))}</details>"
     )
 

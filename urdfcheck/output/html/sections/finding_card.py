@@ -30,57 +30,65 @@ APPLICABILITY_TEXTS = {
 
 
 def render_card(run: Run, card: FindingCard, is_open: bool) -> str:
+    """Render a finding; ``is_open``: whether its details are unfolded."""
     finding = card.finding
-    body = (
-        f"{_render_variants(run, finding)}{_render_subjects(card)}{_render_call_chain(run, card)}{_render_explanation(finding)}"
-        f"{'' if finding.fix is None else _render_fix(run, finding.fix)}{_render_related(run, finding.related)}{_render_card_footer(card)}"
+    details = (
+        _render_variants(run, finding),
+        _render_subjects(card),
+        _render_call_chain(run, card),
+        _render_explanation(finding),
+        "" if finding.fix is None else _render_fix(run, finding.fix),
+        _render_related(run, finding.related),
+        _render_card_footer(card),
     )
     span = finding.location.span
-    name = "Details" if span is None else _render_place(span)
-    known, reason = "", ""
-    if finding.suppressed is not None:
-        known, reason = " known", f'<p class="reason">Known, {escape_html(str(finding.suppressed))}</p>'
+    summary = "Details" if span is None else _render_place(span)
     file = "" if span is None else escape_html(span.file)
+    css_class, reason = f"card {finding.severity}", ""
+    if finding.suppressed is not None:
+        css_class += " known"
+        reason = f'<p class="reason">Known, {escape_html(str(finding.suppressed))}</p>'
     return (
-        f'<article class="card {finding.severity}{known}" id="{card.anchors[0]}" tabindex="-1" data-code="{escape_html(finding.code)}" '
+        f'<article class="{css_class}" id="{card.anchors[0]}" tabindex="-1" data-code="{escape_html(finding.code)}" '
         f'data-confidence="{finding.confidence}" data-file="{file}">{_render_card_header(run, card)}'
         f'<p class="message">{render_prose(finding.message)}</p>{reason}'
-        f'<details class="more"{" open" if is_open else ""}><summary>{name}</summary>{body}</details></article>'
+        f'<details class="more"{" open" if is_open else ""}><summary>{summary}</summary>{"".join(details)}</details></article>'
     )
 
 
 def _render_card_header(run: Run, card: FindingCard) -> str:
     finding = card.finding
-    code = f'<span class="rule-code">{escape_html(finding.code)}</span> {escape_html(finding.name)}'
+    code = escape_html(finding.code)
+    rule = f'<span class="rule-code">{code}</span> {escape_html(finding.name)}'
     if finding.code in run.rules:
-        code = f'<a href="#rule-{escape_html(finding.code)}">{code}</a>'
-    shown = '<button type="button" class="in-3d" hidden>Show in 3D</button>' if _has_element(finding) else ""
+        rule = f'<a href="#rule-{code}">{rule}</a>'
+    button = '<button type="button" class="in-3d" hidden>Show in 3D</button>' if _has_element(finding) else ""
     return (
-        f'<header><h4>{render_glyph(finding.severity)} <span class="severity">{finding.severity}</span> {code}</h4>{shown}'
+        f'<header><h4>{render_glyph(finding.severity)} <span class="severity">{finding.severity}</span> {rule}</h4>{button}'
         f'<a class="permalink" href="#{card.anchors[0]}"><span aria-hidden="true">#</span>'
-        f'<span class="sr">link to this finding: {escape_html(finding.code)} {escape_html(finding.location.subject)}</span></a></header>'
+        f'<span class="sr">link to this finding: {code} {escape_html(finding.location.subject)}</span></a></header>'
     )
 
 
 def _has_element(finding: Finding) -> bool:
-    """Whether it is about a link or a joint."""
+    """Whether a finding is about a link or a joint."""
     return any(parse_element_key(subject) is not None for subject in finding.subjects)
 
 
 def _render_variants(run: Run, finding: Finding) -> str:
-    """With which arguments a finding is there, where not all variants of the model have it."""
-    given = " ".join(
+    """Render the arguments with which a finding appears, if not all variants of the model have it."""
+    arguments = " ".join(
         f"<code>{escape_html(n)}:={escape_html(v)}</code>"
         for n, v in sorted(run.find_variant_arguments(finding).items())
     )
     others = len(finding.variants) - 1
     also = f"in {format_count(others, 'other variant')}" if others > 0 else ""
-    said = f"With {given}{', and ' if also else ''}{also}" if given else f"Also {also}" if also else ""
-    return f'<p class="variants">{said}.</p>' if said else ""
+    sentence = f"With {arguments}{', and ' if also else ''}{also}" if arguments else f"Also {also}" if also else ""
+    return f'<p class="variants">{sentence}.</p>' if sentence else ""
 
 
 def _render_subjects(card: FindingCard) -> str:
-    # Every subject has a fingerprint of its own, so each one is an anchor; that of the first is the card.
+    # Every subject has its own fingerprint and anchor; the anchor of the first is the card's.
     anchors = ["", *(f' id="{i}"' for i in card.anchors[1:])]
     items = [
         f"<li{render_data_attribute(parse_element_key(subject))}{anchor}><code>{escape_html(subject)}</code></li>"
@@ -103,12 +111,12 @@ def _render_source(run: Run, span: Span | None) -> str:
 
 
 def _render_call_chain(run: Run, card: FindingCard) -> str:
-    """Where the text stands; where macros or includes brought it there, all calls from the outermost on, linked both ways."""
+    """Render the text of the finding; with macros or includes, all calls from the outermost on, linked in both directions."""
     span, via = card.finding.location.span, card.finding.location.via
     if span is None:
         return ""
     if not via:
-        # The line above it says where it is.
+        # The summary line above shows the place.
         shown = render_code_frame(run.sources, span)
         return f'<figure class="frame">{shown}</figure>' if shown else ""
     steps = [*via, span]
@@ -129,7 +137,7 @@ def _render_call_chain(run: Run, card: FindingCard) -> str:
 
 
 def _render_place(span: Span) -> str:
-    """Where there is little room, the style leaves the folder out."""
+    """Render a place; on a narrow page the style hides its folder."""
     name = get_base_name(span.file)
     folder = span.file[: len(span.file) - len(name)]
     shown = f'<span class="folder">{escape_html(folder)}</span>' if folder else ""
@@ -159,11 +167,11 @@ def _render_explanation(finding: Finding) -> str:
     if finding.cause_text is not None:
         parts.append(f'<div class="why"><h5>Why</h5><p>{render_prose(finding.cause_text)}</p></div>')
     if finding.consequences:
-        rows = "".join(
-            f"<div><dt>{escape_html(', '.join(PROGRAM_NAMES.get(c, c) for c in consumers))}</dt><dd>{render_prose(effect)}</dd></div>"
-            for effect, consumers in group_by_effect(finding.consequences).items()
-        )
-        parts.append(f'<div class="then"><h5>What follows</h5><dl>{rows}</dl></div>')
+        rows = []
+        for effect, programs in group_by_effect(finding.consequences).items():
+            names = escape_html(", ".join(PROGRAM_NAMES.get(program, program) for program in programs))
+            rows.append(f"<div><dt>{names}</dt><dd>{render_prose(effect)}</dd></div>")
+        parts.append(f'<div class="then"><h5>What follows</h5><dl>{"".join(rows)}</dl></div>')
     hidden = finding.data.get("hides", ())
     if hidden:
         parts.append(
@@ -178,26 +186,26 @@ def _render_codes(codes: Iterable[object]) -> str:
 
 def _render_fix(run: Run, fix: Fix) -> str:
     how = APPLICABILITY_TEXTS[str(fix.applicability)]
-    edits = copied = ""
+    edits = button = ""
     if fix.edits:
         edits = render_diff(run.sources, fix.edits)
-        copied = '<button type="button" class="act copy-diff" hidden>Copy diff</button>'
+        button = '<button type="button" class="act copy-diff" hidden>Copy diff</button>'
     if len(fix.edits) > MOST_EDITS:
         edits = f"<details><summary>{format_count(len(fix.edits), 'edit')}</summary>{edits}</details>"
     return (
-        f'<div class="fix"><div class="fix-head"><h5>Repair <span class="how">{how}</span></h5>{copied}</div>'
+        f'<div class="fix"><div class="fix-head"><h5>Repair <span class="how">{how}</span></h5>{button}</div>'
         f"<p>{render_prose(fix.title)}</p>{edits}</div>"
     )
 
 
 def _render_card_footer(card: FindingCard) -> str:
-    """Who wants to name the finding elsewhere finds the whole fingerprint in the title and in the card's address."""
+    """Render the confidence and the fingerprint, which is whole in its tooltip and in the card's address."""
     finding = card.finding
-    prints = "".join(
-        f'<span>fingerprint <data class="print" value="{p}" title="{p}">{p[:SHOWN_DIGITS]}</data></span>'
-        for p in finding.fingerprints[:1]
+    fingerprint = "".join(
+        f'<span>fingerprint <data class="print" value="{text}" title="{text}">{text[:SHOWN_DIGITS]}</data></span>'
+        for text in finding.fingerprints[:1]
     )
     return (
-        f"<footer><span><b>{finding.confidence}</b>: {CONFIDENCE_TEXTS[finding.confidence]}</span> {prints} "
+        f"<footer><span><b>{finding.confidence}</b>: {CONFIDENCE_TEXTS[finding.confidence]}</span> {fingerprint} "
         '<button type="button" class="act copy-link" hidden>Copy link</button></footer>'
     )

@@ -13,39 +13,32 @@ from urdfcheck.output.html.sections.finding_card import render_card
 from urdfcheck.output.shared.anchors import FindingCard
 
 MOST_NOTES = 5
-# So many errors and warnings of a model are shown open; of more, the errors only.
+# Up to this many errors and warnings of a model are shown open; of more, only the errors.
 MOST_OPEN = 12
 
 
-def render_problems(run: Run, cards: Sequence[FindingCard], model_file: str, id_prefix: str) -> str:
-    """Errors and warnings. ``own`` is the model's file; ``prefix`` makes the ids of the groups unique."""
+def render_problems(run: Run, cards: Sequence[FindingCard], *, model_file: str, id_prefix: str) -> str:
+    """Render errors and warnings. ``model_file``: the model's own file; ``id_prefix`` makes the ids of the groups unique."""
     parts = []
     groups = [(severity, select_active_cards(cards, severity)) for severity in (Severity.ERROR, Severity.WARNING)]
     few = sum(len(group) for _, group in groups) <= MOST_OPEN
     for severity, group in groups:
         if group:
-            is_open = few or severity == Severity.ERROR
-            parts.append(
-                _render_severity_group(
-                    severity, id_prefix, len(group), _render_file_groups(run, group, model_file, is_open)
-                )
-            )
+            body = _render_file_groups(run, group, model_file, is_open=few or severity == Severity.ERROR)
+            parts.append(_render_severity_group(severity, body, id_prefix=id_prefix, count=len(group)))
     if not parts:
-        found = "No errors and no warnings." if select_active_cards(cards, Severity.INFO) else "No findings."
-        parts.append(f'<p class="clean">{render_glyph("ok")} {found}</p>')
+        sentence = "No errors and no warnings." if select_active_cards(cards, Severity.INFO) else "No findings."
+        parts.append(f'<p class="clean">{render_glyph("ok")} {sentence}</p>')
     return "\n".join(parts)
 
 
-def render_notes(run: Run, cards: Sequence[FindingCard], model_file: str, id_prefix: str) -> str:
-    """Information, folded by file when there is much of it, and what was suppressed; empty when there is neither."""
+def render_notes(run: Run, cards: Sequence[FindingCard], *, model_file: str, id_prefix: str) -> str:
+    """Render information, folded by file if there is much, and the suppressed findings; empty if there is neither."""
     parts = []
     if group := select_active_cards(cards, Severity.INFO):
-        shown = (
-            _render_file_groups(run, group, model_file)
-            if len(group) <= MOST_NOTES
-            else _render_folded_files(run, group, model_file)
-        )
-        parts.append(_render_severity_group(Severity.INFO, id_prefix, len(group), shown))
+        render = _render_file_groups if len(group) <= MOST_NOTES else _render_folded_files
+        body = render(run, group, model_file)
+        parts.append(_render_severity_group(Severity.INFO, body, id_prefix=id_prefix, count=len(group)))
     suppressed = [c for c in cards if c.finding.suppressed is not None]
     if suppressed:
         parts.append(
@@ -56,18 +49,18 @@ def render_notes(run: Run, cards: Sequence[FindingCard], model_file: str, id_pre
 
 
 def _describe_suppressed(cards: Sequence[FindingCard]) -> str:
-    """Who says of how many of these findings that they are known."""
+    """Say how many findings the source, the configuration and the baseline suppress."""
     kinds = Counter(c.finding.suppressed.kind for c in cards if c.finding.suppressed is not None)
     return ", ".join(f"{kinds[kind]} in the {kind}" for kind in ("source", "configuration", "baseline") if kinds[kind])
 
 
-def _render_severity_group(severity: Severity, id_prefix: str, count: int, body: str) -> str:
-    told = f'<span class="count">{count}</span> {pluralize_severity(count, severity)}'
-    head = f'<h3 id="{id_prefix}-{severity}">{render_glyph(severity)} <span>{told}</span></h3>'
+def _render_severity_group(severity: Severity, body: str, *, id_prefix: str, count: int) -> str:
+    title = f'<span class="count">{count}</span> {pluralize_severity(count, severity)}'
+    head = f'<h3 id="{id_prefix}-{severity}">{render_glyph(severity)} <span>{title}</span></h3>'
     return f'<section class="group {severity}">{head}{body}</section>'
 
 
-def _render_file_groups(run: Run, cards: Sequence[FindingCard], model_file: str, is_open: bool = False) -> str:
+def _render_file_groups(run: Run, cards: Sequence[FindingCard], model_file: str, *, is_open: bool = False) -> str:
     groups = group_cards_by_file(cards, model_file)
     is_plain = len(groups) == 1 and groups[0].file in ("", model_file)
     return "\n".join(

@@ -1,4 +1,4 @@
-"""A model's errors and warnings in a line each: the way to their cards."""
+"""A table of contents: a model's errors and warnings in a line each, with links to their cards."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MOST_LINES = 12
 
 
 def render_contents(cards: Sequence[FindingCard], model_file: str) -> str:
-    """Links in the order of the cards; nothing where there is but one card, which follows at once."""
+    """Render links in the order of the cards; nothing for a single card, which follows immediately."""
     ordered = [
         card
         for severity in (Severity.ERROR, Severity.WARNING)
@@ -25,11 +25,12 @@ def render_contents(cards: Sequence[FindingCard], model_file: str) -> str:
     if len(ordered) < 2:
         return ""
     lines = [_render_link_line(card) for card in ordered]
-    # A fold that hides a line or two costs more than it saves.
+    # A fold that hides only two lines saves no space.
     if len(lines) <= MOST_LINES + 2:
         return _render_link_list(lines)
-    rest = len(lines) - MOST_LINES
-    return f"{_render_link_list(lines[:MOST_LINES])}<details><summary>{rest} more</summary>{_render_link_list(lines[MOST_LINES:])}</details>"
+    shown, rest = lines[:MOST_LINES], lines[MOST_LINES:]
+    folded = f"<details><summary>{len(rest)} more</summary>{_render_link_list(rest)}</details>"
+    return f"{_render_link_list(shown)}{folded}"
 
 
 def _render_link_list(lines: Sequence[str]) -> str:

@@ -20,12 +20,12 @@ from urdfcheck.output.html.svg.launch_svg import draw_launch_graph, render_launc
 from urdfcheck.output.shared.anchors import ElementKey, FindingCard, SeverityMark, compute_severity_marks
 from urdfcheck.output.shared.wording import format_count
 
-# What is drawn: a graph with more is a tangle, and the list says the same.
+# A larger graph is unreadable and not drawn: the list has the same content.
 MOST_BOXES, MOST_LINES = 80, 200
 
 
 def render_launch_files(scene: Scene, cards: Iterable[FindingCard]) -> str:
-    """A drawing and a list for each launch file that starts the model; nothing without one."""
+    """Render a drawing and a list for each launch file that starts the model; nothing without one."""
     worst = compute_severity_marks(cards, element_spans=_iter_element_spans(scene.launches))
     return "".join(_render_launch(launch, i, worst) for i, launch in enumerate(scene.launches))
 
@@ -62,47 +62,51 @@ def _render_launch(launch: SceneLaunch, index: int, worst: Mapping[ElementKey, S
 
 def _render_list(launch: SceneLaunch, index: int, worst: Mapping[ElementKey, SeverityMark]) -> str:
     written = {port for node in launch.nodes for port in node.writes}
-    lines = [
-        _render_parameter_item(p, worst.get(make_parameter_key(index, k))) for k, p in enumerate(launch.parameters)
+    parameters = {parameter.port for parameter in launch.parameters}
+    items = [
+        _render_parameter_item(parameter, worst.get(make_parameter_key(index, k)))
+        for k, parameter in enumerate(launch.parameters)
     ]
-    known = {p.port for p in launch.parameters}
-    lines += [
-        _render_node_item(n, known, written, worst.get(make_node_key(index, k))) for k, n in enumerate(launch.nodes)
+    items += [
+        _render_node_item(node, set_parameters=parameters, written=written, mark=worst.get(make_node_key(index, k)))
+        for k, node in enumerate(launch.nodes)
     ]
-    return f"<ul>{''.join(lines)}</ul>"
+    return f"<ul>{''.join(items)}</ul>"
 
 
 def _render_parameter_item(parameter: SceneParameter, mark: SeverityMark | None) -> str:
-    told = [f"from <code>{escape_html(parameter.origin)}</code>"]
-    told += [render_prose(parameter.problem)] if parameter.problem else []
-    told += map(escape_html, describe_start_condition(parameter))
-    return (
-        f"<li>parameter <code>{escape_html(parameter.port.name)}</code>, {', '.join(told)}{render_mark_link(mark)}</li>"
-    )
+    details = [f"from <code>{escape_html(parameter.origin)}</code>"]
+    details += [render_prose(parameter.problem)] if parameter.problem else []
+    details += map(escape_html, describe_start_condition(parameter))
+    name = f"<code>{escape_html(parameter.port.name)}</code>"
+    return f"<li>parameter {name}, {', '.join(details)}{render_mark_link(mark)}</li>"
 
 
 def _render_node_item(
-    node: SceneNode, set_parameters: set[ScenePort], written: set[ScenePort], mark: SeverityMark | None
+    node: SceneNode, *, set_parameters: set[ScenePort], written: set[ScenePort], mark: SeverityMark | None
 ) -> str:
     name = (node.name if node.kind == "node" else node.program) or "unknown"
     text = f"{KIND_NAMES[node.kind]} <code>{escape_html(name)}</code>"
     text += f" (<code>{escape_html(node.program)}</code>)" if node.kind == "node" else ""
     text += f": {escape_html(node.purpose or UNKNOWN_PURPOSE)}"
     reads = [p for p in node.reads if p.kind != "service" or p in written]
-    ports = _describe_ports(reads, {"service": "offers"}, "reads", set_parameters | written)
-    ports += _describe_ports(node.writes, {"service": "calls"}, "publishes", written)
+    ports = _describe_ports(reads, verb="reads", service_verb="offers", known_ports=set_parameters | written)
+    ports += _describe_ports(node.writes, verb="publishes", service_verb="calls", known_ports=written)
     facts = [f"{escape_html(key)} <code>{escape_html(value)}</code>" for key, value in node.facts]
     parts = [*ports, *map(escape_html, describe_start_condition(node)), *facts]
     return f"<li>{'; '.join((text, *parts))}{render_mark_link(mark)}</li>"
 
 
 def _describe_ports(
-    ports: Iterable[ScenePort], verbs: Mapping[str, str], verb: str, known_ports: set[ScenePort]
+    ports: Iterable[ScenePort], *, verb: str, service_verb: str, known_ports: set[ScenePort]
 ) -> list[str]:
-    """What is read or written, a sentence for each kind."""
+    """Describe what a node reads or writes, a phrase for each kind."""
     missing = {"topic": " (which no node that is known here publishes)", "parameter": " (which is not set here)"}
     kinds: dict[str, list[str]] = {}
     for port in ports:
         note = "" if port in known_ports else missing.get(port.kind, "")
         kinds.setdefault(port.kind, []).append(f"<code>{escape_html(port.name)}</code>{note}")
-    return [f"{verbs.get(k, verb)} {k if len(n) == 1 else k + 's'} {', '.join(n)}" for k, n in kinds.items()]
+    return [
+        f"{service_verb if kind == 'service' else verb} {kind if len(names) == 1 else kind + 's'} {', '.join(names)}"
+        for kind, names in kinds.items()
+    ]

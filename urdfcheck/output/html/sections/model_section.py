@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Sequence
 
 from urdfcheck.core import Run, Severity
 from urdfcheck.output.html.html_text import escape_html, format_number, render_path
@@ -31,47 +30,51 @@ STATUS_TEXTS = {
 
 
 def render_model(run: Run, part: ReportPart, *, is_only_model: bool) -> str:
-    """``alone``: no other model is drawn in this report, so that the bar has the way to its sections."""
-    head = f'<section class="model" id="{part.id}">{_render_model_head(run, part, is_only_model)}{_render_still_image(part) if is_only_model else ""}'
-    # Beside the drawing where the page is wide, if there is anything to put there.
+    """Render a part of the report. ``is_only_model``: no other model is drawn, so that the toolbar links to its sections."""
+    image = _render_still_image(part) if is_only_model else ""
+    head = f'<section class="model" id="{part.id}">{_render_model_head(run, part, is_only_model)}{image}'
+    # Problems are beside the drawing on a wide page.
     beside = " beside" if part.scene is not None and any(part.counts.get(s) for s in PROBLEMS) else ""
-    problems = render_problems(run, part.cards, part.path, part.id)
+    problems = render_problems(run, part.cards, model_file=part.path, id_prefix=part.id)
     body = f'<section class="findings{beside}" id="{part.id}-findings">{problems}</section>'
-    notes = render_notes(run, part.cards, part.path, part.id)
+    notes = render_notes(run, part.cards, model_file=part.path, id_prefix=part.id)
     last = f'<section class="findings">{notes}</section>' if notes else ""
     return head + body + _render_scene_sections(run, part) + last + "</section>"
 
 
 def _render_model_head(run: Run, part: ReportPart, is_only_model: bool) -> str:
-    lines = render_contents(part.cards, part.path)
+    contents = render_contents(part.cards, part.path)
+    title = escape_html(part.title)
     info = part.info
     if info is None:
         path = render_path(part.path) if part.path != part.title and part.path else ""
-        return f'<div class="head"><h2>{escape_html(part.title)}</h2>{path}{lines}</div>'
+        return f'<div class="head"><h2>{title}</h2>{path}{contents}</div>'
     facts = [format_count(info.links, "link"), format_count(info.joints, "joint")]
     facts += [f"{format_number(info.mass)} kg"] if info.mass is not None else []
     status = f'<p class="status">{STATUS_TEXTS[info.status]}</p>' if info.status in STATUS_TEXTS else ""
     if len(run.models) == 1:
-        # The head of the page has said the rest.
-        return f'<div class="head"><h2 class="sr">{escape_html(part.title)}</h2>{status}{lines}</div>'
-    told = status or f'<p class="facts">{" · ".join(facts)}</p>'
-    way = "" if is_only_model or not part.sections else _render_section_links(part)
-    return f'<div class="head"><h2>{escape_html(part.title)}</h2>{render_path(info.path, info.args)}{told}{way}{lines}</div>'
+        # The header of the page has the rest.
+        return f'<div class="head"><h2 class="sr">{title}</h2>{status}{contents}</div>'
+    state = status or f'<p class="facts">{" · ".join(facts)}</p>'
+    links = "" if is_only_model or not part.sections else _render_section_links(part)
+    path = render_path(info.path, info.args)
+    return f'<div class="head"><h2>{title}</h2>{path}{state}{links}{contents}</div>'
 
 
 def _render_still_image(part: ReportPart) -> str:
-    """The robot for a browser without scripts or WebGL; the style hides it from any other."""
-    picture = b"" if part.scene is None else render_scene(part.scene, *STILL_SIZE)
+    """Render a picture of the robot for browsers without scripts or WebGL; the style hides it from others."""
+    width, height = STILL_SIZE
+    picture = b"" if part.scene is None else render_scene(part.scene, width, height)
     if not picture:
         return ""
-    told = f"{part.title} with all joints at zero, seen from the front, right and above"
-    source = base64.b64encode(picture).decode()
-    return f'<img class="still" width="{STILL_SIZE[0]}" height="{STILL_SIZE[1]}" alt="{escape_html(told)}" src="data:image/png;base64,{source}">'
+    description = f"{part.title} with all joints at zero, seen from the front, right and above"
+    source = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
+    return f'<img class="still" width="{width}" height="{height}" alt="{escape_html(description)}" src="{source}">'
 
 
 def _render_section_links(part: ReportPart) -> str:
-    """The links to its sections, and a button for a page whose 3D view can show one robot of several."""
-    items = "".join(f'<li><a href="#{i}">{name}</a></li>' for i, name in part.sections)
+    """Render links to the sections of a part, and a button for a page whose 3D view can show one of several robots."""
+    items = "".join(f'<li><a href="#{anchor}">{name}</a></li>' for anchor, name in part.sections)
     shown = '<button type="button" class="in-3d" hidden>Show in 3D</button>'
     name = part.title if part.info is None else f"{part.title}, {part.info.id}"
     return f'<nav class="way" aria-label="Sections of {escape_html(name)}"><ul>{items}</ul>{shown}</nav>'
@@ -81,21 +84,24 @@ def _render_scene_sections(run: Run, part: ReportPart) -> str:
     scene = part.scene
     if scene is None:
         return ""
-    worst = compute_severity_marks(part.cards, scene.frames)
+
+    def render_section(css_class: str, anchor: str, content: str) -> str:
+        return f'<section class="{css_class}" id="{part.id}-{anchor}">{content}</section>'
+
+    marks = compute_severity_marks(part.cards, scene.frames)
+    tree = render_tree(scene, marks, f"Kinematic tree of {part.title}")
     programs = render_consumers_table((card.finding for card in part.cards), run.rules)
-    tables: Sequence[str] = [
-        ""
-        if part.drop is None
-        else f'<section class="drop" id="{part.id}-drop">{render_drop_test(part.drop)}</section>',
-        f'<section class="consumers" id="{part.id}-consumers"><h3>In each program</h3>{programs}</section>',
-        f'<section class="physics" id="{part.id}-physics"><h3>Physics</h3>{render_physics_table(scene, worst)}</section>',
-        f'<section class="meshes" id="{part.id}-meshes"><h3>Meshes and shapes</h3>{render_meshes_table(scene)}</section>',
-        f'<section class="joints" id="{part.id}-joints"><h3>Joints</h3>{render_joints_table(scene, worst)}</section>'
-        if scene.joints
-        else "",
-        f'<section class="launches" id="{part.id}-launch"><h3>Launch</h3>{render_launch_files(scene, part.cards)}</section>'
-        if scene.launches
-        else "",
+    sections = [render_section("kinematics", "tree", f"<h3>Kinematic tree</h3>{tree}")]
+    if part.drop is not None:
+        sections.append(render_section("drop", "drop", render_drop_test(part.drop)))
+    sections += [
+        render_section("consumers", "consumers", f"<h3>In each program</h3>{programs}"),
+        render_section("physics", "physics", f"<h3>Physics</h3>{render_physics_table(scene, marks)}"),
+        render_section("meshes", "meshes", f"<h3>Meshes and shapes</h3>{render_meshes_table(scene)}"),
     ]
-    tree = render_tree(scene, worst, f"Kinematic tree of {part.title}")
-    return f'<section class="kinematics" id="{part.id}-tree"><h3>Kinematic tree</h3>{tree}</section>{"".join(tables)}'
+    if scene.joints:
+        sections.append(render_section("joints", "joints", f"<h3>Joints</h3>{render_joints_table(scene, marks)}"))
+    if scene.launches:
+        launches = render_launch_files(scene, part.cards)
+        sections.append(render_section("launches", "launch", f"<h3>Launch</h3>{launches}"))
+    return "".join(sections)

@@ -14,7 +14,7 @@ DEPTHS = {"source": "source only", "mesh": "source and meshes", "full": "full"}
 
 
 def make_report_title(run: Run) -> str:
-    """The robots' names while they fit, then how many models there are; the file's name where there is only that."""
+    """Make the title: the names of the robots if they fit, else the number of models; without models, the file's name."""
     if not run.models:
         return get_base_name(next(iter(run.unit_ids))) if len(run.unit_ids) == 1 else "No models"
     if len(run.models) > MOST_NAMES:
@@ -27,20 +27,21 @@ def _get_robot_name(info: ModelInfo) -> str:
 
 
 def render_header(run: Run, title: str, index_file: str = "") -> str:
-    """``back``: the file with the list of all models, for a page of a folder."""
+    """Render the header; ``index_file``: the page with the list of all models, for a page of a folder."""
     kind, sentence = summarize_verdict(run)
-    up = f'<a class="back" href="{escape_html(index_file)}">All models</a>' if index_file else ""
-    where = render_path(run.models[0].path, run.models[0].args) if len(run.models) == 1 else ""
-    # They do nothing without the page's script, which brings them to sight.
+    version = escape_html(run.versions.get("urdfcheck", ""))
+    index_link = f'<a class="back" href="{escape_html(index_file)}">All models</a>' if index_file else ""
+    path = render_path(run.models[0].path, run.models[0].args) if len(run.models) == 1 else ""
+    # The page's script reveals the buttons, which do nothing without it.
     buttons = (
         '<button type="button" class="act fold-3d" id="fold" aria-controls="viewer" hidden>Hide 3D</button>'
         '<button type="button" class="act" id="theme" hidden>Theme: auto</button>'
         '<button type="button" class="act" id="help" aria-haspopup="dialog" hidden>Keys</button>'
     )
     return (
-        f'<header class="top"><div class="line"><p class="brand">urdfcheck '
-        f'<span>{escape_html(run.versions.get("urdfcheck", ""))}</span></p>{up}<div class="buttons">{buttons}</div></div>'
-        f'<h1>{escape_html(title)}</h1>{where}<p class="verdict {kind}">{render_glyph(kind)} {escape_html(sentence)}</p>{_render_facts(run)}</header>'
+        f'<header class="top"><div class="line"><p class="brand">urdfcheck <span>{version}</span></p>'
+        f'{index_link}<div class="buttons">{buttons}</div></div><h1>{escape_html(title)}</h1>{path}'
+        f'<p class="verdict {kind}">{render_glyph(kind)} {escape_html(sentence)}</p>{_render_facts(run)}</header>'
     )
 
 
@@ -49,7 +50,7 @@ def _render_facts(run: Run) -> str:
     if len(run.models) > MOST_NAMES:
         facts.append(("Robots", _render_robot_names(list(dict.fromkeys(map(_get_robot_name, run.models))))))
     if len(run.models) == 1:
-        # A sum over models, often two versions of one robot, would mean nothing.
+        # A sum over models is meaningless: they are often versions of one robot.
         info = run.models[0]
         facts += [("Links", str(info.links)), ("Joints", str(info.joints))]
         facts += [("Mass", f"{format_number(info.mass)} kg")] if info.mass is not None else []
@@ -63,7 +64,7 @@ def _render_robot_names(names: Sequence[str]) -> str:
 
 
 def _collect_file_facts(run: Run) -> list[tuple[str, str]]:
-    """The models and every other file with findings, below the folder that they share; nothing where the one model's is all."""
+    """Collect the models and all other files with findings, below the folder that they share; nothing for a single file."""
     spans = (finding.location.span for finding in run.findings)
     paths = list(dict.fromkeys([*(info.path for info in run.models), *(span.file for span in spans if span)]))
     if len(paths) < 2 and len(run.models) == 1:

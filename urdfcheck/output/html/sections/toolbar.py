@@ -10,18 +10,18 @@ from urdfcheck.output.html.html_text import escape_html
 from urdfcheck.output.html.report_parts import ReportPart
 from urdfcheck.output.shared.wording import SEVERITY_ORDER
 
-# So many models and files have a place in the bar; more of them are in a menu.
+# Up to this many models and files are in the bar itself; more are in a menu.
 MOST_ROWS = 4
 GROUPS = (("severity", "severity"), ("rule", "rule"), ("element", "link or joint"), ("file", "file"))
 
 
 def render_toolbar(run: Run, parts: Sequence[ReportPart], has_rules: bool) -> str:
-    """What stays in sight: the way through the page, and what is searched for and shown."""
+    """Render the bar that stays in sight: the navigation, and the tools to search and filter."""
     return f'<div class="bar">{_render_navigation(parts, has_rules)}{_render_tools(run)}</div>'
 
 
 def _render_tools(run: Run) -> str:
-    """The tiles act through the style alone; the rest is brought to sight by the page's script, which fills the lists."""
+    """Render the tools: the severity tiles need only the style; the page's script reveals the rest and fills the lists."""
     counts = {severity: run.count_findings(severity) for severity in SEVERITY_ORDER}
     tiles = "".join(_render_severity_tile(s, counts[s], sum(map(bool, counts.values())) > 1) for s in SEVERITY_ORDER)
     chosen = "".join(
@@ -29,8 +29,8 @@ def _render_tools(run: Run) -> str:
         for key, name in (("rule", "Rule"), ("element", "Link or joint"), ("confidence", "Confidence"))
     )
     grouped = "".join(f'<option value="{key}">{name}</option>' for key, name in GROUPS)
-    known = sum(finding.suppressed is not None for finding in run.findings)
-    also = f'<label><input type="checkbox" id="with-known"> {known} known</label>' if known else ""
+    suppressed = sum(finding.suppressed is not None for finding in run.findings)
+    also = f'<label><input type="checkbox" id="with-known"> {suppressed} known</label>' if suppressed else ""
     return (
         '<div class="tools" role="search" aria-label="Findings"><div class="find">'
         '<label class="act" hidden><span class="sr">Search the findings</span>'
@@ -46,15 +46,17 @@ def _render_tools(run: Run) -> str:
 
 
 def _render_severity_tile(severity: Severity, count: int, is_filter: bool) -> str:
-    told = f"{render_glyph(severity)} <b>{count}</b> <span>{pluralize_severity(count, severity)}</span>"
+    content = f"{render_glyph(severity)} <b>{count}</b> <span>{pluralize_severity(count, severity)}</span>"
     if not count or not is_filter:
-        return f'<span class="tile {severity}{"" if count else " none"}">{told}</span>'
-    # Hidden where there is no style, because then it would do nothing.
-    return f'<label class="tile {severity}"><input type="checkbox" id="show-{severity}" checked hidden>{told}</label>'
+        return f'<span class="tile {severity}{"" if count else " none"}">{content}</span>'
+    # Hidden without the style, because the checkbox would do nothing.
+    return (
+        f'<label class="tile {severity}"><input type="checkbox" id="show-{severity}" checked hidden>{content}</label>'
+    )
 
 
 def _render_navigation(parts: Sequence[ReportPart], has_rules: bool) -> str:
-    """The sections of the one robot, or where there are several their names with their counts; then all that is for all."""
+    """Render links to the sections of the only robot, or to several robots with their counts; then to the common sections."""
     drawn = [part for part in parts if part.sections]
     titles = [part.title for part in parts]
     rows = []

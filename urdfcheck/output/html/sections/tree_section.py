@@ -11,12 +11,12 @@ from urdfcheck.output.html.svg.tree_svg import NOTES, draw_tree, get_link_key, r
 from urdfcheck.output.shared.anchors import ElementKey, SeverityMark
 from urdfcheck.output.shared.kinematic_forest import LINK, TreeNode, build_forest
 
-# Chrome stops nesting elements at 512 levels; a list as deep as that helps nobody either.
+# Chrome stops nesting elements at 512 levels, and a list that deep is unreadable.
 DEEPEST_LIST = 24
 
 
 def render_tree(scene: Scene, marks: Mapping[ElementKey, SeverityMark], title: str) -> str:
-    """The drawing with its legend and its text form."""
+    """Render the drawing with its legend and its text form."""
     nodes = build_forest(scene)
     if not nodes:
         return "<p>The model has no links.</p>"
@@ -28,7 +28,7 @@ def render_tree(scene: Scene, marks: Mapping[ElementKey, SeverityMark], title: s
 
 
 def _render_list(nodes: Sequence[TreeNode], marks: Mapping[ElementKey, SeverityMark]) -> str:
-    """Nested lists; each line names its parent, so that the cut at :data:`DEEPEST_LIST` loses nothing."""
+    """Render nested lists; each line names its parent, so that nothing is lost below :data:`DEEPEST_LIST`."""
     parts: list[str] = []
     level = -1
     for node in nodes:
@@ -46,8 +46,10 @@ def _render_list_item(node: TreeNode, nodes: Sequence[TreeNode], marks: Mapping[
     text += render_mark_link(marks.get(("link", node.name)) if node.kind == LINK else None)
     if node.edge is None:
         return text
+    edge = node.edge
     parent = f"<code>{escape_html(nodes[node.parent].name)}</code>"
-    if not node.edge.is_joint:
-        return f"{text}, placed on {parent} by a launch file" + render_mark_link(marks.get(node.edge.element_key))
-    joint = f"<code{render_data_attribute(node.edge.element_key)}>{escape_html(node.edge.name)}</code> ({escape_html(node.edge.kind)})"
-    return f"{text}, on {parent} by joint {joint}" + render_mark_link(marks.get(node.edge.element_key))
+    mark_link = render_mark_link(marks.get(edge.element_key))
+    if not edge.is_joint:
+        return f"{text}, placed on {parent} by a launch file{mark_link}"
+    joint = f"<code{render_data_attribute(edge.element_key)}>{escape_html(edge.name)}</code> ({escape_html(edge.kind)})"
+    return f"{text}, on {parent} by joint {joint}{mark_link}"

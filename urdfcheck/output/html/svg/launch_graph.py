@@ -9,7 +9,7 @@ from urdfcheck.output.html.svg.label_text import ADVANCE, SMALL, count_columns, 
 from urdfcheck.output.shared.anchors import ElementKey
 from urdfcheck.output.shared.wording import get_base_name
 
-# A box with one line and with two.
+# Height of a box with one line and with two, in px.
 LOW_BOX, HIGH_BOX = 30.0, 44.0
 KIND_NAMES = {
     "node": "node",
@@ -23,35 +23,41 @@ KIND_NAMES = {
 UNKNOWN_PURPOSE = "what it reads and writes is not known here"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LaunchBox:
-    """A drawn box. ``kind`` as in `KIND_NAMES`; ``lines``: its name and, where there is one, what stands below; ``told``: its
-    tooltip; ``element``: by which its findings are found; ``dashed``: it may not be there; ``off``: by default it is not."""
+    """A drawn box."""
 
     kind: str
+    """One of `KIND_NAMES`."""
     lines: tuple[str, ...]
+    """Its name, and an optional second line."""
     tooltip: str
-    element_key: ElementKey | None
+    element_key: ElementKey | None = None
+    """Key of its findings; None for a port, which has none."""
     dashed: bool = False
+    """Whether it exists only under a condition, or its origin is unknown."""
     off_by_default: bool = False
 
     @property
     def size(self) -> tuple[float, float]:
+        """Width and height in px."""
         widths = [count_columns(line) * (ADVANCE if i == 0 else SMALL) for i, line in enumerate(self.lines)]
         ends = 26 if self.kind in ("service", "topic") else 20
         return round(max(widths) + 2 * ends, 1), HIGH_BOX if len(self.lines) > 1 else LOW_BOX
 
 
 def make_node_key(launch: int, index: int) -> ElementKey:
+    """Return the key of a node by the indices of its launch file and of the node."""
     return ("started", str(launch), str(index))
 
 
 def make_parameter_key(launch: int, index: int) -> ElementKey:
+    """Return the key of a parameter by the indices of its launch file and of the parameter."""
     return ("parameter", str(launch), str(index))
 
 
 def build_launch_graph(launch: SceneLaunch, index: int) -> tuple[list[LaunchBox], list[tuple[int, int, bool]]]:
-    """The boxes, and the edges between them with whether each is dashed."""
+    """Build the boxes, and the edges between them: indices of two boxes, and whether the edge is dashed."""
     boxes = [_make_node_box(node, make_node_key(index, k)) for k, node in enumerate(launch.nodes)]
     at: dict[ScenePort, int] = {}
     for k, parameter in enumerate(launch.parameters):
@@ -60,7 +66,7 @@ def build_launch_graph(launch: SceneLaunch, index: int) -> tuple[list[LaunchBox]
             boxes.append(_make_parameter_box(parameter, make_parameter_key(index, k)))
     written = {port for node in launch.nodes for port in node.writes}
     for port in dict.fromkeys(p for node in launch.nodes for p in (*node.reads, *node.writes)):
-        # A service that nobody calls is one of many.
+        # Nodes offer many services; only those that another node calls are drawn.
         if port not in at and (port.kind != "service" or port in written):
             at[port] = len(boxes)
             boxes.append(_make_port_box(port, port in written))
@@ -82,17 +88,19 @@ def _make_node_box(node: SceneNode, element: ElementKey) -> LaunchBox:
     else:
         name = node.name or "unknown"
         lines = (name,) if get_base_name(name) == program or not program else (name, program)
-    told = ". ".join(
-        (
-            f"{KIND_NAMES[node.kind]} {node.name or program}",
-            node.purpose or UNKNOWN_PURPOSE,
-            *describe_start_condition(node),
-        )
+    title = f"{KIND_NAMES[node.kind]} {node.name or program}"
+    return LaunchBox(
+        kind=node.kind,
+        lines=tuple(map(shorten_name, lines)),
+        tooltip=". ".join((title, node.purpose or UNKNOWN_PURPOSE, *describe_start_condition(node))),
+        element_key=element,
+        dashed=bool(node.condition),
+        off_by_default=node.off,
     )
-    return LaunchBox(node.kind, tuple(map(shorten_name, lines)), told, element, bool(node.condition), node.off)
 
 
 def describe_start_condition(node_or_parameter: SceneNode | SceneParameter) -> tuple[str, ...]:
+    """Describe when a launch file starts a node or sets a parameter; empty if always."""
     if not node_or_parameter.condition:
         return ()
     return (f"started {node_or_parameter.condition}" + (", and not by default" if node_or_parameter.off else ""),)
@@ -100,26 +108,31 @@ def describe_start_condition(node_or_parameter: SceneNode | SceneParameter) -> t
 
 def _make_parameter_box(parameter: SceneParameter, element: ElementKey) -> LaunchBox:
     origin = "origin unresolved" if parameter.problem else get_base_name(parameter.origin)
-    told = f"parameter {parameter.port.name}, from {parameter.origin}"
-    told = ". ".join((told, *([parameter.problem] if parameter.problem else []), *describe_start_condition(parameter)))
-    lines = (shorten_name(_get_parameter_name(parameter.port)), shorten_name(origin))
-    return LaunchBox("parameter", lines, told, element, bool(parameter.condition or parameter.problem), parameter.off)
+    title = f"parameter {parameter.port.name}, from {parameter.origin}"
+    problem = [parameter.problem] if parameter.problem else []
+    return LaunchBox(
+        kind="parameter",
+        lines=(shorten_name(_get_parameter_name(parameter.port)), shorten_name(origin)),
+        tooltip=". ".join((title, *problem, *describe_start_condition(parameter))),
+        element_key=element,
+        dashed=bool(parameter.condition or parameter.problem),
+        off_by_default=parameter.off,
+    )
 
 
 def _get_parameter_name(port: ScenePort) -> str:
-    """In ROS 2 a parameter belongs to a node, which stands beside it in the drawing."""
+    """Return the name of a parameter without its ROS 2 node, which is beside it in the drawing."""
     return port.name.rpartition(" ")[2]
 
 
 def _make_port_box(port: ScenePort, is_written: bool) -> LaunchBox:
     if port.kind == "file":
-        return LaunchBox("file", (shorten_name(get_base_name(port.name)),), f"file {port.name}", None)
+        return LaunchBox(kind="file", lines=(shorten_name(get_base_name(port.name)),), tooltip=f"file {port.name}")
     name = shorten_name(port.name.removesuffix(" (Gazebo transport)"))
     if port.kind == "parameter":
-        return LaunchBox(
-            "parameter", (name, "not set here"), f"parameter {port.name}, not set by this launch file", None, True
-        )
+        tooltip = f"parameter {port.name}, not set by this launch file"
+        return LaunchBox(kind="parameter", lines=(name, "not set here"), tooltip=tooltip, dashed=True)
     if port.kind == "topic" and not is_written:
-        told = f"topic {port.name}: no node that is known here publishes it"
-        return LaunchBox("topic", (name, "no known publisher"), told, None, True)
-    return LaunchBox(port.kind, (name,), f"{port.kind} {port.name}", None)
+        tooltip = f"topic {port.name}: no node that is known here publishes it"
+        return LaunchBox(kind="topic", lines=(name, "no known publisher"), tooltip=tooltip, dashed=True)
+    return LaunchBox(kind=port.kind, lines=(name,), tooltip=f"{port.kind} {port.name}")

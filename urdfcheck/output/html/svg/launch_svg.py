@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from urdfcheck.output.html.element_names import describe_mark
 from urdfcheck.output.html.html_text import escape_html
 from urdfcheck.output.html.svg.label_text import ADVANCE, SMALL, count_columns
 from urdfcheck.output.html.svg.launch_graph import KIND_NAMES, LaunchBox
@@ -17,13 +18,14 @@ MARGIN = 2
 def draw_launch_graph(
     boxes: Sequence[LaunchBox], edges: Sequence[tuple[int, int, bool]], worst: Mapping[ElementKey, SeverityMark]
 ) -> str:
-    found = [None if box.element_key is None else worst.get(box.element_key) for box in boxes]
-    sizes = [(w + (18 if mark else 0), h) for (w, h), mark in zip((b.size for b in boxes), found, strict=True)]
+    """Draw the boxes and edges of a launch file, each box in the colour of its worst finding."""
+    marks = [None if box.element_key is None else worst.get(box.element_key) for box in boxes]
+    sizes = [(w + (18 if mark else 0), h) for (w, h), mark in zip((b.size for b in boxes), marks, strict=True)]
     layout = lay_out_graph(sizes, [(a, b) for a, b, _ in edges])
     width, height = round(layout.width) + 2 * MARGIN, round(layout.height) + 2 * MARGIN
     lines = "".join(_draw_edge(curve, dashed) for curve, (_, _, dashed) in zip(layout.curves, edges, strict=True))
-    items = "".join(map(_draw_box, boxes, layout.positions, sizes, found))
-    # Presentation attributes, so that the drawing is legible where a server's policy blocks the style.
+    items = "".join(map(_draw_box, boxes, layout.positions, sizes, marks))
+    # Presentation attributes keep the drawing legible if a server's policy blocks the style.
     return (
         f'<svg class="graph" width="{width}" height="{height}" viewBox="{-MARGIN} {-MARGIN} {width} {height}" role="group" '
         f'aria-label="{format_count(sum(b.element_key is not None for b in boxes), "part")} of a launch file, drawn as a graph" '
@@ -35,7 +37,7 @@ def _draw_edge(curve: EdgeCurve, dashed: bool) -> str:
     if not curve.points:
         return ""
     points = list(curve.points)
-    # The arrow covers the last bit of the line.
+    # The arrow covers the end of the line.
     tip, sign = (points[0], -1) if curve.is_reversed else (points[-1], 1)
     (x, y), *rest = points
     path = f"M{x:g} {y:g}"
@@ -69,19 +71,22 @@ def _draw_box(box: LaunchBox, place: BoxPosition, size: tuple[float, float], mar
             f'<text class="type" x="{middle:g}" y="{place.y + 13:g}" text-anchor="middle" font-size="11">'
             f"{escape_html(box.lines[1])}</text>"
         )
-    told = box.tooltip
+    tooltip = box.tooltip
     sign = ""
     if mark is not None:
-        told += f". {mark.severity}" + (f", the worst of {mark.count} findings" if mark.count > 1 else "")
+        tooltip += f". {describe_mark(mark)}"
         left = middle - max(count_columns(box.lines[0]) * ADVANCE, count_columns(box.lines[-1]) * SMALL) / 2 - 19
         sign = f'<use href="#g-{mark.severity}" x="{left:g}" y="{place.y - 7:g}" width="14" height="14"/>'
-    drawn = f'<g class="{" ".join(names)}"><title>{escape_html(told)}</title>{outline}<g fill="currentColor">{sign}{text}</g></g>'
+    drawn = (
+        f'<g class="{" ".join(names)}"><title>{escape_html(tooltip)}</title>{outline}'
+        f'<g fill="currentColor">{sign}{text}</g></g>'
+    )
     return drawn if mark is None else f'<a href="#{mark.anchor}">{drawn}</a>'
 
 
 def _trace_outline(kind: str, place: BoxPosition, size: tuple[float, float]) -> str:
-    """A box for what runs, round ends for a topic, pointed ones for a service, a folded corner for a parameter or a file, and
-    bars at the sides of what holds more."""
+    """Trace a box for what runs, round ends for a topic, pointed ends for a service, a folded corner for a parameter or a file,
+    and bars at the sides for a launch file."""
     (w, h), x, y = size, place.x, place.y - size[1] / 2
     if kind == "topic":
         r = h / 2
@@ -99,6 +104,7 @@ def _trace_outline(kind: str, place: BoxPosition, size: tuple[float, float]) -> 
 
 
 def render_launch_legend(boxes: Sequence[LaunchBox]) -> str:
+    """Render the legend of the kinds of boxes that occur."""
     kinds = {box.kind for box in boxes}
     items = [_render_legend_item(kind, name) for kind, name in KIND_NAMES.items() if kind in kinds]
     if any(box.dashed and box.kind in ("node", "launch file", "process") for box in boxes):

@@ -9,20 +9,21 @@ from urdfcheck.core.drop_test import StabilityCurve
 from urdfcheck.output.html.html_text import escape_html, format_number
 from urdfcheck.output.shared.drop_test_wording import format_peak_speed
 
-# Of the drawing, and of what is inside its axes.
+# Size of the drawing, and the area inside its axes, in px.
 WIDTH, HEIGHT = 640, 260
 LEFT, RIGHT, TOP, BOTTOM = 64, 620, 16, 212
 
 
 def get_curve_class(curve: StabilityCurve) -> str:
+    """Return the CSS class of a curve."""
     return "implicit" if curve.implicit else "explicit"
 
 
 def draw_stability_chart(curves: Sequence[StabilityCurve]) -> str:
+    """Draw the speed of the fastest link (m/s) against the time step (ms), both logarithmic."""
     steps = sorted({step for curve in curves for step in curve.steps})
-    known = [v for curve in curves for v in curve.speeds if v is not None and v > 0]
-    # Whole decades, and one at least.
-    low, high = _compute_decades(known or [1.0])
+    speeds = [speed for curve in curves for speed in curve.speeds if speed is not None and speed > 0]
+    low, high = _compute_decades(speeds or [1.0])
 
     def project_step(step: float) -> float:
         return LEFT + (RIGHT - LEFT) * math.log(step / steps[0]) / math.log(steps[-1] / steps[0])
@@ -31,7 +32,7 @@ def draw_stability_chart(curves: Sequence[StabilityCurve]) -> str:
         part = (math.log10(max(speed, 10.0**low)) - low) / (high - low)
         return BOTTOM - (BOTTOM - TOP) * min(part, 1.0)
 
-    drawn = [_draw_grid(project_step, project_speed, steps, low, high)]
+    drawn = [_draw_grid(project_step, project_speed, steps=steps, decades=(low, high))]
     for curve in curves:
         points = list(zip(curve.steps, curve.speeds, curve.stable, strict=True))
         line = [
@@ -46,8 +47,8 @@ def draw_stability_chart(curves: Sequence[StabilityCurve]) -> str:
                 if stable
                 else f'<path class="bad" d="M{px - 4:.1f} {py - 4:.1f}l8 8m0-8l-8 8"/>'
             )
-            told = f"{1e3 * step:.3g} ms: {format_peak_speed(speed)}{'' if speed is None else ' m/s'}"
-            drawn.append(f"<g>{mark}<title>{escape_html(told)}</title></g>")
+            tooltip = f"{1e3 * step:.3g} ms: {format_peak_speed(speed)}{'' if speed is None else ' m/s'}"
+            drawn.append(f"<g>{mark}<title>{escape_html(tooltip)}</title></g>")
     return (
         f'<svg class="chart" width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
         f'aria-label="Largest speed of a link against the time step">{"".join(drawn)}</svg>'
@@ -55,18 +56,20 @@ def draw_stability_chart(curves: Sequence[StabilityCurve]) -> str:
 
 
 def _compute_decades(speeds: Sequence[float]) -> tuple[int, int]:
+    """Compute the whole decades that contain the speeds, at least one and at most the eight highest."""
     low, high = math.floor(math.log10(min(speeds))), math.ceil(math.log10(max(speeds)))
-    low = max(low, high - 8)  # below there is nothing to see
+    low = max(low, high - 8)
     return low, max(high, low + 1)
 
 
 def _draw_grid(
     project_step: Callable[[float], float],
     project_speed: Callable[[float], float],
+    *,
     steps: Sequence[float],
-    low: int,
-    high: int,
+    decades: tuple[int, int],
 ) -> str:
+    low, high = decades
     parts = []
     every = max(1, math.ceil((high - low) / 5))
     for power in range(low, high + 1, every):

@@ -1,4 +1,4 @@
-"""Where the boxes of the kinematic tree go."""
+"""The layout of the kinematic tree."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from urdfcheck.output.html.svg.label_text import ADVANCE, SMALL, count_columns, 
 from urdfcheck.output.shared.kinematic_forest import TreeEdge, TreeNode
 
 BOX, PAD, ROW, LINE, INDENT, GAP = 28, 10, 44, 37, 30, 18
-# A drawing wider than this would have to be scrolled on a laptop: then names go below one another.
+# A wider drawing would need scrolling on a laptop: its boxes are placed one below the other.
 WIDEST = 820
 
 
@@ -23,7 +23,7 @@ class TreeBox:
 
 
 def lay_out_tree(nodes: Sequence[TreeNode]) -> tuple[list[TreeBox], bool]:
-    """Where the boxes go, and whether they are layered (left to right) or indented (one below the other)."""
+    """Place the boxes; return them and whether they are layered (left to right) or indented (one below the other)."""
     layered = _lay_out_layered(nodes)
     if max(box.x + box.width for box in layered) <= WIDEST:
         return layered, True
@@ -31,7 +31,7 @@ def lay_out_tree(nodes: Sequence[TreeNode]) -> tuple[list[TreeBox], bool]:
 
 
 def _lay_out_layered(nodes: Sequence[TreeNode]) -> list[TreeBox]:
-    """A column per depth, a row per leaf, each parent in the middle of its children."""
+    """Place a column per depth and a row per leaf, each parent in the middle of its children."""
     deepest = max(node.depth for node in nodes)
     widths, gaps = [0.0] * (deepest + 1), [0.0] * (deepest + 1)
     for node in nodes:
@@ -54,7 +54,7 @@ def _lay_out_layered(nodes: Sequence[TreeNode]) -> list[TreeBox]:
 
 
 def _lay_out_indented(nodes: Sequence[TreeNode]) -> list[TreeBox]:
-    """A row per node. An only child stays below its parent, so that a long chain does not run out of the page."""
+    """Place a row per node. An only child is not indented, so that a long chain does not run off the page."""
     lefts: list[float] = []
     for node in nodes:
         if node.parent < 0:

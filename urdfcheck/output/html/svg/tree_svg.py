@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from urdfcheck.output.html.element_names import render_data_attribute
+from urdfcheck.output.html.element_names import describe_mark, render_data_attribute
 from urdfcheck.output.html.html_text import escape_html
 from urdfcheck.output.html.svg.label_text import SMALL, count_columns, shorten_name
 from urdfcheck.output.html.svg.tree_layout import BOX, GAP, PAD, ROW, TreeBox, lay_out_tree
@@ -16,6 +16,7 @@ NOTES = {LAUNCH: "frame of a launch file", MISSING: "no link of this name", REPE
 
 
 def draw_tree(nodes: Sequence[TreeNode], marks: Mapping[ElementKey, SeverityMark]) -> str:
+    """Draw the tree, each box and edge in the colour of its worst finding."""
     boxes, is_layered = lay_out_tree(nodes)
     right = max(box.x + box.width for box in boxes)
     if not is_layered:
@@ -31,12 +32,12 @@ def draw_tree(nodes: Sequence[TreeNode], marks: Mapping[ElementKey, SeverityMark
             parent = boxes[node.parent]
             mark = marks.get(node.edge.element_key)
             order = mark.severity if mark is not None else 0 if node.edge.is_joint else -1
-            edges.append((order, _draw_edge(node.edge, parent, box, is_layered, mark)))
-            items.append(_draw_label(node.edge, parent, box, is_layered, mark))
+            edges.append((order, _draw_edge(node.edge, mark, parent=parent, child=box, is_layered=is_layered)))
+            items.append(_draw_label(node.edge, mark, parent=parent, child=box, is_layered=is_layered))
         items.append(_draw_box(node, box, _find_node_mark(node, marks)))
-    # Siblings share a stem: the worst is painted last, so that its colour is the one to be seen.
+    # Siblings share a stem: the worst is painted last, so that its colour is visible.
     drawn = "".join(path for _, path in sorted(edges, key=lambda e: e[0]))
-    # Presentation attributes, so that the drawing is legible where a server's policy blocks the style.
+    # Presentation attributes keep the drawing legible if a server's policy blocks the style.
     return (
         f'<svg class="graph" width="{width}" height="{height}" viewBox="0 0 {width} {height}" role="group" '
         f'aria-label="{format_count(len(nodes), "frame")}, drawn as a tree" font-family="monospace" font-size="12" '
@@ -46,7 +47,7 @@ def draw_tree(nodes: Sequence[TreeNode], marks: Mapping[ElementKey, SeverityMark
 
 
 def get_link_key(node: TreeNode) -> ElementKey | None:
-    """The link that a box stands for, none where no link has its name."""
+    """Return the key of the link that a box shows; None if no link has its name."""
     return ("link", node.name) if node.kind in (LINK, REPEATED) else None
 
 
@@ -54,14 +55,14 @@ def _find_node_mark(node: TreeNode, marks: Mapping[ElementKey, SeverityMark]) ->
     link = get_link_key(node)
     if link is not None:
         return marks.get(link)
-    # A frame that a launch file makes is as good as the transform that makes it.
+    # A frame of a launch file has the mark of the transform that makes it.
     return marks.get(node.edge.element_key) if node.kind == LAUNCH and node.edge is not None else None
 
 
-def _draw_edge(edge: TreeEdge, parent: TreeBox, child: TreeBox, is_layered: bool, mark: SeverityMark | None) -> str:
+def _draw_edge(edge: TreeEdge, mark: SeverityMark | None, *, parent: TreeBox, child: TreeBox, is_layered: bool) -> str:
     if is_layered:
         start = parent.x + parent.width
-        line = f"M{start:g} {parent.y:g}" + _trace_elbow(start + GAP, parent.y, child.x, child.y)
+        line = f"M{start:g} {parent.y:g}" + _trace_elbow(start + GAP, start_y=parent.y, end=child)
     elif child.x == parent.x:
         line = f"M{parent.x + 14:g} {parent.y + BOX / 2:g}V{child.y - BOX / 2:g}"
     else:
@@ -70,11 +71,13 @@ def _draw_edge(edge: TreeEdge, parent: TreeBox, child: TreeBox, is_layered: bool
     return f'<path class="{_get_edge_class(edge, mark)}" stroke="currentColor"{_format_dashes(edge)} d="{line}"/>'
 
 
-def _trace_elbow(bend: float, y0: float, x1: float, y1: float) -> str:
-    if abs(y1 - y0) < 1:
-        return f"H{x1:g}"
-    r = min(8.0, abs(y1 - y0) / 2) * (1 if y1 > y0 else -1)
-    return f"H{bend - abs(r):g}q{abs(r):g} 0 {abs(r):g} {r:g}V{y1 - r:g}q0 {r:g} {abs(r):g} {r:g}H{x1:g}"
+def _trace_elbow(bend: float, *, start_y: float, end: TreeBox) -> str:
+    """Trace a line from ``start_y`` to the left edge of a box, with two rounded corners at x = ``bend``."""
+    x, y = end.x, end.y
+    if abs(y - start_y) < 1:
+        return f"H{x:g}"
+    r = min(8.0, abs(y - start_y) / 2) * (1 if y > start_y else -1)
+    return f"H{bend - abs(r):g}q{abs(r):g} 0 {abs(r):g} {r:g}V{y - r:g}q0 {r:g} {abs(r):g} {r:g}H{x:g}"
 
 
 def _format_dashes(edge: TreeEdge) -> str:
@@ -88,11 +91,11 @@ def _get_edge_class(edge: TreeEdge, mark: SeverityMark | None) -> str:
     return f"edge {kind}" if mark is None else f"edge {kind} {mark.severity}"
 
 
-def _draw_label(edge: TreeEdge, parent: TreeBox, box: TreeBox, is_layered: bool, mark: SeverityMark | None) -> str:
+def _draw_label(edge: TreeEdge, mark: SeverityMark | None, *, parent: TreeBox, child: TreeBox, is_layered: bool) -> str:
     sign = "" if mark is None else f'<use href="#g-{mark.severity}" width="12" height="12" %s/>'
     if is_layered:
         x = parent.x + parent.width + GAP + 12
-        y = box.y
+        y = child.y
         lines = [(edge.name, y - 5), (edge.kind, y + 14)] if edge.name else [(edge.kind, y - 5)]
         text = "".join(
             f'<text class="{"joint" if i == 0 else "type"}" x="{x + (16 if mark and i == 0 else 0):g}" y="{at:g}">'
@@ -101,10 +104,10 @@ def _draw_label(edge: TreeEdge, parent: TreeBox, box: TreeBox, is_layered: bool,
         )
         sign = sign % f'x="{x:g}" y="{y - 15:g}"' if sign else ""
     else:
-        x = box.x + box.width + GAP - 6
-        sign = sign % f'x="{x:g}" y="{box.y - 6:g}"' if sign else ""
+        x = child.x + child.width + GAP - 6
+        sign = sign % f'x="{x:g}" y="{child.y - 6:g}"' if sign else ""
         text = (
-            f'<text class="joint" x="{x + (16 if mark else 0):g}" y="{box.y + 4:g}">{escape_html(shorten_name(edge.name))}'
+            f'<text class="joint" x="{x + (16 if mark else 0):g}" y="{child.y + 4:g}">{escape_html(shorten_name(edge.name))}'
             f'<tspan class="type">{" · " if edge.name else ""}{escape_html(edge.kind)}</tspan></text>'
         )
     what = f"joint {edge.name}, {edge.kind}" if edge.is_joint else "static transform of a launch file"
@@ -141,12 +144,11 @@ def _draw_box(node: TreeNode, box: TreeBox, mark: SeverityMark | None) -> str:
 
 
 def _format_tooltip(description: str, mark: SeverityMark | None) -> str:
-    if mark is None:
-        return description
-    return f"{description}: {mark.severity}" + (f", the worst of {mark.count} findings" if mark.count > 1 else "")
+    return description if mark is None else f"{description}: {describe_mark(mark)}"
 
 
 def render_tree_legend(nodes: Sequence[TreeNode]) -> str:
+    """Render the legend of the kinds of edges that occur; empty without edges."""
     kinds = {_get_edge_class(n.edge, None): n.edge for n in nodes if n.edge is not None}
     names = {"edge moving": "moving joint", "edge fixed": "fixed joint", "edge launch": "launch file"}
     items = "".join(

@@ -12,7 +12,7 @@ MOST_MODELS = 4
 
 
 def render_skipped_table(run: Run) -> str:
-    """One row per check and reason; ``run.skipped`` must not be empty."""
+    """Render a row per check and reason; ``run.skipped`` must not be empty."""
     models: dict[tuple[str, str], list[str]] = {}
     for skip in run.skipped:
         models.setdefault((skip.code, skip.reason), []).append(skip.model)
@@ -29,7 +29,7 @@ def render_skipped_table(run: Run) -> str:
 
 
 def render_rules_table(run: Run) -> str:
-    """Every rule of the run with what it found, the quiet ones too."""
+    """Render a row for every rule of the run, with or without findings."""
     fired: dict[str, int] = {}
     for finding in run.findings:
         fired[finding.code] = fired.get(finding.code, 0) + 1
@@ -47,6 +47,7 @@ def _render_rule_row(rule: Rule, fired: int, skipped: int) -> str:
     name = f"<code>{escape_html(rule.code)}</code> {escape_html(rule.name)}"
     if fired:
         name = f'<a href="#rule-{escape_html(rule.code)}">{name}</a>'
-    outcome = [format_count(fired, "finding")] if fired else []
-    outcome += [f"skipped {format_count(skipped, 'time')}"] if skipped else []
-    return f'<tr><th scope="row">{name}</th><td>{render_inline(rule.summary)}</td><td>{", ".join(outcome) or "no finding"}</td></tr>'
+    counts = [format_count(fired, "finding")] if fired else []
+    counts += [f"skipped {format_count(skipped, 'time')}"] if skipped else []
+    outcome = ", ".join(counts) or "no finding"
+    return f'<tr><th scope="row">{name}</th><td>{render_inline(rule.summary)}</td><td>{outcome}</td></tr>'

@@ -23,19 +23,19 @@ VERDICT_TEXTS = {
 
 
 def render_consumers_table(findings: Iterable[Finding], rules: Collection[str]) -> str:
-    """A row for each program; those of the given rules are linked to what they say."""
+    """Render a row for each program; codes of the given rules are links to their pages."""
     head = '<tr><th scope="col">Program</th><th scope="col">What it does</th><th scope="col">Because of</th></tr>'
     rows = (_render_consumer_row(name, outcome, rules) for name, outcome in predict_outcomes(findings).items())
     return render_table("What becomes of the model, as far as these findings tell", head, rows)
 
 
 def _render_consumer_row(name: str, outcome: ConsumerOutcome, rules: Collection[str]) -> str:
-    kind, told = VERDICT_TEXTS[outcome.verdict]
+    kind, verdict = VERDICT_TEXTS[outcome.verdict]
     codes = ", ".join(
         f'<a href="#rule-{code}"><code>{code}</code></a>' if code in rules else f"<code>{escape_html(code)}</code>"
         for code in outcome.codes
     )
     return (
-        f'<tr><th scope="row">{escape_html(PROGRAM_NAMES.get(name, name))}</th><td class="{kind}">{render_glyph(kind)} {told}</td>'
-        f"<td>{codes or NO_VALUE}</td></tr>"
+        f'<tr><th scope="row">{escape_html(PROGRAM_NAMES.get(name, name))}</th>'
+        f'<td class="{kind}">{render_glyph(kind)} {verdict}</td><td>{codes or NO_VALUE}</td></tr>'
     )

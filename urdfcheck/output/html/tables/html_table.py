@@ -10,8 +10,8 @@ from urdfcheck.output.shared.anchors import ElementKey, SeverityMark
 from urdfcheck.output.shared.wording import format_count
 
 
-def render_table(caption: str, head: str, rows: Iterable[str], foot: str = "") -> str:
-    """A table in a box of its own that scrolls where the page is too narrow."""
+def render_table(caption: str, head: str, rows: Iterable[str], *, foot: str = "") -> str:
+    """Render a table in a box that scrolls on a narrow page."""
     foot = f"<tfoot>{foot}</tfoot>" if foot else ""
     return (
         f'<div class="scroll" role="group" tabindex="0" aria-label="{caption}"><table><caption>{caption}</caption>'
@@ -20,12 +20,15 @@ def render_table(caption: str, head: str, rows: Iterable[str], foot: str = "") -
 
 
 def render_name_cell(element_key: ElementKey, mark: SeverityMark | None) -> str:
+    """Render the first cell of a row: the name of a link or a joint, and its mark as a link."""
     sign = ""
     if mark is not None:
-        told = f"{format_count(mark.count, 'finding')}, worst: {mark.severity}"
-        sign = f' <a class="{mark.severity}" href="#{mark.anchor}">{render_glyph(mark.severity)}<span class="sr">{told}</span></a>'
+        description = f"{format_count(mark.count, 'finding')}, worst: {mark.severity}"
+        glyph = f'{render_glyph(mark.severity)}<span class="sr">{description}</span>'
+        sign = f' <a class="{mark.severity}" href="#{mark.anchor}">{glyph}</a>'
     return f'<th scope="row">{render_element_name(element_key)}{sign}</th>'
 
 
 def render_number_cell(text: str) -> str:
+    """Render a cell that is aligned as a number."""
     return f'<td class="num">{text}</td>'

@@ -14,7 +14,7 @@ from urdfcheck.output.shared.anchors import ElementKey, SeverityMark
 
 
 def render_joints_table(scene: Scene, marks: Mapping[ElementKey, SeverityMark]) -> str:
-    """The joints, with a column for each further property that one of them has."""
+    """Render a row for each joint, with a column for each optional property that at least one of them has."""
     extra = [
         column for column in _OPTIONAL_COLUMNS if any(column.format_cell(joint) != NO_VALUE for joint in scene.joints)
     ]
@@ -57,10 +57,11 @@ _OPTIONAL_COLUMNS = (
 def _render_joint_row(joint: SceneJoint, mark: SeverityMark | None, extra: Sequence[_JointColumn]) -> str:
     axis = NO_VALUE if joint.axis is None else ", ".join(format_number(round(a, 4) + 0.0) for a in joint.axis)
     more = "".join(f'<td class="{column.css_class}">{column.format_cell(joint)}</td>' for column in extra)
+    parent, child = (render_element_name(("link", name)) for name in (joint.parent, joint.child))
     return (
-        f"<tr>{render_name_cell(('joint', joint.name), mark)}<td>{escape_html(joint.type)}</td><td>{render_element_name(('link', joint.parent))}</td>"
-        f'<td>{render_element_name(("link", joint.child))}</td><td class="vector">{axis}</td><td class="vector">{_format_limits(joint)}</td>'
-        f"{more}</tr>"
+        f"<tr>{render_name_cell(('joint', joint.name), mark)}<td>{escape_html(joint.type)}</td>"
+        f'<td>{parent}</td><td>{child}</td><td class="vector">{axis}</td>'
+        f'<td class="vector">{_format_limits(joint)}</td>{more}</tr>'
     )
 
 

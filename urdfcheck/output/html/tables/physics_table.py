@@ -17,12 +17,12 @@ from urdfcheck.output.html.html_text import (
 from urdfcheck.output.html.tables.html_table import render_name_cell, render_number_cell, render_table
 from urdfcheck.output.shared.anchors import ElementKey, SeverityMark
 
-# By how much a principal moment must differ from the uniform solid's: e^1.6, where INR009 begins to call an inertia wrong.
+# Ratio to the uniform solid's principal moment from which on a moment is far off: e^1.6, the limit of INR009.
 FAR_RATIO = 5.0
 
 
 def render_physics_table(scene: Scene, marks: Mapping[ElementKey, SeverityMark]) -> str:
-    """What each link weighs, beside what its drawn geometry would be with that mass, filled uniformly."""
+    """Render the inertial of each link, compared with its drawn geometry filled uniformly with the same mass."""
     head = (
         '<tr><th scope="col" rowspan="2">Link</th><th scope="col" rowspan="2" class="num">Mass<br><small>kg</small></th>'
         '<th scope="colgroup" colspan="3">Centre of mass <small>mm, link frame</small></th>'
@@ -41,9 +41,8 @@ def render_physics_table(scene: Scene, marks: Mapping[ElementKey, SeverityMark])
         "<p>The solid of a link is its drawn geometry, filled uniformly with its mass. Moments are far off where they differ "
         "from those of the solid by a factor of five or more.</p>"
     )
-    return solid + render_table(
-        "What the file says, and how far it is from the solid", head, rows, _render_total_row(scene)
-    )
+    foot = _render_total_row(scene)
+    return solid + render_table("What the file says, and how far it is from the solid", head, rows, foot=foot)
 
 
 def _render_physics_row(link: SceneLink, mark: SeverityMark | None) -> str:
@@ -56,23 +55,26 @@ def _render_physics_row(link: SceneLink, mark: SeverityMark | None) -> str:
     ratios = _compute_moment_ratios(inertial.moments, link.drawn_moments)
     far = any(not 1 / FAR_RATIO < ratio < FAR_RATIO for ratio in ratios)
     verdict = f'<td class="warning">{render_glyph("warning")} far off</td>' if far else "<td></td>"
-    told = [format_number(ratio, 3) for ratio in ratios] or [NO_VALUE] * 3
-    off = format_millimetres(math.dist(inertial.com, link.drawn_com)) if inertial.com and link.drawn_com else NO_VALUE
+    ratio_texts = [format_number(ratio, 3) for ratio in ratios] or [NO_VALUE] * 3
+    has_both_coms = inertial.com and link.drawn_com
+    distance = format_millimetres(math.dist(inertial.com, link.drawn_com)) if has_both_coms else NO_VALUE
+    typed = "".join(map(render_number_cell, (format_number(inertial.mass), *com, *moments)))
+    compared = "".join(map(render_number_cell, ratio_texts))
     return (
-        f"<tr>{render_name_cell(('link', link.name), mark)}{''.join(map(render_number_cell, (format_number(inertial.mass), *com, *moments)))}"
-        f'<td class="power">{power}</td>{render_number_cell(density)}{"".join(map(render_number_cell, told))}{verdict}{render_number_cell(off)}</tr>'
+        f"<tr>{render_name_cell(('link', link.name), mark)}{typed}"
+        f'<td class="power">{power}</td>{render_number_cell(density)}{compared}{verdict}{render_number_cell(distance)}</tr>'
     )
 
 
 def _compute_moment_ratios(moments: Sequence[float], drawn_moments: Sequence[float]) -> list[float]:
-    """Each principal moment to that of the uniform solid, the smallest to the smallest; none where one of them has no size."""
+    """Compute the ratio of each principal moment to the uniform solid's, smallest to smallest; none if one is not positive."""
     if not moments or not drawn_moments or not all(d > 0 for d in drawn_moments):
         return []
     return [m / d for m, d in zip(moments, drawn_moments, strict=True)]
 
 
 def _render_total_row(scene: Scene) -> str:
-    """The mass of all links and, where each of them has its place, their COM."""
+    """Render the mass of all links and, if each of them has a pose, their COM."""
     bodies = [link for link in scene.links if link.inertial is not None and link.inertial.mass is not None]
     if not bodies:
         return ""
@@ -88,7 +90,7 @@ def _render_total_row(scene: Scene) -> str:
 
 
 def _locate_base_com(link: SceneLink) -> tuple[float, tuple[float, ...]]:
-    """Mass and COM in the base frame; no COM where it has no place."""
+    """Return the mass (kg) and the COM (m) in the base frame; no COM without a pose."""
     inertial = link.inertial or SceneInertia()
     if not link.world or not inertial.com:
         return inertial.mass or 0.0, ()

@@ -1,4 +1,4 @@
-"""What the robot in 3D is made of: the numbers of the scenes as JSON values, and the meshes as one run of bytes."""
+"""The data of the robot in 3D: the numbers of the scenes as JSON values, and the meshes as one string of bytes."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from urdfcheck.output.shared.anchors import (
 )
 
 # Edges of the box and semi-axes of the ellipsoid of uniform density with the moments I1, I2, I3 of a mass m:
-# edge² = 6 (I2 + I3 - I1) / m, semi-axis² = 5 (I2 + I3 - I1) / (2 m), and so on round.
+# edge² = 6 (I2 + I3 - I1) / m, semi-axis² = 5 (I2 + I3 - I1) / (2 m), and cyclically.
 _BOX, _ELLIPSOID = 6.0, 2.5
-# What shows a finding best, by the family of its rule; single rules first.
+# Layers that show a finding best, by its code or by the family of its rule.
 _LAYERS: Mapping[str, tuple[str, ...]] = {
     "MSH002": ("visual", "holes"),
     "DYN004": ("visual", "ground", "com"),
@@ -33,20 +33,27 @@ _LAYERS: Mapping[str, tuple[str, ...]] = {
     "DYN": ("visual", "com"),
 }
 _DEFAULT_LAYERS = ("visual",)
-# A graphics card computes with seven digits: next to what is larger, in metres, nothing of a robot can be seen.
+# In metres: a graphics card computes with seven digits, so that no robot is visible beside anything larger.
 _LARGEST = 1e9
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
-def build_stage_data(models: Iterable[tuple[str, str, Scene, Sequence[FindingCard]]]) -> tuple[dict[str, Any], bytes]:
-    """The JSON values and the bytes of the meshes, each content once, for models given as the id of their section in the page,
-    their name, scene and cards. Lengths in metres, poses 4x4 row-major; numbers with seven digits."""
-    found = _MeshPool()
-    return {"models": [_build_model(*model, found) for model in models], "meshes": found.entries}, b"".join(found.data)
+def build_scene_data(models: Iterable[tuple[str, str, Scene, Sequence[FindingCard]]]) -> tuple[dict[str, Any], bytes]:
+    """Build the JSON values of models and the bytes of their meshes, each content once.
+
+    ``models``: id of their section in the page, name, scene and cards. Lengths in metres, poses 4x4 row-major; numbers with
+    seven digits."""
+    pool = _MeshPool()
+    return {"models": [_build_model(*model, pool) for model in models], "meshes": pool.entries}, b"".join(pool.data)
+
+
+def get_layers(code: str) -> tuple[str, ...]:
+    """Return the layers of the 3D view that show a finding of this rule best."""
+    return _LAYERS.get(code) or _LAYERS.get(code[:3], _DEFAULT_LAYERS)
 
 
 class _MeshPool:
-    """The drawings that the models share, by their content."""
+    """The drawings that the models share, each content once."""
 
     def __init__(self) -> None:
         self.entries: list[dict[str, Any]] = []
@@ -55,6 +62,7 @@ class _MeshPool:
         self._offset = 0
 
     def add_drawing(self, drawing: SceneDrawing) -> int:
+        """Add a drawing unless its content is known, and return its index."""
         if drawing.data not in self._places:
             self._places[drawing.data] = len(self.entries)
             self.entries.append(
@@ -87,7 +95,7 @@ def _build_model(
         "id": section_id,
         "name": title,
         "root": scene.root,
-        "links": [_build_link(link, worst, scene, meshes) for link in scene.links],
+        "links": [_build_link(link, worst, scene=scene, meshes=meshes) for link in scene.links],
         "joints": [_build_joint(joint, worst) for joint in scene.joints],
         "frames": [{"parent": f.parent, "child": f.child, "at": _round_values(f.pose)} for f in scene.frames if f.pose],
         "overlaps": [
@@ -113,15 +121,15 @@ def _build_model(
 
 
 def _build_link(
-    link: SceneLink, worst: Mapping[ElementKey, SeverityMark], scene: Scene, meshes: _MeshPool
+    link: SceneLink, worst: Mapping[ElementKey, SeverityMark], *, scene: Scene, meshes: _MeshPool
 ) -> dict[str, Any]:
     inertial = link.inertial
     return {
         "name": link.name,
         "severity": _get_severity(worst, ("link", link.name)),
         "at": None if link.world is None else _round_values(link.world),
-        "visual": _build_shapes(link.shapes, "visual", scene, meshes),
-        "collision": _build_shapes(link.shapes, "collision", scene, meshes),
+        "visual": _build_shapes(link.shapes, "visual", scene=scene, meshes=meshes),
+        "collision": _build_shapes(link.shapes, "collision", scene=scene, meshes=meshes),
         "mass": None if inertial is None or inertial.mass is None else _round_finite(inertial.mass),
         "com": _round_values(inertial.com) if inertial is not None and inertial.com else None,
         "inertia": None if inertial is None else _build_inertia(inertial),
@@ -133,9 +141,9 @@ def _get_severity(worst: Mapping[ElementKey, SeverityMark], element_key: Element
     return "" if mark is None else str(mark.severity)
 
 
-def _build_shapes(shapes: Iterable[SceneShape], role: str, scene: Scene, meshes: _MeshPool) -> list[dict[str, Any]]:
-    """Without those that cannot be drawn: malformed, too large, or a mesh that could not be read."""
-    found = []
+def _build_shapes(shapes: Iterable[SceneShape], role: str, *, scene: Scene, meshes: _MeshPool) -> list[dict[str, Any]]:
+    """Build the shapes that can be drawn: not malformed, not too large, and not a mesh that could not be read."""
+    drawn = []
     for shape in shapes:
         if shape.role != role or not shape.pose or not shape.size or not _is_drawable_size(shape.size):
             continue
@@ -143,16 +151,16 @@ def _build_shapes(shapes: Iterable[SceneShape], role: str, scene: Scene, meshes:
         if shape.kind == "mesh":
             for drawing in () if shape.file is None else scene.meshes[shape.file].drawings:
                 if not all(
-                    _is_drawable_size([s * v for s, v in zip(shape.size, e, strict=True)])
-                    for e in (drawing.low, drawing.high)
+                    _is_drawable_size([s * v for s, v in zip(shape.size, corner, strict=True)])
+                    for corner in (drawing.low, drawing.high)
                 ):
                     continue
                 color = look["color"] or (None if drawing.color is None else _round_values(drawing.color))
                 scale = _round_values(shape.size)
-                found.append({"mesh": meshes.add_drawing(drawing), "scale": scale, **look, "color": color})
+                drawn.append({"mesh": meshes.add_drawing(drawing), "scale": scale, **look, "color": color})
         elif min(shape.size) > 0:
-            found.append({shape.kind: _round_values(shape.size), **look})
-    return found
+            drawn.append({shape.kind: _round_values(shape.size), **look})
+    return drawn
 
 
 def _is_drawable_size(lengths: Iterable[float]) -> bool:
@@ -160,13 +168,13 @@ def _is_drawable_size(lengths: Iterable[float]) -> bool:
 
 
 def _build_inertia(inertial: SceneInertia) -> dict[str, Any] | None:
-    """The body that the moments stand for, or why there is none; None for a point mass and for what is malformed."""
+    """Build the body that has the moments, or why there is none; None for a point mass and for malformed values."""
     if inertial.impossible:
         return {"impossible": inertial.impossible, "com": _round_values(inertial.com) if inertial.com else None}
     if not inertial.mass or not inertial.com or not inertial.moments or inertial.moments[-1] <= 0.0:
         return None
     first, second, third = inertial.moments
-    # What rounding leaves below zero is a flat body.
+    # A square below zero is the rounding error of a flat body.
     squares = [
         max(0.0, s) / inertial.mass for s in (second + third - first, third + first - second, first + second - third)
     ]
@@ -200,7 +208,7 @@ def _build_joint(joint: SceneJoint, worst: Mapping[ElementKey, SeverityMark]) ->
 
 
 def _restrict_to_reachable(value: float | None) -> float | None:
-    """A position that a slider can have: beyond the largest shape nothing is drawn."""
+    """Return a position that a slider can have, None if it is beyond the largest shape that is drawn."""
     return value if value is not None and abs(value) <= _LARGEST else None
 
 
@@ -216,25 +224,24 @@ def _build_finding(
     card: FindingCard, previews: Mapping[object, list[dict[str, Any]]], links: frozenset[str]
 ) -> dict[str, Any]:
     finding = card.finding
-    touched = [e for s in finding.subjects if (e := parse_element_key(s)) is not None]
+    keys = [key for subject in finding.subjects if (key := parse_element_key(subject)) is not None]
     preview = previews.get((finding.code, finding.message_id, finding.location.span), [])
-    layers = next((_LAYERS[k] for k in (finding.code, finding.code[:3]) if k in _LAYERS), _DEFAULT_LAYERS)
     return {
         "id": card.anchors[0],
         "code": finding.code,
         "severity": str(finding.severity),
-        "links": list(dict.fromkeys(name for kind, name in touched if kind == "link"))
+        "links": list(dict.fromkeys(name for kind, name in keys if kind == "link"))
         or _list_named_links(finding, links),
-        "joints": list(dict.fromkeys(name for kind, name in touched if kind == "joint")),
-        "layers": [*layers, *(["preview"] if preview else [])],
+        "joints": list(dict.fromkeys(name for kind, name in keys if kind == "joint")),
+        "layers": [*get_layers(finding.code), *(["preview"] if preview else [])],
         "preview": preview,
     }
 
 
 def _list_named_links(finding: Finding, links: frozenset[str]) -> list[str]:
-    """The links that the values of a finding name."""
-    named = (finding.data.get(name) for name in ("link", "other", "child"))
-    return list(dict.fromkeys(name for name in named if isinstance(name, str) and name in links))
+    """List the links that the data of a finding name."""
+    names = (finding.data.get(key) for key in ("link", "other", "child"))
+    return list(dict.fromkeys(name for name in names if isinstance(name, str) and name in links))
 
 
 def _build_preview(preview: ScenePreview) -> dict[str, Any]:
@@ -248,7 +255,7 @@ def _round_values(values: Iterable[float]) -> list[float | None]:
 
 
 def _round_finite(value: float) -> float | None:
-    """With seven digits; what no number can be is null."""
+    """Round to seven digits; None, which is null in JSON, if not finite."""
     if not math.isfinite(value):
         return None
     short = float(f"{value:.7g}")

@@ -1,7 +1,7 @@
 """The robot in 3D: its place in the page, and the scripts and data that fill it.
 
-The view is three.js with our own code, built from ``report-ui/``. It and the meshes stand in the page as deflated text; a few
-lines unpack the view and run it. Without a script or WebGL the place stays hidden and the page says so.
+The view is three.js with the project's own code, built from ``report-ui/``. The page contains it and the meshes as deflated
+text, and a few lines that unpack and run it. Without scripts or WebGL the place stays hidden and the page says so.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from functools import cache
 
 from urdfcheck.output.html.page_frame import read_asset
 
-# The meshes are packed for deflate already: more effort than this takes half a second and saves a hundredth.
+# Compression level: the meshes are already packed for deflate; a higher level takes half a second and saves 1 %.
 _EFFORT = 6
 
 
 def render_viewer() -> str:
-    """The place of the robot, and of the line that says why there is none."""
+    """Render the place of the robot, and of the line that says why there is none."""
     return """<section id="viewer" aria-label="The robot in 3D" hidden>
 <div class="uc-view"><div class="uc-bar"></div>
 <div class="uc-labels" aria-hidden="true"></div><div class="uc-corner" aria-hidden="true"></div></div>
@@ -28,9 +28,9 @@ def render_viewer() -> str:
 
 
 def render_viewer_scripts(data_json: str, geometry: bytes) -> tuple[str, list[str]]:
-    """The scripts and data at the end of the page, and the texts of all scripts that its policy must allow.
+    """Render the scripts and data at the end of the page; return them and the texts of all scripts that its policy must allow.
 
-    ``data_json``: the values of `stage.stage_data`; ``geometry``: its bytes."""
+    ``data_json`` and ``geometry``: the values and the bytes of `scene_data.build_scene_data`."""
     data = data_json.replace("<", "\\u003c")
     blocks = f"""<script type="application/json" id="uc-data">{data}</script>
 <script type="text/plain" id="uc-geom">{_pack_to_base64(geometry, _EFFORT)}</script>
@@ -41,7 +41,7 @@ def render_viewer_scripts(data_json: str, geometry: bytes) -> tuple[str, list[st
 
 
 def read_viewer_style() -> str:
-    """What the view adds to the style of the page."""
+    """Read the style of the view."""
     return read_asset("viewer.css")
 
 
