@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: audit test test-fast rule reports clean
+.PHONY: audit test test-fast coverage rule reports clean
 
 # The main job: audit the car-3 robot and write its report. Findings do not fail the command, a failure of urdfcheck does.
 # SOURCE_DATE_EPOCH leaves the time out of the report, which is committed as a sample.
@@ -19,13 +19,19 @@ test: $(VENV)/.tested
 test-fast: $(VENV)/.tested
 	$(BIN)/python -m pytest --numprocesses auto --dist worksteal -m "not slow"
 
+# Branch coverage by room, against the floors in tools/check_coverage.py; about twice the time of make test.
+coverage: $(VENV)/.tested
+	$(BIN)/python -m pytest --numprocesses auto --dist worksteal --cov --cov-report=json
+	$(BIN)/python tools/check_coverage.py
+
 # One rule alone: make rule CODE=NAM008 tests its page, its style and its types in seconds.
 rule: $(VENV)/.tested
 	@$(BIN)/python -m urdfcheck.dev rule $(CODE)
 
-# The index of the rules, the table of the hostile files and the committed sample reports; tests say when they are stale.
+# The index of the rules, the page about the model, the table of the hostile files and the sample reports; tests say when they are stale.
 reports: $(VENV)/.installed
 	$(BIN)/python tools/make_rules_index.py
+	$(BIN)/python tools/make_model_page.py
 	$(BIN)/python tools/make_hostile_table.py
 	$(BIN)/python tools/make_reports.py
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from urdfcheck.core import Edit
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial, VisualGeometry
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import (
     Solid,
     combine_solids,

@@ -9,10 +9,12 @@ import itertools
 import os
 import pickle
 import shutil
+import signal
 import subprocess
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -20,12 +22,13 @@ import pytest
 from hypothesis import settings
 
 from urdfcheck import cli
-from urdfcheck import rules as catalogue
-from urdfcheck.cli.preload import prepare
 from urdfcheck.core import Run
+from urdfcheck.policy.policy import Policy
+from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run import pipeline as engine
-from urdfcheck.run.audit import audit
-from urdfcheck.run.pipeline import Request, run
+from urdfcheck.run.jobs import AuditOptions, PackageFolders, Request
+from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
+from urdfcheck.run.preload import preload_modules
 from urdfcheck.source.package.finder import LEVELS_UP
 from urdfcheck.system import process_pool as workers
 from urdfcheck.system import sandbox
@@ -42,11 +45,28 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
 
-def check(*paths: Path, codes: set[str] | None = None, **request: object) -> Run:
-    """Check paths in this process, with all rules or the given codes."""
-    selected = frozenset(catalogue.load_rules()) if codes is None else frozenset(codes)
+def make_request(*paths: Path, codes: Iterable[str] | None = None, **settings: Any) -> Request:
+    """A request for paths, with all rules or the given codes; each further setting goes where it belongs: to the policy, the
+    options of the audit or the request itself."""
+    packages = PackageFolders(settings.pop("packages", {}), settings.pop("package_paths", ()))
+    policy, options = (
+        {field.name: settings.pop(field.name) for field in fields(kind) if field.name in settings}
+        for kind in (Policy, AuditOptions)
+    )
     root = paths[0] if paths[0].is_dir() else paths[0].parent
-    return run(Request(tuple(paths), root, selected, **request), audit=audit)  # type: ignore[arg-type]
+    return Request(
+        paths=paths,
+        root=settings.pop("root", root),
+        policy=Policy(codes=frozenset(load_rules() if codes is None else codes), **policy),
+        options=AuditOptions(**options),
+        packages=packages,
+        **settings,
+    )
+
+
+def check(*paths: Path, codes: set[str] | None = None, **settings: object) -> Run:
+    """Check paths in this process, with all rules or the given codes; see `make_request`."""
+    return run(make_request(*paths, codes=codes, **settings), IN_THIS_PROCESS)
 
 
 def check_text(folder: Path, text: str, name: str = "robot.urdf", **request: object) -> Run:
@@ -79,10 +99,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_collection_finish() -> None:
     """Many tests fork: what a worker process loads is loaded once, and no process looks through thousands of tests for
     garbage."""
-    prepare()
-    for rule in catalogue.load_rules().values():
-        if catalogue.has_check(rule):
-            catalogue.load_check(rule)
+    preload_modules()
+    for rule in load_rules().values():
+        if has_check(rule):
+            load_check(rule)
     gc.collect()
     gc.freeze()
 
@@ -118,6 +138,15 @@ def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         yield
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _interruptible() -> Iterator[None]:
+    """Let SIGINT raise KeyboardInterrupt here and in every program that a test starts. Python installs no handler where the
+    signal is ignored at its start, as it is for what a shell runs in the background (``nohup make test &``)."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @pytest.fixture
 def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """The command does all of its work in this process, for tests whose point is not the workers. What goes to one and comes
@@ -128,12 +157,12 @@ def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
     ) -> Iterator[tuple[int, Any]]:
         for index, job in enumerate(jobs):
             called, words = pickle.loads(pickle.dumps((function, job)))
-            yield index, workers._Answer(io.BytesIO(pickle.dumps(called(*words)))).load()
+            yield index, workers._PlainUnpickler(io.BytesIO(pickle.dumps(called(*words)))).load()
 
     monkeypatch.setattr(workers, "FORKS", False)
-    monkeypatch.setattr(engine, "in_workers", in_turn)
+    monkeypatch.setattr(engine, "map_in_processes", in_turn)
     monkeypatch.setattr(sandbox, "confine", lambda *_: None)
-    monkeypatch.setattr(sandbox, "bound_memory", lambda _: None)
+    monkeypatch.setattr(sandbox, "limit_memory", lambda _: None)
 
 
 def unproven(what: str) -> NoReturn:
@@ -172,10 +201,14 @@ def browser(launch: Callable[..., Any]) -> Iterator[Any]:
     browser.close()
 
 
-@pytest.fixture(scope="session")
-def corpus() -> Path:
-    """The folder of real robots named by URDFCHECK_CORPUS; tests that need it are skipped without it."""
-    folder = os.environ.get("URDFCHECK_CORPUS")
-    if not folder or not (Path(folder) / "corpus.json").is_file():
+CORPORA = [Path(folder) for folder in os.environ.get("URDFCHECK_CORPUS", "").split(os.pathsep) if folder]
+
+
+@pytest.fixture(scope="session", params=CORPORA or [None], ids=lambda folder: folder.name if folder else "no-corpus")
+def corpus(request: pytest.FixtureRequest) -> Path:
+    """Each folder of real robots that URDFCHECK_CORPUS names, separated as in PATH; without one its tests are skipped."""
+    folder: Path | None = request.param
+    if folder is None:
         pytest.skip("URDFCHECK_CORPUS names no folder with a corpus.json")
-    return Path(folder)
+    assert (folder / "corpus.json").is_file(), f"URDFCHECK_CORPUS names {folder}, which has no corpus.json"
+    return folder

@@ -14,7 +14,7 @@ from injections import KINDS
 from parts import PLAIN
 from scoring import CLEAN, Outcome, outcomes
 
-from urdfcheck.facts.inertials.diagnosis import HYPOTHESES
+from urdfcheck.facts.inertials.mistakes import HYPOTHESES
 
 NUMBER = 12
 

@@ -11,7 +11,7 @@ from conftest import check
 from urdfcheck.cli import FAILED, FINDINGS, NOTHING, OK, main
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.policy import baseline
-from urdfcheck.policy.config import Configurations, Given
+from urdfcheck.policy.config import CliOverrides, ConfigResolver
 
 pytestmark = pytest.mark.usefixtures("one_process")
 
@@ -86,12 +86,12 @@ def test_entries_whose_finding_is_gone_fail_until_they_are_pruned(
         assert main(["baseline", "prune"]) == OK
         assert told in capsys.readouterr().out
     assert main(["baseline", "check"]) == OK
-    assert "JNT005" not in (folder / baseline.DEFAULT).read_text()
+    assert "JNT005" not in (folder / baseline.DEFAULT_NAME).read_text()
 
 
 def test_entries_of_files_that_are_gone_are_stale(folder: Path) -> None:
     (folder / "urdf/r.urdf").rename(folder / "urdf/s.urdf")
-    run = check(folder, baseline=baseline.read(folder / baseline.DEFAULT, folder))
+    run = check(folder, baseline=baseline.read_baseline(folder / baseline.DEFAULT_NAME, folder))
     assert [f.model for f in run.findings if f.code == "URC904"] == ["urdf/r.urdf"]
 
 
@@ -101,7 +101,7 @@ def test_what_was_not_looked_for_is_not_gone(folder: Path) -> None:
     (folder / "other.urdf").write_text('<robot name="o"><link name="l"/></robot>')
     assert main(["other.urdf", "--select", "JNT005,URC904"]) == OK
     (folder / "urdf/r.urdf").write_text(ROBOT.replace("</robot>", "</rob>"))
-    run = check(folder, baseline=baseline.read(folder / baseline.DEFAULT, folder))
+    run = check(folder, baseline=baseline.read_baseline(folder / baseline.DEFAULT_NAME, folder))
     assert not [f for f in run.findings if f.code == "URC904"]
 
 
@@ -131,14 +131,14 @@ def test_a_part_of_the_folder_shows_nothing_to_be_gone(folder: Path, monkeypatch
     for name, text in LAUNCHED.items():
         (folder / name).write_text(text)
     assert main(["baseline", "write"]) == OK
-    text = (folder / baseline.DEFAULT).read_text()
+    text = (folder / baseline.DEFAULT_NAME).read_text()
     assert all(code in text for code in ("LCH003", "PKG006", "XAC015"))
     assert main(["urdf/r.urdf", "--fail-on", "info"]) == OK
     monkeypatch.chdir(folder / "urdf")
     assert main([".", "--fail-on", "info"]) == OK
     assert main(["baseline", "write", "r.urdf"]) == OK
     assert main(["baseline", "prune"]) == OK
-    assert (folder / baseline.DEFAULT).read_text() == text
+    assert (folder / baseline.DEFAULT_NAME).read_text() == text
     monkeypatch.chdir(folder)
     (folder / "r.launch").write_text(LAUNCHED["r.launch"].replace('type="state', 'type="robot_state'))
     assert main(["urdf"]) == OK
@@ -156,7 +156,7 @@ def test_a_lower_tier_that_has_less_to_say_shows_nothing_to_be_gone(folder: Path
     shape = '<collision><geometry><mesh filename="m.stl"/></geometry></collision>'
     (folder / "urdf/r.urdf").write_text(ROBOT.replace('<link name="base"/>', f'<link name="base">{shape}</link>'))
     assert main(["baseline", "write"]) == OK
-    assert "LCH005" in (folder / baseline.DEFAULT).read_text()
+    assert "LCH005" in (folder / baseline.DEFAULT_NAME).read_text()
     assert main([".", "--tier", "source"]) == OK
 
 
@@ -171,12 +171,12 @@ def test_another_target_makes_nothing_known_be_gone(folder: Path) -> None:
     shape = '<collision><geometry><mesh filename="m.stl"/></geometry></collision>'
     (folder / "urdf/r.urdf").write_text(f'<robot name="r"><link name="base">{shape}</link></robot>')
     assert main(["baseline", "write", "--tier", "full"]) == OK
-    assert "MSH011" in (folder / baseline.DEFAULT).read_text()
+    assert "MSH011" in (folder / baseline.DEFAULT_NAME).read_text()
     shown = check(
         folder,
-        baseline=baseline.read(folder / baseline.DEFAULT, folder),
+        baseline=baseline.read_baseline(folder / baseline.DEFAULT_NAME, folder),
         targets=("kdl",),
-        configured=Configurations(Given(target=("kdl",))),
+        config_resolver=ConfigResolver(CliOverrides(target=("kdl",))),
     )
     assert not [f for f in shown.findings if f.code in {"MSH011", "URC904"}]
 
@@ -184,14 +184,14 @@ def test_another_target_makes_nothing_known_be_gone(folder: Path) -> None:
 def test_write_keeps_what_it_did_not_look_at(folder: Path) -> None:
     (folder / "other.urdf").write_text(ROBOT)
     assert main(["baseline", "write", "other.urdf"]) == OK
-    known = baseline.read(folder / baseline.DEFAULT, folder)
+    known = baseline.read_baseline(folder / baseline.DEFAULT_NAME, folder)
     assert set(known.models) >= {"urdf/r.urdf", "other.urdf"}
 
 
 def test_write_twice_writes_the_same_bytes(folder: Path) -> None:
-    before = (folder / baseline.DEFAULT).read_bytes()
+    before = (folder / baseline.DEFAULT_NAME).read_bytes()
     assert main(["baseline", "write"]) == OK
-    assert (folder / baseline.DEFAULT).read_bytes() == before
+    assert (folder / baseline.DEFAULT_NAME).read_bytes() == before
 
 
 def test_known_findings_stay_in_the_json_report(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -208,16 +208,16 @@ def test_it_knows_each_finding_as_often_as_it_was_there(folder: Path) -> None:
     """Two findings of one subject and message are two: one more of them is new."""
     known = {("XML003", "robot/a", "unknown"): 1}
     again = baseline.Baseline(folder / "b.json", folder, models={"m": known})
-    text = baseline.render(again.models)
+    text = baseline.render_baseline(again.models)
     (folder / "b.json").write_text(text)
-    assert baseline.read(folder / "b.json", folder).models == {"m": known}
-    (folder / "b.json").write_text(baseline.render({"m": {("XML003", "robot/a", "unknown"): 2}}))
-    assert baseline.read(folder / "b.json", folder).size == 2
+    assert baseline.read_baseline(folder / "b.json", folder).models == {"m": known}
+    (folder / "b.json").write_text(baseline.render_baseline({"m": {("XML003", "robot/a", "unknown"): 2}}))
+    assert baseline.read_baseline(folder / "b.json", folder).size == 2
 
 
 def test_isolated_runs_know_no_baseline_unless_it_is_named(folder: Path) -> None:
     assert main([".", "--isolated"]) == FINDINGS
-    assert main([".", "--isolated", "--baseline", baseline.DEFAULT]) == OK
+    assert main([".", "--isolated", "--baseline", baseline.DEFAULT_NAME]) == OK
 
 
 @pytest.mark.parametrize(
@@ -235,10 +235,10 @@ def test_isolated_runs_know_no_baseline_unless_it_is_named(folder: Path) -> None
     ],
 )
 def test_a_broken_file_is_told_in_one_sentence(folder: Path, text: str, said: str) -> None:
-    (folder / baseline.DEFAULT).write_text(text)
+    (folder / baseline.DEFAULT_NAME).write_text(text)
     assert main(["."]) == FAILED
     with pytest.raises(UrdfcheckError, match=said):
-        baseline.read(folder / baseline.DEFAULT, folder)
+        baseline.read_baseline(folder / baseline.DEFAULT_NAME, folder)
 
 
 def test_without_a_baseline_there_is_nothing_to_prune(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -263,7 +263,7 @@ def test_a_macro_that_is_called_twice_is_known_at_once(tmp_path: Path, monkeypat
         assert main(["baseline", "write", *words, *more]) == OK
         assert main([*words, *more]) == OK
         assert main(words) == OK
-        (tmp_path / baseline.DEFAULT).unlink()
+        (tmp_path / baseline.DEFAULT_NAME).unlink()
 
 
 def test_a_file_outside_is_not_looked_for(folder: Path) -> None:
@@ -274,17 +274,17 @@ def test_a_file_outside_is_not_looked_for(folder: Path) -> None:
     (folder / "link.urdf").symlink_to("../not.urdf")
     file = folder / "urdfcheck-baseline.json"
     file.write_text(json.dumps({"schema": baseline.SCHEMA, "models": dict.fromkeys(names, rows)}))
-    known = baseline.read(file, folder)
-    assert set(baseline.stale(known, baseline.Seen((), (), {}, ()))) == {"x" * 5000, "gone.urdf"}
+    known = baseline.read_baseline(file, folder)
+    assert set(baseline.find_stale_entries(known, baseline.BaselineView((), (), {}, ()))) == {"x" * 5000, "gone.urdf"}
 
 
 def test_each_stale_entry_is_told_at_its_line(folder: Path) -> None:
     keys = [("INR003", f"link[{name}]", "violated") for name in ("\u2028", "b")]
-    text = baseline.render({f"{n}.urdf": dict.fromkeys(keys, 1) for n in (1, 2)})
+    text = baseline.render_baseline({f"{n}.urdf": dict.fromkeys(keys, 1) for n in (1, 2)})
     file = folder / "urdfcheck-baseline.json"
     file.write_bytes(text.encode())
-    known = baseline.read(file, folder)
-    for finding in baseline.complaints(known, {model: {keys[1]: 1} for model in known.models}):
+    known = baseline.read_baseline(file, folder)
+    for finding in baseline.report_stale_entries(known, {model: {keys[1]: 1} for model in known.models}):
         span = finding.location.span
         assert span is not None
         assert json.loads(text[span.start : span.end])["subject"] == "link[b]"
@@ -302,12 +302,12 @@ def test_the_configuration_decides_how_bad_a_stale_entry_is(folder: Path) -> Non
 def test_a_gate_believes_no_baseline_that_was_not_named(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["baseline", "check", "--isolated"]) == FAILED
     assert "name one with --baseline" in capsys.readouterr().err
-    assert main(["baseline", "check", "--isolated", "--baseline", baseline.DEFAULT]) == OK
+    assert main(["baseline", "check", "--isolated", "--baseline", baseline.DEFAULT_NAME]) == OK
 
 
 def test_the_file_that_is_named_is_made(folder: Path) -> None:
     assert main(["baseline", "write", "--baseline", "known.json"]) == OK
-    assert (folder / "known.json").read_text() == (folder / baseline.DEFAULT).read_text()
+    assert (folder / "known.json").read_text() == (folder / baseline.DEFAULT_NAME).read_text()
     assert main([".", "--isolated", "--baseline", "known.json"]) == OK
 
 
@@ -329,7 +329,7 @@ def test_each_configuration_has_its_own_baseline_from_wherever_it_is_run(
         (folder / "r.urdf").write_text(ROBOT)
     monkeypatch.chdir(tmp_path)
     assert main(["baseline", "write"]) == OK
-    assert (tmp_path / "sub" / baseline.DEFAULT).is_file()
+    assert (tmp_path / "sub" / baseline.DEFAULT_NAME).is_file()
     assert main(["."]) == OK
     monkeypatch.chdir(tmp_path / "sub")
     assert main(["."]) == OK

@@ -13,7 +13,7 @@ import pytest
 from conftest import FIXTURES, check
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
-from urdfcheck.output.html.svg.launch import render_launch_files
+from urdfcheck.output.html.sections.launch_section import render_launch_files
 from urdfcheck.output.shared.anchors import build_finding_cards
 
 XACRO = "robot_description/urdf/car_body.urdf.xacro"

@@ -160,7 +160,7 @@ def test_a_progress_bar_fits_its_line_and_leaves_no_trace(
     monkeypatch.setattr(terminal, "PROGRESS_FROM", 0.0)
     monkeypatch.delenv("CI", raising=False)
     monkeypatch.setenv("TERM", "xterm")
-    show = terminal.progress()
+    show = terminal.make_progress_printer()
     assert show is not None
     show(1, 3)
     show(3, 3)
@@ -171,7 +171,7 @@ def test_a_progress_bar_fits_its_line_and_leaves_no_trace(
     for name, value in (("CI", "true"), ("TERM", "dumb")):
         with monkeypatch.context() as patch:
             patch.setenv(name, value)
-            assert terminal.progress() is None
+            assert terminal.make_progress_printer() is None
 
 
 class TestCompletion:

@@ -17,7 +17,8 @@ from test_dataset import INERTIA
 
 from urdfcheck.cli import FAILED, OK, main
 from urdfcheck.dataset import cluster
-from urdfcheck.run import audit as worker
+from urdfcheck.policy.policy import Policy
+from urdfcheck.run.jobs import AuditSettings, Unit
 
 pytest.importorskip("distributed")
 pytest.importorskip("joblib")
@@ -124,7 +125,7 @@ def unknown_there() -> None:
 def test_a_task_that_dask_gives_up_is_an_error_and_no_endless_wait(two: Cluster) -> None:
     import joblib
 
-    with cluster._dask(two.address) as backend, joblib.parallel_config(backend):
+    with cluster._connect_dask(two.address) as backend, joblib.parallel_config(backend):
         results = joblib.Parallel(n_jobs=-1, batch_size=1, return_as="generator_unordered")
         with pytest.raises(RuntimeError, match="deserialization"):
             list(results(joblib.delayed(unknown_there)() for _ in range(2)))
@@ -152,8 +153,8 @@ def test_without_the_libraries_it_is_said_what_to_install(
 
 
 def test_another_version_there_is_a_failure_of_each_model_and_no_verdict(models: Path) -> None:
-    unit = worker.Unit("model", str(models / "000.urdf"), "000.urdf")
-    settings = worker.Settings(frozenset({"INR003"}), "source")
-    ((number, report),) = cluster.work([(7, unit)], settings, str(models), {}, "0.0.0")
+    unit = Unit(kind="model", path=str(models / "000.urdf"), id="000.urdf")
+    settings = AuditSettings(policy=Policy(codes=frozenset({"INR003"}), tier="source"))
+    ((number, report),) = cluster.run_task([(7, unit)], settings, str(models), {}, "0.0.0")
     assert number == 7
     assert "0.0.0 here" in report.failures[0]

@@ -14,10 +14,10 @@ from urdfcheck import cli
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Run, UrdfcheckError
 from urdfcheck.policy import config
-from urdfcheck.policy.config import Configurations, Given
+from urdfcheck.policy.config import CliOverrides, ConfigResolver
+from urdfcheck.policy.policy import Policy
 from urdfcheck.run import pipeline as engine
-from urdfcheck.run.audit import audit
-from urdfcheck.run.pipeline import Request
+from urdfcheck.run.jobs import Request
 from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
 from urdfcheck.source.text.toml import locate_keys
 
@@ -34,13 +34,15 @@ def write(path: Path, text: str) -> Path:
     return path
 
 
-def run(*paths: Path, given: Given | None = None, isolated: bool = False) -> Run:
+def run(*paths: Path, given: CliOverrides | None = None, isolated: bool = False) -> Run:
     """Check paths as the command does, in this process."""
-    configured = Configurations(given or Given(select=frozenset({"INR003"})), isolated)
-    settings = configured.of(paths[0])
-    holds = configured.holds(settings, settings.root)
-    request = Request(paths, settings.root, holds.codes, configured=configured)
-    return engine.run(request, audit=audit)
+    configured = ConfigResolver(given or CliOverrides(select=frozenset({"INR003"})), isolated)
+    settings = configured.for_path(paths[0])
+    holds = configured.resolve(settings, settings.root)
+    request = Request(
+        paths=paths, root=settings.root, policy=Policy(codes=holds.policy.codes), config_resolver=configured
+    )
+    return engine.run(request, engine.IN_THIS_PROCESS)
 
 
 def found(outcome: Run) -> list[tuple[str, str, str]]:
@@ -66,16 +68,16 @@ class TestNearest:
         assert [f.fingerprints for f in alone] == [f.fingerprints for f in run(folder).findings if f.severity == 1]
 
     def test_the_exit_code_asks_the_configuration_of_each_finding(self, folder: Path) -> None:
-        from urdfcheck.cli.terminal import exit_code
+        from urdfcheck.cli.terminal import compute_exit_code
 
         write(folder / "b/urdfcheck.toml", 'fail-on = "info"\n[severity]\nINR003 = "info"\n')
         (folder / "a/urdf/a.urdf").unlink()
         outcome = run(folder)
         assert outcome.fail_on == {"urdf/b.urdf": "info"}
-        assert exit_code(outcome, "error") == cli.FINDINGS
+        assert compute_exit_code(outcome, "error") == cli.FINDINGS
 
     def test_the_command_line_wins(self, folder: Path) -> None:
-        given = Given(select=frozenset({"INR003"}), ignore=frozenset({"INR003"}), fail_on="info")
+        given = CliOverrides(select=frozenset({"INR003"}), ignore=frozenset({"INR003"}), fail_on="info")
         outcome = run(folder, given=given)
         assert not outcome.findings
         assert set(outcome.fail_on.values()) == {"info"}
@@ -122,7 +124,7 @@ class TestNearest:
             write(folder / name / "urdf/r.urdf", f'<robot name="r"><link name="l">{mesh}</link></robot>')
         write(folder / "b/q/m.stl", "solid")
         write(folder / "b/urdfcheck.toml", '[packages]\nfar_meshes = "q"\n')
-        outcome = run(folder, given=Given(select=frozenset({"PKG001"})))
+        outcome = run(folder, given=CliOverrides(select=frozenset({"PKG001"})))
         assert [m for m, _, _ in found(outcome)] == ["a/urdf/r.urdf"]
 
     def test_one_further_down_cannot_widen_the_reach(self, folder: Path) -> None:
@@ -139,10 +141,10 @@ class TestNearest:
 
 
 class TestPaths:
-    def holds(self, tmp_path: Path, text: str, file: str, given: Given | None = None) -> config.Holds:
+    def resolve(self, tmp_path: Path, text: str, file: str, given: CliOverrides | None = None) -> Policy:
         write(tmp_path / "urdfcheck.toml", text)
-        configured = Configurations(given or Given())
-        return configured.holds(configured.of(tmp_path), tmp_path / file)
+        configured = ConfigResolver(given or CliOverrides())
+        return configured.resolve(configured.for_path(tmp_path), tmp_path / file).policy
 
     def test_sections_add_to_the_table_and_the_later_one_wins(self, tmp_path: Path) -> None:
         text = """
@@ -161,11 +163,11 @@ class TestPaths:
             severity.INR003 = "warning"
             target = ["gazebo"]
         """
-        other = self.holds(tmp_path, text, "other.urdf")
+        other = self.resolve(tmp_path, text, "other.urdf")
         assert "JNT013" not in other.codes
         assert other.severities["INR003"] == "info"
         assert other.options == {"INR003": {"rel_tol": 1.0, "rounding": 0.5}}
-        robot = self.holds(tmp_path, text, "robots/r.xacro")
+        robot = self.resolve(tmp_path, text, "robots/r.xacro")
         assert "JNT013" in robot.codes
         assert "JNT001" not in robot.codes
         assert robot.severities["INR003"] == "warning"
@@ -175,12 +177,12 @@ class TestPaths:
 
     def test_a_code_is_closer_than_its_prefix_wherever_it_stands(self, tmp_path: Path) -> None:
         text = '[severity]\nINR003 = "error"\nINR = "info"\nALL = "warning"\n'
-        held = self.holds(tmp_path, text, "r.urdf").severities
+        held = self.resolve(tmp_path, text, "r.urdf").severities
         assert (held["INR003"], held["INR001"], held["JNT001"]) == ("error", "info", "warning")
 
     def test_the_command_line_replaces_the_sections_as_well(self, tmp_path: Path) -> None:
         text = 'select = ["INR"]\n[[paths]]\nmatch = ["*"]\nselect = ["JNT"]\ntarget = ["drake"]\n'
-        held = self.holds(tmp_path, text, "r.urdf", Given(select=frozenset({"XML001"}), target=("mujoco",)))
+        held = self.resolve(tmp_path, text, "r.urdf", CliOverrides(select=frozenset({"XML001"}), target=("mujoco",)))
         assert (held.codes, held.targets) == ({"XML001"}, ("mujoco",))
 
 
@@ -328,7 +330,7 @@ class TestRulesOfTheRun:
         robot = '<robot name="{}"><link name="a"/><link name="b"/><link name="c"/></robot>'
         write(tmp_path / "car/urdf/car.urdf", robot.format("car"))
         write(tmp_path / "car/urdf/car.urdf.xacro", robot.format("truck"))
-        found = [f for f in run(tmp_path, given=Given()).findings if f.code == "XAC015"]
+        found = [f for f in run(tmp_path, given=CliOverrides()).findings if f.code == "XAC015"]
         assert ["known" if f.suppressed else str(f.severity) for f in found] == expected
 
 
@@ -339,7 +341,7 @@ class TestMistakes:
         write(tmp_path / "r.urdf", BROKEN.format("a"))
         write(tmp_path / "urdfcheck.toml", text)
         with pytest.raises(UrdfcheckError) as error:
-            config.find(tmp_path)
+            config.find_config(tmp_path)
         assert says in str(error.value)
         assert f"urdfcheck.toml:{line}: " in str(error.value)
 
@@ -347,11 +349,11 @@ class TestMistakes:
         text = '[tool.ruff]\nselct = []\n[project]\nname = "x"\n[tool.urdfcheck]\nselct = []\n'
         write(tmp_path / "pyproject.toml", text)
         with pytest.raises(UrdfcheckError, match=r"pyproject\.toml:6: unknown key"):
-            config.find(tmp_path)
+            config.find_config(tmp_path)
 
     def test_a_byte_order_mark_is_none(self, tmp_path: Path) -> None:
         write(tmp_path / "urdfcheck.toml", '\ufefffail-on = "info"\n')
-        assert config.find(tmp_path).fail_on == "info"
+        assert config.find_config(tmp_path).fail_on == "info"
 
 
 class TestPlaces:
@@ -402,7 +404,7 @@ def test_the_example_of_the_readme_is_right(tmp_path: Path) -> None:
         (tmp_path / folder).mkdir(parents=True)
     write(tmp_path / "urdf/arm.urdf.xacro", XACRO)
     write(tmp_path / "urdfcheck.toml", text)
-    read = config.find(tmp_path)
+    read = config.find_config(tmp_path)
     assert (len(read.sections), len(read.models), len(read.suppress)) == (2, 1, 1)
 
 
@@ -412,7 +414,7 @@ def test_every_code_a_page_declares_can_be_configured(tmp_path: Path) -> None:
     for rule in catalogue.load_rules().values():
         lines += [f"[options.{rule.name}]", *(f"{o.name} = {json.dumps(o.default)}" for o in rule.options.values())]
     write(tmp_path / "urdfcheck.toml", "\n".join(lines))
-    read = config.find(tmp_path).sections[0].options
+    read = config.find_config(tmp_path).sections[0].options
     assert read == {
         c: {o.name: o.default for o in r.options.values()} for c, r in catalogue.load_rules().items() if r.options
     }

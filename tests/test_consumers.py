@@ -10,7 +10,7 @@ from conftest import check
 
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Confidence, Finding, Location, Severity, Verdict
-from urdfcheck.policy.consumers import CONSUMERS, aimed, outcomes
+from urdfcheck.policy.consumers import CONSUMERS, apply_target_severity, predict_outcomes
 
 RULE = catalogue.load_rules()["JNT009"]
 
@@ -41,7 +41,7 @@ IMPOSSIBLE = """<robot name="r"><link name="base"/><link name="arm"><inertial><m
 def test_the_worst_of_all_findings_is_what_becomes_of_the_model(tmp_path: Path) -> None:
     path = tmp_path / "r.urdf"
     path.write_text(IMPOSSIBLE)
-    found = outcomes(check(path, codes={"INR003"}).findings)
+    found = predict_outcomes(check(path, codes={"INR003"}).findings)
     assert found["mujoco"].verdict is Verdict.REFUSES
     assert found["mujoco"].codes == ("INR003",)
     assert found["kdl"].verdict is Verdict.LOADS
@@ -49,7 +49,7 @@ def test_the_worst_of_all_findings_is_what_becomes_of_the_model(tmp_path: Path) 
 
 
 def test_without_findings_all_load_it() -> None:
-    assert {o.verdict for o in outcomes(()).values()} == {Verdict.LOADS}
+    assert {o.verdict for o in predict_outcomes(()).values()} == {Verdict.LOADS}
 
 
 def warning(**consequences: str) -> Finding:
@@ -60,21 +60,26 @@ def warning(**consequences: str) -> Finding:
 
 
 def test_what_a_target_refuses_or_drops_is_an_error() -> None:
-    assert aimed(warning(mujoco="refuses it"), RULE, ("mujoco",)).severity is Severity.ERROR
-    assert aimed(warning(gazebo="drops the link"), RULE, ("mujoco", "gazebo")).severity is Severity.ERROR
-    assert aimed(warning(mujoco="refuses it"), RULE, ("gazebo",)).severity is Severity.WARNING
-    assert aimed(warning(mujoco="ignores it"), RULE, ("mujoco",)).severity is Severity.WARNING
-    assert aimed(warning(mujoco="refuses it"), RULE, ()).severity is Severity.WARNING
+    assert apply_target_severity(warning(mujoco="refuses it"), RULE, ("mujoco",)).severity is Severity.ERROR
+    assert (
+        apply_target_severity(warning(gazebo="drops the link"), RULE, ("mujoco", "gazebo")).severity is Severity.ERROR
+    )
+    assert apply_target_severity(warning(mujoco="refuses it"), RULE, ("gazebo",)).severity is Severity.WARNING
+    assert apply_target_severity(warning(mujoco="ignores it"), RULE, ("mujoco",)).severity is Severity.WARNING
+    assert apply_target_severity(warning(mujoco="refuses it"), RULE, ()).severity is Severity.WARNING
 
 
 def test_who_reads_through_urdfdom_has_no_model_where_urdfdom_has_none() -> None:
-    assert aimed(warning(urdfdom="refuses the file"), RULE, ("rviz",)).severity is Severity.ERROR
-    assert aimed(warning(urdfdom="refuses the file"), RULE, ("mujoco",)).severity is Severity.WARNING
-    assert aimed(warning(urdfdom="refuses the file", rviz="loads it"), RULE, ("rviz",)).severity is Severity.WARNING
+    assert apply_target_severity(warning(urdfdom="refuses the file"), RULE, ("rviz",)).severity is Severity.ERROR
+    assert apply_target_severity(warning(urdfdom="refuses the file"), RULE, ("mujoco",)).severity is Severity.WARNING
+    assert (
+        apply_target_severity(warning(urdfdom="refuses the file", rviz="loads it"), RULE, ("rviz",)).severity
+        is Severity.WARNING
+    )
 
 
 def test_what_concerns_others_alone_is_worth_knowing() -> None:
     rule = replace(RULE, concerns=("gazebo",))
-    assert aimed(warning(), rule, ("mujoco",)).severity is Severity.INFO
-    assert aimed(warning(), rule, ("mujoco", "gazebo")).severity is Severity.WARNING
-    assert aimed(warning(), rule, ()).severity is Severity.WARNING
+    assert apply_target_severity(warning(), rule, ("mujoco",)).severity is Severity.INFO
+    assert apply_target_severity(warning(), rule, ("mujoco", "gazebo")).severity is Severity.WARNING
+    assert apply_target_severity(warning(), rule, ()).severity is Severity.WARNING

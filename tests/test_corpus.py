@@ -10,32 +10,36 @@ import json
 from pathlib import Path
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, make_request
+from real_robots import list_robots
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Run, Severity
-from urdfcheck.run.audit import audit
-from urdfcheck.run.pipeline import Request, run
+from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 
 ACCEPTED = REPOSITORY / "tests" / "corpus_errors.json"
 
-# Rules whose verdict needs no judgement may not fire on these at all.
+# Rules whose verdict needs no judgement may not fire but where the odd one was looked at and is one.
 SIBLINGS_ARE_CONSISTENT = ("SYM001", "SYM002", "SYM003")
+ODD = {
+    ("FanFeast/Quadruped_Robot:quadf", "SYM001"),  # a leg's frame is turned, and all that hangs on it
+    ("FanFeast/Quadruped_Robot:quadf_-_Copy", "SYM001"),
+    ("Daniella1/urdf_files_dataset:clearpathTurtleBot2", "SYM003"),  # a plate with ten times the mass of the others
+    ("Daniella1/urdf_files_dataset:r2_left_forearm", "SYM001"),  # infos about two fingers
+}
 
 
 @pytest.fixture(scope="module")
 def runs(corpus: Path) -> dict[str, Run]:
-    entries = json.loads((corpus / "corpus.json").read_text())
+    entries = list_robots(corpus)
     return {
         entry["id"]: run(
-            Request(
-                (corpus / entry["entry"],),
-                corpus,
-                frozenset(catalogue.load_rules()),
+            make_request(
+                corpus / entry["entry"],
+                root=corpus,
                 arguments=entry["xacro_args"],
                 package_paths=tuple(corpus / r for r in entry["package_roots"]),
             ),
-            audit=audit,
+            IN_THIS_PROCESS,
         )
         for entry in entries
     }
@@ -47,8 +51,9 @@ def test_nothing_crashes(runs: dict[str, Run]) -> None:
 
 def test_what_does_not_expand_is_a_located_finding(runs: dict[str, Run], corpus: Path) -> None:
     """An undeclared prefix is a warning: the reference parser does not mind it. The rest are errors."""
-    broken = [e for e in json.loads((corpus / "corpus.json").read_text()) if not e["expands"]]
-    assert broken
+    broken = [e for e in list_robots(corpus) if not e["expands"]]
+    if not broken:
+        pytest.skip("all robots of this folder expand")
     for entry in broken:
         outcome = runs[entry["id"]]
         naming = [f for f in outcome.findings if f.code in {"XML001", "XML009", "XAC001", "XAC010", "XAC011", "PKG001"}]
@@ -57,15 +62,18 @@ def test_what_does_not_expand_is_a_located_finding(runs: dict[str, Run], corpus:
 
 
 def test_what_expands_is_checked(runs: dict[str, Run], corpus: Path) -> None:
-    for entry in json.loads((corpus / "corpus.json").read_text()):
-        if entry["expands"] and entry["urdf_links"]:
+    for entry in list_robots(corpus):
+        if entry["expands"] and entry.get("urdf_links"):
             (info,) = runs[entry["id"]].models
             assert (info.status, info.links, info.joints) == ("checked", entry["urdf_links"], entry["urdf_joints"])
 
 
 def test_consistent_siblings_give_no_finding(runs: dict[str, Run]) -> None:
     found = [
-        (name, f.code, f.message) for name, r in runs.items() for f in r.findings if f.code in SIBLINGS_ARE_CONSISTENT
+        (name, f.code, f.message)
+        for name, r in runs.items()
+        for f in r.findings
+        if f.code in SIBLINGS_ARE_CONSISTENT and (name, f.code) not in ODD
     ]
     assert found == []
 
@@ -79,7 +87,9 @@ def test_every_error_was_read_and_is_true(runs: dict[str, Run], request: pytest.
     }
     errors = {name: found for name, found in errors.items() if found}
     if request.config.getoption("--accept"):
-        ACCEPTED.write_text(json.dumps(errors, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        others = {n: f for n, f in json.loads(ACCEPTED.read_text(encoding="utf-8")).items() if n not in runs}
+        accepted = dict(sorted({**others, **errors}.items()))
+        ACCEPTED.write_text(json.dumps(accepted, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     accepted = json.loads(ACCEPTED.read_text(encoding="utf-8"))
     new = {n: sorted(set(found) - set(accepted.get(n, []))) for n, found in errors.items()}
     gone = {n: sorted(set(found) - set(errors.get(n, []))) for n, found in accepted.items() if n in runs}
@@ -107,6 +117,8 @@ KNOWN = [
 def test_what_upstream_broke_is_one_finding(
     runs: dict[str, Run], name: str, code: str, message: str, said: str, places: int
 ) -> None:
+    if name not in runs:
+        pytest.skip("the robot is in another folder")
     (finding,) = (f for f in runs[name].findings if (f.code, f.message_id) == (code, message))
     assert said in finding.message
     assert 1 + len(finding.related) >= places

@@ -17,22 +17,23 @@ from typing import Any
 
 import jsonschema
 import pytest
-from conftest import REPOSITORY, check
+from conftest import REPOSITORY, check, make_request
 from referencing import Registry, Resource
 
 from urdfcheck import rules as catalogue
 from urdfcheck.cli import FAILED, FINDINGS, NOTHING, OK, main
 from urdfcheck.core import Finding, Severity
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.dataset import dataset_audit as dataset
-from urdfcheck.output.shared import lines
+from urdfcheck.dataset import audit as dataset
+from urdfcheck.output.shared.audit import unit_lines
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.run import audit as worker
 from urdfcheck.run import pipeline as engine
-from urdfcheck.run.audit import Report, Settings, Unit
-from urdfcheck.run.pipeline import Request
+from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 from urdfcheck.system import sandbox
 from urdfcheck.system.process_pool import Worker
+
+pytestmark = pytest.mark.slow
 
 INERTIA = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="{}"/></inertial>'
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -66,17 +67,16 @@ class Audit:
     def __call__(self, *, restart: bool = False, **request: Any) -> list[str]:
         asked: list[str] = []
 
-        def stream(units: Sequence[Unit], settings: Settings) -> Generator[tuple[int, Report], None, None]:
+        def stream(units: Sequence[Unit], settings: AuditSettings) -> Generator[tuple[int, UnitReport], None, None]:
             for place, unit in enumerate(units):
                 if len(asked) == self.stop_after:
                     raise KeyboardInterrupt
                 asked.append(Path(unit.path).name)
-                yield place, worker.audit(unit, settings)
+                yield place, worker.audit_unit(unit, settings)
 
         wanted = {"tier": "source", **self.request, **request}
-        codes = frozenset(wanted.pop("codes", catalogue.load_rules()))
-        work = Request((self.models,), self.models, codes, **wanted)
-        self.outcome = dataset.audit(work, self.folder, stream, restart=restart)
+        work = make_request(self.models, **wanted)
+        self.outcome = dataset.audit_dataset(work, self.folder, stream, restart=restart)
         return asked
 
     @property
@@ -127,7 +127,7 @@ def test_the_lines_hold_what_a_report_of_all_together_holds(tmp_path: Path) -> N
 
     audit = Audit(mixed(tmp_path / "mixed"), tmp_path / "out")
     audit()
-    report = json.loads(render(engine.reproducible(check(audit.models, tier="source"))))
+    report = json.loads(render(engine.strip_volatile_values(check(audit.models, tier="source"))))
     alone = {code for code, rule in catalogue.load_rules().items() if rule.scopes == ("run",)}
     found = [finding for line in audit.lines for finding in line["findings"]]
     assert sorted(map(json.dumps, found)) == sorted(json.dumps(f) for f in report["findings"] if f["code"] not in alone)
@@ -156,8 +156,8 @@ def test_names_of_strangers_are_data_in_every_file(tmp_path: Path) -> None:
 def test_the_outcome_does_not_depend_on_the_number_of_jobs(audit: Audit, tmp_path: Path, jobs: int) -> None:
     audit()
     there = tmp_path / f"out{jobs}"
-    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source", jobs=jobs)
-    dataset.audit(request, there, lambda units, settings: engine.stream(units, settings, jobs))
+    request = make_request(audit.models, tier="source", jobs=jobs)
+    dataset.audit_dataset(request, there, lambda units, settings: engine.stream_reports(units, settings, jobs))
     assert ((there / "audit.jsonl").read_bytes(), (there / "index.html").read_bytes()) == audit.bytes
 
 
@@ -306,19 +306,23 @@ def test_an_entry_that_rests_on_no_file_is_not_believed(audit: Audit) -> None:
 KILLED = """
 import os, sys, time
 from pathlib import Path
-from urdfcheck import catalogue, dataset, worker
-from urdfcheck.engine import Request
+from urdfcheck.dataset.audit import audit_dataset
+from urdfcheck.policy.policy import Policy
+from urdfcheck.rules import load_rules
+from urdfcheck.run.audit import audit_unit
+from urdfcheck.run.jobs import AuditSettings, Request, Unit
 
 def stream(units, settings):
     for place, unit in enumerate(units):
-        yield place, worker.audit(unit, settings)
+        yield place, audit_unit(unit, settings)
         os.write(log, (unit.id + "\\n").encode())  # it is kept now
         time.sleep(0.01)
 
+policy = Policy(codes=frozenset(load_rules()), tier="source")
 models, folder, log = Path(sys.argv[1]), Path(sys.argv[2]), os.open(sys.argv[3], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
-worker.audit(worker.Unit("model", str(next(models.iterdir())), ""), worker.Settings(frozenset(catalogue.rules()), "source"))
+audit_unit(Unit(kind="model", path=str(next(models.iterdir())), id=""), AuditSettings(policy=policy))
 print("ready", flush=True)
-dataset.audit(Request((models,), models, frozenset(catalogue.rules()), tier="source"), folder, stream)
+audit_dataset(Request(paths=(models,), root=models, policy=policy), folder, stream)
 """
 
 
@@ -362,15 +366,15 @@ def test_a_folder_has_one_audit_at_a_time(audit: Audit) -> None:
     said: list[str] = []
     workers = []
 
-    def stream(units: Sequence[Unit], settings: Settings) -> Generator[tuple[int, Report], None, None]:
+    def stream(units: Sequence[Unit], settings: AuditSettings) -> Generator[tuple[int, UnitReport], None, None]:
         workers.append(Worker.start())
         done = subprocess.run(second, capture_output=True, text=True, cwd=REPOSITORY)
         said.append(done.stderr)
         for place, unit in enumerate(units):
-            yield place, worker.audit(unit, settings)
+            yield place, worker.audit_unit(unit, settings)
 
-    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source")
-    dataset.audit(request, audit.folder, stream)
+    request = make_request(audit.models, tier="source")
+    dataset.audit_dataset(request, audit.folder, stream)
     assert said == [f"urdfcheck: another audit is at work in {audit.folder}\n"]
     done = subprocess.run([*second, "--restart"], capture_output=True, text=True, cwd=REPOSITORY)
     assert (done.returncode, done.stderr) == (FINDINGS, "")
@@ -476,12 +480,14 @@ def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
         yield from real(rule)(subject, rule, **options)
 
     monkeypatch.setattr(sandbox, "confine", lambda *_: None)  # or the slow check could not write
-    monkeypatch.setattr(catalogue, "load_check", lambda rule: slow if rule.code == "INR003" else real(rule))
+    monkeypatch.setattr("urdfcheck.run.audit.load_check", lambda rule: slow if rule.code == "INR003" else real(rule))
     limits = ResourceLimits(seconds=2.0)
-    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source", limits=limits)
+    request = make_request(audit.models, tier="source", limits=limits)
 
-    def outcome() -> dataset.Outcome:
-        return dataset.audit(request, audit.folder, lambda units, settings: engine.stream(units, settings, 1))
+    def outcome() -> dataset.AuditOutcome:
+        return dataset.audit_dataset(
+            request, audit.folder, lambda units, settings: engine.stream_reports(units, settings, 1)
+        )
 
     assert outcome().summary.statuses == {"checked": 5, "stopped": 1}
     assert [f["code"] for f in audit.lines[1]["findings"]][-1:] == ["URC906"]
@@ -492,10 +498,10 @@ def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
     assert outcome().checked == 0  # it would take as long again
 
 
-AUDIT = engine._audit
+AUDIT = engine._audit_in_worker
 
 
-def die_on_3(unit: Unit, settings: Settings) -> Report:
+def die_on_3(unit: Unit, settings: AuditSettings) -> UnitReport:
     if unit.path.endswith("003.urdf"):
         os.kill(os.getpid(), signal.SIGKILL)
     return AUDIT(unit, settings)
@@ -505,10 +511,12 @@ def die_on_3(unit: Unit, settings: Settings) -> Report:
 def test_a_worker_that_dies_is_a_failure_and_its_model_tried_again(
     audit: Audit, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    request = Request((audit.models,), audit.models, frozenset(catalogue.load_rules()), tier="source")
+    request = make_request(audit.models, tier="source")
     with monkeypatch.context() as patch:
-        patch.setattr(engine, "_audit", die_on_3)
-        found = dataset.audit(request, audit.folder, lambda units, settings: engine.stream(units, settings, 2)).summary
+        patch.setattr(engine, "_audit_in_worker", die_on_3)
+        found = dataset.audit_dataset(
+            request, audit.folder, lambda units, settings: engine.stream_reports(units, settings, 2)
+        ).summary
     assert found.failure_count == 1
     assert "003.urdf" in found.failures[0]
     assert audit() == ["003.urdf"]
@@ -572,7 +580,6 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
         text=True,
         cwd=REPOSITORY,
         start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     journal = tmp_path / "out" / "journal"
     while process.poll() is None and not (journal.exists() and journal.read_bytes().count(b'\n{"key"') > 3):
@@ -599,13 +606,22 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
 
 
 def test_a_summary_holds_no_more_rows_than_it_shows() -> None:
-    def row(number: int) -> lines.UnitRow:
+    def row(number: int) -> unit_lines.UnitRow:
         codes = (("INR003", Severity.ERROR, number % 7), ("KIN008", Severity.INFO, 1))
         counts = (number % 7, 0, 1)
-        return lines.UnitRow("model", f"{number}", "", "", "failed", 1, 0, None, counts, codes, ("it broke",))
+        return unit_lines.UnitRow(
+            kind="model",
+            id=f"{number}",
+            path="",
+            status="failed",
+            links=1,
+            counts=counts,
+            codes=codes,
+            failures=("it broke",),
+        )
 
-    summary = lines.AuditSummary.from_rows(map(row, range(1000)))
-    assert len(summary.worst) == len(summary.failures) == len(summary.unchecked) == lines.MOST_NAMED
+    summary = unit_lines.AuditSummary.from_rows(map(row, range(1000)))
+    assert len(summary.worst) == len(summary.failures) == len(summary.unchecked) == unit_lines.MOST_NAMED
     assert {worst.counts[0] for worst in summary.worst} == {6}
     assert (summary.unit_count, summary.failure_count, summary.statuses["failed"]) == (1000, 1000, 1000)
     assert summary.counts[Severity.ERROR] == sum(n % 7 for n in range(1000))

@@ -271,8 +271,9 @@ def pendulum(damping: float = 0.0):  # type: ignore[no-untyped-def]
 
     pose = np.eye(4)
     pose[2, 3] = 1.0
-    hinge = SimulatedJoint("hinge", np.array((0.0, 1.0, 0.0)), damping=damping, start_value=1.0)
-    body = RigidBody(-1, pose, hinge, 1.0, np.array((0.0, 0.0, -0.3)), 1e-3 * np.eye(3))
+    hinge = SimulatedJoint(kind="hinge", axis=np.array((0.0, 1.0, 0.0)), damping=damping, start_value=1.0)
+    com, inertia = np.array((0.0, 0.0, -0.3)), 1e-3 * np.eye(3)
+    body = RigidBody(parent=-1, pose=pose, joint=hinge, mass=1.0, com=com, inertia=inertia)
     return Simulation(Mechanism((body,), (), (), grounded=True), 0.0)
 
 

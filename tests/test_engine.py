@@ -8,15 +8,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from conftest import check, check_text
+from conftest import check, check_text, make_request
 
 from urdfcheck import rules as catalogue
-from urdfcheck.cli import FAILED, exit_code
+from urdfcheck.cli import FAILED, compute_exit_code
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.output.json import render
-from urdfcheck.run import audit as worker
+from urdfcheck.policy.superseding import drop_superseded
 from urdfcheck.run import pipeline as engine
-from urdfcheck.run.pipeline import Request, run
+from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
+from urdfcheck.run.pipeline import run
 
 INERTIA = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial>'
 
@@ -29,18 +30,18 @@ def test_a_check_that_crashes_is_URC900_and_exit_2_and_the_others_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     real = catalogue.load_check
-    monkeypatch.setattr(catalogue, "load_check", lambda rule: crash if rule.code == "INR004" else real(rule))
+    monkeypatch.setattr("urdfcheck.run.audit.load_check", lambda rule: crash if rule.code == "INR004" else real(rule))
     outcome = check_text(tmp_path, f'<robot name="r"><link name="a">{INERTIA}</link></robot>')
     codes = {f.code for f in outcome.findings}
     assert {"URC900", "INR003"} <= codes
     assert "INR004 crashed" in outcome.failures[0]
-    assert exit_code(outcome, "never") == FAILED
+    assert compute_exit_code(outcome, "never") == FAILED
 
 
-AUDIT = engine._audit
+AUDIT = engine._audit_in_worker
 
 
-def die_on_a(unit: worker.Unit, settings: worker.Settings) -> worker.Report:
+def die_on_a(unit: Unit, settings: AuditSettings) -> UnitReport:
     if unit.path.endswith("a.urdf"):
         os.kill(os.getpid(), signal.SIGKILL)
     return AUDIT(unit, settings)
@@ -49,8 +50,8 @@ def die_on_a(unit: worker.Unit, settings: worker.Settings) -> worker.Report:
 def test_a_worker_that_dies_is_a_failure_of_its_model_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("a.urdf", "b.urdf"):
         (tmp_path / name).write_text('<robot name="r"><link name="base"/></robot>')
-    monkeypatch.setattr(engine, "_audit", die_on_a)
-    outcome = run(Request((tmp_path,), tmp_path, frozenset(catalogue.load_rules()), jobs=2))
+    monkeypatch.setattr(engine, "_audit_in_worker", die_on_a)
+    outcome = run(make_request(tmp_path, jobs=2))
     assert [m.status for m in outcome.models] == ["failed", "checked"]
     assert "was killed (SIGKILL" in outcome.failures[0]
 
@@ -88,7 +89,7 @@ def test_hidden_findings_are_named_by_what_hides_them() -> None:
     def finding(rule: Rule, location: Location) -> Finding:
         return Finding(rule.code, rule.name, rule.severity, rule.confidence, "m", "m", location, (location.subject,))
 
-    kept = worker.hide([finding(weaker, at), finding(stronger, at), finding(weaker, elsewhere)], rules)
+    kept = drop_superseded([finding(weaker, at), finding(stronger, at), finding(weaker, elsewhere)], rules)
     assert [(f.code, f.location.subject) for f in kept] == [("INR004", at.subject), ("INR003", elsewhere.subject)]
     assert kept[0].data["hides"] == ["INR003"]
 
@@ -103,9 +104,9 @@ def test_a_finding_about_several_is_hidden_where_all_of_them_are() -> None:
         at = Location(subjects[0], None)
         return Finding(rule.code, rule.name, rule.severity, rule.confidence, "m", "m", at, subjects)
 
-    some = worker.hide([finding("INR003", "a", "b"), finding("INR004", "a")], rules)
+    some = drop_superseded([finding("INR003", "a", "b"), finding("INR004", "a")], rules)
     assert [f.code for f in some] == ["INR003", "INR004"]
-    every = worker.hide([finding("INR003", "a", "b"), finding("INR004", "a"), finding("INR004", "b")], rules)
+    every = drop_superseded([finding("INR003", "a", "b"), finding("INR004", "a"), finding("INR004", "b")], rules)
     assert [f.code for f in every] == ["INR004", "INR004"]
 
 
@@ -117,10 +118,10 @@ def test_a_worker_sees_nothing_around_what_is_checked(tmp_path: Path, monkeypatc
     monkeypatch.chdir(tmp_path / "repo")
     Path("r.launch").write_text('<launch><param name="robot_description" textfile="../outside/r.urdf"/></launch>')
     Path("a.launch").write_text('<launch><param name="robot_description" textfile="/etc/r.urdf"/></launch>')
-    request = Request((Path(),), Path(), frozenset())
-    _, units = engine.planned(request)
-    with engine.auditing(request, units, request.reach) as settings:
-        seen = {folder for folder in settings.around if not folder.endswith("rules")}
+    request = make_request(Path(), codes=())
+    _, units = engine.plan_units(request)
+    with engine.audit_session(request, units, request.reach) as settings:
+        seen = {folder for folder in settings.visible_folders if not folder.endswith("rules")}
     assert {unit.kind for unit in units} >= {"launch", "package"}
     assert seen == {str(tmp_path / "repo")}
 
@@ -163,9 +164,9 @@ def test_a_difference_of_two_elements_yields_to_what_explains_either() -> None:
 
     difference = finding("SYM004", "right", between=["joint[left]", "joint[right]"])
     for named in ("left", "right"):
-        kept = worker.hide([difference, finding("SYM002", named)], rules)
+        kept = drop_superseded([difference, finding("SYM002", named)], rules)
         assert [(f.code, f.data["hides"]) for f in kept] == [("SYM002", ["SYM004"])]
-    assert len(worker.hide([difference, finding("SYM002", "other")], rules)) == 2
+    assert len(drop_superseded([difference, finding("SYM002", "other")], rules)) == 2
 
 
 def test_a_severity_of_the_configuration_holds(tmp_path: Path) -> None:

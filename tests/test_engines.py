@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 from conftest import FIXTURES, check
+from real_robots import list_robots
 from test_rules import BAD, GOOD, Case
 
 from urdfcheck import cli
@@ -25,11 +26,11 @@ from urdfcheck.model import Model
 from urdfcheck.policy import consumers
 from urdfcheck.policy.config import TARGETS
 from urdfcheck.policy.limits import ResourceLimits
-from urdfcheck.simulators.comparing import predicted
-from urdfcheck.simulators.judging import agree, judge
-from urdfcheck.simulators.outcome import Loaded, Motion, Outcome, Robot, Typed
-from urdfcheck.simulators.reading import robot_of
-from urdfcheck.simulators.running import ENGINES, how_to_install, installed, outcomes
+from urdfcheck.simulators.comparison import predict_verdict
+from urdfcheck.simulators.engine_input import build_input
+from urdfcheck.simulators.judgement import judge_outcome, matches_prediction
+from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, LoadedRobot, LoadOutcome, TypedRobot
+from urdfcheck.simulators.processes import ENGINES, get_install_hint, iter_outcomes, list_versions
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
@@ -76,14 +77,14 @@ class Example:
     """A model, as engines get it, with its findings."""
 
     name: str
-    robot: Robot
+    robot: EngineInput
     findings: tuple[Finding, ...]
 
 
-def read(path: Path, arguments: Mapping[str, str], package_paths: Sequence[Path]) -> Robot | None:
+def read(path: Path, arguments: Mapping[str, str], package_paths: Sequence[Path]) -> EngineInput | None:
     source = load_source(path, arguments, PackageFinder(path.absolute(), {}, list(package_paths)))
     is_robot = source.root is not None and source.root.tag == "robot"
-    return robot_of(source, Model(source, source.root, "source") if is_robot else None)
+    return build_input(source, Model(source, source.root, "source") if is_robot else None)
 
 
 def checked(name: str, folder: Path, target: Path, **request: object) -> Iterator[Example]:
@@ -127,12 +128,14 @@ def written(case: Case, folder: Path) -> Iterator[Example]:
 
 def wrong(engine: str, examples: Sequence[Example], around: Path) -> list[str]:
     """Where an engine does not do what the findings say."""
-    done = dict(outcomes([(engine, e.robot) for e in examples], [str(around)], ResourceLimits(seconds=60), apart=False))
+    done = dict(
+        iter_outcomes([(engine, e.robot) for e in examples], [str(around)], ResourceLimits(seconds=60), apart=False)
+    )
     told = []
     for place, example in enumerate(examples):
-        judgement = judge(example.robot, done[place])
-        verdict, codes = predicted(engine, example.findings)
-        if not agree(verdict, judgement) and (example.name, engine) not in KNOWN:
+        judgement = judge_outcome(example.robot, done[place])
+        verdict, codes = predict_verdict(engine, example.findings)
+        if not matches_prediction(verdict, judgement) and (example.name, engine) not in KNOWN:
             because = ", ".join(codes) or ", ".join(sorted({f.code for f in example.findings})) or "no finding"
             told.append(
                 f"{example.name}: {engine} {judgement.verdict} ({'; '.join(judgement.reasons)}), not {verdict} ({because})"
@@ -142,8 +145,8 @@ def wrong(engine: str, examples: Sequence[Example], around: Path) -> list[str]:
 
 
 def ensure_asked(engine: str) -> None:
-    if installed()[engine] is None:
-        pytest.skip(f"{engine} is not installed: {how_to_install(engine)}")
+    if list_versions()[engine] is None:
+        pytest.skip(f"{engine} is not installed: {get_install_hint(engine)}")
     if not ALL and engine not in QUICK:
         pytest.skip(f"{engine} is asked where URDFCHECK_ENGINES or URDFCHECK_CORPUS is set")
 
@@ -156,7 +159,7 @@ def test_what_pages_say_of_an_engine_is_what_it_does(
     assert wrong(engine, examples, tmp_path_factory.getbasetemp()) == []
 
 
-def meshes(robot: Robot) -> int:
+def meshes(robot: EngineInput) -> int:
     """The bytes of all mesh files that a model uses."""
     files = {Path(os.fsdecode(name)) for name in re.findall(rb'filename="(/[^"]*)"', robot.document)}
     return sum(file.stat().st_size for file in files if file.is_file())
@@ -166,7 +169,7 @@ def meshes(robot: Robot) -> int:
 def robots(corpus: Path) -> list[Example]:
     """Real robots without large meshes."""
     found: list[Example] = []
-    for entry in json.loads((corpus / "corpus.json").read_text()):
+    for entry in list_robots(corpus):
         if not entry["expands"] or not entry["urdf_links"]:
             continue
         roots = tuple(corpus / root for root in entry["package_roots"])
@@ -189,7 +192,7 @@ def test_the_command_compares_all_engines(capsys: pytest.CaptureFixture[str]) ->
     model = str(FIXTURES / "car-3" / "urdf" / "car-3.urdf")
     code = cli.main(["engines", model, "--format", "json", "--isolated"])
     document = json.loads(capsys.readouterr().out)
-    there = {name for name, version in installed().items() if version is not None}
+    there = {name for name, version in list_versions().items() if version is not None}
     assert set(document["engines"]) == there
     assert set(document["missing"]) == set(ENGINES) - there
     assert document["engines"]["pinocchio"]["mass"] == pytest.approx(0.6105076)
@@ -208,9 +211,9 @@ def test_what_cannot_be_read_is_given_to_no_engine(tmp_path: Path, capsys: pytes
 
 def test_an_engine_that_crashes_says_so_and_takes_nobody_along() -> None:
     ensure_asked("pinocchio")
-    robot = Robot(b'<robot name="r"><link name="a"/></robot>')
-    nested = Robot(b'<robot name="r">' + chain(20_000) + b"</robot>")
-    first, second = (dict(outcomes([("urdfdom", r)], [], ResourceLimits()))[0] for r in (nested, robot))
+    robot = EngineInput(b'<robot name="r"><link name="a"/></robot>')
+    nested = EngineInput(b'<robot name="r">' + chain(20_000) + b"</robot>")
+    first, second = (dict(iter_outcomes([("urdfdom", r)], [], ResourceLimits()))[0] for r in (nested, robot))
     assert "crashes" in first.refused
     assert second.loaded is not None
 
@@ -227,9 +230,11 @@ def chain(levels: int) -> bytes:
 
 # -- what was measured, in words --------------------------------------------------------------------------------------
 
-MOTION = Motion(("j",), (((0.5,),),), ((2.0,),), (-4.0,))
-TYPED = Typed("base", {"base": "base", "arm": "arm"}, ("j",), {"base": 1.0, "arm": 2.0}, {"j": (-1.0, 1.0)}, 1, MOTION)
-LOADED = Loaded({"base": 0.0, "arm": 2.0}, ("j",), {"j": (-1.0, 1.0)}, 1, MOTION)
+MOTION = EngineDynamics(("j",), (((0.5,),),), ((2.0,),), (-4.0,))
+TYPED = TypedRobot(
+    "base", {"base": "base", "arm": "arm"}, ("j",), {"base": 1.0, "arm": 2.0}, {"j": (-1.0, 1.0)}, 1, MOTION
+)
+LOADED = LoadedRobot({"base": 0.0, "arm": 2.0}, ("j",), {"j": (-1.0, 1.0)}, 1, MOTION)
 
 
 @pytest.mark.parametrize(
@@ -246,15 +251,23 @@ LOADED = Loaded({"base": 0.0, "arm": 2.0}, ("j",), {"j": (-1.0, 1.0)}, 1, MOTION
         (replace(LOADED, limits={"j": None}), Verdict.IGNORES, "joint j has no limits"),
         (replace(LOADED, limits={"j": (-1.0, 2.0)}), Verdict.REPLACES, "joint j has the limits -1 and 2"),
         (replace(LOADED, motion=replace(MOTION, masses=(((1.0,),),))), Verdict.REPLACES, "the mass matrix differs"),
-        (replace(LOADED, motion=replace(MOTION, falls=(-2.0,))), Verdict.REPLACES, "the accelerations differ"),
-        (replace(LOADED, motion=replace(MOTION, falls=(math.nan,))), Verdict.NAN, "the accelerations are not a number"),
+        (replace(LOADED, motion=replace(MOTION, accelerations=(-2.0,))), Verdict.REPLACES, "the accelerations differ"),
+        (
+            replace(LOADED, motion=replace(MOTION, accelerations=(math.nan,))),
+            Verdict.NAN,
+            "the accelerations are not a number",
+        ),
     ],
 )
-def test_what_an_engine_did_is_judged_by_what_was_typed(loaded: Loaded | None, verdict: Verdict, words: str) -> None:
-    judgement = judge(Robot(b"", TYPED, ("arm",)), Outcome("mujoco", loaded, "no such file"))
+def test_what_an_engine_did_is_judged_by_what_was_typed(
+    loaded: LoadedRobot | None, verdict: Verdict, words: str
+) -> None:
+    judgement = judge_outcome(EngineInput(b"", TYPED, ("arm",)), LoadOutcome("mujoco", loaded, "no such file"))
     assert judgement.verdict is verdict
     assert " ".join(judgement.reasons).startswith(words)
 
 
 def test_of_what_is_no_tree_the_missing_links_are_seen() -> None:
-    assert judge(Robot(b"", None, ("arm", "hand")), Outcome("bullet", LOADED)).reasons == ("without link hand",)
+    assert judge_outcome(EngineInput(b"", None, ("arm", "hand")), LoadOutcome("bullet", LOADED)).reasons == (
+        "without link hand",
+    )

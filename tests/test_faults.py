@@ -24,7 +24,10 @@ QUICK = ["--tier", "mesh", "--format", "json", "--fail-on", "never"]
 # As many runs on one cache at the same time; 200 were tried with URDFCHECK_RUNS=200.
 RUNS = int(os.environ.get("URDFCHECK_RUNS", "4"))
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals, mounts and process files are those of POSIX")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform == "win32", reason="signals, mounts and process files are those of POSIX"),
+]
 
 
 @pytest.fixture(scope="module")
@@ -121,7 +124,7 @@ def killed(*_: object) -> None:
 def test_of_models_that_were_not_found_nothing_is_known(
     models: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(engine, "_plan", killed)
+    monkeypatch.setattr(engine, "_discover_bounded", killed)
     done = checked(models, cache=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
     assert "the process that looks for models was killed (SIGKILL" in done.stderr
@@ -148,7 +151,6 @@ def test_an_interrupt_reports_what_was_finished(models: Path, tmp_path: Path) ->
         *(many, "--jobs", 2, "--format", "json"),
         cache=tmp_path / "cache",
         start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     for _ in range(600):  # until some are finished
         if kept(tmp_path / "cache") > 3:

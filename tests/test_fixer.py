@@ -17,20 +17,23 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from conftest import check, command
+from conftest import check, command, make_request
 from hypothesis import given
 from hypothesis import strategies as st
+from real_robots import list_robots
 from test_rules import FIXED, cases
 
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Applicability, Edit, Finding, Location, ModelInfo, Rule, Run, Severity, Span, UrdfcheckError
 from urdfcheck.fix import fixer, patch
-from urdfcheck.fix.fixer import Fixes, apart, fixes, worse
-from urdfcheck.fix.patch import Editable, Refused, Text
+from urdfcheck.fix.fixer import FixResult, compute_fixes, find_regression, select_disjoint
+from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError
 from urdfcheck.policy import config
 from urdfcheck.run import pipeline as engine
-from urdfcheck.run.audit import Report, Settings, Unit, audit, order
-from urdfcheck.run.pipeline import Request
+from urdfcheck.run.audit import audit_unit
+from urdfcheck.run.findings import get_sort_key
+from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
+from urdfcheck.run.pipeline import IN_THIS_PROCESS, Execution
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.tokens import build_rename_edits
@@ -43,17 +46,16 @@ NOISE = JOINT.replace("{type}", "fixed").replace("{inner}", '<origin xyz="{x} 0 
 AXIS = JOINT.format(n="a", type="continuous", inner='<axis xyz="0 0 2"/>')
 
 
-def tried(*paths: Path, codes: Iterable[str] = ("ALL",), unsafe: bool = False, **request: object) -> Fixes:
+def tried(*paths: Path, codes: Iterable[str] = ("ALL",), unsafe: bool = False, **settings: object) -> FixResult:
     """What fixing would do, in this process and from the source alone."""
-    root = paths[0] if paths[0].is_dir() else paths[0].parent
-    selected = frozenset(catalogue.select_rules(codes))
-    return fixes(Request(paths, root, selected, **{"tier": "source", **request}), unsafe=unsafe, audit=audit)  # type: ignore[arg-type]
+    request = make_request(*paths, codes=catalogue.select_rules(codes), **{"tier": "source", **settings})
+    return compute_fixes(request, IN_THIS_PROCESS, include_unsafe=unsafe)
 
 
-def fix(*paths: Path, **options: object) -> Fixes:
+def fix(*paths: Path, **options: object) -> FixResult:
     """Do it."""
     found = tried(*paths, **options)  # type: ignore[arg-type]
-    patch.write(found.changes)
+    patch.write_files(found.changes)
     return found
 
 
@@ -73,7 +75,7 @@ def written(folder: Path, text: str, name: str = "robot.urdf") -> Path:
     return path
 
 
-def reasons(found: Fixes) -> list[str]:
+def reasons(found: FixResult) -> list[str]:
     return [reason for _, reason in found.refused]
 
 
@@ -89,7 +91,7 @@ def test_the_repair_of_an_example_repairs_it(rule: Rule, tmp_path: Path) -> None
         for name, text in case.files:
             written(folder, text, name)
         target = folder if len(case.files) > 1 else folder / case.files[0][0]
-        settings = {"tier": "full", "targets": config.find(folder).target}
+        settings = {"tier": "full", "targets": config.find_config(folder).target}
         codes = {rule.code, *rule.hidden_by}
         before = check(target, codes=codes, **settings)
         offered = [f for f in before.findings if f.fix is not None and f.fix.edits]
@@ -99,7 +101,7 @@ def test_the_repair_of_an_example_repairs_it(rule: Rule, tmp_path: Path) -> None
         expected = by_hand(offered)
         found = fix(target, unsafe=True, codes=codes, **settings)
         assert [f for f in found.fixed if f.code == rule.code], reasons(found)
-        if sorted(map(order, found.fixed)) == sorted(map(order, offered)) and expected is not None:
+        if sorted(map(get_sort_key, found.fixed)) == sorted(map(get_sort_key, offered)) and expected is not None:
             assert {Path(path): new for path, (_, new) in found.changes.items()} == expected
         after = fix(target, unsafe=True, codes=codes, **settings)
         assert after.changes == {}
@@ -129,7 +131,7 @@ def by_hand(findings: Sequence[Finding]) -> dict[Path, bytes] | None:
 
 # -- text --------------------------------------------------------------------------------------------------------------
 
-EVERYWHERE = Editable([Path("/")], [])
+EVERYWHERE = EditableFiles([Path("/")], [])
 PIECES = st.text(st.sampled_from("ab é😀\u2028\x0c<>=\"'"), max_size=6)
 
 
@@ -151,7 +153,9 @@ def test_bytes_outside_of_the_edits_stay(
         edits.append(Edit(source.make_span(at, at + len(old)), old, f"{new}\n"))
         wanted += before + newline + new + newline
         at += len(old)
-    assert Text(str(path), str(path), path.read_bytes(), source).edited(edits) == (wanted + "end").encode(encoding)
+    assert EditableText(str(path), str(path), path.read_bytes(), source).apply_edits(edits) == (wanted + "end").encode(
+        encoding
+    )
 
 
 @pytest.mark.parametrize(
@@ -193,35 +197,35 @@ def test_an_escaped_value_is_not_literal(tmp_path: Path) -> None:
     assert path.read_text() == text
 
 
-def text_of(folder: Path, content: str) -> tuple[Text, SourceFile]:
+def text_of(folder: Path, content: str) -> tuple[EditableText, SourceFile]:
     path = written(folder, content)
-    text = Text.read(str(path), EVERYWHERE, {})
+    text = EditableText.read(str(path), EVERYWHERE, {})
     return text, text.file
 
 
 def test_an_edit_is_refused_when_the_text_changed(tmp_path: Path) -> None:
     text, file = text_of(tmp_path, "<a b='1'/>")
-    text.ensure(Edit(file.make_span(6, 7), "1", "2"))
+    text.ensure_applicable(Edit(file.make_span(6, 7), "1", "2"))
     for edit in (
         Edit(file.make_span(6, 7), "3", "2"),
         Edit(file.make_span(9, 90), "", "2"),
         Edit(file.make_span(7, 8), "1", "2"),
     ):
-        with pytest.raises(Refused, match="not the one"):
-            text.ensure(edit)
+        with pytest.raises(EditRefusedError, match="not the one"):
+            text.ensure_applicable(edit)
 
 
 @pytest.mark.parametrize("name", ['a" onload="b', "a'b", "a<b", "a&b"])
 def test_the_name_of_a_stranger_becomes_no_markup(tmp_path: Path, name: str) -> None:
     text, file = text_of(tmp_path, "<mesh filename='A.stl'/>")
-    with pytest.raises(Refused, match="quoted"):
-        text.ensure(Edit(file.make_span(16, 21), "A.stl", name))
+    with pytest.raises(EditRefusedError, match="quoted"):
+        text.ensure_applicable(Edit(file.make_span(16, 21), "A.stl", name))
 
 
 def test_what_an_encoding_lacks_is_refused(tmp_path: Path) -> None:
     text, file = text_of(tmp_path, "<?xml version='1.0' encoding='latin-1'?><a b='1'/>")
-    with pytest.raises(Refused, match="cannot be written as latin-1"):
-        text.ensure(Edit(file.make_span(46, 47), "1", "π"))
+    with pytest.raises(EditRefusedError, match="cannot be written as latin-1"):
+        text.ensure_applicable(Edit(file.make_span(46, 47), "1", "π"))
 
 
 @pytest.mark.parametrize(
@@ -240,7 +244,7 @@ def test_an_element_is_renamed_at_both_ends(tmp_path: Path, text: str, after: st
     content, _ = text_of(tmp_path, f"<robot>{text}</robot>")
     element = parse_xml(content.file).children[0]
     edits = build_rename_edits([element], "b", {content.name: content.file})
-    assert content.edited(edits) == f"<robot>{after}</robot>".encode()
+    assert content.apply_edits(edits) == f"<robot>{after}</robot>".encode()
 
 
 # -- safe and unsafe ---------------------------------------------------------------------------------------------------
@@ -254,7 +258,7 @@ def using(*calls: int, include: str = "macros.xacro") -> str:
     return f'<robot name="r" xmlns:xacro="{CURRENT}"><xacro:include filename="{include}"/><link name="base"/>{called}</robot>'
 
 
-def applicability(found: Fixes, code: str) -> set[Applicability]:
+def applicability(found: FixResult, code: str) -> set[Applicability]:
     return {f.fix.applicability for f in found.outcome.findings if f.code == code and f.fix is not None}
 
 
@@ -268,7 +272,7 @@ def test_a_macro_called_twice_is_unsafe(tmp_path: Path) -> None:
     macros = written(tmp_path, MACROS, "macros.xacro")
     path = written(tmp_path, using(1, 2), "robot.urdf.xacro")
     found = fix(path, codes=["JNT014"])
-    assert (found.fixed, found.more, found.changes) == ((), 1, {})
+    assert (found.fixed, found.unsafe_count, found.changes) == ((), 1, {})
     assert applicability(found, "JNT014") == {Applicability.UNSAFE}
     assert fix(path, codes=["JNT014"], unsafe=True).fixed
     assert macros.read_text() == MACROS.replace("1e-17", "0")
@@ -287,7 +291,7 @@ def test_a_shared_file_is_unsafe_where_one_model_has_it_not(tmp_path: Path) -> N
     macros = written(tmp_path, MACROS, "macros.xacro")
     written(tmp_path, using(1), "a.urdf.xacro")
     written(tmp_path, using(), "b.urdf.xacro")
-    assert fix(tmp_path, codes=["JNT014"]).more == 1
+    assert fix(tmp_path, codes=["JNT014"]).unsafe_count == 1
     assert macros.read_text() == MACROS
 
 
@@ -295,13 +299,13 @@ def test_a_shared_file_is_unsafe_where_one_model_calls_the_macro_twice(tmp_path:
     macros = written(tmp_path, MACROS, "macros.xacro")
     written(tmp_path, using(1), "a.urdf.xacro")
     written(tmp_path, using(1, 2), "b.urdf.xacro")
-    assert fix(tmp_path, codes=["JNT014"]).more == 2
+    assert fix(tmp_path, codes=["JNT014"]).unsafe_count == 2
     assert macros.read_text() == MACROS
 
 
 def test_numbers_that_mean_something_are_unsafe(tmp_path: Path) -> None:
     path = written(tmp_path, robot(AXIS))
-    assert fix(path, codes=["JNT002"]).more == 1
+    assert fix(path, codes=["JNT002"]).unsafe_count == 1
     assert 'xyz="0 0 2"' in path.read_text()
     fix(path, codes=["JNT002"], unsafe=True)
     assert 'xyz="0 0 1"' in path.read_text()
@@ -369,32 +373,34 @@ def finding(code: str, subject: str = "link[a]", hides: Sequence[str] = ()) -> F
 
 
 def run_of(*findings: Finding, status: str = "checked", failures: tuple[str, ...] = ()) -> Run:
-    info = ModelInfo("m", "r", {}, 1, 0, None, status, "m")
+    info = ModelInfo(path="m", robot="r", args={}, links=1, joints=0, mass=None, status=status, id="m")
     return Run((info,), findings, (), {}, {}, {}, unit_ids=frozenset({"m"}), failures=failures)
 
 
 def test_what_is_worse() -> None:
     one, two = finding("XML003", "link[a]"), finding("XML003", "link[b]")
-    assert not worse(run_of(one, two), run_of(two), [one])
-    assert "still be there" in worse(run_of(one), run_of(one), [one])
-    assert "still be there" in worse(run_of(one, one), run_of(one, one), [one])
-    assert not worse(run_of(one, one), run_of(one), [one])
-    assert "would bring XML003" in worse(run_of(one), run_of(two), [one]), "one went and another came"
-    assert "could not be read" in worse(run_of(one), run_of(status="failed"), [one])
-    assert "urdfcheck fails" in worse(run_of(one), run_of(failures=("a crash",)), [one])
-    assert not worse(run_of(one, status="failed"), run_of(two), [one]), "it can be read at last"
-    assert not worse(run_of(one, status="failed"), run_of(two, status="failed"), [one]), "the next of its kind"
+    assert not find_regression(run_of(one, two), run_of(two), [one])
+    assert "still be there" in find_regression(run_of(one), run_of(one), [one])
+    assert "still be there" in find_regression(run_of(one, one), run_of(one, one), [one])
+    assert not find_regression(run_of(one, one), run_of(one), [one])
+    assert "would bring XML003" in find_regression(run_of(one), run_of(two), [one]), "one went and another came"
+    assert "could not be read" in find_regression(run_of(one), run_of(status="failed"), [one])
+    assert "urdfcheck fails" in find_regression(run_of(one), run_of(failures=("a crash",)), [one])
+    assert not find_regression(run_of(one, status="failed"), run_of(two), [one]), "it can be read at last"
+    assert not find_regression(run_of(one, status="failed"), run_of(two, status="failed"), [one]), (
+        "the next of its kind"
+    )
     other = finding("XML001")
-    assert "would bring XML001" in worse(run_of(one, status="failed"), run_of(other, status="failed"), [one])
+    assert "would bring XML001" in find_regression(run_of(one, status="failed"), run_of(other, status="failed"), [one])
     with pytest.raises(KeyboardInterrupt):
-        worse(run_of(one), replace(run_of(), partial=True), [one])
+        find_regression(run_of(one), replace(run_of(), partial=True), [one])
 
 
 def test_what_a_finding_hid_is_not_new() -> None:
     hidden = finding("XML003", "link[b]")
     for hides in ([], ["XML003"]):
         one = finding("JNT014", hides=hides)
-        assert bool(worse(run_of(one), run_of(hidden), [one])) == (not hides)
+        assert bool(find_regression(run_of(one), run_of(hidden), [one])) == (not hides)
 
 
 def test_what_a_mesh_shows_that_is_found_at_last_is_not_new(tmp_path: Path) -> None:
@@ -430,16 +436,16 @@ def edit_at(start: int, end: int, new: str = "x", file: str = "a") -> Edit:
     ],
 )
 def test_edits_of_the_same_text_are_made_one_by_one(second: Edit, both: bool) -> None:
-    changes = [fixer._Change((edit,), ()) for edit in (edit_at(5, 10), second)]
-    assert len(apart(changes)) == 1 + both
-    assert len(apart(changes[::-1])) == 1 + both
+    changes = [fixer._FixGroup((edit,), ()) for edit in (edit_at(5, 10), second)]
+    assert len(select_disjoint(changes)) == 1 + both
+    assert len(select_disjoint(changes[::-1])) == 1 + both
 
 
 def test_insertions_in_one_place_are_made_together(tmp_path: Path) -> None:
-    changes = [fixer._Change((edit_at(5, 5, text),), ()) for text in "xy"]
-    assert len(apart(changes)) == 2
+    changes = [fixer._FixGroup((edit_at(5, 5, text),), ()) for text in "xy"]
+    assert len(select_disjoint(changes)) == 2
     text, file = text_of(tmp_path, "<a></a>")
-    assert text.edited([Edit(file.make_span(3, 3), "", t) for t in "xy"]) == b"<a>xy</a>"
+    assert text.apply_edits([Edit(file.make_span(3, 3), "", t) for t in "xy"]) == b"<a>xy</a>"
 
 
 # -- which files -------------------------------------------------------------------------------------------------------
@@ -496,8 +502,8 @@ def test_links_are_followed_to_what_may_be_changed_only(package: Path) -> None:
 def test_a_link_that_was_given_leads_nowhere_else(package: Path) -> None:
     link = package / "robot/urdf/part.urdf"
     link.symlink_to(written(package, robot(noisy()), "parts/part.urdf"))
-    with pytest.raises(Refused, match="outside"):
-        Editable([link], []).ensure(link)
+    with pytest.raises(EditRefusedError, match="outside"):
+        EditableFiles([link], []).ensure_editable(link)
 
 
 def test_a_file_with_two_names_is_not_changed(tmp_path: Path) -> None:
@@ -533,7 +539,7 @@ def test_nothing_is_written_over_what_somebody_else_wrote(tmp_path: Path) -> Non
     changes = two(tmp_path)
     (tmp_path / "b").write_text("other")
     with pytest.raises(UrdfcheckError, match="was changed by others while it was checked; no file was changed"):
-        patch.write(changes)
+        patch.write_files(changes)
     assert [(tmp_path / name).read_text() for name in "ab"] == ["old", "other"]
     assert sorted(os.listdir(tmp_path)) == ["a", "b"]
 
@@ -549,7 +555,7 @@ def test_a_full_disk_leaves_every_file_whole(tmp_path: Path, monkeypatch: pytest
 
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(UrdfcheckError, match=r"No space.*; no file was changed"):
-        patch.write(changes)
+        patch.write_files(changes)
     assert [(tmp_path / name).read_text() for name in sorted(os.listdir(tmp_path))] == ["old", "old"]
 
 
@@ -563,7 +569,7 @@ def test_what_fails_in_the_middle_says_what_was_changed(tmp_path: Path, monkeypa
 
     monkeypatch.setattr(os, "replace", once)
     with pytest.raises(UrdfcheckError, match=r"these files were fixed: \S*a$"):
-        patch.write(changes)
+        patch.write_files(changes)
     assert [(tmp_path / name).read_text() for name in sorted(os.listdir(tmp_path))] == ["new", "old"]
 
 
@@ -571,14 +577,14 @@ def test_what_somebody_writes_while_it_is_checked_is_kept(tmp_path: Path) -> Non
     path = written(tmp_path, robot(noisy()))
     other = robot(noisy(), "<!-- mine -->")
 
-    def slow(unit: Unit, settings: Settings) -> Report:
-        if settings.texts:
+    def slow(unit: Unit, settings: AuditSettings) -> UnitReport:
+        if settings.options.texts:
             path.write_text(other)
-        return audit(unit, settings)
+        return audit_unit(unit, settings)
 
-    found = fixes(Request((path,), tmp_path, frozenset({"JNT014"}), tier="source"), audit=slow)
+    found = compute_fixes(make_request(path, codes={"JNT014"}, tier="source"), Execution(audit=slow))
     with pytest.raises(UrdfcheckError, match="changed by others"):
-        patch.write(found.changes)
+        patch.write_files(found.changes)
     assert path.read_text() == other
 
 
@@ -592,19 +598,19 @@ def test_an_interrupt_while_writing_says_what_was_changed(tmp_path: Path, monkey
 
     monkeypatch.setattr(os, "replace", interrupted)
     with pytest.raises(UrdfcheckError, match=r"interrupted; these files were fixed: \S*a, \S*b$"):
-        patch.write(changes)
+        patch.write_files(changes)
     assert [(tmp_path / name).read_text() for name in sorted(os.listdir(tmp_path))] == ["new", "new"]
 
 
 def test_an_interrupt_while_fixing_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = written(tmp_path, robot(noisy()))
-    again = engine.audited
+    again = engine.run_audit
 
-    def interrupted(request: Request, *words: object, **options: object) -> engine.Audited:
+    def interrupted(request: Request, *words: object, **options: object) -> engine.AuditedRun:
         state = again(request, *words, **options)  # type: ignore[arg-type]
-        return replace(state, outcome=replace(state.outcome, partial=bool(request.texts)))
+        return replace(state, outcome=replace(state.outcome, partial=bool(request.options.texts)))
 
-    monkeypatch.setattr(fixer, "audited", interrupted)
+    monkeypatch.setattr(fixer, "run_audit", interrupted)
     with pytest.raises(KeyboardInterrupt):
         fix(path, codes=["JNT014"])
     assert path.read_text() == robot(noisy())
@@ -628,12 +634,12 @@ def test_only_models_that_read_a_changed_file_are_checked_again(tmp_path: Path) 
     written(tmp_path, robot(noisy(x="0")), "b.urdf")
     checked: list[str] = []
 
-    def counted(unit: Unit, settings: Settings) -> Report:
+    def counted(unit: Unit, settings: AuditSettings) -> UnitReport:
         checked.append(Path(unit.path).name)
-        return audit(unit, settings)
+        return audit_unit(unit, settings)
 
-    request = Request((tmp_path,), tmp_path, frozenset({"JNT014"}), tier="source")
-    fixes(request, audit=counted)
+    request = make_request(tmp_path, codes={"JNT014"}, tier="source")
+    compute_fixes(request, Execution(audit=counted))
     assert checked == ["a.urdf", "b.urdf", "a.urdf"]
 
 
@@ -671,7 +677,7 @@ def test_diff_changes_nothing_and_can_be_applied(tmp_path: Path) -> None:
 
 def test_a_diff_shows_where_the_last_newline_is_missing(tmp_path: Path) -> None:
     path = str(written(tmp_path, "old").resolve())
-    lines = list(patch.difference(path, b"a\r\nold", b"a\r\nnew"))
+    lines = list(patch.iter_diff_lines(path, b"a\r\nold", b"a\r\nnew"))
     assert lines[2:] == [
         "@@ -1,2 +1,2 @@",
         " a",
@@ -715,7 +721,7 @@ def test_the_report_tells_what_each_option_repairs(tmp_path: Path) -> None:
 
 def test_real_robots_stay_the_same_but_for_safe_edits(corpus: Path, tmp_path: Path) -> None:
     """Ten small packages: every change is safe, and the expanded robot has the same elements with the same numbers."""
-    entries = [e for e in json.loads((corpus / "corpus.json").read_text()) if e["expands"] and e["package_roots"]]
+    entries = [e for e in list_robots(corpus) if e["expands"] and e["package_roots"]]
     entries = [e for e in entries if Path(e["entry"]).is_relative_to(e["package_roots"][0])]
     roots = {e["package_roots"][0]: e for e in entries}
     size = {root: sum(f.stat().st_size for f in (corpus / root).rglob("*")) for root in roots}

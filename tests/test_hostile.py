@@ -34,7 +34,7 @@ try:
 finally:
     sys.path.pop(0)
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="named pipes and links")
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(sys.platform == "win32", reason="named pipes and links")]
 
 # What a runner takes for a command: it takes off the blanks before it looks.
 COMMANDS = re.compile(r"^\s*::|##\w*\[", re.MULTILINE)

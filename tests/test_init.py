@@ -16,7 +16,7 @@ from services import accepts
 
 from urdfcheck import cli
 from urdfcheck.cli.commands import init
-from urdfcheck.cli.commands.init import HOOKS, LOCAL_HOOKS, with_hooks
+from urdfcheck.cli.commands.init import HOOKS, LOCAL_HOOKS, add_hooks
 from urdfcheck.policy import config
 
 ARM = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
@@ -41,7 +41,7 @@ def test_a_repository_is_set_up(repository: Path, capsys: pytest.CaptureFixture[
     assert "found 2 models, 1 needs arguments" in said
     assert "give urdf/arm.urdf.xacro arguments in urdfcheck.toml" in said
     assert "how urdfcheck is installed" in said
-    read = config.find(repository)
+    read = config.find_config(repository)
     assert [(m.path.name, dict(m.arguments)) for m in read.models] == [("arm.urdf.xacro", {})]
     text = (repository / "urdfcheck.toml").read_text(encoding="utf-8")
     assert '# arguments = { side = "left", n = "" }\n# side: "left", "right"\n' in text
@@ -106,8 +106,8 @@ def test_what_is_there_is_added_to(repository: Path) -> None:
     after = (repository / "pyproject.toml").read_bytes().decode()
     assert after.startswith(project)
     assert "\n" not in after.replace("\r\n", "")
-    assert config.find(repository).file == repository / "pyproject.toml"
-    assert len(config.find(repository).models) == 1
+    assert config.find_config(repository).file == repository / "pyproject.toml"
+    assert len(config.find_config(repository).models) == 1
     job = (repository / ".gitlab-ci.yml").read_text()
     assert job.startswith(ci)
     assert yaml.safe_load(job)["urdfcheck"]["stage"] == "build"
@@ -128,7 +128,7 @@ def test_what_is_there_is_added_to(repository: Path) -> None:
 def test_what_is_written_for_a_service_is_valid_whatever_the_folder_is_called(
     repository: Path, monkeypatch: pytest.MonkeyPatch, address: str, ci: str | None
 ) -> None:
-    monkeypatch.setattr(init, "installed_from", lambda: (address, "abc" if address else ""))
+    monkeypatch.setattr(init, "find_install_origin", lambda: (address, "abc" if address else ""))
     strange = "it's a # robot: $(touch broken)"
     (repository / "urdf").rename(repository / strange)
     if ci is not None:
@@ -170,7 +170,7 @@ def test_models_further_down_and_what_is_run_for_them(repository: Path) -> None:
     ["repos: []\n", "repos: [{repo: local, hooks: []}]\n", "a: 1\n", "[1]\n", "repos:\n", "x: [\n", ""],
 )
 def test_a_list_that_cannot_be_added_to_is_left(before: str) -> None:
-    assert with_hooks(before, LOCAL_HOOKS) is None
+    assert add_hooks(before, LOCAL_HOOKS) is None
 
 
 SCALARS = st.sampled_from(
@@ -188,7 +188,7 @@ def test_every_other_byte_of_a_list_stays(values: list[str], columns: int, rest:
     dash = " " * columns
     entries = "".join(f"{dash}- repo: r{i}\n{dash}  note: {v.format(dash + '  ')}\n" for i, v in enumerate(values))
     before = f"# first\nrepos:\n{entries}{rest}".replace("\n", newline)
-    after = with_hooks(before, LOCAL_HOOKS)
+    after = add_hooks(before, LOCAL_HOOKS)
     assert after is not None
     added = "".join(dash + line for line in LOCAL_HOOKS.splitlines(keepends=True)).replace("\n", newline)
     assert after.replace(added, "", 1) == before
@@ -215,4 +215,4 @@ def test_the_address_is_taken_from_what_pip_wrote_down(monkeypatch: pytest.Monke
         ("{", ("", "")),
     ):
         monkeypatch.setattr(importlib.metadata, "distribution", lambda _, text=text: Installed(text))
-        assert init.installed_from() == expected
+        assert init.find_install_origin() == expected

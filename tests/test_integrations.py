@@ -18,6 +18,8 @@ import yaml
 from conftest import REPOSITORY
 from services import accepts
 
+pytestmark = pytest.mark.slow
+
 INTEGRATIONS = REPOSITORY / "integrations"
 ACTION = REPOSITORY / "action.yml"
 GITLAB = INTEGRATIONS / "gitlab/urdfcheck.gitlab-ci.yml"

@@ -14,10 +14,11 @@ from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.model import Model
 from urdfcheck.model.inertials import inertia_diagnosis as diagnoses
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
-from urdfcheck.model.repairs.inertial_edits import build_inertial_repair, propose_from_geometry
+from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
+from urdfcheck.model.repairs.inertial_edits import build_inertial_repair
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.system.array_cache import Cache
+from urdfcheck.system.array_cache import ArrayCache
 
 DRAWN = geometry(CASTING)
 TRUE = uniform(DRAWN.solid)
@@ -39,14 +40,14 @@ def link(name: str, numbers: DeclaredInertial | None, drawn: str = MESH) -> str:
     return f'<link name="{name}">{"" if numbers is None else inertial(numbers)}{drawn}</link>'
 
 
-def model(folder: Path, text: str, cache: Cache | None = None) -> Model:
+def model(folder: Path, text: str, cache: ArrayCache | None = None) -> Model:
     folder.mkdir(exist_ok=True)
     if not (folder / "part.stl").exists():
         write_stl(folder / "part.stl", CASTING)
     path = folder / "robot.urdf"
     path.write_text(text)
     source = load_source(path, {}, PackageFinder(path))
-    return Model(source, source.root, cache=cache or Cache())
+    return Model(source, source.root, cache=cache or ArrayCache())
 
 
 # -- what is judged again -----------------------------------------------------------------------------------------------
@@ -67,7 +68,7 @@ def judged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], t
     def judge(text: str) -> tuple[dict[str, str | None], int]:
         nonlocal calls
         calls = 0
-        found = inertial_diagnoses(model(tmp_path, text, Cache(tmp_path / "cache")))
+        found = inertial_diagnoses(model(tmp_path, text, ArrayCache(tmp_path / "cache")))
         return {name: one.diagnosis.cause for name, one in found.items()}, calls
 
     return judge
@@ -85,7 +86,7 @@ def test_an_unchanged_robot_is_not_judged_again(judged: Judge) -> None:
 
 
 def test_a_verdict_that_was_kept_is_the_one_that_was_made(tmp_path: Path) -> None:
-    cache = Cache(tmp_path / "cache")
+    cache = ArrayCache(tmp_path / "cache")
     found = [inertial_diagnoses(model(tmp_path, robot(ARM, LEG), cache)) for _ in range(2)]
     for name, before in found[0].items():
         first, again = before.diagnosis, found[1][name].diagnosis
@@ -93,7 +94,7 @@ def test_a_verdict_that_was_kept_is_the_one_that_was_made(tmp_path: Path) -> Non
         assert first.mended is not None
         assert again.mended is not None
         assert again.mended.inertia.tolist() == first.mended.inertia.tolist()
-        for part in ("cause", "detail", "tensor_mismatch", "margin", "unique", "ruled_out", "by", "decided"):
+        for part in ("cause", "detail", "tensor_mismatch", "margin", "unique", "ruled_out", "judged_by", "at_fault"):
             assert getattr(again, part) == getattr(first, part)
 
 
@@ -133,7 +134,7 @@ def test_a_damaged_cache_is_harmless(judged: Judge, tmp_path: Path, damage: byte
     (entry,) = (tmp_path / "cache" / "diagnosis").rglob("*.npz")
     if damage is None:
         for content in (b"[]", b"{}", b'{"whole": 1}', b"\xff", b'{"whole": "", "links": 3, "verdicts": []}'):
-            parts = Cache(tmp_path / "cache").entry("diagnosis", "".join(entry.parent.parts[-2:]))
+            parts = ArrayCache(tmp_path / "cache").entry("diagnosis", "".join(entry.parent.parts[-2:]))
             parts["links"] = {"text": np.frombuffer(content, dtype=np.uint8)}
             assert judged(robot(ARM)) == (first, calls)
     else:

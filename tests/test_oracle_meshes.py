@@ -18,7 +18,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from urdfcheck.facts.mesh.measure import MeshError, MeshFacts, measure_mesh
+from urdfcheck.facts.mesh.decode_limits import MeshError
+from urdfcheck.facts.mesh.measure import MeshFacts, measure_mesh
 
 KINDS = ("stl", "dae", "obj", "ply", "off", "glb", "gltf")
 # Decimals of the largest coordinate: double noise, residue of zero, float32 noise, and what transforms make of it.

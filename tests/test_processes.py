@@ -32,11 +32,6 @@ def many_models(folder: Path) -> Path:
     return folder
 
 
-def interruptible() -> None:
-    """In a new process: a shell that starts the tests in the background has them, and all that they start, ignore SIGINT."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
 def ended(group: int) -> bool:
     """Whether no process of a group is left, at the latest after five seconds."""
     for _ in range(50):
@@ -64,7 +59,6 @@ def test_an_interrupted_run_leaves_neither_words_nor_files_nor_processes(
         text=True,
         env={**os.environ, "TMPDIR": str(temporary)},
         start_new_session=True,
-        preexec_fn=interruptible,
     )
     time.sleep(0.4 + after)  # Python itself cannot be interrupted quietly before it is there
     os.killpg(process.pid, signum)

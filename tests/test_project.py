@@ -11,7 +11,7 @@ import pytest
 from conftest import REPOSITORY
 
 from urdfcheck import __version__, cli
-from urdfcheck.cli.commands.check import parser
+from urdfcheck.cli.commands.check import build_parser
 
 
 @pytest.mark.parametrize(
@@ -45,6 +45,16 @@ def test_rules_index_is_current() -> None:
     assert current, "rules/README.md is stale: make reports"
 
 
+def test_the_page_about_the_model_is_current() -> None:
+    sys.path.insert(0, str(REPOSITORY / "tools"))
+    try:
+        import make_model_page
+    finally:
+        sys.path.pop(0)
+    current = make_model_page.PAGE.read_text(encoding="utf-8") == make_model_page.render_page()
+    assert current, f"{make_model_page.PAGE.name} is stale: make reports"
+
+
 def test_the_rules_index_lists_every_page_once() -> None:
     """Does not ask the generator of the index: what it forgets is missing here."""
     index = (REPOSITORY / "rules" / "README.md").read_text(encoding="utf-8")
@@ -60,7 +70,7 @@ def _family_order(page: str) -> tuple[int, str]:
 
 def test_readme_names_every_option_and_exit_code() -> None:
     readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
-    options = {s for action in parser()._actions for s in action.option_strings if s.startswith("--")}
+    options = {s for action in build_parser()._actions for s in action.option_strings if s.startswith("--")}
     missing = {o for o in options - {"--help", "--version"} if o not in readme}
     assert not missing
     for code in (cli.OK, cli.FINDINGS, cli.FAILED, cli.NOTHING):

@@ -13,7 +13,7 @@ from conftest import check
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Rule, Run
 from urdfcheck.output.json import render
-from urdfcheck.run.findings_cache import applies
+from urdfcheck.run.findings_cache import is_cacheable
 
 ROBOT = """<robot name="r">
   <link name="part">
@@ -50,7 +50,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
         return asking
 
-    monkeypatch.setattr(catalogue, "load_check", check_of)
+    monkeypatch.setattr("urdfcheck.run.audit.load_check", check_of)
     return asked
 
 
@@ -66,7 +66,7 @@ def test_the_second_run_finds_the_same_without_looking(robot: Path, calls: list[
     calls.clear()
     second = outcome(robot)
     assert json.loads(render(second)) == json.loads(render(first))
-    assert not {code for code in calls if applies(catalogue.load_rules()[code])}
+    assert not {code for code in calls if is_cacheable(catalogue.load_rules()[code])}
     assert "INR003" in calls  # rules that read the source alone are quicker than what is kept
 
 

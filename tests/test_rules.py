@@ -77,7 +77,7 @@ def findings_of(case: Case, folder: Path) -> list[Finding]:
     # A single file is named by the user; a tree of files is found in its folder.
     target = folder if len(case.files) > 1 else folder / case.files[0][0]
     # A tree may hold its own urdfcheck.toml.
-    targets = config.find(folder).target
+    targets = config.find_config(folder).target
     rule = catalogue.load_rules()[case.rule]
     simulated = "simulator" in rule.needs
     if simulated:

@@ -17,7 +17,7 @@ import pytest
 from urdfcheck.core import Severity, Span
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.system import sandbox
-from urdfcheck.system.process_pool import Died, Overdue, in_workers
+from urdfcheck.system.process_pool import WorkerDiedError, WorkerTimeoutError, map_in_processes
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="forks, signals and limits are those of POSIX")
 
@@ -34,14 +34,14 @@ def landlock() -> bool:
 
 
 def in_worker(function: Callable[..., object], *arguments: object) -> object:
-    ((_, result),) = in_workers(function, [arguments], 1)
+    ((_, result),) = map_in_processes(function, [arguments], 1)
     return result
 
 
 def attempt(what: str, confined: bool, kernel: bool, inside: str, outside: str, writable: str) -> str:
     """What comes of one deed in a confined process."""
     if not kernel:
-        sandbox._restrict_files = lambda readable, writable: False  # as on a platform that has no Landlock
+        sandbox._restrict_by_landlock = lambda readable, writable: False  # as on a platform that has no Landlock
     if confined:
         sandbox.confine([inside], [writable], 4096)
     deeds: dict[str, Callable[[], object]] = {
@@ -148,7 +148,7 @@ def endless(seconds: float, catches: int) -> str:
     caught = 0
     while True:
         try:
-            with sandbox.deadline(seconds):
+            with sandbox.enforce_deadline(seconds):
                 while True:
                     try:
                         time.sleep(0.01)
@@ -171,8 +171,8 @@ def deaf(seconds: float) -> str:
 
 def test_what_hears_nothing_is_killed_and_the_rest_goes_on() -> None:
     jobs = [(300.0,), (0.0,), (0.01,)]
-    results = dict(in_workers(deaf, jobs, 2, longest=4.0))
-    assert isinstance(results[0], Overdue)
+    results = dict(map_in_processes(deaf, jobs, 2, timeout=4.0))
+    assert isinstance(results[0], WorkerTimeoutError)
     assert (results[1], results[2]) == ("ended", "ended")
 
 
@@ -185,10 +185,10 @@ def aborts(fate: str) -> str:
 
 
 def test_a_worker_that_dies_is_told_from_its_job_and_the_rest_goes_on() -> None:
-    results = dict(in_workers(aborts, [("signal",), ("one",), ("exit",), ("two",)], 1))
+    results = dict(map_in_processes(aborts, [("signal",), ("one",), ("exit",), ("two",)], 1))
     assert (results[1], results[3]) == ("one", "two")
     assert [results[i].exit_code for i in (0, 2)] == [-signal.SIGUSR1, 3]
-    assert not any(isinstance(results[i], Overdue) for i in (0, 2))
+    assert not any(isinstance(results[i], WorkerTimeoutError) for i in (0, 2))
 
 
 class Planted:
@@ -208,7 +208,7 @@ def answer(function: object) -> object:
 @pytest.mark.parametrize("function", [os.system, eval, subprocess.check_output], ids=lambda f: f.__name__)
 def test_an_answer_is_data_and_nothing_that_runs(function: object) -> None:
     result = in_worker(answer, function)
-    assert isinstance(result, Died)
+    assert isinstance(result, WorkerDiedError)
     assert not Path("/tmp/urdfcheck-was-here").exists()
 
 
@@ -262,7 +262,7 @@ def planted(kind: str, folder: str) -> object:
 
 @pytest.mark.parametrize("kind", ["ours", "numpy", "array", "code", "method", "class"])
 def test_an_answer_is_of_no_class_that_does_something(kind: str, tmp_path: Path) -> None:
-    assert isinstance(in_worker(planted, kind, str(tmp_path / "made")), Died)
+    assert isinstance(in_worker(planted, kind, str(tmp_path / "made")), WorkerDiedError)
     assert not (tmp_path / "made").exists()
 
 
@@ -286,8 +286,8 @@ def test_every_report_is_data(tmp_path: Path) -> None:
 
     from conftest import FIXTURES, check
 
-    from urdfcheck.system.process_pool import _Answer
+    from urdfcheck.system.process_pool import _PlainUnpickler
 
     run = check(FIXTURES / "car-3", scene=True)
-    back = _Answer(io.BytesIO(pickle.dumps((run.findings, run.models, run.scenes, run.skipped)))).load()
+    back = _PlainUnpickler(io.BytesIO(pickle.dumps((run.findings, run.models, run.scenes, run.skipped)))).load()
     assert back == (run.findings, run.models, run.scenes, run.skipped)

@@ -14,8 +14,8 @@ from urdfcheck.core import Run
 from urdfcheck.core.scene import Scene
 from urdfcheck.facts.mesh.codec import PackedMesh, unpack_mesh
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
-from urdfcheck.output.html.model import collect_report_parts
-from urdfcheck.output.html.stage import build_stage_data
+from urdfcheck.output.html.report_parts import collect_report_parts
+from urdfcheck.output.html.viewer.scene_data import build_scene_data
 
 ARM = """<robot name="arm">
   <material name="blue"><color rgba="0 0 1 1"/></material>
@@ -51,7 +51,7 @@ def car() -> Run:
 
 
 def data_of(run: Run) -> tuple[dict, bytes]:
-    return build_stage_data(
+    return build_scene_data(
         [(p.id, p.title, p.scene, p.cards) for p in collect_report_parts(run) if p.scene is not None]
     )
 

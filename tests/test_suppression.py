@@ -158,7 +158,7 @@ def test_comments_of_yaml_and_python_cover_their_line_or_the_next(tmp_path: Path
 def test_isolated_runs_heed_no_comment(tmp_path: Path) -> None:
     """A gate for strangers: the comment is a stranger's as well."""
     path = robot(tmp_path, before="<!-- urdfcheck: ignore[JNT005] trust me -->")
-    (found,) = of(check(path, comments=False), "JNT005")
+    (found,) = of(check(path, heed_comments=False), "JNT005")
     assert found.suppressed is None
 
 

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from urdfcheck.core import Run
-from urdfcheck.policy.config import Configurations
+from urdfcheck.policy.config import ConfigResolver
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.xacro.argument_values import (
     MOST_COMBINATIONS,
@@ -190,7 +190,7 @@ class TestFindings:
         (tmp_path / "urdfcheck.toml").write_text(
             '[[models]]\npath = "r.urdf.xacro"\narguments = { n = "l", a = "true" }\n'
         )
-        run = check(tmp_path, all_arguments=True, configured=Configurations())
+        run = check(tmp_path, all_arguments=True, config_resolver=ConfigResolver())
         assert [(dict(m.args), m.status) for m in run.models] == [
             ({"a": "false", "n": "l"}, "checked"),
             ({"a": "true", "n": "l"}, "checked"),
@@ -220,13 +220,16 @@ class TestFindings:
         """Else a baseline would know it once, and the second would be new."""
         from urdfcheck import rules as catalogue
         from urdfcheck.core import Location
-        from urdfcheck.run.audit import Unit
-        from urdfcheck.run.variants import together
+        from urdfcheck.run.jobs import Unit
+        from urdfcheck.run.variants import merge_variants
 
         rule = catalogue.load_rules()["URC907"]
         finding = rule.finding("shadowed", at=Location("link[a]", None), library="x", path="y")
-        units = [Unit("model", "r.xacro", "r.xacro"), Unit("model", "r.xacro", "r.xacro a:=1", {"a": "1"})]
-        merged = together([replace(finding, model=unit.id) for unit in units for _ in range(2)], units)
+        units = [
+            Unit(kind="model", path="r.xacro", id="r.xacro"),
+            Unit(kind="model", path="r.xacro", id="r.xacro a:=1", arguments={"a": "1"}),
+        ]
+        merged = merge_variants([replace(finding, model=unit.id) for unit in units for _ in range(2)], units)
         assert [list(f.variants) for f in merged] == [["r.xacro", "r.xacro a:=1"]] * 2
 
     def test_definitions_that_differ_are_two(self, tmp_path: Path) -> None:

@@ -11,10 +11,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from conftest import command
+from conftest import command, make_request
 
 from urdfcheck import cli
 from urdfcheck.cli.commands import watch
+
+pytestmark = pytest.mark.slow
 
 SOUND = '<robot name="r"><link name="base"/></robot>'
 BROKEN = (
@@ -93,32 +95,32 @@ def test_each_save_is_checked_until_the_user_interrupts(tmp_path: Path) -> None:
 
 
 def test_only_reports_that_rest_on_files_that_changed_are_made_anew(tmp_path: Path) -> None:
-    from urdfcheck import rules as catalogue
-    from urdfcheck.run.audit import audit
-    from urdfcheck.run.pipeline import Request, audited
+    from urdfcheck.run.audit import audit_unit
+    from urdfcheck.run.pipeline import IN_THIS_PROCESS, Execution, run_audit
 
     for name in ("a", "b"):
         (tmp_path / f"{name}.urdf").write_text(SOUND)
-    request = Request((tmp_path,), tmp_path, frozenset(catalogue.load_rules()), tier="source")
-    before = audited(request, audit)
+    request = make_request(tmp_path, tier="source")
+    before = run_audit(request, IN_THIS_PROCESS)
     (tmp_path / "a.urdf").write_text(BROKEN)
-    kept = watch._still_true(before, request)
+    kept = watch._keep_valid_reports(before, request)
     assert kept is not None
     checked: list[str] = []
-    audited(request, lambda unit, settings: checked.append(unit.id) or audit(unit, settings), before=kept)
+    execution = Execution(audit=lambda unit, settings: checked.append(unit.id) or audit_unit(unit, settings))
+    run_audit(request, execution, previous=kept)
     assert checked == ["a.urdf"]
 
 
 def test_a_report_that_is_written_among_the_models_is_no_change(tmp_path: Path) -> None:
     model, report = tmp_path / "r.urdf", tmp_path / "r.json"
     model.write_text(SOUND)
-    seen = watch._stamps([str(model), str(tmp_path), str(report)])
+    seen = watch._read_stamps([str(model), str(tmp_path), str(report)])
     report.write_text("{}")
     os.utime(tmp_path, (1, 1))
-    known = watch._without(seen, [report])
-    assert not watch._differing(known, watch._stamps(known))
+    known = watch._exclude_written(seen, [report])
+    assert not watch._list_differing(known, watch._read_stamps(known))
     model.write_text(BROKEN)
-    assert watch._differing(known, watch._stamps(known)) == [str(model)]
+    assert watch._list_differing(known, watch._read_stamps(known)) == [str(model)]
 
 
 def test_there_must_be_something_to_watch(tmp_path: Path) -> None:

@@ -34,6 +34,7 @@ _KEYS = {
     "hidden_by",
     "concerns",
     "layers",
+    "depends_on_targets",
     "fix",
     "options",
     "messages",
@@ -115,6 +116,7 @@ def load_page(path: Path) -> Rule:
             tags=tuple(meta["tags"]),
             hidden_by=tuple(meta.get("hidden_by", ())),
             concerns=tuple(meta.get("concerns", ())),
+            depends_on_targets=bool(meta.get("depends_on_targets", False)),
             fix=Applicability(meta.get("fix", "display")),
             options={
                 key: RuleOption(key, o["default"], o["unit"], o["doc"]) for key, o in meta.get("options", {}).items()

@@ -22,8 +22,9 @@ from pathlib import Path
 import urdfcheck
 from urdfcheck import rules as catalogue
 from urdfcheck.core import NEWLINE, Finding, Run, Severity
-from urdfcheck.run.audit import audit
-from urdfcheck.run.pipeline import Request, run
+from urdfcheck.policy.policy import Policy
+from urdfcheck.run.jobs import PackageFolders, Request
+from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 
 LABELS = Path(__file__).parent / "labels.tsv"
 FAMILIES = ("INR", "SYM")
@@ -96,9 +97,13 @@ def claims(corpus: Path) -> Iterator[Claim]:
     for entry in json.loads((corpus / "corpus.json").read_text(encoding="utf-8")):
         packages = tuple(corpus / root for root in entry["package_roots"])
         request = Request(
-            (corpus / entry["entry"],), corpus, codes, arguments=entry["xacro_args"], package_paths=packages
+            paths=(corpus / entry["entry"],),
+            root=corpus,
+            policy=Policy(codes=codes),
+            packages=PackageFolders(search_path=packages),
+            arguments=entry["xacro_args"],
         )
-        outcome = run(request, audit=audit)
+        outcome = run(request, IN_THIS_PROCESS)
         for finding in outcome.findings:
             if finding.code in judged and finding.severity >= Severity.WARNING:
                 yield Claim(entry["id"], finding, _lines(outcome, finding))

@@ -22,10 +22,10 @@ from urdfcheck import rules as catalogue
 from urdfcheck.core import Rule
 from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.model import Model
-from urdfcheck.run.findings_cache import Recall, applies
+from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.system.array_cache import Cache
+from urdfcheck.system.array_cache import ArrayCache
 
 LIMIT = 2e-3
 _CODES = ("INR", "SYM", "JNT013", "JNT014", "JNT015", "JNT016", "DYN004")
@@ -101,19 +101,19 @@ def _turn(robot: Robot, folder: Path, rules: list[Rule]) -> tuple[float, float]:
     def model() -> Model:
         source = load_source(path, {}, PackageFinder(folder, {}, []), explicit=True)
         assert source.root is not None
-        made = Model(source, source.root, cache=Cache(folder / "kept"))
+        made = Model(source, source.root, cache=ArrayCache(folder / "kept"))
         for facts in made.meshes.facts.values():
             _ = facts.hull, facts.components, facts.vertices
         return made
 
     def ask(about: Model) -> float:
         began = time.perf_counter()
-        recall = Recall(about)
+        recall = FindingsCache(about)
         for rule in rules:
             options = {name: option.default for name, option in rule.options.items()}
             find = partial(catalogue.load_check(rule), about, rule, **options)
-            _ = recall.findings(rule, options, find) if applies(rule) else list(find())
-        recall.keep()
+            _ = recall.recall_findings(rule, options, find) if is_cacheable(rule) else list(find())
+        recall.save()
         return time.perf_counter() - began
 
     cold, warm = ask(model()), ask(model())

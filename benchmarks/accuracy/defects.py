@@ -18,9 +18,10 @@ from scoring import LEAST_EFFECT, effect
 
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
-from urdfcheck.run.audit import audit
-from urdfcheck.run.pipeline import Request, run
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.policy.policy import Policy
+from urdfcheck.run.jobs import Request
+from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 
 # The rules that a defect of a frame, of an inertial or of limits may be told by: one defect is one finding.
 _FRAME = frozenset({"SYM001", "SYM002", "SYM004"})
@@ -107,7 +108,7 @@ def _findings(robot: Robot, root: ET.Element) -> list[Finding]:
         urdf = folder / "robot.urdf"
         ET.ElementTree(root).write(urdf)
         codes = frozenset(c for c in catalogue.load_rules() if c.startswith(("INR", "SYM", "MSH")))
-        found = run(Request((urdf,), folder, codes), audit=audit)
+        found = run(Request(paths=(urdf,), root=folder, policy=Policy(codes=codes)), IN_THIS_PROCESS)
     return [f for f in found.findings if f.code in _ALL]
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from parts import Part
 
-from urdfcheck.facts.inertials.diagnosis import VisualGeometry
+from urdfcheck.facts.inertials.declared_and_drawn import VisualGeometry
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.load import load_source

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from parts import Part
 from trimesh import Trimesh
 
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 
 Array = NDArray[np.float64]
 Rng = np.random.Generator
@@ -522,7 +522,7 @@ def _kind(make: Mistake, *names: str, **flags: bool) -> Kind:
     return Kind(make, frozenset(names or (make.__name__,)), **flags)
 
 
-# The one place where mistakes meet the names that urdfcheck has for them (`urdfcheck.facts.inertials.diagnosis.HYPOTHESES`).
+# The one place where mistakes meet the names that urdfcheck has for them (`urdfcheck.facts.inertials.mistakes.HYPOTHESES`).
 KINDS = (
     _kind(inertia_unit, "inertia_unit", "units"),  # one of several units that fit is none that is certain
     _kind(mass_unit),

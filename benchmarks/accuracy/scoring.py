@@ -10,7 +10,8 @@ from geometry import drawn
 from injections import KINDS, Array, Body, Case, Kind, declared, digits, truth
 from parts import SPLITS, Part, part
 
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial, Diagnosis, VisualGeometry, diagnose_inertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
+from urdfcheck.facts.inertials.diagnosis import Diagnosis, diagnose_inertial
 
 # How the diagnosis is asked: of parts of uniform density; with part of the mass in lumps; the same with the true numbers of
 # an equal part beside it; and of a true part when it is that equal part's numbers that are wrong.
@@ -103,7 +104,7 @@ def _outcomes(
 def _outcome(name: str, kind: Kind | None, mode: str, part_name: str, found: Diagnosis, true: Body) -> Outcome:
     strict = found.cause is not None and kind is not None and found.cause in kind.names
     mended = found.mended is not None and agrees(found.mended, true)
-    accused = not found.sound and found.decided
+    accused = not found.sound and found.at_fault
     misled = strict and not mended and found.mended is not None and kind is not None and not kind.lossy
     return Outcome(name, mode, part_name, found.cause, found.detail, strict, mended, misled, found.sound, accused)
 

@@ -1,4 +1,4 @@
-// What the report hands over in <script id="uc-data">: written by urdfcheck/output/html/stage.py.
+// What the report hands over in <script id="uc-data">: written by urdfcheck/output/html/viewer/scene_data.py.
 // Lengths in metres, angles in radians, 4x4 transforms row-major.
 
 export type Severity = "error" | "warning" | "info" | "";

@@ -12,12 +12,14 @@ from conftest import FIXTURES, check_text
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.model import Model, Shape
-from urdfcheck.model.motion import collisions, poses
-from urdfcheck.model.motion.collisions import CollisionPair, SelfCollisions, find_joint_collisions, self_collisions
+from urdfcheck.model.motion import poses
+from urdfcheck.model.motion.collisions import setup as collision_setup
+from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, SelfCollisions, self_collisions
+from urdfcheck.model.motion.collisions.single_joint import find_joint_collisions
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.system.array_cache import Cache
+from urdfcheck.system.array_cache import ArrayCache
 
 coal = pytest.importorskip("coal")
 
@@ -47,17 +49,17 @@ def robot(*parts: str) -> str:
     return f'<robot name="r">{"".join(parts)}</robot>'
 
 
-def model_of(folder: Path, text: str, cache: Cache | None = None, samples: int = 200) -> Model:
+def model_of(folder: Path, text: str, cache: ArrayCache | None = None, samples: int = 200) -> Model:
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "robot.urdf"
     path.write_text(text)
     return model_at(path, cache, samples)
 
 
-def model_at(path: Path, cache: Cache | None = None, samples: int = 200) -> Model:
+def model_at(path: Path, cache: ArrayCache | None = None, samples: int = 200) -> Model:
     source = load_source(path, {}, PackageFinder(path), explicit=True, xacro=False)
     assert source.root is not None
-    return Model(source, source.root, "full", cache or Cache(), samples)
+    return Model(source, source.root, "full", cache or ArrayCache(), samples)
 
 
 def pair(found: SelfCollisions, one: str, other: str) -> CollisionPair:
@@ -461,7 +463,7 @@ def test_a_slide_without_end_proves_nothing(tmp_path: Path) -> None:
 
 def test_what_is_not_asked_for_is_not_computed(tmp_path: Path) -> None:
     """An audit without a semantic description looks at what overlaps at rest, and not at other pairs in many poses."""
-    cache = Cache(tmp_path / "cache")
+    cache = ArrayCache(tmp_path / "cache")
     found = self_collisions(model_of(tmp_path, arm(), cache))
     assert set(found.cache_entry) == {"rest"}
     assert [p.hit_count for p in found.pairs if p.relation == "far"]
@@ -495,11 +497,11 @@ def test_each_joint_runs_into_what_a_search_without_bounds_finds(tmp_path: Path)
 
 
 def test_a_second_run_gives_the_same_and_computes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    cache, text = Cache(tmp_path / "cache"), arm()
+    cache, text = ArrayCache(tmp_path / "cache"), arm()
     first = model_of(tmp_path, text, cache)
     expected, reached = self_collisions(first), find_joint_collisions(first)
     assert [vars_of(p) for p in self_collisions(model_of(tmp_path, text)).pairs] == [vars_of(p) for p in expected.pairs]
-    monkeypatch.setattr(collisions, "Colliders", None)
+    monkeypatch.setattr(collision_setup, "Colliders", None)
     again = model_of(tmp_path, text, cache)
     assert [vars_of(p) for p in self_collisions(again).pairs] == [vars_of(p) for p in expected.pairs]
     assert [(r.value, r.links) for r in find_joint_collisions(again)] == [(r.value, r.links) for r in reached]

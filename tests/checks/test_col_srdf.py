@@ -250,6 +250,6 @@ def test_a_default_state_that_is_not_the_neutral_pose_is_looked_at(tmp_path: Pat
 def test_a_group_moves_what_hangs_on_its_joints(tmp_path: Path, group: str, moved: set[str]) -> None:
     robot = model(tmp_path, arm(more=CAMERA))
     (tmp_path / "arm.srdf").write_text(f'<robot name="arm"><group name="g">{group}</group></robot>')
-    srdf = load_srdf(tmp_path / "arm.srdf", {}, robot.source.finder, "arm")
+    srdf = load_srdf(tmp_path / "arm.srdf", {}, robot.source.finder, robot="arm")
     assert srdf is not None
     assert find_moved_links(robot, srdf) == moved

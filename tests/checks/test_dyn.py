@@ -17,7 +17,7 @@ from urdfcheck.model.motion.joint_loads import find_overloads, find_supported_jo
 from urdfcheck.model.motion.poses import sample_configurations
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.system.array_cache import Cache
+from urdfcheck.system.array_cache import ArrayCache
 
 pytest.importorskip("pinocchio")
 G = 9.81
@@ -362,7 +362,7 @@ def test_a_base_that_floats_is_held_and_counts_as_inertia(tmp_path: Path, kind: 
 
 
 def test_results_are_kept_until_the_model_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    cache = Cache(tmp_path / "cache")
+    cache = ArrayCache(tmp_path / "cache")
     first = replace(model_of(tmp_path, arm(5)), cache=cache)
     before = find_overloads(first), summarize_mass_matrix(first)
     again = replace(model_of(tmp_path, arm(5)), cache=cache)

@@ -10,7 +10,7 @@ from castings import Block, edited, geometry, inertial, pieces, triangles, unifo
 from conftest import check_text
 
 from urdfcheck.core import Finding
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids
 
 CODES = {"INR003", "INR004", "INR005", "INR006", "INR007", "INR008", "INR009", "INR010", "MSH008"}

@@ -9,7 +9,7 @@ from conftest import check, check_text
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.model import Model
-from urdfcheck.model.inertials.fixed_joint_lumping import reduce_fixed_joints
+from urdfcheck.model.fixed_joint_lumping import reduce_fixed_joints
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 

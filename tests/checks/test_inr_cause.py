@@ -26,7 +26,8 @@ from conftest import check_text
 
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts.inertials.diagnosis import HYPOTHESES, DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.mistakes import HYPOTHESES
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 CODES = {"INR003", "INR004", "INR007", "INR008", "INR009", "MSH008"}

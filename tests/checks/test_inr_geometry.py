@@ -17,7 +17,8 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make
 from urdfcheck.facts.mesh.measure import compute_convex_hull
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
 from urdfcheck.model import Model
-from urdfcheck.model.shapes.visual_solid import collect_rigid_corners, measure_link_geometry
+from urdfcheck.model.shapes.corners import collect_rigid_corners
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 

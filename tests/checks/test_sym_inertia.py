@@ -15,7 +15,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.likeness.identical_parts import estimate_from_copies, part_copies
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.system.array_cache import Cache
+from urdfcheck.system.array_cache import ArrayCache
 
 MASS = 0.4321
 # A part without any symmetry: corners of a tetrahedron in m.
@@ -267,7 +267,7 @@ def test_a_twin_is_what_the_copies_agree_on_in_the_links_own_frame(tmp_path: Pat
     path.write_text(robot(*FOUR, rr=odd), encoding="utf-8")
     source = load_source(path, {}, PackageFinder(tmp_path))
     assert source.root is not None
-    model = Model(source, source.root, "full", Cache())
+    model = Model(source, source.root, "full", ArrayCache())
     ((group),) = part_copies(model)
     assert [copy.link.name for copy in group] == ["fl_part", "rl_part", "rr_part", "fr_part"]
     wanted = estimate_from_copies(model)["rr_part"].expected

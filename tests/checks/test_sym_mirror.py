@@ -22,7 +22,8 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 from urdfcheck.model import Model
-from urdfcheck.model.likeness.mirror_pairs import MirrorPair, estimate_from_twin, mirror_pairs, read_declared_inertial
+from urdfcheck.model.likeness.declared_inertials import estimate_from_twin, read_declared_inertial
+from urdfcheck.model.likeness.mirror_pairs import MirrorPair, mirror_pairs
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 

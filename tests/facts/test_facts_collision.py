@@ -9,21 +9,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from urdfcheck.facts.motion.collision import (
+from urdfcheck.facts.motion.collision import Colliders, Separation, list_all_pairs
+from urdfcheck.facts.motion.collision_geometry import (
     ROUNDING,
-    Colliders,
     CollisionGeometry,
     PlacedGeometry,
-    Separation,
-    compute_least_distance,
-    compute_swept_spheres,
     detect_box_overlap,
     find_piercing_edges,
     is_convex,
-    list_all_pairs,
     sample_sphere_directions,
 )
 from urdfcheck.facts.motion.kinematics import build_origin_transform, compute_joint_motions
+from urdfcheck.facts.motion.swept_spheres import compute_least_distance, compute_swept_spheres
 
 pytest.importorskip("coal")
 
@@ -39,12 +36,12 @@ FACES = np.array(
 
 
 def box(*size: float) -> CollisionGeometry:
-    return CollisionGeometry("box", size)
+    return CollisionGeometry(kind="box", size=size)
 
 
 def mesh(*size: float, closed: bool = True) -> CollisionGeometry:
     """A box of triangles: convex, or a surface where it is not said to be closed."""
-    return CollisionGeometry("mesh", (), CORNERS * size, FACES, closed)
+    return CollisionGeometry(kind="mesh", vertices=CORNERS * size, faces=FACES, closed=closed)
 
 
 def at(*xyz: float, rpy: tuple[float, float, float] = (0, 0, 0)) -> Array:
@@ -92,7 +89,7 @@ def test_moving_by_the_depth_along_the_normal_frees(kinds: tuple[str, str]) -> N
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
 def test_size_does_not_decide(scale: float) -> None:
     for gap, expected in ((-0.001, True), (0.0, False)):
-        cubes = [CollisionGeometry("mesh", (), CORNERS * 0.1 * scale, FACES, False) for _ in range(2)]
+        cubes = [CollisionGeometry(kind="mesh", vertices=CORNERS * 0.1 * scale, faces=FACES) for _ in range(2)]
         found = separation(cubes[0], cubes[1], at(0, 0, (0.1 + gap) * scale))
         assert (found is not None and found.depth > 0.0) == expected
 
@@ -109,7 +106,7 @@ def test_a_peg_in_a_hole_comes_out_along_the_hole() -> None:
     plates = [(0.02, 0.1, 0.2), (0.02, 0.1, 0.2), (0.14, 0.1, 0.02)]
     places = [(-0.06, 0, 0), (0.06, 0, 0), (0, 0, -0.11)]
     corners = np.concatenate([CORNERS * size + place for size, place in zip(plates, places, strict=True)])
-    fork = CollisionGeometry("mesh", (), corners, np.concatenate([FACES + 8 * i for i in range(3)]), False)
+    fork = CollisionGeometry(kind="mesh", vertices=corners, faces=np.concatenate([FACES + 8 * i for i in range(3)]))
     found = separation(fork, mesh(0.101, 0.3, 0.1, closed=False), at(0, 0, 0.1))
     assert found is not None
     assert found.depth == pytest.approx(0.05, rel=0.1)
@@ -118,9 +115,9 @@ def test_a_peg_in_a_hole_comes_out_along_the_hole() -> None:
 
 SHAPES = (
     box(0.2, 0.1, 0.05),
-    CollisionGeometry("sphere", (0.08,)),
-    CollisionGeometry("cylinder", (0.05, 0.2)),
-    CollisionGeometry("capsule", (0.04, 0.15)),
+    CollisionGeometry(kind="sphere", size=(0.08,)),
+    CollisionGeometry(kind="cylinder", size=(0.05, 0.2)),
+    CollisionGeometry(kind="capsule", size=(0.04, 0.15)),
     mesh(0.1, 0.2, 0.1),
     mesh(0.1, 0.2, 0.1, closed=False),
 )
@@ -186,7 +183,7 @@ def test_a_small_shape_deep_in_a_large_one_meets_it(large: CollisionGeometry) ->
 
 @pytest.mark.parametrize("flat", [(1, 1, 0), (1, 0, 0), (0, 0, 0)])
 def test_a_sheet_has_no_inside(flat: tuple[int, int, int]) -> None:
-    found = separation(mesh(*flat), CollisionGeometry("sphere", (0.1,)), at(0, 0, 0.05))
+    found = separation(mesh(*flat), CollisionGeometry(kind="sphere", size=(0.1,)), at(0, 0, 0.05))
     assert found is not None
     assert found.depth <= 0.1
     assert np.isfinite([*found.normal, *found.point]).all()
@@ -200,7 +197,9 @@ def test_boxes_that_overlap_are_never_rejected() -> None:
     inside = rng.uniform(-1, 1, size=(300, 400, 3))
     points = apart[:, None] + (inside * half[:, None, 1]) @ np.swapaxes(turns[:, 1], 1, 2)
     shared = (np.abs(points @ turns[:, 0]) <= half[:, None, 0]).all(axis=2).any(axis=1)
-    found = detect_box_overlap(turns[:, 0], half[:, 0], turns[:, 1], half[:, 1], apart)
+    found = detect_box_overlap(
+        turn_a=turns[:, 0], half_a=half[:, 0], turn_b=turns[:, 1], half_b=half[:, 1], centre_offsets=apart
+    )
     assert found[shared].all()
     assert 0.1 < shared.mean() < found.mean() < 0.9
 
@@ -221,7 +220,7 @@ def test_a_swept_sphere_contains_the_sphere_wherever_the_joint_is(rotates: bool,
     rng = np.random.default_rng(3)
     axis = np.array((1.0, 2.0, -1.0)) / math.sqrt(6)
     centres, radii = rng.normal(size=(20, 3)), rng.uniform(0.1, 1, size=20)
-    around, reach = compute_swept_spheres(centres, radii, axis, *limits, rotates=rotates)
+    around, reach = compute_swept_spheres(centres, radii, axis, lower=limits[0], upper=limits[1], rotates=rotates)
     for moved in compute_joint_motions(axis, np.linspace(*limits, 30), rotates=rotates):
         there = centres @ moved[:3, :3].T + moved[:3, 3]
         assert (np.linalg.norm(there - around, axis=1) + radii <= reach + 1e-12).all()
@@ -243,7 +242,7 @@ def test_no_place_of_a_joint_brings_points_nearer_than_the_least_distance(
     rng = np.random.default_rng(5)
     axis = np.array((1.0, 2.0, -1.0)) / math.sqrt(6)
     moving, staying = rng.normal(size=(2, 50, 3))
-    found = compute_least_distance(moving, staying, axis, *limits, rotates=rotates)
+    found = compute_least_distance(moving, staying, axis, lower=limits[0], upper=limits[1], rotates=rotates)
     moved = compute_joint_motions(axis, np.linspace(*limits, 2000), rotates=rotates)
     there = np.einsum("qij,nj->qni", moved[:, :3, :3], moving) + moved[:, None, :3, 3]
     assert found == pytest.approx(np.linalg.norm(there - staying, axis=2).min(axis=0), abs=2e-3)

@@ -27,16 +27,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.inertials.diagnosis import (
-    EXACT,
-    HYPOTHESES,
-    DeclaredInertial,
-    Diagnosis,
-    VisualGeometry,
-    diagnose_inertial,
-    measure_inertial_mismatch,
-)
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
+from urdfcheck.facts.inertials.diagnosis import EXACT, Diagnosis, diagnose_inertial
 from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids, make_sphere_solid
+from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
+from urdfcheck.facts.inertials.mistakes import HYPOTHESES
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 DRAWN = geometry(CASTING)
@@ -87,8 +82,8 @@ def test_each_mistake_is_named_and_undone(cause: str, detail: str, mistake: Mist
     found = judged(mistake(TRUE, DRAWN))
     assert not found.sound
     assert found.cause == cause
-    assert found.decided
-    assert found.by == "mesh"
+    assert found.at_fault
+    assert found.judged_by == "mesh"
     assert found.margin > 5.0
     if cause != "other_mass":
         assert found.detail == detail
@@ -144,7 +139,7 @@ def test_lumps_of_mass_inside_the_part_are_no_mistake(
     lumps = [(heavy * share / sum(shares), lump_inside(CASTING, rng)) for share in shares]
     found = judged(with_lumps(CASTING, density * DRAWN.solid.volume, lumps))
     assert found.cause is None
-    assert found.possible
+    assert found.fits_geometry
 
 
 @pytest.mark.parametrize("factor", [0.2, 0.5, 3.0])
@@ -152,7 +147,7 @@ def test_any_tensor_of_a_ball_fits_a_ball_of_some_mass(factor: float) -> None:
     ball = make_sphere_solid(0.05)
     cube = (((0.1, 0.1, 0.1), (0.0, 0.0, 0.0)),)
     points = 0.05 * np.array([p / np.linalg.norm(p) for p in np.random.default_rng(1).normal(size=(60, 3))])
-    for drawn in (VisualGeometry(ball, True, points, ball, pieces=(ball,)), geometry(cube)):
+    for drawn in (VisualGeometry(solid=ball, closed=True, points=points, hull=ball, pieces=(ball,)), geometry(cube)):
         true = uniform(drawn.solid)
         found = judged(replace(true, tensor=true.tensor * factor), drawn)
         assert found.cause != "other_mass"
@@ -223,7 +218,7 @@ def test_a_twin_shows_what_a_lump_hides(cause: str, detail: str, mistake: Mistak
     assert not found.sound
     if cause not in {"steiner_missing", "one_piece", "shell", "bounding_box", "convex_hull"}:  # of even parts
         assert found.cause == cause
-        assert found.by == "twin" or cause == "mesh_scale"
+        assert found.judged_by == "twin" or cause == "mesh_scale"
 
 
 def test_an_equal_twin_changes_nothing() -> None:
@@ -236,7 +231,7 @@ def test_an_equal_twin_changes_nothing() -> None:
 @each_mistake
 def test_a_wrong_twin_does_not_accuse_the_right_one(cause: str, detail: str, mistake: Mistake) -> None:
     found = judged(TRUE, DRAWN, mistake(TRUE, DRAWN))
-    assert found.sound or not found.decided
+    assert found.sound or not found.at_fault
 
 
 def test_without_a_drawing_a_twin_accuses_only_when_it_is_trusted() -> None:
@@ -245,7 +240,7 @@ def test_without_a_drawing_a_twin_accuses_only_when_it_is_trusted() -> None:
     assert alone is not None
     assert trusted is not None
     assert alone.cause == trusted.cause == "products_sign"
-    assert (alone.decided, trusted.decided) == (False, True)
+    assert (alone.at_fault, trusted.at_fault) == (False, True)
 
 
 @pytest.mark.parametrize("factor", [-1.0, 0.0])
@@ -264,9 +259,11 @@ DRAWINGS = {
     "a film": geometry((((0.3, 0.2, 1e-6), (0.0, 0.0, 0.0)),)),
     "a grain": geometry((((1e-9,) * 3, (0.0, 0.0, 0.0)),)),
     "a planet": geometry((((1e7,) * 3, (0.0, 0.0, 0.0)),)),
-    "a point": VisualGeometry(NO_MASS, True, np.zeros((1, 3)), pieces=(NO_MASS, NO_MASS)),
+    "a point": VisualGeometry(solid=NO_MASS, closed=True, points=np.zeros((1, 3)), pieces=(NO_MASS, NO_MASS)),
     "a line": VisualGeometry(
-        Solid(1e-3, np.zeros(3), np.diag((1.0, 0.0, 0.0))), True, np.array(((-1.0, 0, 0), (1.0, 0, 0)))
+        solid=Solid(1e-3, np.zeros(3), np.diag((1.0, 0.0, 0.0))),
+        closed=True,
+        points=np.array(((-1.0, 0, 0), (1.0, 0, 0))),
     ),
 }
 
@@ -308,7 +305,10 @@ def test_a_part_of_thousands_of_pieces() -> None:
     rng = np.random.default_rng(1)
     blocks = tuple(zip(rng.uniform(0.001, 0.01, (4000, 3)), rng.uniform(0, (0.3, 0.2, 0.1), (4000, 3)), strict=True))
     drawn = VisualGeometry(
-        combine_solids(pieces(blocks)), True, np.array([place for _, place in blocks]), pieces=pieces(blocks)
+        solid=combine_solids(pieces(blocks)),
+        closed=True,
+        points=np.array([place for _, place in blocks]),
+        pieces=pieces(blocks),
     )
     true = uniform(drawn.solid)
     assert judged(BY_ID["steiner_missing"](true, drawn), drawn).cause == "steiner_missing"

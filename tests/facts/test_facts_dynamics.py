@@ -221,7 +221,9 @@ def climbed(
         q = dynamics.build_configurations(places, values)
         return dynamics.compute_gravity_torques(model, data, q)[:, places.velocity[place]]
 
-    return dynamics.find_largest_load(torque, np.array(start), ranges, np.eye(count), range(count))
+    return dynamics.find_largest_load(
+        torque, np.array(start), ranges=ranges, coupling=np.eye(count), joints=range(count)
+    )
 
 
 ARM = [

@@ -31,7 +31,8 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     transform_solid,
 )
 from urdfcheck.facts.mesh import decode_limits as mesh_limits
-from urdfcheck.facts.mesh.measure import MeshError, MeshFacts, compute_mesh_solid, measure_mesh
+from urdfcheck.facts.mesh.decode_limits import MeshError
+from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid, measure_mesh
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 BOX = trimesh.creation.box((1.0, 2.0, 3.0))

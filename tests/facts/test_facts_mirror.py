@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import (
     combine_solids,
     compute_solid_inertia,
@@ -78,7 +78,7 @@ def test_the_plane_of_most_pairs_is_found_beside_one_that_is_out_of_place() -> N
     ones = np.array([(0.1, 0.2, 0.3), (0.4, 0.1, 0.0), (-0.2, 0.3, 0.1)])
     others = ones * (1, -1, 1)
     others[2] += (0.0, 0.0, 0.05)
-    found = find_mirror_plane(ones, others, AXES, 1e-3)
+    found = find_mirror_plane(ones, others, AXES, tolerance=1e-3)
     assert found is not None
     plane, count = found
     assert_allclose(plane.normal, (0, 1, 0))
@@ -90,7 +90,7 @@ def test_what_hangs_on_a_displaced_joint_does_not_outvote_what_is_before_it() ->
     ones = np.random.default_rng(3).uniform(0.1, 1, (8, 3))
     others = ones * (1, -1, 1)
     others[2:] += (0.0, 0.0, 0.05)
-    found = find_mirror_plane(ones, others, AXES, 1e-3)
+    found = find_mirror_plane(ones, others, AXES, tolerance=1e-3)
     assert found is not None
     assert_allclose(found[0].normal, (0, 1, 0))
     assert found[1] == 2
@@ -100,7 +100,7 @@ def test_an_askew_plane_is_found_by_the_direction_of_the_differences() -> None:
     normal = rpy_to_matrix((0.1, 0.5, 0.7))[:, 1]
     askew = MirrorPlane(normal, 0.3)
     ones = np.random.default_rng(1).uniform(-1, 1, (6, 3))
-    found = find_mirror_plane(ones, askew.reflect_points(ones), AXES, 1e-6)
+    found = find_mirror_plane(ones, askew.reflect_points(ones), AXES, tolerance=1e-6)
     assert found is not None
     assert abs(found[0].normal @ normal) == pytest.approx(1.0)
     assert found[1] == 6
@@ -108,8 +108,8 @@ def test_an_askew_plane_is_found_by_the_direction_of_the_differences() -> None:
 
 def test_sides_that_are_not_mirrored_have_no_plane() -> None:
     ones = np.random.default_rng(2).uniform(-1, 1, (6, 3))
-    assert find_mirror_plane(ones, ones @ rpy_to_matrix((0.3, 0.8, 2.0)).T, AXES, 1e-3) is None
-    assert find_mirror_plane(ones, ones, AXES, 1e-3) is None
+    assert find_mirror_plane(ones, ones @ rpy_to_matrix((0.3, 0.8, 2.0)).T, AXES, tolerance=1e-3) is None
+    assert find_mirror_plane(ones, ones, AXES, tolerance=1e-3) is None
 
 
 # --- drawings --------------------------------------------------------------------------------------------------------
@@ -119,25 +119,25 @@ def test_sides_that_are_not_mirrored_have_no_plane() -> None:
 @settings(max_examples=25)
 def test_mirror_images_match_in_any_frames(a: float, b: float, c: float) -> None:
     linear, shift = rpy_to_matrix((a, b, c)) @ np.diag((1, -1, 1)), np.array((0.1, 0.2, -0.3))
-    assert measure_outline_mismatch(OUTLINE, moved(OUTLINE, linear, shift), linear, shift) == pytest.approx(
-        0.0, abs=1e-12
-    )
+    assert measure_outline_mismatch(
+        OUTLINE, moved(OUTLINE, linear, shift), linear=linear, shift=shift
+    ) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_part_is_not_its_own_mirror_image() -> None:
     for normal in np.eye(3):
         flip = np.eye(3) - 2 * np.outer(normal, normal)
-        assert measure_outline_mismatch(OUTLINE, OUTLINE, flip, np.zeros(3)) > 0.1
+        assert measure_outline_mismatch(OUTLINE, OUTLINE, linear=flip, shift=np.zeros(3)) > 0.1
 
 
 def test_parts_with_equal_moments_differ_by_what_sticks_out() -> None:
     spike = PartOutline(OUTLINE.centroid, OUTLINE.covariance, np.vstack((OUTLINE.points, (0.6, 0.0, 0.0))))
-    assert measure_outline_mismatch(OUTLINE, spike, np.eye(3), np.zeros(3)) > 1.0
+    assert measure_outline_mismatch(OUTLINE, spike, linear=np.eye(3), shift=np.zeros(3)) > 1.0
 
 
 def test_a_point_matches_nothing() -> None:
     point = PartOutline(np.zeros(3), np.zeros((3, 3)), np.zeros((1, 3)))
-    assert measure_outline_mismatch(OUTLINE, point, np.eye(3), np.zeros(3)) == math.inf
+    assert measure_outline_mismatch(OUTLINE, point, linear=np.eye(3), shift=np.zeros(3)) == math.inf
 
 
 # --- inertials -------------------------------------------------------------------------------------------------------

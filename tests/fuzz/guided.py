@@ -49,7 +49,8 @@ Target = tuple[Callable[[bytes], None], list[bytes]]
 
 
 def _mesh(name: str) -> Target:
-    from urdfcheck.facts.mesh.measure import MeshError, measure_mesh
+    from urdfcheck.facts.mesh.decode_limits import MeshError
+    from urdfcheck.facts.mesh.measure import measure_mesh
 
     def target(data: bytes) -> None:
         try:

@@ -26,15 +26,17 @@ from fuzz.cases import SECRET, Case
 from jsonschema import Draft202012Validator
 
 from urdfcheck import rules as catalogue
-from urdfcheck.cli import FINDINGS, NOTHING, OK, exit_code
+from urdfcheck.cli import FINDINGS, NOTHING, OK, compute_exit_code
 from urdfcheck.core import Run, Severity
 from urdfcheck.core.errors import ModelTimeout
-from urdfcheck.facts.mesh.decode import MeshError, decode_mesh
+from urdfcheck.facts.mesh.decode import decode_mesh
+from urdfcheck.facts.mesh.decode_limits import MeshError
 from urdfcheck.output import html, text
 from urdfcheck.output.json import render as render_json
 from urdfcheck.policy.limits import ResourceLimits
-from urdfcheck.run.audit import audit
-from urdfcheck.run.pipeline import Request, run
+from urdfcheck.policy.policy import Policy
+from urdfcheck.run.jobs import AuditOptions, Request
+from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 from urdfcheck.system import sandbox
 
 # An input is small: the slowest sound one takes a twentieth of this. In MiB what it may add to the process.
@@ -82,7 +84,7 @@ def judge(case: Case, folder: Path, *, everything: bool = False) -> Verdict:
     before = {str(p) for p in folder.rglob("*") if "robot/self" not in str(p)}
     peak = _peak()
     try:
-        with _watched() as events, _printed() as printed, sandbox.deadline(SECONDS):
+        with _watched() as events, _printed() as printed, sandbox.enforce_deadline(SECONDS):
             outcome = check(path, case.tier, scene=everything)
             problem = _wrong(outcome, everything=everything)
             if problem is None and everything:
@@ -107,22 +109,28 @@ def judge(case: Case, folder: Path, *, everything: bool = False) -> Verdict:
     if {str(p) for p in folder.rglob("*") if "robot/self" not in str(p)} != before:
         return Verdict("ran", "the folder has changed", "folder")
     if not any(f.severity is Severity.ERROR for f in outcome.findings) and outcome.units:
-        with _printed(), sandbox.deadline(SECONDS):
+        with _printed(), sandbox.enforce_deadline(SECONDS):
             refused = _refused(case, path, outcome)
         if refused is not None:
             return Verdict("silent", f"no finding, but {refused}", re.sub(r"\d+|'[^']*'|\"[^\"]*\"", "…", refused)[:80])
     if not outcome.units:
         return Verdict("nothing")
-    return Verdict("findings" if exit_code(outcome, "error") == FINDINGS else "clean")
+    return Verdict("findings" if compute_exit_code(outcome, "error") == FINDINGS else "clean")
 
 
 def check(path: Path, tier: str, *, scene: bool = False, cache: Path | None = None) -> Run:
     """The input as a run in this process."""
     root = path if path.is_dir() else path.parent
     codes, limits = frozenset(catalogue.load_rules()), ResourceLimits(seconds=SECONDS)
-    request = Request((path,), root, codes, tier=tier, scene=scene, pairs=scene, samples=20, limits=limits, cache=cache)
+    request = Request(
+        paths=(path,),
+        root=root,
+        policy=Policy(codes=codes, tier=tier),
+        options=AuditOptions(scene=scene, pairs=scene, samples=20, limits=limits),
+        cache=cache,
+    )
     with mock.patch.dict(os.environ, FUZZ_SECRET=SECRET):
-        return run(request, audit=audit)
+        return run(request, IN_THIS_PROCESS)
 
 
 # -- of every report -------------------------------------------------------------------------------------------------
@@ -137,8 +145,8 @@ def _wrong(outcome: Run, *, everything: bool) -> Verdict | None:
     stopped = [f for f in outcome.findings if f.code == "URC906" and f.message_id in {"time", "memory", "killed"}]
     if stopped:
         return Verdict(stopped[0].message_id, stopped[0].message, f"URC906 {stopped[0].message_id}")
-    if exit_code(outcome, "error") not in {OK, FINDINGS, NOTHING}:
-        return Verdict("exit", f"exit code {exit_code(outcome, 'error')}", "exit")
+    if compute_exit_code(outcome, "error") not in {OK, FINDINGS, NOTHING}:
+        return Verdict("exit", f"exit code {compute_exit_code(outcome, 'error')}", "exit")
     written = render_json(outcome)
     try:
         written.encode()

@@ -8,6 +8,8 @@ import pytest
 from fuzz.cases import Case
 from fuzz.oracle import judge
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("pinocchio")
 
 

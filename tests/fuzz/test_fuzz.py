@@ -21,6 +21,8 @@ from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding
 from urdfcheck.run import audit as worker
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("pinocchio")
 
 # What fails is known by its number: there is nothing to shrink.
@@ -94,14 +96,14 @@ def test_a_check_that_crashes_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
         raise LookupError("a defect of ours")
 
     real = catalogue.load_check
-    monkeypatch.setattr(catalogue, "load_check", lambda rule: crash if rule.code == "XML003" else real(rule))
+    monkeypatch.setattr("urdfcheck.run.audit.load_check", lambda rule: crash if rule.code == "XML003" else real(rule))
     verdict = verdict_on(SMALL)
     assert verdict.outcome == "failure"
     assert "a defect of ours" in verdict.detail
 
 
 def test_silence_about_what_no_parser_accepts_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(worker._Audit, "run", lambda *_: None)
+    monkeypatch.setattr(worker._UnitAudit, "run_checks", lambda *_: None)
     assert verdict_on(SMALL).outcome == "clean"
     broken = Case("model.urdf", {"model.urdf": seeds.SMALL.replace("</robot>", "").encode()})
     assert verdict_on(broken).outcome == "silent"
@@ -111,7 +113,7 @@ def test_a_file_that_is_opened_out_of_reach_is_seen(monkeypatch: pytest.MonkeyPa
     def peek(*_: object) -> None:
         Path("/etc/passwd").read_bytes()
 
-    monkeypatch.setattr(worker._Audit, "run", peek)
+    monkeypatch.setattr(worker._UnitAudit, "run_checks", peek)
     assert verdict_on(SMALL).outcome == "ran"
 
 

@@ -186,7 +186,12 @@ def star(arms: int) -> Scene:
 
 
 def info(**changes: Any) -> ModelInfo:
-    return replace(ModelInfo(FILE, "rover", {}, 2, 1, 0.5283, "checked", MODEL, 0.1), **changes)
+    return replace(
+        ModelInfo(
+            path=FILE, robot="rover", args={}, links=2, joints=1, mass=0.5283, status="checked", id=MODEL, seconds=0.1
+        ),
+        **changes,
+    )
 
 
 def a_run(*findings: Finding, **changes: Any) -> Run:

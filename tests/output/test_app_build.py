@@ -55,7 +55,7 @@ def test_what_python_packs_is_what_the_page_decodes(source: Path, side: int) -> 
     vertices = np.column_stack((grid, np.sin(grid.sum(axis=1)))) * 0.01 - 1.0
     first = (np.arange(side - 1)[:, None] * side + np.arange(side - 1)).ravel()
     faces = np.concatenate((first[:, None] + [0, side, 1], first[:, None] + [1, side, side + 1]))
-    packed = pack_mesh(vertices, faces, vertices[[[0, 1], [1, 2]]], 10**6)
+    packed = pack_mesh(vertices, faces, vertices[[[0, 1], [1, 2]]], max_faces=10**6)
     mesh = {"vertices": packed.n_vertices, "faces": packed.n_faces, "holes": packed.n_hole_edges}
     bounds = {"low": packed.low.tolist(), "high": packed.high.tolist()}
     packer = zlib.compressobj(wbits=-zlib.MAX_WBITS)

@@ -25,7 +25,7 @@ from markdown_it.token import Token
 from output.runs import FILE, MODEL, SOURCE, a_run, chain, finding, info, rule, scene, span, span_of, star
 
 from urdfcheck.cli.commands import job_summary as job
-from urdfcheck.cli.options import output_files
+from urdfcheck.cli.options import parse_outputs
 from urdfcheck.core import (
     Applicability,
     Cause,
@@ -40,8 +40,8 @@ from urdfcheck.core import (
 )
 from urdfcheck.output import FORMATS, render
 from urdfcheck.output.markdown import COMMENT_LIMIT, MARKER, render_job_summary
-from urdfcheck.output.mermaid import MOST_CHARACTERS, MOST_EDGES, build_mermaid_chart, format_label
 from urdfcheck.output.shared import inert
+from urdfcheck.output.shared.mermaid_chart import MOST_CHARACTERS, MOST_EDGES, build_mermaid_chart, format_label
 
 # -- validators --------------------------------------------------------------------------------------------------------
 
@@ -653,25 +653,25 @@ def test_two_reports_do_not_go_into_one_file_nor_over_a_model(tmp_path: Path) ->
         [f"html={tmp_path}/other.urdf"],
     ):
         with pytest.raises(UrdfcheckError):
-            output_files(words, [str(model)])
+            parse_outputs(words, [str(model)])
     fine = [f"text={tmp_path}/a.txt", f"sarif={tmp_path}/a.sarif", "json=/dev/null", "html=/dev/null"]
-    assert [name for name, _ in output_files(fine, [str(model)])] == ["text", "sarif", "json", "html"]
+    assert [name for name, _ in parse_outputs(fine, [str(model)])] == ["text", "sarif", "json", "html"]
 
 
 def test_the_summary_of_a_job_is_appended_while_there_is_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "summary.md"
     monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(file))
-    assert job.summary_file() == file
+    assert job.find_summary_file() == file
     file.write_text("another step\n")
-    job.append(a_run(), (), file)
+    job.append_summary(a_run(), (), file)
     assert file.read_text().startswith("another step\n### ❌ urdfcheck: 1 error to repair\n")
     file.write_text("x" * 999_000)
-    job.append(a_run(), (), file)
+    job.append_summary(a_run(), (), file)
     assert file.stat().st_size == 999_000
     monkeypatch.delenv("GITHUB_STEP_SUMMARY")
-    assert job.summary_file() is None
+    assert job.find_summary_file() is None
     with pytest.raises(UrdfcheckError, match="cannot write the summary"):
-        job.append(a_run(), (), tmp_path)
+        job.append_summary(a_run(), (), tmp_path)
 
 
 def test_the_command_writes_all_formats_at_once(tmp_path: Path) -> None:

@@ -18,17 +18,17 @@ from output.runs import FILE, SOURCE, a_run, chain, finding, info, joint, link, 
 from urdfcheck.core import Applicability, Edit, Finding, Fix, Location, Run, Severity, SkippedCheck, Span, Suppression
 from urdfcheck.core.scene import Scene, SceneFrame
 from urdfcheck.output.html import render
-from urdfcheck.output.html.code import render_code_frame, render_diff
-from urdfcheck.output.html.svg.tree import BOX, WIDEST, lay_out_tree
-from urdfcheck.output.html.text import (
+from urdfcheck.output.html.html_text import (
     escape_html,
     format_millimetres,
     format_number,
     format_scaled,
-    render_markdown,
     shorten_message,
 )
-from urdfcheck.output.shared.graph import build_forest
+from urdfcheck.output.html.rule_markdown import render_markdown
+from urdfcheck.output.html.sections.code_listing import render_code_frame, render_diff
+from urdfcheck.output.html.svg.tree_layout import BOX, WIDEST, lay_out_tree
+from urdfcheck.output.shared.kinematic_forest import build_forest
 
 HOSTILE = "<script>alert(1)</script>\"' onload=x & \u202egnp.\x1b[31m"
 

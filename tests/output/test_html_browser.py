@@ -13,6 +13,8 @@ from output.runs import a_run, chain, finding
 from urdfcheck.core import Location, Suppression
 from urdfcheck.output.html import render
 
+pytestmark = pytest.mark.slow
+
 WIDTHS = (390, 768, 1280, 1600, 2560, 3840)
 
 

@@ -11,18 +11,29 @@ from output.runs import a_run, finding, info, scene
 
 from urdfcheck import rules as catalogue
 from urdfcheck.cli import terminal
-from urdfcheck.cli.options import names_folder
+from urdfcheck.cli.options import is_folder_output
 from urdfcheck.cli.terminal import write_report
 from urdfcheck.core import Severity
 from urdfcheck.output.html import iter_report_pages, make_unique_file_names
-from urdfcheck.output.html.index import iter_audit_page
-from urdfcheck.output.shared.lines import AuditSummary, UnitRow
+from urdfcheck.output.html.index_page import iter_audit_page
+from urdfcheck.output.shared.audit.unit_lines import AuditSummary, UnitRow
 
 
 def row(name: str, errors: int, status: str = "checked", *more: str, mass: float | None = 2.0) -> UnitRow:
     codes = [("INR003", Severity.ERROR, errors)] if errors else []
     codes += [(code, Severity.INFO, 1) for code in more]
-    return UnitRow("model", name, name, "robot", status, 12, 11, mass, (errors, 0, len(more)), tuple(codes), ())
+    return UnitRow(
+        kind="model",
+        id=name,
+        path=name,
+        robot="robot",
+        status=status,
+        links=12,
+        joints=11,
+        mass=mass,
+        counts=(errors, 0, len(more)),
+        codes=tuple(codes),
+    )
 
 
 ROWS = (
@@ -30,14 +41,14 @@ ROWS = (
     row("plain/ten.urdf", 10, "checked", "KIN008", "CTL002", "COL002", "COL005", "PKG001", "PKG002", "XML014"),
     row("other/none.urdf", 0, mass=0.5),
     row("other/stopped.urdf", 0, "stopped", mass=None),
-    UnitRow("package", "package.xml", "package.xml", "", "checked", 0, 0, None, (0, 0, 0), (), ()),
-    UnitRow("run", "", "", "", "failed", 0, 0, None, (0, 0, 0), (), ("it <broke>",)),
+    UnitRow(kind="package", id="package.xml", path="package.xml", status="checked"),
+    UnitRow(kind="run", id="", path="", status="failed", failures=("it <broke>",)),
 )
 
 
 @pytest.fixture(scope="module")
 def text() -> str:
-    return "".join(iter_audit_page(AuditSummary.from_rows(ROWS), ROWS, catalogue.load_rules(), "1.2.3"))
+    return "".join(iter_audit_page(AuditSummary.from_rows(ROWS), ROWS, rules=catalogue.load_rules(), version="1.2.3"))
 
 
 def test_it_says_all_without_a_script(text: str) -> None:
@@ -142,9 +153,9 @@ def test_a_folder_is_meant_by_its_end_or_by_being_there(tmp_path: Path) -> None:
     (tmp_path / "there.d").mkdir()
     (tmp_path / "file").touch()
     asked = ("new", "new.d/", "there.d", "report.html", "file")
-    assert [names_folder(f"html={tmp_path}/{name}") for name in asked] == [True, True, True, False, False]
-    assert not names_folder("html=/dev/null")
-    assert not names_folder(f"json={tmp_path}/new")
+    assert [is_folder_output(f"html={tmp_path}/{name}") for name in asked] == [True, True, True, False, False]
+    assert not is_folder_output("html=/dev/null")
+    assert not is_folder_output(f"json={tmp_path}/new")
 
 
 def test_a_report_that_browsers_are_slow_with_says_what_to_do(

@@ -15,7 +15,7 @@ from output.runs import SOURCE, a_run, finding, info, span_of
 
 from urdfcheck.core import Location
 from urdfcheck.export.link_pairs import LinkPair, LinkPairs
-from urdfcheck.export.link_pairs import render as srdf
+from urdfcheck.export.link_pairs import render_srdf as srdf
 from urdfcheck.output import FORMATS, render
 from urdfcheck.output import text as report
 from urdfcheck.output.shared import inert

@@ -13,8 +13,8 @@ from output.runs import finding, scene, span_of
 
 from urdfcheck.core import Location, Severity, Span, Suppression
 from urdfcheck.core.scene import SceneLaunch, SceneNode, SceneParameter, ScenePort
-from urdfcheck.output.html.svg.launch import MOST_BOXES, MOST_LINES, render_launch_files
-from urdfcheck.output.html.svg.layers import COLUMN_GAP, lay_out_graph
+from urdfcheck.output.html.sections.launch_section import MOST_BOXES, MOST_LINES, render_launch_files
+from urdfcheck.output.html.svg.layered_layout import COLUMN_GAP, lay_out_graph
 from urdfcheck.output.shared.anchors import build_finding_cards
 
 TAG = span_of('<link name="wheel">')

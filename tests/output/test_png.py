@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from output.documents import read
 from output.runs import IDENTITY, a_run, info, link, scene
 
-from urdfcheck.cli.options import output_files
+from urdfcheck.cli.options import parse_outputs
 from urdfcheck.cli.terminal import write_report
 from urdfcheck.core import UrdfcheckError
 from urdfcheck.core.scene import Scene, SceneDrawing, SceneMesh, SceneShape
 from urdfcheck.facts.mesh.codec import pack_mesh
-from urdfcheck.output import html, png
+from urdfcheck.output import html
 from urdfcheck.output.png import render
+from urdfcheck.output.shared import robot_picture
 
 RED, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
 WIDTH, HEIGHT = 160, 120
@@ -62,7 +63,7 @@ def robot(*links: tuple[SceneShape, ...], meshes: tuple[SceneMesh, ...] = ()) ->
 
 
 def pixels(of: Scene) -> NDArray[np.uint8]:
-    found = decoded(png.render_scene(of, WIDTH, HEIGHT))
+    found = decoded(robot_picture.render_scene(of, WIDTH, HEIGHT))
     assert found.shape == (HEIGHT, WIDTH, 4)
     return found
 
@@ -76,7 +77,7 @@ def cube(flip: bool = False) -> SceneMesh:
     corners = np.array([(x, y, z) for x in (-100, 100) for y in (-100, 100) for z in (-100, 100)], dtype=float)
     quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
     faces = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
-    packed = pack_mesh(corners, faces[:, ::-1] if flip else faces, np.zeros((0, 2, 3)), 1000)
+    packed = pack_mesh(corners, faces[:, ::-1] if flip else faces, np.zeros((0, 2, 3)), max_faces=1000)
     low, high = tuple(map(float, packed.low)), tuple(map(float, packed.high))
     drawing = SceneDrawing(packed.n_vertices, packed.n_faces, 0, False, low, high, packed.data, RED)
     return SceneMesh("cube.stl", "cube", "stl", 684, 12, (200.0,) * 3, None, True, drawings=(drawing,))
@@ -96,7 +97,7 @@ def test_a_robot_fills_the_picture_on_a_transparent_ground() -> None:
 
 @pytest.mark.parametrize("order", [1, -1])
 def test_what_is_nearer_hides_what_is_behind(order: int) -> None:
-    towards = np.array(png._EYE)
+    towards = np.array(robot_picture._EYE)
     near, far = sphere(RED, moved(*towards)), sphere(BLUE, moved(*-towards))
     assert middle(robot(*[(s,) for s in (near, far)][::order]))[2] == 0
 
@@ -132,7 +133,12 @@ def test_other_shapes_are_drawn_too() -> None:
 
 def test_a_box_is_as_large_as_it_says() -> None:
     corners = np.concatenate(
-        [c for c, _, _ in png._iter_triangles(robot((SceneShape("visual", "box", (1.0, 2.0, 3.0), IDENTITY),)))]
+        [
+            c
+            for c, _, _ in robot_picture._iter_triangles(
+                robot((SceneShape("visual", "box", (1.0, 2.0, 3.0), IDENTITY),))
+            )
+        ]
     )
     assert np.abs(corners).reshape(-1, 3).max(axis=0) == pytest.approx((0.5, 1.0, 1.5))
 
@@ -150,23 +156,28 @@ def test_a_box_is_as_large_as_it_says() -> None:
     ],
 )
 def test_what_has_no_place_or_size_gives_no_picture(shapes: tuple[SceneShape, ...]) -> None:
-    assert png.render_scene(robot(shapes, meshes=(cube(),))) == b""
+    assert robot_picture.render_scene(robot(shapes, meshes=(cube(),))) == b""
 
 
 def test_a_point_is_a_picture_of_nothing_much() -> None:
-    assert decoded(png.render_scene(robot((SceneShape("visual", "box", (0.0, 0.0, 0.0), IDENTITY),)), 8, 8)).max() == 0
+    assert (
+        decoded(
+            robot_picture.render_scene(robot((SceneShape("visual", "box", (0.0, 0.0, 0.0), IDENTITY),)), 8, 8)
+        ).max()
+        == 0
+    )
 
 
 def test_too_much_to_fill_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(png, "_MOST", 100)
-    assert png.render_scene(robot((sphere(RED),))) == b""
+    monkeypatch.setattr(robot_picture, "_MOST", 100)
+    assert robot_picture.render_scene(robot((sphere(RED),))) == b""
 
 
 @pytest.mark.parametrize(("many", "shape"), [(300, "box"), (1_200, "sphere")])
 def test_a_stack_of_shapes_takes_no_long_time(many: int, shape: str) -> None:
     """Each box fills half of the picture; each sphere has some thousand triangles."""
     size = (1.0, 1.0, 1.0) if shape == "box" else (1.0,)
-    assert png.render_scene(robot((SceneShape("visual", shape, size, IDENTITY),) * many)) == b""
+    assert robot_picture.render_scene(robot((SceneShape("visual", shape, size, IDENTITY),) * many)) == b""
 
 
 def test_a_run_of_one_model_has_a_picture_and_any_other_says_why_not() -> None:
@@ -179,7 +190,7 @@ def test_a_run_of_one_model_has_a_picture_and_any_other_says_why_not() -> None:
 
 
 def test_the_command_writes_it_as_it_is(tmp_path: Path) -> None:
-    ((name, file),) = output_files([f"png={tmp_path / 'robot.png'}"], [])
+    ((name, file),) = parse_outputs([f"png={tmp_path / 'robot.png'}"], [])
     write_report(a_run(scenes=(robot((sphere(RED),)),)), name, file)
     assert decoded(file.read_bytes()).shape == (900, 1200, 4)
 
@@ -197,6 +208,6 @@ def test_a_report_of_one_model_has_it_for_browsers_without_3d(robots: int, expec
 
 @pytest.mark.parametrize("broken", [b"", b"GIF89a", b"last byte"])
 def test_the_reader_of_these_tests_refuses_what_is_no_png(broken: bytes) -> None:
-    good = png.render_scene(robot((sphere(RED),)), 8, 8)
+    good = robot_picture.render_scene(robot((sphere(RED),)), 8, 8)
     with pytest.raises((ValueError, struct.error)):
         decoded(good[:-30] + b"x" + good[-29:] if broken == b"last byte" else broken)

@@ -19,7 +19,7 @@ from conftest import FIXTURES, check
 from output.runs import FILE, SOURCE, a_run, finding, info, rule, span_of
 
 from urdfcheck.core import Applicability, Edit, Fix, Location, Run, SkippedCheck, Span, Suppression
-from urdfcheck.fix.patch import Text
+from urdfcheck.fix.patch import EditableText
 from urdfcheck.output import sarif
 from urdfcheck.output.sarif import render
 from urdfcheck.policy.baseline import Baseline
@@ -353,7 +353,7 @@ def test_another_program_that_applies_a_fix_gets_what_urdfcheck_writes(newline: 
     (result,) = results(a_run(fixed, sources={FILE: text}))
     ((change,),) = [fix["artifactChanges"] for fix in result["fixes"]]
     assert unquote(change["artifactLocation"]["uri"]) == FILE
-    assert applied(text, change).encode() == Text(FILE, FILE, text.encode(), file).edited(edits)
+    assert applied(text, change).encode() == EditableText(FILE, FILE, text.encode(), file).apply_edits(edits)
     places = [offsets_of(text, replacement["deletedRegion"]) for replacement in change["replacements"]]
     assert all(a[1] <= b[0] for a, b in pairwise(places))
 

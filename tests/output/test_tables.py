@@ -9,7 +9,9 @@ from output.documents import Document, read
 from output.runs import IDENTITY, inertial, joint, link, scene
 
 from urdfcheck.core.scene import Scene, SceneInertia, SceneMesh, SceneShape
-from urdfcheck.output.html.tables import render_joints_table, render_meshes_table, render_physics_table
+from urdfcheck.output.html.tables.joints_table import render_joints_table
+from urdfcheck.output.html.tables.meshes_table import render_meshes_table
+from urdfcheck.output.html.tables.physics_table import render_physics_table
 
 TURNED = (0.0, -1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 

@@ -18,6 +18,8 @@ from urdfcheck.core.scene import Scene, SceneDrawing, SceneInertia, SceneMesh, S
 from urdfcheck.facts.mesh.codec import needs_wide_indices, pack_mesh
 from urdfcheck.output.html import render
 
+pytestmark = pytest.mark.slow
+
 Matrix = NDArray[np.float64]
 BUDGET = 210_000
 
@@ -67,7 +69,7 @@ def an_open_box() -> SceneMesh:
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float) * 0.1
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     faces = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])[1:]
-    packed = pack_mesh(corners, faces, corners[[[0, 1], [1, 3], [3, 0]]], 10**6)
+    packed = pack_mesh(corners, faces, corners[[[0, 1], [1, 3], [3, 0]]], max_faces=10**6)
     drawing = SceneDrawing(
         vertices=packed.n_vertices,
         faces=packed.n_faces,

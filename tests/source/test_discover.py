@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.source.discover import ModelTarget, Plan, discover_targets, is_launch
+from urdfcheck.source.discover import ModelTarget, Plan, discover_targets
+from urdfcheck.source.package.file_kinds import is_launch
 from urdfcheck.source.reach import FileReach
 
 URDF = '<robot name="r"><link name="base"/></robot>'
@@ -508,7 +509,7 @@ def test_a_mesh_of_another_package_with_the_same_name_is_another_mesh(car: Path)
 
 def test_a_named_file_of_includes_that_nobody_includes_is_checked(workspace: Path) -> None:
     write(workspace, {"top.xacro": xacro(include("m.xacro")), "m.xacro": xacro(MACRO)})
-    assert planned("top.xacro").models == (ModelTarget(Path("top.xacro"), {}, explicit=True),)
+    assert planned("top.xacro").models == (ModelTarget(path=Path("top.xacro"), arguments={}, explicit=True),)
 
 
 def test_a_named_part_is_checked_itself_when_it_may_stand_alone(workspace: Path) -> None:

@@ -9,14 +9,9 @@ from pathlib import Path
 import pytest
 
 from urdfcheck.source.launch import python_launch_file as launch_python
-from urdfcheck.source.launch.launch_file import (
-    DescriptionSource,
-    Launch,
-    UnresolvedReason,
-    is_included_by_sibling,
-    load_launch,
-)
+from urdfcheck.source.launch.launch_file import DescriptionSource, Launch, is_included_by_sibling, load_launch
 from urdfcheck.source.launch.python_launch_file import read_python_launch
+from urdfcheck.source.launch.substitutions import UnresolvedReason
 from urdfcheck.source.package.finder import PackageFinder
 
 

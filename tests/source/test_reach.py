@@ -181,4 +181,4 @@ class TestConfiguration:
         toml = tmp_path / "repository" / "urdfcheck.toml"
         toml.write_text('package-path = ["../elsewhere"]')
         with pytest.raises(UrdfcheckError, match="name it on the command line"):
-            config.find(tmp_path / "repository")
+            config.find_config(tmp_path / "repository")

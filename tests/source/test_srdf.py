@@ -37,7 +37,7 @@ def found(folder: Path, model: str, **arguments: str) -> list[str]:
 
 def parsed(folder: Path, body: str) -> Srdf:
     write(folder, {"arm.srdf": f'<robot name="arm">{body}</robot>'})
-    srdf = load_srdf(folder / "arm.srdf", {}, PackageFinder(folder, environment={}), "arm")
+    srdf = load_srdf(folder / "arm.srdf", {}, PackageFinder(folder, environment={}), robot="arm")
     assert srdf is not None
     return srdf
 
@@ -90,7 +90,7 @@ def test_a_xacro_is_expanded_with_the_arguments_of_the_model(tmp_path: Path) -> 
     write(tmp_path, {"arm.urdf": URDF, "macros.srdf.xacro": macros, "arm.srdf.xacro": main})
     assert found(tmp_path, "arm.urdf") == []
     assert found(tmp_path, "arm.urdf", name="arm") == ["arm.srdf.xacro"]
-    srdf = load_srdf(tmp_path / "arm.srdf.xacro", {"name": "arm"}, PackageFinder(tmp_path, environment={}), "arm")
+    srdf = load_srdf(tmp_path / "arm.srdf.xacro", {"name": "arm"}, PackageFinder(tmp_path, environment={}), robot="arm")
     assert srdf is not None
     (pair,) = srdf.disabled_pairs
     assert pair.links == ("left_a", "b")

@@ -12,8 +12,7 @@ from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.xacro import expand as xacro
-from urdfcheck.source.xacro import guards
+from urdfcheck.source.xacro import guards, trace, tracer
 from urdfcheck.source.xacro.expand import expand_xacro
 from urdfcheck.source.xacro.macro_parameters import parse_next_parameter
 
@@ -39,7 +38,7 @@ BLOCKS = (
 def test_a_tree_of_macros_or_blocks_that_doubles_is_too_large(
     expand_text: Expand, monkeypatch: pytest.MonkeyPatch, body: str
 ) -> None:
-    monkeypatch.setattr(xacro, "MAX_NODES", 2_000)
+    monkeypatch.setattr(trace, "MAX_NODES", 2_000)
     problem = expand_text(body, like_plain=False).problem
     assert problem.kind == "too-large"
     assert problem.message.startswith("the model expands to more than 2,000 elements")
@@ -203,7 +202,7 @@ def test_when_time_or_memory_is_over_the_place_is_told_and_what_went_on(
             return finished[-1]
 
     finished: list[Any] = []
-    monkeypatch.setattr(xacro, "Guards", Ends)
+    monkeypatch.setattr(tracer, "Guards", Ends)
     x = expand_text(
         '<xacro:macro name="m" params="n">\n<a b="${n}"/></xacro:macro>' + '\n<xacro:m n="1"/>' * 9, like_plain=False
     )
@@ -211,7 +210,7 @@ def test_when_time_or_memory_is_over_the_place_is_told_and_what_went_on(
     assert x.problem.message == "macro m was called over and over"
     assert x.place(x.problem.location.span) == "robot.xacro:2 ${n}"
     assert [span.line for span in x.problem.location.via] == [6]
-    monkeypatch.setattr(xacro, "Guards", guards.Guards)
+    monkeypatch.setattr(tracer, "Guards", guards.Guards)
     assert expand_text('<link name="${1 + 1}"/>').root.children  # and xacro is as it was
 
 
@@ -253,7 +252,7 @@ def test_ros_and_what_is_named_is_read(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.delenv("ROS_VERSION", raising=False)
     path = tmp_path / "robot.xacro"
     path.write_text(f'{HEAD}<a b="$(env ROS_DISTRO)$(optenv NAMED 0)$(optenv ROS_VERSION 2)$(env NAMED)"/></robot>')
-    expansion = expand_xacro(path, {}, PackageFinder(tmp_path, environment={}), frozenset({"NAMED"}))
+    expansion = expand_xacro(path, {}, PackageFinder(tmp_path, environment={}), extra_environment=frozenset({"NAMED"}))
     assert expansion.root is not None
     assert expansion.root.children[0].get("b") == "jazzy121"
     assert not expansion.problems

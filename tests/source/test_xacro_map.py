@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 import pytest
 from conftest import FIXTURES
+from real_robots import list_robots
 
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.xacro.expand import Expansion, expand_xacro
@@ -588,7 +588,7 @@ def test_the_fixtures_expand_to_the_byte_as_with_plain_xacro(path: Path, assert_
 
 
 def test_real_robots_expand_to_the_byte_as_with_plain_xacro(corpus: Path, assert_like_plain: LikePlain) -> None:
-    entries = json.loads((corpus / "corpus.json").read_text())
+    entries = list_robots(corpus)
     entries = [entry for entry in entries if entry["entry"].endswith(".xacro")]
     assert entries
     for entry in entries:

@@ -317,7 +317,7 @@ def test_text_between_elements_is_kept_with_the_element_that_it_stands_in() -> N
 def test_nameless_elements_are_numbered_among_those_of_their_tag_and_anew_when_one_is_added() -> None:
     _, root = tree("<robot><link/><joint/><link/></robot>")
     assert [c.label for c in root.children] == ["link[1]", "joint", "link[2]"]
-    root.children.append(Element("joint", None, root))
+    root.children.append(Element(tag="joint", span=None, parent=root))
     assert [c.label for c in root.children] == ["link[1]", "joint[1]", "link[2]", "joint[2]"]
 
 

@@ -10,7 +10,8 @@ import pytest
 import yaml
 
 from urdfcheck.source.text.xml import Definition, SourceFile
-from urdfcheck.source.text.yaml import MAX_CHARACTERS, read_yaml
+from urdfcheck.source.text.yaml import MAX_CHARACTERS
+from urdfcheck.source.xacro.yaml_values import read_yaml
 
 Expand = Callable[..., Any]
 

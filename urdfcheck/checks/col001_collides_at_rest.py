@@ -5,23 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_count, join_names, join_numbers
 from urdfcheck.model import Model
-from urdfcheck.model.ground.up_axis import LyingMeshes, find_lying_meshes
-from urdfcheck.model.motion.collisions import (
-    CollisionPair,
-    Contact,
-    ensure_all_shapes_read,
-    locate_geometry,
-    self_collisions,
-)
+from urdfcheck.model.motion.collisions.at_rest import Contact
+from urdfcheck.model.motion.collisions.lying_meshes import LyingMeshes, find_lying_meshes
+from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
+from urdfcheck.model.parts import locate_geometry
 from urdfcheck.model.shapes.mesh_marks import round_significant
 
 
 def check(model: Model, rule: Rule, *, graze: float, always: float) -> Iterator[Finding]:
     collisions = self_collisions(model)
     far = [(pair, pair.contact) for pair in collisions.pairs if pair.relation == "far" and pair.contact is not None]
-    deep = [(pair, contact) for pair, contact in far if _is_deep_overlap(pair, contact, graze, always)]
+    deep = [(pair, contact) for pair, contact in far if _is_deep_overlap(pair, contact, graze=graze, always=always)]
     samples = collisions.sample_count
     fallen = find_lying_meshes(model) if deep else None
     if fallen is not None:
@@ -32,51 +28,58 @@ def check(model: Model, rule: Rule, *, graze: float, always: float) -> Iterator[
             deep = [item for item in deep if item not in on_side]
     by_design = [(pair, contact) for pair, contact in deep if samples > 1 and pair.hit_share >= always]
     for group in _group_by_shape([item for item in deep if item not in by_design]):
-        yield _build_overlap_finding(model, rule, group, samples)
+        yield _build_overlap_finding(model, rule, group, samples=samples)
     if by_design:
         yield rule.finding(
             "always",
             at=locate_geometry(by_design[0][1].shapes[1]),
             related=[locate_geometry(contact.shapes[1]) for _, contact in by_design[1:]],
             severity=Severity.INFO,
-            pairs=join_names(
-                [f"{pair.links[0]} and {pair.links[1]} ({c.depth * 1e3:.3g} mm)" for pair, c in by_design]
-            ),
+            pairs=_join_pairs(by_design),
             percent=round(100 * always),
             samples=samples,
         )
     ensure_all_shapes_read(collisions)
 
 
-def _is_deep_overlap(pair: CollisionPair, contact: Contact, graze: float, always: float) -> bool:
-    """Whether it is more than two links that touch, or that lean on each other where their joints end."""
+def _join_pairs(overlaps: Sequence[tuple[CollisionPair, Contact]]) -> str:
+    return join_names([f"{pair.links[0]} and {pair.links[1]} ({c.depth * 1e3:.3g} mm)" for pair, c in overlaps])
+
+
+def _is_deep_overlap(pair: CollisionPair, contact: Contact, *, graze: float, always: float) -> bool:
+    """Whether two links more than touch, or lean on each other at the end of a joint's range."""
     return not contact.touching and (contact.depth >= graze * contact.size or pair.hit_share >= 1 - always)
 
 
-def _build_up_axis_finding(rule: Rule, met: Sequence[tuple[CollisionPair, Contact]], fallen: LyingMeshes) -> Finding:
-    """All overlaps of meshes that lie on their sides: how deep they are says nothing before the meshes stand upright."""
-    met = sorted(met, key=lambda item: -item[1].depth)
+def _build_up_axis_finding(
+    rule: Rule, overlaps: Sequence[tuple[CollisionPair, Contact]], fallen: LyingMeshes
+) -> Finding:
+    """Report all overlaps of meshes that lie on their sides together: their depth means nothing until the meshes are upright."""
+    overlaps = sorted(overlaps, key=lambda item: -item[1].depth)
     sides = {id(shape) for shape in fallen.shapes}
-    shapes = [shape for _, contact in met for shape in reversed(contact.shapes) if id(shape) in sides]
+    shapes = [shape for _, contact in overlaps for shape in reversed(contact.shapes) if id(shape) in sides]
     first, *others = dict.fromkeys(locate_geometry(shape) for shape in (*shapes, *fallen.shapes))
     return rule.finding(
         "lying",
         at=first,
         related=others,
         cause="up_axis",
-        pairs=join_names([f"{pair.links[0]} and {pair.links[1]} ({c.depth * 1e3:.3g} mm)" for pair, c in met]),
-        count="1 pair of links" if len(met) == 1 else f"{len(met)} pairs of links",
-        freed=sum(pair.links in fallen.freed_pairs for pair, _ in met),
+        pairs=_join_pairs(overlaps),
+        count=format_count(len(overlaps), "pair of links", "pairs of links"),
+        freed=sum(pair.links in fallen.freed_pairs for pair, _ in overlaps),
         meshes=len(fallen.shapes),
         drawn=fallen.mirrored_as_drawn,
         upright=fallen.mirrored_upright,
     )
 
 
-def _group_by_shape(met: Sequence[tuple[CollisionPair, Contact]]) -> Iterator[list[tuple[CollisionPair, Contact]]]:
-    """The overlaps in groups that have a shape in common, its place in the contacts first: the shape of most overlaps takes
-    all of its own, then that of most of the rest. Of two shapes with one overlap it is the one further from the root."""
-    left = list(met)
+def _group_by_shape(overlaps: Sequence[tuple[CollisionPair, Contact]]) -> Iterator[list[tuple[CollisionPair, Contact]]]:
+    """Group overlaps by a common shape, the deepest first.
+
+    The shape with most overlaps takes all of its own, then that with most of the rest. Of two shapes with one overlap, it is
+    the one further from the root.
+    """
+    left = list(overlaps)
     while left:
         counts: dict[int, int] = {}
         for _, contact in left:
@@ -89,7 +92,7 @@ def _group_by_shape(met: Sequence[tuple[CollisionPair, Contact]]) -> Iterator[li
 
 
 def _build_overlap_finding(
-    model: Model, rule: Rule, group: Sequence[tuple[CollisionPair, Contact]], samples: int
+    model: Model, rule: Rule, group: Sequence[tuple[CollisionPair, Contact]], *, samples: int
 ) -> Finding:
     pair, contact = group[0]
     place = _find_common_shape_index(group)
@@ -111,7 +114,7 @@ def _build_overlap_finding(
         millimetres=contact.depth * 1e3,
         normal=[round(v, 3) + 0.0 for v in contact.normal],
         point=point,
-        place=" ".join(f"{v:g}" for v in point),
+        place=join_numbers(point, separator=" "),
         frame=model.tree.root,
         seen=pair.hit_count,
         samples=samples,
@@ -119,7 +122,7 @@ def _build_overlap_finding(
 
 
 def _find_common_shape_index(group: Sequence[tuple[CollisionPair, Contact]]) -> int:
-    """Which of the first contact's two shapes takes part in all contacts."""
+    """Return the index of the first contact's shape that takes part in all contacts."""
     return next(
         place for place in (1, 0) if all(any(s is group[0][1].shapes[place] for s in c.shapes) for _, c in group)
     )

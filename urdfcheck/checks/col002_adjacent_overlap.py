@@ -7,31 +7,29 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
-from urdfcheck.model.motion.collisions import (
-    CollisionPair,
-    Contact,
-    ensure_all_shapes_read,
-    locate_geometry,
-    self_collisions,
-)
+from urdfcheck.model.motion.collisions.at_rest import Contact
+from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
+from urdfcheck.model.parts import locate_geometry
 
 
 def check(model: Model, rule: Rule, *, always: float) -> Iterator[Finding]:
     collisions = self_collisions(model)
     neighbours = [pair for pair in collisions.pairs if pair.relation == "adjacent"]
-    found: dict[str | None, tuple[CollisionPair, Contact]] = {}
+    overlaps: dict[str | None, tuple[CollisionPair, Contact]] = {}
     for pair in neighbours:
         if pair.contact is not None and not pair.contact.touching and pair.range_share >= always:
-            found.setdefault(pair.joint, (pair, pair.contact))
-    if found:
-        first, *rest = (locate_geometry(contact.shapes[1]) for _, contact in found.values())
+            overlaps.setdefault(pair.joint, (pair, pair.contact))
+    if overlaps:
+        first, *rest = (locate_geometry(contact.shapes[1]) for _, contact in overlaps.values())
         yield rule.finding(
             "overlap",
             at=first,
             related=rest,
-            count=len(found),
+            count=len(overlaps),
             total=len({pair.joint for pair in neighbours}),
-            joints=join_names(f"{joint} ({pair.links[0]} and {pair.links[1]})" for joint, (pair, _) in found.items()),
+            joints=join_names(
+                f"{joint} ({pair.links[0]} and {pair.links[1]})" for joint, (pair, _) in overlaps.items()
+            ),
             percent=round(100 * always),
             samples=len(collisions.spread_poses.values),
         )

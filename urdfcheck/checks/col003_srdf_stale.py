@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from urdfcheck.core import Applicability, Finding, Rule, Severity
-from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint, join_names
+from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_count, format_name_hint, join_names
 from urdfcheck.model import Model
-from urdfcheck.model.motion.collisions import CollisionPair as Contacting
-from urdfcheck.model.motion.collisions import ensure_all_shapes_read, self_collisions
+from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.moveit_pairs import classify_link_pairs
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.source.ros.srdf import Srdf, SrdfPair
 from urdfcheck.source.text.tokens import build_removal_edits, build_replacement_edits
 from urdfcheck.source.text.xml import Attribute
 
-# What Setup Assistant writes; of any other word the author knows why.
+# The reasons that Setup Assistant writes; any other is the author's own.
 REASONS = ("Never", "Default", "Always", "Adjacent")
 
 
@@ -27,9 +26,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _check_unknown_links(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Finding]:
-    """One finding for each name that no link has."""
+    """Report each name that no link has."""
     if not srdf.grouped_links <= model.link_by_name.keys():
-        return  # the planning groups name other links as well: it describes a larger variant of the robot
+        return  # the planning groups name unknown links too: it describes a larger variant of the robot
     uses: dict[str, list[Attribute]] = {}
     for pair in srdf.disabled_pairs:
         for index, name in enumerate(pair.links):
@@ -45,7 +44,7 @@ def _check_unknown_links(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Findi
             related=attributes[1:],
             edits=build_replacement_edits(attributes, near) if near is not None else (),
             link=name,
-            count="1 pair" if len(attributes) == 1 else f"{len(attributes)} pairs",
+            count=format_count(len(attributes), "pair"),
             near=format_name_hint(name, model.link_by_name.keys() - named),
         )
 
@@ -69,44 +68,42 @@ def _check_duplicate_pairs(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
 
 
 def _check_hidden_collisions(model: Model, rule: Rule) -> Iterator[Finding]:
-    """Pairs that Setup Assistant would leave to be checked, whatever reason the description gives: one finding for each
-    reason, at the pair that collides most."""
+    """Report disabled pairs that Setup Assistant would leave enabled: one finding for each reason, at the pair that collides
+    most."""
     if not any(srdf.disabled_pairs for srdf in semantic_descriptions(model)):
         return
-    missed = {
-        frozenset(j.pair.links): j.pair
-        for j in classify_link_pairs(model)
-        if j.reason is None and not j.pair.is_never_in_collision
-    }
+    missed: dict[frozenset[str], tuple[CollisionPair, int]] = {}
+    for judged in classify_link_pairs(model):
+        first_hit = judged.pair.first_hit
+        if judged.reason is None and first_hit is not None:
+            missed[frozenset(judged.pair.links)] = judged.pair, first_hit
     for srdf in semantic_descriptions(model):
         for reason in REASONS:
-            hidden = [(p, missed[p.key]) for p in srdf.disabled_pairs if p.reason == reason and p.key in missed]
-            hidden.sort(key=lambda both: -both[1].hit_count)
+            hidden = [(p, *missed[p.key]) for p in srdf.disabled_pairs if p.reason == reason and p.key in missed]
+            hidden.sort(key=lambda item: -item[1].hit_count)
             if not hidden:
                 continue
-            (worst, pair), more = hidden[0], hidden[1:]
-            assert pair.first_hit is not None
-            pose = self_collisions(model).poses.to_values_by_name(pair.first_hit)
+            (worst, pair, first_hit), more = hidden[0], [disabled for disabled, _, _ in hidden[1:]]
+            pose = self_collisions(model).poses.to_values_by_name(first_hit)
+            between = _select_joints_between(model, pair, pose)
             yield rule.finding(
                 reason.lower(),
                 at=worst.element,
-                related=[p.element for p, _ in more],
+                related=[disabled.element for disabled in more],
                 severity=None if reason == "Never" else Severity.INFO,
                 first=worst.links[0],
                 second=worst.links[1],
                 hits=pair.hit_count,
                 samples=f"{len(pair.hits):,}",
-                more=_format_more_pairs([p for p, _ in more]),
+                more=_format_more_pairs(more),
                 pose=pose,
-                at_pose=join_names(
-                    f"{name} = {value:.3g}" for name, value in _select_joints_between(model, pair, pose).items()
-                ),
+                at_pose=join_names(f"{name} = {value:.3g}" for name, value in between.items()),
             )
     ensure_all_shapes_read(self_collisions(model))
 
 
-def _select_joints_between(model: Model, pair: Contacting, pose: Mapping[str, float]) -> dict[str, float]:
-    """The positions of the joints that move the two links against each other."""
+def _select_joints_between(model: Model, pair: CollisionPair, pose: Mapping[str, float]) -> dict[str, float]:
+    """Return the positions of the joints that move the two links against each other."""
     one, other = ({joint.name for joint in model.tree.find_path_to(link)} for link in pair.links)
     return {name: value for name, value in pose.items() if name in one ^ other}
 

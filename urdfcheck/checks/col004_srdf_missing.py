@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
-from urdfcheck.model.motion.collisions import ensure_all_shapes_read, self_collisions
+from urdfcheck.model.motion.collisions.self_collisions import ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.moveit_pairs import (
     SetupAssistantPair,
     classify_link_pairs,
@@ -22,7 +22,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     srdfs = [srdf for srdf in semantic_descriptions(model) if srdf.disabled_pairs or srdf.root.find_children("group")]
     if not srdfs:
         return
-    # Of several descriptions of one robot (with and without its gripper) the one that is meant says most about it.
+    # Of several descriptions of one robot (with and without its gripper), the one for it says most about it.
     srdf = max(srdfs, key=lambda srdf: (len(srdf.grouped_links & model.link_by_name.keys()), len(srdf.disabled_pairs)))
     moved = find_moved_links(model, srdf)
     always: list[tuple[SetupAssistantPair, float | None]] = []
@@ -32,7 +32,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if not meets or moved.isdisjoint(j.pair.links) or any(s.is_pair_disabled(*j.pair.links) for s in srdfs):
             continue
         depth = measure_default_depth(model, j.pair) if j.meets_at_default else None
-        if depth != 0.0:  # of faces in one plane collision checkers think differently
+        if depth != 0.0:  # collision checkers disagree about faces in one plane
             (always if j.is_always_for_moveit else by_default).append((j, depth))
     for message, pairs in (("always", always), ("default", by_default)):
         if pairs:
@@ -41,7 +41,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 at=srdf.root,
                 severity=Severity.INFO if message == "default" else None,
                 robot=model.name,
-                count="1 pair of links collides" if len(pairs) == 1 else f"{len(pairs)} pairs of links collide",
+                count=format_count(len(pairs), "pair of links collides", "pairs of links collide"),
                 pairs=join_names((_format_pair(j, depth) for j, depth in pairs), most=4),
                 lines=join_names((_format_srdf_line(j) for j, _ in pairs), most=4),
                 samples=f"{len(pairs[0][0].pair.hits):,}",

@@ -8,37 +8,38 @@ from dataclasses import replace
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
-from urdfcheck.source.text.tokens import build_replacement_edits
+from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.xml import Attribute
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for tag in ("ros2_control", "transmission"):
-        strange: list[Attribute] = []
+        foreign: list[Attribute] = []
         for block in model.robot.find_children(tag):
             for element in block.walk():
                 name = element.attributes.get("name")
                 if element.tag != "joint" or name is None or not name.value or name.value in model.joint_by_name:
                     continue
-                near = format_name_hint(name.value, model.joint_by_name)
-                if near:
-                    yield _build_misspelt_finding(model, rule, tag, block.get("name"), name, near)
-                else:
-                    strange.append(name)
-        if strange:
-            yield _build_foreign_finding(rule, tag, strange)
-
-
-def _build_misspelt_finding(model: Model, rule: Rule, tag: str, block: str, name: Attribute, near: str) -> Finding:
-    meant = find_only_near_name(name.value, model.joint_by_name, SLIP_LIKENESS)
-    edits = build_replacement_edits([name], meant) if meant is not None else ()
-    return rule.finding(
-        tag, at=name, related=name.collect_definitions(), edits=edits, joint=name.value, block=block, near=near
-    )
+                hint = format_name_hint(name.value, model.joint_by_name)
+                if not hint:
+                    foreign.append(name)
+                    continue
+                meant = find_only_near_name(name.value, model.joint_by_name, SLIP_LIKENESS)
+                yield rule.finding(
+                    tag,
+                    at=name,
+                    related=name.collect_definitions(),
+                    edits=edit_literal(name, meant) if meant is not None else (),
+                    joint=name.value,
+                    block=block.get("name"),
+                    near=hint,
+                )
+        if foreign:
+            yield _build_foreign_finding(rule, tag, foreign)
 
 
 def _build_foreign_finding(rule: Rule, tag: str, names: list[Attribute]) -> Finding:
-    """One finding for all names that are like none of the robot: they belong to another one, or to a part that is left out."""
+    """Report together all names unlike any of the robot's: those of another robot, or of a part that is left out."""
     places = {name.span: name for name in names}
     finding = rule.finding(
         f"{tag}-strange",

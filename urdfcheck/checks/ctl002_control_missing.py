@@ -7,8 +7,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
-from urdfcheck.model import Model
-from urdfcheck.model.parts import Joint
+from urdfcheck.model import Joint, Model
 
 _DRIVABLE = frozenset({"revolute", "continuous", "prismatic"})
 _SEPARATOR = re.compile(r"[\s,;]+")
@@ -24,7 +23,7 @@ def _check_undriven_joints(model: Model, rule: Rule) -> Iterator[Finding]:
     drivable = [joint for joint in model.joints if _has_motor(joint)]
     without = [joint for joint in drivable if joint.name not in driven]
     none = len(without) == len(drivable)
-    # A description without a word for a simulator is controlled elsewhere, if at all.
+    # A description without simulator extensions is controlled elsewhere, if at all.
     if without and (not none or any(model.robot.find_children("gazebo"))):
         yield rule.finding(
             "none" if none else "some",
@@ -38,12 +37,12 @@ def _check_undriven_joints(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _has_motor(joint: Joint) -> bool:
-    """A follower is moved by its leader, and a joint without effort is a caster or a hinge on purpose."""
+    """Whether a joint needs a motor: a follower has its leader's, and a joint without effort is a caster or a free hinge."""
     return joint.type in _DRIVABLE and joint.mimic is None and joint.get_limit_value("effort") != 0
 
 
 def _collect_control_words(model: Model) -> set[str]:
-    """Every word that a transmission, a ros2_control block or a simulator plugin mentions: joint names among them."""
+    """Return every word in a transmission, a ros2_control block or a simulator plugin, joint names among them."""
     blocks = [*model.robot.find_children("ros2_control"), *model.robot.find_children("transmission")]
     blocks += [e for extension in model.robot.find_children("gazebo") for e in extension.walk() if e.tag == "plugin"]
     words: set[str] = set()
@@ -61,7 +60,7 @@ def _check_misplaced_commands(model: Model, rule: Rule) -> Iterator[Finding]:
         for joint in control.find_children("joint")
         if joint.find_child("command_interface") is not None and joint.get("mimic") != "false"
     ]
-    # Gazebo Classic does not know <mimic>: there a follower with a transmission of its own is usual.
+    # Gazebo Classic ignores <mimic>: there, a follower usually has its own transmission.
     commanded += [
         ("mimic-transmission", Severity.INFO, "transmission", joint)
         for transmission in model.robot.find_children("transmission")

@@ -6,9 +6,9 @@ import difflib
 import re
 from collections.abc import Iterator
 
-from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.text.tokens import find_content_span
+from urdfcheck.model.repairs.edits import edit_content
 from urdfcheck.source.text.xml import Element
 
 # The interfaces of joints in the package hardware_interface of ros_control.
@@ -22,14 +22,14 @@ _CLASSIC = re.compile(r"gazebo_ros_control")
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     yield from _check_nesting(model, rule)
-    # gazebo_ros_control is the one that reads them; without it they may be what an exporter left.
+    # Only gazebo_ros_control reads transmissions; without it they may be an exporter's leftovers.
     simulated = any(
         _CLASSIC.search(plugin.get("filename"))
         for block in model.robot.find_children("gazebo")
         for plugin in block.find_children("plugin")
     )
     for transmission in model.robot.find_children("transmission"):
-        yield from _check_transmission(model, rule, transmission, None if simulated else Severity.WARNING)
+        yield from _check_transmission(model, rule, transmission, severity=None if simulated else Severity.WARNING)
     yield from _check_missing_prefix(model, rule)
 
 
@@ -45,9 +45,9 @@ def _check_nesting(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _check_transmission(
-    model: Model, rule: Rule, transmission: Element, severity: Severity | None
+    model: Model, rule: Rule, transmission: Element, *, severity: Severity | None
 ) -> Iterator[Finding]:
-    if "type" in transmission.attributes:  # as the PR2 reads them
+    if "type" in transmission.attributes:  # the syntax of the PR2
         return
     name = transmission.get("name")
     kind = transmission.find_child("type")
@@ -61,63 +61,57 @@ def _check_transmission(
                 for actuator in transmission.find_children("actuator")
                 for e in actuator.find_children("hardwareInterface")
             ]
-            kept = next((e for e in moved if e.text.strip()), None)
+            misplaced = next((e for e in moved if e.text.strip()), None)
             yield rule.finding(
-                "interface-missing" if kept is None else "interface-in-actuator",
+                "interface-missing" if misplaced is None else "interface-in-actuator",
                 at=joint,
-                related=[] if kept is None else [kept],
+                related=[] if misplaced is None else [misplaced],
                 severity=severity,
                 name=name,
                 joint=joint.get("name"),
-                interface="" if kept is None else kept.text.strip(),
+                interface="" if misplaced is None else misplaced.text.strip(),
             )
         for interface in interfaces:
-            yield from _check_interface_name(model, rule, interface, joint, severity)
+            yield from _check_interface_name(model, rule, interface, joint=joint.get("name"), severity=severity)
 
 
 def _check_interface_name(
-    model: Model, rule: Rule, interface: Element, joint: Element, severity: Severity | None
+    model: Model, rule: Rule, interface: Element, *, joint: str, severity: Severity | None
 ) -> Iterator[Finding]:
     text = interface.text.strip()
-    package, slash, own = text.rpartition("/")
-    if not own or own in INTERFACES or (slash and package != "hardware_interface"):
+    package, slash, name = text.rpartition("/")
+    if not name or name in INTERFACES or (slash and package != "hardware_interface"):
         return
-    near = difflib.get_close_matches(own, INTERFACES, n=1, cutoff=0.8)
+    near = difflib.get_close_matches(name, INTERFACES, n=1, cutoff=0.8)
     if near:
         yield rule.finding(
             "interface-unknown",
             at=interface,
             severity=severity,
-            edits=_propose_edits(model, interface, _PREFIX + near[0]),
-            joint=joint.get("name"),
+            edits=edit_content(interface, _PREFIX + near[0], model.source.files),
+            joint=joint,
             interface=text,
             near=_PREFIX + near[0],
         )
 
 
 def _check_missing_prefix(model: Model, rule: Rule) -> Iterator[Finding]:
-    """The spelling of ROS Indigo, all uses in one finding."""
-    found = [
+    """Report together all interfaces in the spelling of ROS Indigo."""
+    interfaces = [
         interface
         for transmission in model.robot.find_children("transmission")
         for joint in transmission.find_children("joint")
         for interface in joint.find_children("hardwareInterface")
         if interface.text.strip() in INTERFACES
     ]
-    if found:
-        edits = {edit.span: edit for e in found for edit in _propose_edits(model, e, _PREFIX + e.text.strip())}
+    if interfaces:
+        edits = [edit for e in interfaces for edit in edit_content(e, _PREFIX + e.text.strip(), model.source.files)]
         yield rule.finding(
             "prefix",
-            at=found[0],
-            related=found[1:],
+            at=interfaces[0],
+            related=interfaces[1:],
             severity=Severity.INFO,
-            edits=edits.values(),
-            interface=found[0].text.strip(),
-            count="" if len(found) == 1 else f", and {len(found) - 1} more",
+            edits={edit.span: edit for edit in edits}.values(),
+            interface=interfaces[0].text.strip(),
+            count="" if len(interfaces) == 1 else f", and {len(interfaces) - 1} more",
         )
-
-
-def _propose_edits(model: Model, element: Element, replacement: str) -> tuple[Edit, ...]:
-    """The edit of an element's text, where that stands in the file as it is."""
-    content = find_content_span(element, model.source.files)
-    return () if content is None else (Edit(content, element.text.strip(), replacement),)

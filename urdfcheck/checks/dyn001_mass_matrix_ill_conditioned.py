@@ -10,10 +10,10 @@ from urdfcheck.model.motion.joint_loads import summarize_mass_matrix
 
 
 def check(model: Model, rule: Rule, *, limit: float) -> Iterator[Finding]:
-    found = summarize_mass_matrix(model)
-    if found is None or found.light_joint is None or not found.condition_number > limit:
+    summary = summarize_mass_matrix(model)
+    if summary is None or summary.light_joint is None or not summary.condition_number > limit:
         return
-    joint = found.light_joint
+    joint = summary.light_joint
     link = model.link_by_name[joint.child]
     yield rule.finding(
         "light",
@@ -21,10 +21,10 @@ def check(model: Model, rule: Rule, *, limit: float) -> Iterator[Finding]:
         related=[joint],
         link=link.name,
         joint=joint.name,
-        number=found.condition_number,
+        number=summary.condition_number,
         limit=limit,
-        own=found.own_inertia,
-        moved=found.moved_inertia,
+        own=summary.own_inertia,
+        moved=summary.moved_inertia,
         unit="kg" if joint.type == "prismatic" else "kg·m²",
-        enough=0.01 * found.moved_inertia,
+        enough=0.01 * summary.moved_inertia,
     )

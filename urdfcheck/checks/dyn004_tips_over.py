@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_point, join_names
 from urdfcheck.facts.motion.contact import SLACK, GroundSupport, TipOver, compute_ground_support, simulate_tipping
 from urdfcheck.model import Model
 from urdfcheck.model.ground.support_polygon import (
@@ -23,13 +24,28 @@ from urdfcheck.model.ground.support_polygon import (
 from urdfcheck.model.ground.wheels import is_suspended, rolling_wheels
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array, Indices
 
-    Array = NDArray[np.float64]
 
 _SIDES = ("+x (ahead)", "+y (to the left)", "-x (to the rear)", "-y (to the right)")
-# Beyond this it lies on its side.
+# Beyond this tilt it lies on its side.
 _FALLEN = math.radians(60)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _RobotShape:
+    """A robot with all joints at zero, in root coordinates (m)."""
+
+    points: Array
+    """(n, 3) whose convex hull is that of the robot."""
+    owners: Indices
+    """(n,) the place of each point's link in the tree's order."""
+    com: Array
+    """(3,)"""
+
+    def measure_rest_tilt(self, com: Array) -> TipOver:
+        """Simulate how the robot, with its centre of mass at ``com``, tips until it rests or lies on its side."""
+        return simulate_tipping(self.points, self.owners, com, limit=_FALLEN)
 
 
 def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Finding]:
@@ -39,60 +55,59 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
     weights = list_link_masses(model)
     base = model.tree.list_body_links(model.tree.root)
     if not any(weight.link.name in base for weight in weights):
-        return  # what everything hangs on weighs nothing: the masses are not those of a robot
+        return  # the base weighs nothing: these are not the masses of a robot
     points, owners = collect_robot_corners(model, wheels)
     if not len(points):
         return
     com = np.average([w.com for w in weights], axis=0, weights=[w.mass for w in weights])
-    supports = _find_ground_links(model, points, owners, com, math.radians(rest))
+    shape = _RobotShape(points, owners, com)
+    supports = _find_ground_links(model, shape, math.radians(rest))
     if not _is_standing(model, supports, wheels):
         return
     now = compute_ground_support(points, owners, com)
     # Legs, with wheels on them or not, need not stand with all joints at zero.
     meant = any(not is_suspended(model, name) for name in supports if name in wheels)
     severity: Severity | None
-    told: dict[str, Any]
+    details: dict[str, Any]
     if now.tip_angle >= -SLACK:
         # On a slope the plumb line meets the ground farther down, as if the COM were there on level ground.
         downhill = com + math.tan(math.radians(slope)) * now.height * now.outwards
-        if not meant or math.degrees(simulate_tipping(points, owners, downhill, _FALLEN).tilt) <= rest:
+        if not meant or math.degrees(shape.measure_rest_tilt(downhill).tilt) <= rest:
             return
-        message, severity, told = "slope", Severity.INFO, {"slope": slope}
+        message, severity, details = "slope", Severity.INFO, {"slope": slope}
     else:
-        end = simulate_tipping(points, owners, com, _FALLEN)
+        end = shape.measure_rest_tilt(com)
         if math.degrees(end.tilt) <= rest:
             return
-        message, severity, told = (
-            "tips",
-            None if meant else Severity.INFO,
-            {"outcome": _describe_outcome(model, end, owners)},
-        )
+        message, severity = "tips", None if meant else Severity.INFO
+        details = {"outcome": _describe_outcome(model, end, owners)}
     worst = _find_tipping_link(weights, now)
-    touching = {name: _round_point(place) for name, place in compute_contact_points(model, points, owners, now).items()}
-    assert worst.link.inertial is not None
+    touching = compute_contact_points(model, points, owners, support=now)
     yield rule.finding(
         message,
-        at=worst.link.inertial,
+        at=model.mass_by_name[worst.link.name].inertial,
         severity=severity,
         supports=join_names(touching),
-        contacts=touching,
+        contacts={name: _round_point(place) for name, place in touching.items()},
         polygon=[_round_point(corner) for corner in now.polygon],
-        **_collect_data(weights, worst, now, com),
-        **told,
+        **_collect_data(weights, worst=worst, now=now, com=com),
+        **details,
     )
 
 
-def _find_ground_links(model: Model, points: Array, owners: NDArray[np.int64], com: Array, rest: float) -> list[str]:
-    """The links that touch the ground, or do when the robot is tilted by ``rest`` (rad)."""
-    heights = points[:, 2] - points[:, 2].min()
-    reach = np.linalg.norm(points[:, :2] - com[:2], axis=1)
-    down = sorted(set(owners[heights <= math.tan(rest) * reach].tolist()))  # np.unique loads numpy.ma for it
+def _find_ground_links(model: Model, shape: _RobotShape, rest: float) -> list[str]:
+    """Return the links that touch the ground, or do when the robot is tilted by ``rest`` (rad)."""
+    heights = shape.points[:, 2] - shape.points[:, 2].min()
+    reach = np.linalg.norm(shape.points[:, :2] - shape.com[:2], axis=1)
+    down = sorted(set(shape.owners[heights <= math.tan(rest) * reach].tolist()))  # np.unique would load numpy.ma
     return [model.tree.order[i] for i in down]
 
 
 def _is_standing(model: Model, supports: Sequence[str], wheels: Collection[str]) -> bool:
-    """Whether it is meant to stand by itself: on three bodies, wheels among them, or on three legs. What has two wheels or two
-    feet is kept upright by its controller."""
+    """Whether the robot is meant to stand by itself: on three bodies, wheels among them, or on three legs.
+
+    On two wheels or two feet, a controller keeps it upright.
+    """
     if len({model.tree.list_body_links(name)[0] for name in supports}) < 3:
         return False
     if wheels:  # most of them touch, unless the root's z does not point up
@@ -106,17 +121,17 @@ def _is_leg(model: Model, name: str) -> bool:
 
 
 def _find_tipping_link(weights: Sequence[LinkMass], now: GroundSupport) -> LinkMass:
-    """The link that pulls the most over the nearest edge."""
+    """Return the link that pulls the most over the nearest edge."""
     return max(weights, key=lambda w: w.mass * float((w.com - now.nearest) @ now.outwards))
 
 
-def _describe_outcome(model: Model, end: TipOver, owners: NDArray[np.int64]) -> str:
+def _describe_outcome(model: Model, end: TipOver, owners: Indices) -> str:
     if end.last_contact is None or not math.isfinite(end.tilt):
         return "it falls over"
     return f"it comes to rest tilted by {math.degrees(end.tilt):.0f}°, on {model.tree.order[owners[end.last_contact]]}"
 
 
-def _collect_data(weights: Sequence[LinkMass], worst: LinkMass, now: GroundSupport, com: Array) -> dict[str, Any]:
+def _collect_data(weights: Sequence[LinkMass], *, worst: LinkMass, now: GroundSupport, com: Array) -> dict[str, Any]:
     total = sum(weight.mass for weight in weights)
     heaviest = max(weights, key=lambda w: w.mass)
     x, y, _ = now.outwards.tolist()
@@ -126,11 +141,11 @@ def _collect_data(weights: Sequence[LinkMass], worst: LinkMass, now: GroundSuppo
         "angle": max(0.0, math.degrees(now.tip_angle)),
         "height": now.height * 1e3,
         "com": _round_point(com),
-        "com_text": _format_point(com),
+        "com_text": format_point(com, decimals=3),
         "mass": total,
         "worst": worst.link.name,
         "worst_mass": worst.mass,
-        "worst_com": _format_point(worst.com),
+        "worst_com": format_point(worst.com, decimals=3),
         "heaviest": heaviest.link.name,
         "suspects": " and of ".join(dict.fromkeys((worst.link.name, heaviest.link.name))),
         "share": heaviest.mass / total,
@@ -139,7 +154,3 @@ def _collect_data(weights: Sequence[LinkMass], worst: LinkMass, now: GroundSuppo
 
 def _round_point(place: Array) -> list[float]:
     return [round(float(v), 6) + 0.0 for v in place]
-
-
-def _format_point(place: Array) -> str:
-    return " ".join(f"{round(float(v), 3) + 0.0:g}" for v in place)

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model, Shape
+from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Attribute
 
-# The attributes that hold dimensions, with what each of their numbers is called.
+# The attributes that hold dimensions, with the name of each of their numbers.
 _DIMENSIONS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "box": {"size": ("x", "y", "z")},
     "cylinder": {"radius": ("",), "length": ("",)},
@@ -19,7 +20,7 @@ _DIMENSIONS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "mesh": {"scale": ("x", "y", "z")},
 }
 
-# What MuJoCo does with a shape that collides, and with one that is drawn.
+# MuJoCo's treatment of a colliding shape, of a mesh without volume, and of a visual shape.
 REFUSED = "refuses to compile: size must be positive in geom"
 FLAT = "refuses to compile: mesh volume is too small"
 DRAWN = "loads it: it leaves out what is only drawn"
@@ -32,19 +33,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 attribute = None if shape.geometry_element is None else shape.geometry_element.attributes.get(name)
                 values = None if attribute is None else parse_numbers(attribute.value, len(parts))
                 if attribute is not None and values is not None:
-                    yield from _check_dimensions(
-                        rule, link.name, shape, attribute, dict(zip(parts, values, strict=True))
-                    )
+                    sizes = dict(zip(parts, values, strict=True))
+                    yield from _check_dimensions(rule, shape, attribute, link=link.name, values=sizes)
 
 
 def _check_dimensions(
-    rule: Rule, link: str, shape: Shape, attribute: Attribute, values: dict[str, float]
+    rule: Rule, shape: Shape, attribute: Attribute, *, link: str, values: dict[str, float]
 ) -> Iterator[Finding]:
-    mesh = shape.kind == "mesh"  # where a negative scale mirrors, which is no wrong size
+    mesh = shape.kind == "mesh"  # whose negative scale mirrors it and is not a wrong size
     negative = [part for part, value in values.items() if value < 0 and not mesh]
     # A capsule without a cylinder between its caps is a sphere.
-    round_ = shape.kind == "capsule" and attribute.name == "length"
-    zero = [part for part, value in values.items() if value == 0 and not round_]
+    may_be_zero = shape.kind == "capsule" and attribute.name == "length"
+    zero = [part for part, value in values.items() if value == 0 and not may_be_zero]
     data: dict[str, Any] = {
         "link": link,
         "role": shape.role,
@@ -54,7 +54,8 @@ def _check_dimensions(
         "consequences": {"mujoco": DRAWN if shape.role == "visual" else FLAT if mesh else REFUSED},
     }
     if negative:
-        yield rule.finding("negative", at=attribute, edits=_propose_edits(attribute), **data)
+        positive = " ".join(word.removeprefix("-") for word in attribute.typed.split())
+        yield rule.finding("negative", at=attribute, edits=edit_literal(attribute, positive), **data)
     elif zero and mesh:
         severity = Severity.WARNING if shape.role == "visual" else None
         yield rule.finding("flattened", at=attribute, severity=severity, axes=", ".join(zero), **data)
@@ -62,11 +63,3 @@ def _check_dimensions(
         yield rule.finding("drawn", at=attribute, severity=Severity.INFO, **data)
     elif zero:
         yield rule.finding("zero", at=attribute, **data)
-
-
-def _propose_edits(attribute: Attribute) -> tuple[Edit, ...]:
-    """The same numbers without their minus signs, where they are typed as such."""
-    if not attribute.literal or attribute.span is None:
-        return ()
-    positive = " ".join(word.removeprefix("-") for word in attribute.typed.split())
-    return (Edit(attribute.span, attribute.typed, positive),)

@@ -9,7 +9,7 @@ import numpy as np
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Link, Model
-from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_rigid_bodies
+from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
 
 
@@ -18,11 +18,9 @@ def check(model: Model, rule: Rule, *, sheltered: float, majority: float) -> Ite
     if not moving:
         return
     if not any(link.collisions for link in model.links):
-        name = model.robot.attributes.get("name")
-        at = model.location if name is None else name.location
-        yield rule.finding("none", at=at, severity=Severity.INFO, robot=model.name, bodies=len(moving))
+        yield rule.finding("none", at=model.name_location, severity=Severity.INFO, robot=model.name, bodies=len(moving))
         return
-    bare = [body for body in moving if not _has_collision(model, body)]
+    bare = [body for body in moving if not has_collision_geometry(model, body)]
     missing = [body for body in bare if not _is_exempt(model, body, sheltered)]
     if not missing:
         return
@@ -45,17 +43,13 @@ def check(model: Model, rule: Rule, *, sheltered: float, majority: float) -> Ite
 
 
 def _list_drawn_links(model: Model, body: RigidLinkGroup) -> list[Link]:
-    """The links of a body that draw something."""
+    """Return the links of a body that draw something."""
     links = [model.link_by_name[name] for name in body.links]
     return [link for link in links if any(not is_dummy_shape(shape) for shape in link.visuals)]
 
 
-def _has_collision(model: Model, body: RigidLinkGroup) -> bool:
-    return any(model.link_by_name[name].collisions for name in body.links)
-
-
 def _is_exempt(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
-    """Whether a body needs no collision: it is a marker, it carries wheels, or it lies inside its neighbour's collision."""
+    """Whether a body needs no collision geometry: it is a marker, carries wheels, or lies inside its neighbour's geometry."""
     weighs = any(model.link_by_name[name].inertial is not None for name in body.links)
     if not weighs and any(link.inertial is not None for link in model.links):
         return True
@@ -63,7 +57,7 @@ def _is_exempt(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
 
 
 def _is_wheel_carrier(model: Model, body: RigidLinkGroup) -> bool:
-    """A caster's fork, a steering knuckle, a rocker: everything it moves is a wheel, and a wheel moves nothing further."""
+    """Whether a body moves only wheels, which move nothing further: a caster's fork, a steering knuckle, a rocker."""
     tree = model.tree
     joints = [j for name in body.links for j in tree.child_joints[name] if j.type != "fixed"]
     return bool(joints) and all(
@@ -75,11 +69,11 @@ def _is_wheel_carrier(model: Model, body: RigidLinkGroup) -> bool:
 
 
 def _is_sheltered(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
-    """Whether the box round what a body draws lies within the box round the collision of a body that it is joined to."""
+    """Whether the bounding box of a body's visuals lies within that of the collisions of a neighbouring body."""
     tree = model.tree
     near = [tree.parent_joint[body.links[0]].parent]
     near += [j.child for name in body.links for j in tree.child_joints[name] if j.type != "fixed"]
-    # Along the axes of the link that draws, so that the root's orientation does not matter.
+    # Along the axes of the body's first link, so that the root's orientation does not matter.
     home = np.linalg.inv(model.frames[body.links[0]])
     drawn = compute_bounding_box(
         model, [(s, home @ model.frames[n]) for n in body.links for s in model.link_by_name[n].visuals]

@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule
+from urdfcheck.core.text import format_box_size
 from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
-# Flat shapes have boxes without volume: each is made thicker by this fraction of its diagonal.
+# Flat shapes have boxes without volume: each box is enlarged by this fraction of its diagonal.
 _PADDING = 0.01
-# Factors between units of length; a mesh in one of them has one of these as its ratio, to within rounding of a hull.
+# Factors between units of length: the ratio of a mesh in a wrong unit, to within the rounding of a hull.
 _UNITS = {1000.0: "millimetres and metres", 100.0: "centimetres and metres", 25.4: "inches and millimetres",
           39.37: "inches and metres", 10.0: "millimetres and centimetres"}  # fmt: skip
 _UNIT_TOL = 0.02
@@ -29,26 +29,28 @@ _UNIT_TOL = 0.02
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _BoxPair:
-    """The boxes (2, 3) round what is drawn and what collides, in m along the axes of one frame."""
+    """The bounding boxes of visual and collision geometry, along the axes of one frame."""
 
     visual_box: Array
+    """(2, 3) in m"""
     collision_box: Array
+    """(2, 3) in m"""
 
     @property
     def ratio(self) -> float:
-        """How many times as long as the drawn box's diagonal the other's is."""
+        """The diagonal of the collision box over that of the visual box."""
         return _measure_diagonal(self.collision_box) / _measure_diagonal(self.visual_box)
 
     @property
     def overlap(self) -> float:
-        """Volume that the boxes share over that of the smaller one; 1 where it lies inside the larger one."""
+        """The common volume of the boxes over that of the smaller box; 1 if it lies inside the larger one."""
         a, b = _pad_box(self.visual_box), _pad_box(self.collision_box)
         shared = np.maximum(0.0, np.minimum(a[1], b[1]) - np.maximum(a[0], b[0])).prod()
         return float(shared / min((a[1] - a[0]).prod(), (b[1] - b[0]).prod()))
 
     @property
     def offset(self) -> float:
-        """Distance between the middles of the boxes in m."""
+        """The distance between the middles of the boxes in m."""
         return float(np.linalg.norm(self.collision_box.mean(axis=0) - self.visual_box.mean(axis=0)))
 
 
@@ -60,14 +62,12 @@ def check(model: Model, rule: Rule, *, overlap: float, ratio: float) -> Iterator
 
     for body in list_rigid_bodies(model):
         links = [model.link_by_name[name] for name in body.links]
-        suspects = [link for link in links if _compare_links(model, [link], classify_pair) is not None]
-        # What one link draws, another that is fixed to it may collide with.
+        compared = [(link, _compare_links(model, [link], classify_pair)) for link in links]
+        suspects = [(link, *mismatch) for link, mismatch in compared if mismatch is not None]
+        # The collision geometry for one link's visual may belong to another link that is fixed to it.
         if not suspects or (len(links) > 1 and _compare_links(model, links, classify_pair) is None):
             continue
-        for link in suspects:
-            found = _compare_links(model, [link], classify_pair)
-            assert found is not None
-            message, pair = found
+        for link, message, pair in suspects:
             cause = _guess_unit_mismatch(pair.ratio)
             yield rule.finding(
                 message, at=_locate(link, message), cause="units" if cause else None, **_collect_data(link, pair, cause)
@@ -77,10 +77,10 @@ def check(model: Model, rule: Rule, *, overlap: float, ratio: float) -> Iterator
 def _compare_links(
     model: Model, links: Sequence[Link], classify: Callable[[_BoxPair], str | None]
 ) -> tuple[str, _BoxPair] | None:
-    """What is wrong with some links of one body together, and their boxes; None when that is nothing or not known.
+    """Return the message about links of one body together, and their boxes; None if they agree or are not known.
 
-    Programs differ in whether they follow COLLADA's unit and up-axis, which MSH008 is about: a disagreement counts
-    when it is there however the meshes are read. It is told as RViz and Gazebo draw it.
+    Programs differ in whether they follow COLLADA's unit and up-axis (MSH008): a disagreement counts if it is there in all
+    readings of the meshes. It is measured as RViz and Gazebo draw it.
     """
     pairs = _measure_boxes(model, links)
     verdicts = [verdict for pair in pairs if (verdict := classify(pair)) is not None]
@@ -88,6 +88,7 @@ def _compare_links(
 
 
 def _measure_boxes(model: Model, links: Sequence[Link]) -> list[_BoxPair]:
+    """Measure links of one body in each reading of their meshes; nothing if a box is not known or has no size."""
     drawn, colliding = (
         [
             (shape, frame)
@@ -119,7 +120,7 @@ def _measure_boxes(model: Model, links: Sequence[Link]) -> list[_BoxPair]:
 
 
 def _compute_link_poses(model: Model, links: Sequence[Link]) -> list[Array]:
-    """Where links of one body stand, seen from the first of them."""
+    """Return the pose (4, 4) of links of one body in the frame of the first of them."""
     if len(links) == 1:
         return [np.eye(4)]
     home = np.linalg.inv(model.frames[links[0].name])
@@ -127,7 +128,7 @@ def _compute_link_poses(model: Model, links: Sequence[Link]) -> list[Array]:
 
 
 def _locate(link: Link, message: str) -> Located:
-    """The collision that is wrong: where it is put, or its shape; the link where it has several."""
+    """Return the origin or the shape of the wrong collision geometry; the link if it has several."""
     if len(link.collisions) > 1:
         return link
     (collision,) = link.collisions
@@ -145,8 +146,8 @@ def _collect_data(link: Link, pair: _BoxPair, units: str | None) -> dict[str, An
         "offset": float(f"{pair.offset:.4g}"),
         "factor": float(f"{factor:.4g}"),
         "larger": "larger" if larger else "smaller",
-        "drawn": _format_box_size(pair.visual_box),
-        "collision": _format_box_size(pair.collision_box),
+        "drawn": format_box_size(pair.visual_box[1] - pair.visual_box[0]),
+        "collision": format_box_size(pair.collision_box[1] - pair.collision_box[0]),
         "overlap": float(f"{pair.overlap:.3g}"),
         "units": units or "",
     }
@@ -160,10 +161,6 @@ def _guess_unit_mismatch(ratio: float) -> str | None:
 def _pad_box(box: Array) -> Array:
     margin = _PADDING * _measure_diagonal(box)
     return np.array((box[0] - margin, box[1] + margin))
-
-
-def _format_box_size(box: Array) -> str:
-    return " × ".join(f"{edge:.3g}" for edge in box[1] - box[0]) + " m"
 
 
 def _measure_diagonal(box: Array) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.facts.arrays import Array
 from urdfcheck.facts.inertials.inertia_tensor import (
     Solid,
     compute_principal_moments,
@@ -24,24 +25,24 @@ IDENTITY, NO_TRANSLATION = np.eye(3), np.zeros(3)
 
 
 def check(model: Model, rule: Rule, *, triangles: int) -> Iterator[Finding]:
-    found: list[tuple[MeshUse, int]] = []
+    dense: list[tuple[MeshUse, int]] = []
     for use in model.meshes.uses:
         facts = model.meshes.get_facts(use.shape)
         if facts is not None and facts.n_triangles > triangles and _is_drawn_too(model, use):
-            found.append((use, facts.n_triangles))
-    if not found:
+            dense.append((use, facts.n_triangles))
+    if not dense:
         return
     fits: dict[str, list[str]] = {}
-    for use, _ in found:
+    for use, _ in dense:
         if (fit := _fit_primitive(model, use)) is not None:
             fits.setdefault(fit, []).append(use.link.name)
     yield rule.finding(
         "fits" if fits else "dense",
-        at=found[0][0].filename,
-        related=[use.filename for use, _ in found[1:]],
-        links=_format_list([f"{use.link.name} ({n:,} triangles)" for use, n in found]),
+        at=dense[0][0].filename,
+        related=[use.filename for use, _ in dense[1:]],
+        links=_format_list([f"{use.link.name} ({n:,} triangles)" for use, n in dense]),
         fits=_format_list([f"{fit} for {_format_list(names)}" for fit, names in fits.items()], "; "),
-        total=sum(n for _, n in found),
+        total=sum(n for _, n in dense),
     )
 
 
@@ -51,7 +52,7 @@ def _format_list(items: list[str], separator: str = ", ") -> str:
 
 
 def _is_drawn_too(model: Model, use: MeshUse) -> bool:
-    """Whether the link draws the file that it collides with."""
+    """Whether the link's visual and collision use the same file."""
     if use.shape.role != "collision":
         return False
     drawn = [model.meshes.by_shape.get(id(shape)) for shape in use.link.visuals]
@@ -59,23 +60,20 @@ def _is_drawn_too(model: Model, use: MeshUse) -> bool:
 
 
 def _fit_primitive(model: Model, use: MeshUse) -> str | None:
-    """The cylinder or box that has the volume and second moments of the mesh to within 2 %, as URDF text.
+    """Return the cylinder or box with the volume and second moments of the mesh to within 2 %, as URDF text.
 
-    Only where its axes are the mesh's own, and where it reaches as far as the mesh to within a quarter, which leaves
-    out rings and combs.
+    Its axes must be the mesh's own and its extent the mesh's to within a quarter, which excludes rings and combs.
     """
     facts, scale = model.meshes.get_facts(use.shape), use.shape.size
     if facts is None or scale is None or not facts.closed or not facts.volume * np.prod(scale):
         return None
-    solid = compute_mesh_solid(facts, scale, IDENTITY, NO_TRANSLATION)
+    solid = compute_mesh_solid(facts, scale, rotation=IDENTITY, translation=NO_TRANSLATION)
     extent = np.ptp(facts.bounds * np.array(scale), axis=0)
     _, axes = compute_principal_moments(compute_solid_inertia(solid, solid.volume))
     return _fit_cylinder(solid, axes, extent) or _fit_box(solid, axes, extent)
 
 
-def _fit_cylinder(
-    solid: Solid, axes: np.typing.NDArray[np.float64], extent: np.typing.NDArray[np.float64]
-) -> str | None:
+def _fit_cylinder(solid: Solid, axes: Array, extent: Array) -> str | None:
     axis, radius, length = fit_equivalent_cylinder(solid.volume, compute_solid_inertia(solid, solid.volume))
     along = None if axis is None else _find_nearest_axis(axes[:, axis])
     if along is None or abs(np.pi * radius**2 * length / solid.volume - 1) > 0.02:
@@ -86,7 +84,7 @@ def _fit_cylinder(
     return f'<cylinder radius="{radius:.3f}" length="{length:.3f}"/> along {"xyz"[along]}'
 
 
-def _fit_box(solid: Solid, axes: np.typing.NDArray[np.float64], extent: np.typing.NDArray[np.float64]) -> str | None:
+def _fit_box(solid: Solid, axes: Array, extent: Array) -> str | None:
     edges = fit_equivalent_box(solid.volume, compute_solid_inertia(solid, solid.volume))
     places = [_find_nearest_axis(axes[:, i]) for i in range(3)]
     if None in places or abs(np.prod(edges) / solid.volume - 1) > 0.02:
@@ -97,7 +95,7 @@ def _fit_box(solid: Solid, axes: np.typing.NDArray[np.float64], extent: np.typin
     return '<box size="' + " ".join(f"{edge:.3f}" for edge in size) + '"/>'
 
 
-def _find_nearest_axis(direction: np.typing.NDArray[np.float64]) -> int | None:
-    """The coordinate axis that a direction is within 3° of."""
+def _find_nearest_axis(direction: Array) -> int | None:
+    """Return the coordinate axis within 3° of a direction, if there is one."""
     best = int(np.argmax(np.abs(direction)))
     return best if abs(direction[best]) > 0.9986 else None

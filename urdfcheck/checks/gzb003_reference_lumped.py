@@ -9,7 +9,7 @@ from dataclasses import replace
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
-from urdfcheck.model.inertials.fixed_joint_lumping import (
+from urdfcheck.model.fixed_joint_lumping import (
     PRESERVE,
     FixedJointReduction,
     MergedShape,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from urdfcheck.core import Edit, FactUnavailableError, Finding, Location, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names, split_name_words
 from urdfcheck.model import Model
-from urdfcheck.model.inertials.fixed_joint_lumping import FixedJointReduction, reduce_fixed_joints
+from urdfcheck.model.fixed_joint_lumping import FixedJointReduction, reduce_fixed_joints
 from urdfcheck.source.text.tokens import build_replacement_edits, find_content_span
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element

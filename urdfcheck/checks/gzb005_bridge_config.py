@@ -9,7 +9,8 @@ from pathlib import Path
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint
 from urdfcheck.source.package.finder import BUILD_FOLDERS, Package, PackageFinder
-from urdfcheck.source.text.yaml import YamlReadError, YamlValue, read_located_yaml
+from urdfcheck.source.ros.yaml_files import read_located_yaml
+from urdfcheck.source.text.yaml import YamlReadError, YamlValue
 from urdfcheck.system.files import read_regular, walk
 
 # ROS type and type of Gazebo Transport, as ros_gz_bridge lists them in its README (rolling, 2026).

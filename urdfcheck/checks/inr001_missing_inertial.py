@@ -7,11 +7,12 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Link, Model
-from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_rigid_bodies
+from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 
-# What MuJoCo does with a body that has no mass, and what Pinocchio and Drake do where it has to hold something, or nothing.
+# MuJoCo's treatment of a body without mass.
 INFERS = "replaces what is missing by mass and inertia of the collision geometry at 1000 kg/m³"
 REFUSES = "refuses to compile: mass and inertia of moving bodies must be larger than mjMINVAL"
+# That of Pinocchio and Drake: the joint moves a mass behind the body, or none at all.
 LIGHT = "loads it without mass"
 NAN = "computes NaN accelerations: a joint moves what has no mass (Drake stops with an error)"
 
@@ -21,12 +22,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if not moving:
         return
     if all(link.inertial is None for link in model.links):
-        name = model.robot.attributes.get("name")
-        at = model.location if name is None else name.location
-        solid = all(_has_collision(model, body) for body in moving)
-        told = {"mujoco": INFERS if solid else REFUSES}
+        solid = all(has_collision_geometry(model, body) for body in moving)
         yield rule.finding(
-            "kinematic", at=at, severity=Severity.INFO, consequences=told, robot=model.name, links=len(model.links)
+            "kinematic",
+            at=model.name_location,
+            severity=Severity.INFO,
+            consequences={"mujoco": INFERS if solid else REFUSES},
+            robot=model.name,
+            links=len(model.links),
         )
         return
     if "bullet" in model.targets:
@@ -42,7 +45,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             message,
             at=head,
             consequences={
-                "mujoco": INFERS if _has_collision(model, body) else REFUSES,
+                "mujoco": INFERS if has_collision_geometry(model, body) else REFUSES,
                 **dict.fromkeys(("pinocchio", "drake"), LIGHT if heavy else NAN),
             },
             link=head.name,
@@ -52,7 +55,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _check_assumed_masses(rule: Rule, moving: list[RigidLinkGroup], model: Model) -> Iterator[Finding]:
-    """One finding of all links whose mass Bullet adds to a moving body that has a mass of its own."""
+    """Report together all links for which Bullet assumes a mass although their moving body has one."""
     frames: list[Link] = []
     for body in moving:
         links = [model.link_by_name[name] for name in body.links]
@@ -70,13 +73,8 @@ def _check_assumed_masses(rule: Rule, moving: list[RigidLinkGroup], model: Model
         )
 
 
-def _has_collision(model: Model, body: RigidLinkGroup) -> bool:
-    """Whether the body has geometry that MuJoCo takes: it leaves out what is only drawn."""
-    return any(model.link_by_name[name].collisions for name in body.links)
-
-
 def _inspect_subtree(model: Model, body: RigidLinkGroup) -> tuple[int, bool]:
-    """How many links hang on the body's first link, and whether any of them has a mass."""
+    """Return the number of links behind the body's first link, and whether one of them or that link has a mass."""
     queue, count, heavy = [body.links[0]], -1, False
     while queue:
         count += 1

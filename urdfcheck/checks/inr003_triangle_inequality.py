@@ -2,96 +2,97 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import merge_identical
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import join_names, join_numbers
 from urdfcheck.facts.inertials.inertia_tensor import (
     TensorRounding,
     compute_principal_moments,
     compute_triangle_excess,
     measure_tensor_rounding,
 )
-from urdfcheck.model import Link, Model
-from urdfcheck.model.parts import TENSOR_NAMES
-from urdfcheck.model.repairs.inertial_edits import propose_repair
+from urdfcheck.model import DeclaredTensor, Model
+from urdfcheck.model.inertials.inertial_proposals import InertialProposal, propose_repair
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass
-from urdfcheck.source.text.xml import Element
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:
-    """A finger that was copied is one finding."""
-    yield from merge_identical(rule, _check_each_link(model, rule, rel_tol, rounding), "link", "other")
+    # A finger that was copied is one finding.
+    findings = _check_each_link(model, rule, rel_tol=rel_tol, rounding=rounding)
+    yield from merge_identical(rule, findings, "link", "other")
 
 
-def _check_each_link(model: Model, rule: Rule, rel_tol: float, rounding: float) -> Iterator[Finding]:
-    helpers: list[tuple[Link, Element]] = []
-    for link in model.links:
-        inertial = link.inertial
-        if inertial is None or inertial.tensor is None or inertial.tensor_element is None or is_point_mass(inertial):
+def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:
+    helpers: list[DeclaredTensor] = []
+    for declared in model.tensors:
+        if is_point_mass(declared.inertial):
             continue
-        excess = -compute_triangle_excess(inertial.tensor)
+        excess = -compute_triangle_excess(declared.tensor)
         if not excess > rel_tol:  # nor a tensor whose largest moment is not positive: INR004
             continue
-        whole = find_merged_body(model, link)
-        typed = measure_tensor_rounding([inertial.tensor_element.get(name) for name in TENSOR_NAMES], rel_tol)
-        data = _collect_data(link, excess, typed)
+        whole = find_merged_body(model, declared.link)
+        typed = measure_tensor_rounding(declared.texts, rel_tol)
+        data = _collect_data(declared, excess, typed)
         if excess < rounding and typed.explained_by_rounding:
-            yield _build_finding(model, rule, "rounded", link, typed, data)
-        elif whole is None or not whole.is_physically_valid(rel_tol):
-            yield _build_finding(model, rule, "violated", link, typed, data)
-        elif whole.link_is_negligible:
-            if compute_principal_moments(inertial.tensor)[0][0] >= 0:  # else INR004
-                helpers.append((link, inertial.tensor_element))
+            yield _build_rounded_finding(rule, declared, propose_repair(model, declared.link), data)
+            continue
+        if whole is not None and whole.is_physically_valid(rel_tol):
+            if whole.link_is_negligible:
+                if compute_principal_moments(declared.tensor)[0][0] >= 0:  # else INR004
+                    helpers.append(declared)
+                continue
+            data |= {"other": whole.heaviest, "whole": join_numbers(whole.moments)}
+            message = "fused"
         else:
-            data |= {"other": whole.heaviest, "whole": _format_moments(whole.moments)}
-            yield _build_finding(model, rule, "fused", link, typed, data)
+            message = "violated"
+        repair = propose_repair(model, declared.link)
+        yield rule.finding(
+            message,
+            at=declared.element,
+            cause="digits" if typed.explained_by_rounding and not repair.message else None,
+            edits=repair.edits,
+            found=repair.message,
+            remedy=repair.remedy,
+            **data,
+        )
     if helpers:
         yield rule.finding(
             "helper",
-            at=helpers[0][1],
-            related=[element for _, element in helpers[1:]],
+            at=helpers[0].element,
+            related=[declared.element for declared in helpers[1:]],
             severity=Severity.INFO,
-            links=join_names(link.name for link, _ in helpers),
+            links=join_names(declared.link.name for declared in helpers),
         )
 
 
-def _build_finding(
-    model: Model, rule: Rule, message: str, link: Link, typed: TensorRounding, data: Mapping[str, Any]
+def _build_rounded_finding(
+    rule: Rule, declared: DeclaredTensor, repair: InertialProposal, data: dict[str, Any]
 ) -> Finding:
-    assert link.inertial is not None
-    assert link.inertial.tensor_element is not None
-    repair = propose_repair(model, link)
+    """Report a tensor that rounding explains, with the repair of a mistake but not with the drawn part's numbers."""
     return rule.finding(
-        message,
-        at=link.inertial.tensor_element,
-        cause="digits" if typed.explained_by_rounding and message != "rounded" and not repair.message else None,
-        edits=repair.edits if repair.message or message != "rounded" else (),
-        severity=Severity.WARNING if message == "rounded" else None,
+        "rounded",
+        at=declared.element,
+        edits=repair.edits if repair.message else (),
+        severity=Severity.WARNING,
         found=repair.message,
-        remedy=repair.remedy if repair.message or message != "rounded" else "",
+        remedy=repair.remedy if repair.message else "",
         **data,
     )
 
 
-def _collect_data(link: Link, excess: float, typed: TensorRounding) -> dict[str, Any]:
-    assert link.inertial is not None
-    assert link.inertial.tensor is not None
-    moments, _ = compute_principal_moments(link.inertial.tensor)
-    # What the eigenvalue solver leaves of a zero is no number to print.
+def _collect_data(declared: DeclaredTensor, excess: float, typed: TensorRounding) -> dict[str, Any]:
+    moments, _ = compute_principal_moments(declared.tensor)
+    # The eigenvalue solver leaves a residue of a zero, which is not a number to print.
     shown = [0.0 if abs(m) < 1e-12 * moments[2] else float(m) for m in moments]
     return {
-        "link": link.name,
-        "moments": _format_moments(shown),
+        "link": declared.link.name,
+        "moments": join_numbers(shown),
         "sum": shown[0] + shown[1],
         "excess": float(excess),
         "percent": float(excess * 100),
         "typed": typed.typed_digits,
         "digits": typed.digits,
     }
-
-
-def _format_moments(moments: Iterable[float]) -> str:
-    return ", ".join(f"{m:.6g}" for m in moments)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from dataclasses import dataclass
 
-from urdfcheck.core import Edit, Finding, Located, Rule, Severity
+from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.inertia_tensor import (
     TensorRounding,
@@ -14,227 +14,223 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_triangle_excess,
     measure_tensor_rounding,
 )
-from urdfcheck.model import Inertial, Link, Model
+from urdfcheck.model import DeclaredTensor, Model
+from urdfcheck.model.inertials.inertial_proposals import propose_repair
 from urdfcheck.model.parts import TENSOR_NAMES
-from urdfcheck.model.repairs.inertial_edits import InertialProposal, propose_repair
+from urdfcheck.model.repairs.edits import edit_literals
 from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass
 
 DIAGONAL = (0, 3, 5)
 PRODUCTS = {1: (0, 3), 2: (0, 5), 4: (3, 5)}
-# Gazebo judges the sum of what fixed joints join.
+# Gazebo judges the sum of the links that fixed joints join.
 REFUSED = "refuses the model: the link has an invalid inertia (sdformat error 18)"
 MERGED = "loads it: it merges what fixed joints join, and judges the sum"
 NAN = "computes NaN accelerations: the point lies on the axis, and nothing resists (Drake stops with an error)"
 FUSED = "; only together with {} and whatever else is fixed to it is the body a possible one"
 
 
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class _IndefiniteTensor:
+    """A tensor with a negative diagonal entry or principal moment, and what the message about it needs."""
+
+    declared: DeclaredTensor
+    smallest: float
+    """The smallest principal moment in kg m²."""
+    largest: float
+    """The largest absolute principal moment in kg m²."""
+    rounding: TensorRounding
+    fused: str
+    """The end of the message if the links that are fixed together have a possible tensor, else empty."""
+
+    @property
+    def gazebo(self) -> str:
+        return MERGED if self.fused else REFUSED
+
+
 def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:
-    points: list[Link] = []
-    lines: list[Link] = []
-    helpers: list[Link] = []
-    for link in model.links:
-        inertial = link.inertial
-        if inertial is None or inertial.inertia_components is None:
-            continue
-        smallest, largest = _compute_moment_extremes(inertial.inertia_components)
-        negative = [i for i in DIAGONAL if inertial.inertia_components[i] < 0]
-        if is_point_mass(inertial):
-            points.append(link)
-        elif negative or smallest < -rel_tol * largest:
-            whole = find_merged_body(model, link)
+    points: list[DeclaredTensor] = []
+    lines: list[DeclaredTensor] = []
+    helpers: list[DeclaredTensor] = []
+    for declared in model.tensors:
+        components = declared.components
+        smallest, largest = _compute_moment_extremes(components)
+        if is_point_mass(declared.inertial):
+            points.append(declared)
+        elif any(components[i] < 0 for i in DIAGONAL) or smallest < -rel_tol * largest:
+            whole = find_merged_body(model, declared.link)
             possible = whole is not None and whole.is_physically_valid(rel_tol)
-            fused = FUSED.format(whole.heaviest) if whole is not None and possible else ""
-            typed = _count_typed_digits(inertial, rel_tol)
-            if smallest > -rounding * largest and typed.explained_by_rounding:
-                yield _build_rounded_finding(rule, link, typed, -smallest / largest, fused)
+            wrong = _IndefiniteTensor(
+                declared=declared,
+                smallest=smallest,
+                largest=largest,
+                rounding=measure_tensor_rounding(declared.texts, rel_tol),
+                fused=FUSED.format(whole.heaviest) if whole is not None and possible else "",
+            )
+            if smallest > -rounding * largest and wrong.rounding.explained_by_rounding:
+                yield _build_rounded_finding(rule, wrong)
             elif whole is not None and possible and whole.link_is_negligible:
-                helpers.append(link)
-            elif negative:
-                yield _build_negative_finding(rule, link, negative, fused, propose_repair(model, link))
+                helpers.append(declared)
             else:
-                yield _build_product_finding(rule, link, smallest, fused, propose_repair(model, link))
-        elif (
-            smallest <= rel_tol * largest
-            and compute_triangle_excess(build_inertia_tensor(inertial.inertia_components)) >= -rel_tol
-        ):
-            lines.append(link)
-    # Only these need the tree: a rod or a point is no defect where what is fixed to it makes the body whole.
-    yield from _check_singular_links(rule, model, "point", points, rel_tol)
-    yield from _check_singular_links(rule, model, "line", lines, rel_tol)
+                yield _build_indefinite_finding(model, rule, wrong)
+        elif smallest <= rel_tol * largest and compute_triangle_excess(build_inertia_tensor(components)) >= -rel_tol:
+            lines.append(declared)
+    # The tree is built only for these: a rod or a point is harmless if the links fixed to it complete the body.
+    yield from _check_singular_links(model, rule, "point", links=points, rel_tol=rel_tol)
+    yield from _check_singular_links(model, rule, "line", links=lines, rel_tol=rel_tol)
     if helpers:
         yield rule.finding(
             "helper",
-            at=_locate_tensor(helpers[0]),
-            related=[_locate_tensor(link) for link in helpers[1:]],
+            at=helpers[0].element,
+            related=[declared.element for declared in helpers[1:]],
             severity=Severity.INFO,
-            links=join_names(link.name for link in helpers),
+            links=join_names(declared.link.name for declared in helpers),
         )
 
 
-def _compute_moment_extremes(six: Sequence[float]) -> tuple[float, float]:
-    moments, _ = compute_principal_moments(build_inertia_tensor(six))
+def _compute_moment_extremes(components: Sequence[float]) -> tuple[float, float]:
+    """Return the smallest principal moment and the largest absolute one, in kg m²."""
+    moments, _ = compute_principal_moments(build_inertia_tensor(components))
     return float(moments[0]), float(abs(moments).max())
 
 
-def _is_valid_inertia(six: Sequence[float]) -> bool:
-    smallest, largest = _compute_moment_extremes(six)
-    return smallest > 1e-9 * largest and compute_triangle_excess(build_inertia_tensor(six)) >= -1e-9
+def _is_possible(components: Sequence[float]) -> bool:
+    """Whether the components are those of a possible body."""
+    smallest, largest = _compute_moment_extremes(components)
+    return smallest > 1e-9 * largest and compute_triangle_excess(build_inertia_tensor(components)) >= -1e-9
 
 
-def _count_typed_digits(inertial: Inertial, rel_tol: float) -> TensorRounding:
-    element = inertial.tensor_element
-    assert element is not None
-    return measure_tensor_rounding([element.get(name) for name in TENSOR_NAMES], rel_tol)
-
-
-def _build_rounded_finding(rule: Rule, link: Link, typed: TensorRounding, excess: float, fused: str) -> Finding:
+def _build_rounded_finding(rule: Rule, wrong: _IndefiniteTensor) -> Finding:
     return rule.finding(
         "rounded",
-        at=_locate_tensor(link),
+        at=wrong.declared.element,
         severity=Severity.WARNING,
-        consequences={"gazebo": MERGED if fused else REFUSED},
-        link=link.name,
-        excess=excess,
-        typed=typed.typed_digits,
-        digits=typed.digits,
+        consequences={"gazebo": wrong.gazebo},
+        link=wrong.declared.link.name,
+        excess=-wrong.smallest / wrong.largest,
+        typed=wrong.rounding.typed_digits,
+        digits=wrong.rounding.digits,
     )
 
 
-def _build_negative_finding(
-    rule: Rule, link: Link, negative: Sequence[int], fused: str, repair: InertialProposal
-) -> Finding:
-    """A negative diagonal entry; when dropping the signs makes it possible, and nothing better is known, the fix does that."""
-    inertial = link.inertial
-    assert inertial is not None
-    six = inertial.inertia_components
-    assert six is not None
-    mended = [abs(v) if i in DIAGONAL else v for i, v in enumerate(six)]
-    sign = _is_valid_inertia(mended) and not repair.message
+def _build_indefinite_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor) -> Finding:
+    negative = [i for i in DIAGONAL if wrong.declared.components[i] < 0]
+    return (
+        _build_negative_finding(model, rule, wrong, negative)
+        if negative
+        else _build_product_finding(model, rule, wrong)
+    )
+
+
+def _build_negative_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor, negative: Sequence[int]) -> Finding:
+    """Report negative diagonal entries; the edit drops their signs if that makes the tensor possible and no better repair is
+    known."""
+    declared, components = wrong.declared, wrong.declared.components
+    repair = propose_repair(model, declared.link)
+    only_sign = _is_possible([abs(v) if i in DIAGONAL else v for i, v in enumerate(components)])
+    message = "negative_sign" if only_sign and not repair.message else "negative"
     return rule.finding(
-        "negative_sign" if sign else "negative",
-        at=_locate(inertial, TENSOR_NAMES[negative[0]]),
-        cause="sign" if _is_valid_inertia(mended) else _guess_cause(six),
-        edits=_propose_edits(inertial, negative) if sign else repair.edits,
-        consequences={"gazebo": MERGED if fused else REFUSED},
-        link=link.name,
-        fused=fused,
+        message,
+        at=declared.get_attribute(negative[0]),
+        cause="sign" if only_sign else _guess_cause(components),
+        edits=_drop_signs(declared, negative) if message == "negative_sign" else repair.edits,
+        consequences={"gazebo": wrong.gazebo},
+        link=declared.link.name,
+        fused=wrong.fused,
         found=repair.message,
         remedy=repair.remedy,
-        names=", ".join(f"{TENSOR_NAMES[i]} = {six[i]:g}" for i in negative),
-        values=" ".join(f'{TENSOR_NAMES[i]}="{abs(six[i]):g}"' for i in negative),
+        names=", ".join(f"{TENSOR_NAMES[i]} = {components[i]:g}" for i in negative),
+        values=" ".join(f'{TENSOR_NAMES[i]}="{abs(components[i]):g}"' for i in negative),
     )
 
 
-def _propose_edits(inertial: Inertial, entries: Sequence[int]) -> list[Edit]:
-    element = inertial.tensor_element
-    assert element is not None
-    edits = []
-    for i in entries:
-        attribute = element.attributes[TENSOR_NAMES[i]]
-        if not attribute.literal or attribute.span is None:
-            return []
-        edits.append(Edit(attribute.span, attribute.typed, attribute.typed.replace("-", "", 1)))
-    return edits
+def _drop_signs(declared: DeclaredTensor, entries: Sequence[int]) -> list[Edit]:
+    attributes = [declared.get_attribute(i) for i in entries]
+    return edit_literals((attribute, attribute.typed.replace("-", "", 1)) for attribute in attributes)
 
 
-def _build_product_finding(rule: Rule, link: Link, smallest: float, fused: str, repair: InertialProposal) -> Finding:
-    inertial = link.inertial
-    assert inertial is not None
-    six, place = inertial.inertia_components, inertial.tensor_element
-    assert six is not None
-    assert place is not None
-    data: dict[str, Any] = {
-        "link": link.name,
-        "fused": fused,
-        "consequences": {"gazebo": MERGED if fused else REFUSED},
-        "found": repair.message,
-        "remedy": repair.remedy,
-        "smallest": smallest,
-    }
-    # |Ixy| > sqrt(Ixx Iyy) alone already makes the tensor indefinite; else it takes all three products together.
-    excess = {i: abs(six[i]) - (six[a] * six[b]) ** 0.5 for i, (a, b) in PRODUCTS.items()}
-    worst = max(excess, key=lambda i: excess[i])
+def _build_product_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor) -> Finding:
+    declared, components = wrong.declared, wrong.declared.components
+    repair = propose_repair(model, declared.link)
+    # |Ixy| > sqrt(Ixx Iyy) alone makes the tensor indefinite; otherwise all three products together do.
+    bounds = {i: (components[a] * components[b]) ** 0.5 for i, (a, b) in PRODUCTS.items()}
+    worst = max(bounds, key=lambda i: abs(components[i]) - bounds[i])
+    alone = abs(components[worst]) > bounds[worst]
     a, b = PRODUCTS[worst]
-    if excess[worst] > 0:
-        return rule.finding(
-            "product",
-            at=_locate(inertial, TENSOR_NAMES[worst]),
-            cause=_guess_cause(six),
-            edits=repair.edits,
-            product=TENSOR_NAMES[worst],
-            value=six[worst],
-            bound=(six[a] * six[b]) ** 0.5,
-            first=TENSOR_NAMES[a],
-            second=TENSOR_NAMES[b],
-            **data,
-        )
-    return rule.finding("products", at=place, cause=_guess_cause(six), edits=repair.edits, **data)
+    single = {
+        "product": TENSOR_NAMES[worst],
+        "value": components[worst],
+        "bound": bounds[worst],
+        "first": TENSOR_NAMES[a],
+        "second": TENSOR_NAMES[b],
+    }
+    return rule.finding(
+        "product" if alone else "products",
+        at=declared.get_attribute(worst) if alone else declared.element,
+        cause=_guess_cause(components),
+        edits=repair.edits,
+        consequences={"gazebo": wrong.gazebo},
+        **(single if alone else {}),
+        link=declared.link.name,
+        fused=wrong.fused,
+        found=repair.message,
+        remedy=repair.remedy,
+        smallest=wrong.smallest,
+    )
 
 
-def _guess_cause(six: Sequence[float]) -> str | None:
-    """Whether the six numbers make a possible body when they are read in another common order."""
-    diagonal_first = [six[i] for i in (0, 3, 4, 1, 5, 2)]
-    if _is_valid_inertia(diagonal_first):
+def _guess_cause(components: Sequence[float]) -> str | None:
+    """Return the cause if the six numbers, read in another common order, make a possible body."""
+    diagonal_first = [components[i] for i in (0, 3, 4, 1, 5, 2)]
+    if _is_possible(diagonal_first):
         return "diagonal_first"
-    # Rows of the full matrix xx xy xz | yx yy yz: the fourth number repeats the second.
-    return "rows" if six[1] == six[3] != 0 else None
+    # In the rows of the full matrix, xx xy xz | yx yy yz, the fourth number repeats the second.
+    return "rows" if components[1] == components[3] != 0 else None
 
 
 def _check_singular_links(
-    rule: Rule, model: Model, message: str, links: Sequence[Link], rel_tol: float
+    model: Model, rule: Rule, message: str, *, links: Sequence[DeclaredTensor], rel_tol: float
 ) -> Iterator[Finding]:
-    """One warning for each link whose whole body is singular, one info for all the others together."""
-    alone: list[Link] = []
-    harmless: list[Link] = []
-    for link in links:
-        fused = compute_body_tensor(model, model.tree.list_body_links(link.name))
+    """Warn of each link whose whole body is singular, and report all others together as an info."""
+    alone: list[DeclaredTensor] = []
+    harmless: list[DeclaredTensor] = []
+    for declared in links:
+        name = declared.link.name
+        fused = compute_body_tensor(model, model.tree.list_body_links(name))
         if fused is None:
             continue  # no mass, or a malformed inertial: other rules
         moments, _ = compute_principal_moments(fused)
-        singular = model.tree.is_movable_link(link.name) and moments[0] <= rel_tol * moments[2]
-        (alone if singular else harmless).append(link)
-    for link in alone:
-        point = NAN if message == "point" and _is_on_joint_axis(model, link) else "loads it as a point mass"
-        told = dict.fromkeys(("pinocchio", "drake"), point) if message == "point" else None
+        singular = model.tree.is_movable_link(name) and moments[0] <= rel_tol * moments[2]
+        (alone if singular else harmless).append(declared)
+    for declared in alone:
+        point = NAN if message == "point" and _is_on_joint_axis(model, declared) else "loads it as a point mass"
         yield rule.finding(
             message,
-            at=_locate_tensor(link),
+            at=declared.element,
             severity=Severity.WARNING,
-            consequences=told,
-            links=_format_links_with_mass([link]),
+            consequences=dict.fromkeys(("pinocchio", "drake"), point) if message == "point" else None,
+            links=_format_masses([declared]),
         )
     if harmless:
         yield rule.finding(
             f"{message}_fixed",
-            at=_locate_tensor(harmless[0]),
-            related=[_locate_tensor(link) for link in harmless[1:]],
+            at=harmless[0].element,
+            related=[declared.element for declared in harmless[1:]],
             severity=Severity.INFO,
-            links=_format_links_with_mass(harmless),
+            links=_format_masses(harmless),
         )
 
 
-def _is_on_joint_axis(model: Model, link: Link) -> bool:
-    """Whether the joint that moves a point turns it about itself, and nothing that hangs on it."""
-    joint, inertial = model.tree.parent_joint[model.tree.list_body_links(link.name)[0]], link.inertial
-    alone = len(model.tree.list_body_links(link.name)) == 1 and not model.tree.child_joints[link.name]
-    centre = None if inertial is None else inertial.origin.xyz
+def _is_on_joint_axis(model: Model, declared: DeclaredTensor) -> bool:
+    """Whether a joint turns the point about itself, with nothing behind it."""
+    name = declared.link.name
+    body = model.tree.list_body_links(name)
+    joint, centre = model.tree.parent_joint[body[0]], declared.inertial.origin.xyz
+    alone = len(body) == 1 and not model.tree.child_joints[name]
     if not alone or joint.type == "prismatic" or joint.axis is None or centre is None:
         return False
     (x, y, z), (a, b, c) = centre, joint.axis
     return not any((y * c - z * b, z * a - x * c, x * b - y * a))
 
 
-def _format_links_with_mass(links: Sequence[Link]) -> str:
-    return ", ".join(f"{link.name} ({link.inertial.mass:g} kg)" for link in links if link.inertial)
-
-
-def _locate_tensor(link: Link) -> Located:
-    assert link.inertial is not None
-    assert link.inertial.tensor_element is not None
-    return link.inertial.tensor_element
-
-
-def _locate(inertial: Inertial, name: str) -> Located:
-    element = inertial.tensor_element
-    assert element is not None
-    return element.attributes[name]
+def _format_masses(links: Sequence[DeclaredTensor]) -> str:
+    return ", ".join(f"{declared.link.name} ({declared.inertial.mass:g} kg)" for declared in links)

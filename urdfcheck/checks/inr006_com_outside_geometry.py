@@ -8,21 +8,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_link_geometry
 
-# A coordinate has the wrong sign when the other one brings the centre of mass this near to the drawn part's own, as a part of
-# its size; a motor at one end of a link moves it by as much.
+# A coordinate has the wrong sign if the other sign brings the centre of mass this near to the drawn part's own, relative to the
+# part's size; a motor at one end of a link moves it by as much.
 _NEAR = 0.1
 
 
 @dataclass(frozen=True, slots=True)
 class _SignRepair:
-    """The coordinate whose sign is wrong, and the repair."""
+    """A coordinate whose sign is wrong."""
 
     axis: str
     repair: InertialRepair
@@ -33,7 +33,7 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
         if part.mass_share < NEGLIGIBLE_SHARE or not has_drawn_shape(part.link):
             continue
         distances = [(measure_hull_distance(points, part.com), measure_extent(points)) for points in part.readings]
-        # Where programs disagree about the size (MSH008) or the up axis of a mesh, all have to agree about this.
+        # If programs disagree about the size (MSH008) or the up axis of a mesh, it must be outside in all readings.
         distance, size = min(distances, key=lambda pair: pair[0] / pair[1] if pair[1] else 0.0)
         if not size or distance <= margin * size:
             continue
@@ -55,27 +55,21 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
 
 
 def _find_sign_repair(model: Model, part: EnclosedInertial) -> _SignRepair | None:
-    """The only coordinate whose sign puts the centre of mass where the drawn part has its own; None when there is none."""
+    """Return the only coordinate whose other sign puts the centre of mass where the drawn part has its own, or None."""
     drawn, pose, xyz = measure_link_geometry(model, part.link), part.inertial.origin.matrix, part.inertial.origin.xyz
     if drawn is None or pose is None or xyz is None or part.inertial.tensor is None:
         return None
     if has_unit_ambiguity(model, (part.link.name,)):
         return None
-    found = []
+    repairs = []
     for i, axis in enumerate("xyz"):
         com = np.array(xyz)
         com[i] *= -1.0
         near = float(np.linalg.norm(com - drawn.solid.com)) <= _NEAR * measure_extent(drawn.points)
         if near and measure_hull_distance(drawn.points, com) == 0.0:
-            found.append(
-                _SignRepair(
-                    axis,
-                    build_inertial_repair(
-                        part.inertial, DeclaredInertial(part.mass, com, part.inertial.tensor, pose[:3, :3])
-                    ),
-                )
-            )
-    return found[0] if len(found) == 1 else None
+            wanted = DeclaredInertial(mass=part.mass, com=com, tensor=part.inertial.tensor, rotation=pose[:3, :3])
+            repairs.append(_SignRepair(axis, build_inertial_repair(part.inertial, wanted)))
+    return repairs[0] if len(repairs) == 1 else None
 
 
 def _locate(part: EnclosedInertial) -> Located:

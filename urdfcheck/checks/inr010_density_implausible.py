@@ -9,35 +9,34 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdfcheck.core import Finding, Located, Rule
+from urdfcheck.core import Finding, Rule
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.materials import DENSEST, describe_density, guess_mass_unit
 from urdfcheck.facts.inertials.placeholders import is_round
 from urdfcheck.facts.mesh.measure import compute_convex_hull
-from urdfcheck.model import Link, Model
+from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_rigid_bodies
-from urdfcheck.model.shapes.visual_solid import (
-    collect_body_corners,
-    has_drawn_shape,
-    has_unit_ambiguity,
-    measure_links_volume,
-)
+from urdfcheck.model.shapes.corners import collect_body_corners
+from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, measure_links_volume
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)
 class _PaddedHull:
-    """Volume (m³) and area (m²) of the convex hull of what is drawn, ``margin`` of its size larger on all sides."""
+    """The convex hull of the drawn geometry, enlarged on all sides."""
 
     volume: float
+    """m³"""
     area: float
+    """m², not enlarged"""
 
     @classmethod
-    def from_points(cls, points: NDArray[np.float64], margin: float) -> _PaddedHull:
-        with np.errstate(all="ignore"):  # numbers of no robot are for other rules
+    def from_points(cls, points: Array, margin: float) -> _PaddedHull:
+        """Compute the hull of ``points`` (K, 3) in m, enlarged by ``margin`` of its size."""
+        with np.errstate(all="ignore"):  # other rules report impossible numbers
             hull = compute_convex_hull(points)
         return cls(hull.volume + hull.area * margin * measure_extent(points), hull.area)
 
@@ -45,13 +44,13 @@ class _PaddedHull:
 def check(model: Model, rule: Rule, *, margin: float, least: float, thinnest: float) -> Iterator[Finding]:
     for part in enclosed_inertials(model):
         if has_drawn_shape(part.link) and part.mass_share >= NEGLIGIBLE_SHARE:
-            yield from _check_too_dense(model, rule, part, margin)
+            yield from _check_too_dense(model, rule, part, margin=margin)
     for body in list_rigid_bodies(model):
-        yield from _check_too_light(model, rule, body, least, thinnest)
+        yield from _check_too_light(model, rule, body, least=least, thinnest=thinnest)
 
 
-def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, margin: float) -> Iterator[Finding]:
-    """All of a link's mass lies in the hull of its body: a density beyond any material's is a proof, whatever is hollow."""
+def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, *, margin: float) -> Iterator[Finding]:
+    """Report a link that is denser in its body's hull, which holds all of its mass, than any material."""
     filled = measure_links_volume(model, (part.link,))
     if filled is not None and part.mass <= DENSEST * filled:
         return
@@ -60,7 +59,7 @@ def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, margin: f
         return
     yield rule.finding(
         "dense",
-        at=part.inertial.mass_attribute or part.inertial,
+        at=model.mass_by_name[part.link.name].attribute,
         link=part.link.name,
         mass=part.mass,
         volume=float(f"{volume * 1e6:.3g}"),
@@ -71,9 +70,9 @@ def _check_too_dense(model: Model, rule: Rule, part: EnclosedInertial, margin: f
 
 
 def _check_too_light(
-    model: Model, rule: Rule, body: RigidLinkGroup, least: float, thinnest: float
+    model: Model, rule: Rule, body: RigidLinkGroup, *, least: float, thinnest: float
 ) -> Iterator[Finding]:
-    """The mass of a whole body, which fixed joints share out as one likes."""
+    """Report a body that is lighter than air as a whole: how its links share the mass is arbitrary."""
     links = [model.link_by_name[name] for name in body.links]
     mass, volume = compute_body_mass(model, body.links), measure_links_volume(model, links)
     if mass is None or volume is None or not 0.0 < mass < least * volume or has_unit_ambiguity(model, body.links):
@@ -82,11 +81,12 @@ def _check_too_light(
     area = 0.0 if points is None else _PaddedHull.from_points(points, 0.0).area
     if not mass < thinnest * area < math.inf:
         return
-    heaviest = max(links, key=lambda link: (link.inertial and link.inertial.mass) or 0.0)
+    masses = [model.mass_by_name[name] for name in body.links if name in model.mass_by_name]
+    heaviest = max(masses, key=lambda declared: declared.mass)
     yield rule.finding(
         "light",
-        at=_locate_mass(heaviest),
-        link=heaviest.name,
+        at=heaviest.attribute,
+        link=heaviest.link.name,
         mass=mass,
         volume=float(f"{volume * 1e6:.3g}"),
         sheet=float(f"{mass / area * 1e3:.2g}"),
@@ -97,13 +97,8 @@ def _check_too_light(
 
 
 def _guess_mass_unit(mass: float, volume: float) -> dict[str, Any]:
-    """The unit that explains the density; a round mass was typed, whatever its unit (INR007)."""
+    """Return the data of the unit that explains the density, unless the mass is a round number (INR007)."""
     unit = None if is_round(mass) or not volume else guess_mass_unit(mass / volume)
     if unit is None:
         return {"cause": None}
     return {"cause": "unit", "unit": unit[0], "plausible": describe_density(unit[1])}
-
-
-def _locate_mass(link: Link) -> Located:
-    assert link.inertial is not None
-    return link.inertial.mass_attribute or link.inertial

@@ -15,11 +15,13 @@ from urdfcheck.model.shapes.visual_solid import measure_links_volume
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _JointMasses:
-    """A joint, with the masses (kg) of the bodies before and behind it."""
+    """A joint between two bodies with mass."""
 
     joint: Joint
     parent_mass: float
+    """kg of the body before the joint."""
     child_mass: float
+    """kg of the body behind the joint."""
 
     @property
     def ratio(self) -> float:
@@ -29,38 +31,37 @@ class _JointMasses:
 def check(model: Model, rule: Rule, *, light: float, heavy: float) -> Iterator[Finding]:
     pairs = _collect_joint_masses(model)
     root = frozenset(model.tree.list_body_links(model.tree.root))
-    # 1/1000 itself, in decimals, is not below 1/1000.
+    # The slack keeps 1/1000 itself, which has no exact double, from being below 1/1000.
     lighter = [pair for pair in pairs if pair.ratio < light * (1 - 1e-9)]
-    # The root may be bolted to the world, whatever it weighs.
+    # The root may be bolted to the world; its mass then does not matter.
     heavier = [pair for pair in pairs if pair.ratio > heavy * (1 + 1e-9) and pair.joint.parent not in root]
     if lighter:
-        yield _build_finding(model, rule, "light", sorted(lighter, key=lambda pair: pair.ratio))
+        yield _build_finding(model, rule, "light", worst_first=sorted(lighter, key=lambda pair: pair.ratio))
     if heavier:
-        yield _build_finding(model, rule, "heavy", sorted(heavier, key=lambda pair: -pair.ratio))
+        yield _build_finding(model, rule, "heavy", worst_first=sorted(heavier, key=lambda pair: -pair.ratio))
 
 
 def _collect_joint_masses(model: Model) -> list[_JointMasses]:
-    """The joints between two bodies with mass."""
-    found = list_rigid_bodies(model)
-    masses = ((body, compute_body_mass(model, body.links) or 0.0) for body in found)
-    mass = {name: own for body, own in masses for name in body.links}
-    joints = [model.tree.parent_joint[body.links[0]] for body in found if body.is_movable]
+    bodies = list_rigid_bodies(model)
+    masses = ((body, compute_body_mass(model, body.links) or 0.0) for body in bodies)
+    mass_of = {name: mass for body, mass in masses for name in body.links}
+    joints = [model.tree.parent_joint[body.links[0]] for body in bodies if body.is_movable]
     return [
-        _JointMasses(joint, mass[joint.parent], mass[joint.child])
+        _JointMasses(joint, mass_of[joint.parent], mass_of[joint.child])
         for joint in joints
-        if mass[joint.parent] > 0 and mass[joint.child] > 0
+        if mass_of[joint.parent] > 0 and mass_of[joint.child] > 0
     ]
 
 
-def _build_finding(model: Model, rule: Rule, message: str, pairs: list[_JointMasses]) -> Finding:
-    """One finding of all joints, at the most extreme."""
-    worst = pairs[0]
-    others = [pair.joint.name for pair in pairs[1:]]
+def _build_finding(model: Model, rule: Rule, message: str, *, worst_first: list[_JointMasses]) -> Finding:
+    """Report all joints together, at the most extreme."""
+    worst, *rest = worst_first
+    others = [pair.joint.name for pair in rest]
     do = "does" if len(others) == 1 else "do"
     finding = rule.finding(
         message,
         at=worst.joint,
-        related=[pair.joint for pair in pairs[1:]],
+        related=[pair.joint for pair in rest],
         joint=worst.joint.name,
         child=worst.joint.child,
         parent=worst.joint.parent,
@@ -70,16 +71,18 @@ def _build_finding(model: Model, rule: Rule, message: str, pairs: list[_JointMas
         times=max(worst.ratio, 1 / worst.ratio),
         also=f" (so {do} {join_names(others)})" if others else "",
     )
-    return replace(finding, subjects=tuple(pair.joint.location.subject for pair in pairs))
+    return replace(finding, subjects=tuple(pair.joint.location.subject for pair in worst_first))
 
 
 def _describe_suspects(model: Model, joint: Joint) -> str:
-    """The body on one side of a joint that is denser than any material, or lighter than all; both where that is not so of
-    exactly one. A body is called by its heaviest link."""
+    """Name the body beside the joint whose density is implausible, or both unless that is exactly one of them.
+
+    The name of a body is that of its heaviest link.
+    """
     bodies_of = [model.tree.list_body_links(name) for name in (joint.child, joint.parent)]
     wrong = [body for body in bodies_of if _has_implausible_density(model, body)]
-    named = wrong if len(wrong) == 1 else bodies_of
-    return " and ".join(max(body, key=lambda name: compute_body_mass(model, (name,)) or 0.0) for body in named)
+    suspects = wrong if len(wrong) == 1 else bodies_of
+    return " and ".join(max(body, key=lambda name: compute_body_mass(model, (name,)) or 0.0) for body in suspects)
 
 
 def _has_implausible_density(model: Model, body: tuple[str, ...]) -> bool:

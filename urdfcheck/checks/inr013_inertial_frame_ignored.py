@@ -10,76 +10,68 @@ import numpy as np
 from urdfcheck.core import Edit, Finding, Located, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
-from urdfcheck.model import Inertial, Link, Model
+from urdfcheck.model import CompleteInertial, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
-from urdfcheck.model.parts import TENSOR_NAMES
+from urdfcheck.model.repairs.edits import edit_literals
+from urdfcheck.source.text.xml import Element
 
-# A number that is written anew has the digits of a double, less the two that turning it costs.
+# A rewritten number has the digits of a double, less the two that the rotation costs.
 DIGITS = 14
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _RotatedInertial:
-    """A link whose inertial frame is turned. ``change``: how much that changes the tensor, over its largest moment."""
+    """An inertial whose frame is rotated."""
 
-    link: Link
-    inertial: Inertial
+    declared: CompleteInertial
+    origin: Element
     relative_change: float
+    """The largest change of the tensor by the rotation, over its largest principal moment."""
+
+    @property
+    def place(self) -> Located:
+        return self.origin.attributes.get("rpy", self.origin)
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
-    found = [turned for link in model.links if (turned := _measure_rotation_effect(link, rel_tol)) is not None]
-    if not found:
+    rotated = [part for declared in model.inertials if (part := _measure_rotation(declared, rel_tol)) is not None]
+    if not rotated:
         return
-    worst = max(found, key=lambda turned: turned.relative_change)
+    worst = max(rotated, key=lambda part: part.relative_change)
     # Numbers that are wrong in their frame stay wrong in another.
-    right = [turned for turned in found if not _has_known_mistake(model, turned.link)]
-    edits = {edit.span.start: edit for turned in right for edit in _propose_edits(turned.inertial)}
+    right = [part for part in rotated if not _has_known_mistake(model, part.declared.link)]
+    edits = {edit.span.start: edit for part in right for edit in _propose_edits(part)}
     yield rule.finding(
         "turned",
-        at=_locate(worst),
-        related=[_locate(turned) for turned in found if turned is not worst],
+        at=worst.place,
+        related=[part.place for part in rotated if part is not worst],
         edits=edits.values(),
-        count="one link has" if len(found) == 1 else f"{len(found)} links have",
-        links=join_names(turned.link.name for turned in found),
-        worst=worst.link.name,
+        count="one link has" if len(rotated) == 1 else f"{len(rotated)} links have",
+        links=join_names(part.declared.link.name for part in rotated),
+        worst=worst.declared.link.name,
         percent=100 * worst.relative_change,
     )
 
 
-def _measure_rotation_effect(link: Link, rel_tol: float) -> _RotatedInertial | None:
-    inertial = link.inertial
-    if inertial is None or not inertial.mass or inertial.tensor is None or inertial.tensor_in_link is None:
+def _measure_rotation(declared: CompleteInertial, rel_tol: float) -> _RotatedInertial | None:
+    """Measure what the rotation of an inertial frame changes; None without a mass, a rotation or a noticeable change."""
+    origin = declared.inertial.origin.element
+    if not declared.mass or origin is None:
         return None
-    largest = float(np.abs(compute_principal_moments(inertial.tensor)[0]).max())
-    change = float(np.abs(inertial.tensor_in_link - inertial.tensor).max())
-    return _RotatedInertial(link, inertial, change / largest) if largest > 0 and change > rel_tol * largest else None
+    largest = float(np.abs(compute_principal_moments(declared.tensor)[0]).max())
+    change = float(np.abs(declared.tensor_in_link - declared.tensor).max())
+    return _RotatedInertial(declared, origin, change / largest) if largest > 0 and change > rel_tol * largest else None
 
 
 def _has_known_mistake(model: Model, link: Link) -> bool:
     judged = inertial_diagnoses(model).get(link.name)
-    return judged is not None and judged.diagnosis.decided and judged.diagnosis.cause is not None
+    return judged is not None and judged.diagnosis.at_fault and judged.diagnosis.cause is not None
 
 
-def _locate(turned: _RotatedInertial) -> Located:
-    origin = turned.inertial.origin
-    assert origin.element is not None, "without an origin there is no rotation"
-    return origin.get_attribute("rpy") or origin.element
-
-
-def _propose_edits(inertial: Inertial) -> list[Edit]:
-    """The tensor in the link's axes and no rotation; nothing where one of the numbers is computed."""
-    element, rpy = inertial.tensor_element, inertial.origin.get_attribute("rpy")
-    assert element is not None
-    assert inertial.tensor_in_link is not None
-    attributes = [rpy, *(element.attributes[name] for name in TENSOR_NAMES)]
-    tensor = inertial.tensor_in_link
+def _propose_edits(part: _RotatedInertial) -> list[Edit]:
+    """Return the edits that write the tensor in the link's axes and no rotation; nothing if one of the numbers is computed."""
+    tensor = part.declared.tensor_in_link
     residue = 1e-12 * float(np.abs(tensor).max())
     values = [tensor[i, j] if abs(tensor[i, j]) > residue else 0.0 for i in range(3) for j in range(i, 3)]
-    texts = ["0 0 0", *(f"{value:.{DIGITS}g}" for value in values)]
-    edits = [
-        Edit(attribute.span, attribute.typed, text)
-        for attribute, text in zip(attributes, texts, strict=True)
-        if attribute is not None and attribute.literal and attribute.span is not None
-    ]
-    return edits if len(edits) == len(texts) else []
+    components = [(part.declared.get_attribute(i), f"{value:.{DIGITS}g}") for i, value in enumerate(values)]
+    return edit_literals([(part.origin.attributes.get("rpy"), "0 0 0"), *components])

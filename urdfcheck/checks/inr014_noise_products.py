@@ -7,22 +7,23 @@ from collections.abc import Iterator
 from urdfcheck.core import Applicability, Finding, Rule
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 from urdfcheck.facts.likeness.typed_numbers import flag_noise_products
-from urdfcheck.model import Link, Model
+from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.rigid_bodies import is_point_mass
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute
 
-PRODUCTS = {"ixy": 1, "ixz": 2, "iyz": 4}
+# The indices of ixy, ixz and iyz among the components.
+PRODUCTS = (1, 2, 4)
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    # What is computed is another mistake than what is typed, and each file is edited for itself.
-    found: dict[tuple[str, bool], list[tuple[Link, Attribute]]] = {}
-    for link in model.links:
-        for attribute in _find_noise_products(link):
+    # A computed residue is another mistake than a typed one, and each file has edits of its own.
+    groups: dict[tuple[str, bool], list[tuple[Link, Attribute]]] = {}
+    for declared in model.tensors:
+        for attribute in _find_noise_products(declared):
             file = "" if attribute.span is None else attribute.span.file
-            found.setdefault((file, attribute.literal), []).append((link, attribute))
-    for places in found.values():
+            groups.setdefault((file, attribute.literal), []).append((declared.link, attribute))
+    for places in groups.values():
         attributes = [attribute for _, attribute in places]
         yield rule.finding(
             "noise",
@@ -36,13 +37,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         )
 
 
-def _find_noise_products(link: Link) -> list[Attribute]:
-    """The products of inertia of a link that are not zero and mean zero."""
-    inertial = link.inertial
-    if inertial is None or inertial.tensor is None or inertial.inertia_components is None or is_point_mass(inertial):
+def _find_noise_products(declared: DeclaredTensor) -> list[Attribute]:
+    """Return the products of inertia that are not zero and mean zero."""
+    if is_point_mass(declared.inertial):
         return []
-    element = inertial.tensor_element
-    assert element is not None
-    moments, _ = compute_principal_moments(inertial.tensor)
-    noise = flag_noise_products([inertial.inertia_components[i] for i in PRODUCTS.values()], float(moments[2]))
-    return [element.attributes[name] for name, residue in zip(PRODUCTS, noise, strict=True) if residue]
+    moments, _ = compute_principal_moments(declared.tensor)
+    noise = flag_noise_products([declared.components[i] for i in PRODUCTS], float(moments[2]))
+    return [declared.get_attribute(i) for i, residue in zip(PRODUCTS, noise, strict=True) if residue]

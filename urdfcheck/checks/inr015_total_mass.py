@@ -9,18 +9,16 @@ from urdfcheck.model import Model
 
 
 def check(model: Model, rule: Rule, *, least: float, most: float) -> Iterator[Finding]:
-    masses = [link.inertial.mass for link in model.links if link.inertial is not None]
-    known = [mass for mass in masses if mass is not None and mass > 0]
-    total = sum(known)
-    if not known or least <= total <= most:
+    masses = [declared.mass for declared in model.masses if declared.mass > 0]
+    total = sum(masses)
+    if not masses or least <= total <= most:
         return
-    name = model.robot.attributes.get("name")
     message, cause = ("light", "tonnes") if total < least else ("heavy", "grams")
     yield rule.finding(
         message,
-        at=model.location if name is None else name.location,
+        at=model.name_location,
         cause=cause,
         robot=model.name,
         total=total,
-        links=len(known),
+        links=len(masses),
     )

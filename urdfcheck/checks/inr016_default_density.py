@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Location, Rule
+from urdfcheck.core import Finding, Rule
 from urdfcheck.facts.inertials.inertia_tensor import compute_equivalent_density
-from urdfcheck.model import Link, Model
+from urdfcheck.model import DeclaredMass, Model
 from urdfcheck.model.shapes.solids import measure_link_solid
 
 # kg/m³ of a part without a material -> the cause that names the programs.
@@ -14,75 +14,72 @@ DEFAULTS = {1000.0: "unassigned", 7850.0: "steel"}
 
 
 def check(model: Model, rule: Rule, *, mesh_tol: float, solid_tol: float, fraction: float) -> Iterator[Finding]:
-    heavy = [link for link in model.links if link.inertial is not None and (link.inertial.mass or 0.0) > 0]
-    measured = {link.name: density for link in heavy if (density := _compute_mesh_density(model, link)) is not None}
+    heavy = [declared for declared in model.masses if declared.mass > 0]
+    measured = {
+        declared.link.name: density
+        for declared in heavy
+        if (density := _compute_mesh_density(model, declared)) is not None
+    }
     for default, cause in DEFAULTS.items():
-        densities = {
-            link.name: density
-            for link in heavy
-            if (density := measured.get(link.name) or _match_solid_density(model, link, default, solid_tol)) is not None
-        }
-        at = [link for link in heavy if _is_near_default(densities.get(link.name), default, max(mesh_tol, solid_tol))]
+        densities: dict[str, float] = {}
+        for declared in heavy:
+            density = measured.get(declared.link.name)
+            if density is None:
+                density = _match_solid_density(model, declared, default=default, tolerance=solid_tol)
+            if density is not None:
+                densities[declared.link.name] = density
+        tolerance = max(mesh_tol, solid_tol)
+        near = [declared for declared in heavy if _is_near(densities.get(declared.link.name), default, tolerance)]
         # Equal parts are one piece of evidence: two wheels of one file weigh the same whatever they are made of.
-        different = {f"{link.inertial.mass:.3g}" for link in at if link.inertial and link.inertial.mass}
-        if len(different) < 2 or len(at) < fraction * len(densities) or 2 * len(at) < len(heavy):
+        different = {f"{declared.mass:.3g}" for declared in near}
+        if len(different) < 2 or len(near) < fraction * len(densities) or 2 * len(near) < len(heavy):
             continue
-        spread = max(abs(densities[link.name] / default - 1.0) for link in at)
+        spread = max(abs(densities[declared.link.name] / default - 1.0) for declared in near)
         yield rule.finding(
             "default",
-            at=_locate(at[0]),
-            related=[_locate(link) for link in at[1:]],
+            at=near[0].attribute.location,
+            related=[declared.attribute.location for declared in near[1:]],
             cause=cause,
-            count=len(at),
+            count=len(near),
             known=len(densities),
             default=default,
             spread=f" to within {spread:.1%}" if spread >= 5e-4 else "",
-            mass=sum(link.inertial.mass or 0.0 for link in heavy if link.inertial),
-            links=[link.name for link in at],
+            mass=sum(declared.mass for declared in heavy),
+            links=[declared.link.name for declared in near],
         )
 
 
-def _is_near_default(density: float | None, default: float, tolerance: float) -> bool:
+def _is_near(density: float | None, default: float, tolerance: float) -> bool:
     return density is not None and abs(density / default - 1.0) <= tolerance
 
 
-def _compute_mesh_density(model: Model, link: Link) -> float | None:
-    """Mass over the volume of what the link draws, kg/m³; None where that is not known or made of primitives only."""
-    assert link.inertial is not None
-    assert link.inertial.mass is not None
+def _compute_mesh_density(model: Model, declared: DeclaredMass) -> float | None:
+    """Return the mass over the volume of the drawn mesh, or else of the collision mesh, in kg/m³; None if it is not known."""
+    link = declared.link
     for role, shapes in (("visual", link.visuals), ("collision", link.collisions)):
         if any(shape.kind == "mesh" for shape in shapes):
             solid = measure_link_solid(model, link, role)
             if solid is not None and solid.volume > 0:
-                return link.inertial.mass / solid.volume
+                return declared.mass / solid.volume
     return None
 
 
-def _match_solid_density(model: Model, link: Link, default: float, tolerance: float) -> float | None:
-    """The density of the box or cylinder with the link's mass and inertia, if it is the default.
+def _match_solid_density(model: Model, declared: DeclaredMass, *, default: float, tolerance: float) -> float | None:
+    """Return the density of the box or cylinder with the link's mass and inertia if it is the default.
 
-    Another value says nothing: the part may have any shape. Nor does a link of primitives, whose numbers were computed.
+    Another value is no evidence: the part may have any shape. Nor is that of primitives, whose numbers were computed.
     """
-    inertial = link.inertial
-    assert inertial is not None
-    assert inertial.mass is not None
-    shapes = (*link.visuals, *link.collisions)
-    if inertial.tensor is None or any(shape.kind != "mesh" for shape in shapes):
+    link, tensor = declared.link, model.tensor_by_name.get(declared.link.name)
+    if tensor is None or any(shape.kind != "mesh" for shape in (*link.visuals, *link.collisions)):
         return None
-    if measure_link_solid(model, link) is not None or not _has_positive_moments(inertial.inertia_components):
+    if measure_link_solid(model, link) is not None or not _has_positive_moments(tensor.components):
         return None
-    equivalent = compute_equivalent_density(inertial.mass, inertial.tensor)
+    equivalent = compute_equivalent_density(declared.mass, tensor.tensor)
     for density in (equivalent.box, equivalent.cylinder):
-        if density is not None and _is_near_default(density, default, tolerance):
+        if density is not None and _is_near(density, default, tolerance):
             return density
     return None
 
 
-def _has_positive_moments(six: tuple[float, ...] | None) -> bool:
-    return six is not None and min(six[0], six[3], six[5]) > 0
-
-
-def _locate(link: Link) -> Location:
-    assert link.inertial is not None
-    attribute = link.inertial.mass_attribute
-    return link.inertial.location if attribute is None else attribute.location
+def _has_positive_moments(components: tuple[float, ...]) -> bool:
+    return min(components[0], components[3], components[5]) > 0

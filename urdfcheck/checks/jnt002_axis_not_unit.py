@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.text.xml import Attribute
+from urdfcheck.model.repairs.edits import edit_literal
 
 
 def check(model: Model, rule: Rule, *, tol: float, rounding: float) -> Iterator[Finding]:
@@ -26,7 +26,7 @@ def check(model: Model, rule: Rule, *, tol: float, rounding: float) -> Iterator[
             at=attribute,
             severity=Severity.INFO if rounded else None,
             related=attribute.collect_definitions(),
-            edits=_propose_edits(attribute, unit),
+            edits=edit_literal(attribute, unit),
             joint=joint.name,
             axis=" ".join(attribute.value.split()),
             length=length,
@@ -37,9 +37,3 @@ def check(model: Model, rule: Rule, *, tol: float, rounding: float) -> Iterator[
 
 def _format_number(value: float) -> str:
     return str(round(value)) if value == round(value) else repr(value)
-
-
-def _propose_edits(attribute: Attribute, unit: str) -> list[Edit]:
-    if not attribute.literal or attribute.span is None:
-        return []
-    return [Edit(attribute.span, attribute.typed, unit)]

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import join_names
+from urdfcheck.core.merging import build_group_finding
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     joints = [joint for joint in model.joints if joint.has_axis and joint.axis_element is None]
     if joints:
-        finding = rule.finding(
+        yield build_group_finding(
+            rule,
             "implicit",
-            at=joints[0],
-            related={j.element.span: j for j in joints[1:] if j.element.span != joints[0].element.span}.values(),
+            joints,
             joints=join_names(joint.name for joint in joints),
-            count="1 joint has" if len(joints) == 1 else f"{len(joints)} joints have",
+            count=format_count(len(joints), "joint has", "joints have"),
         )
-        yield replace(finding, subjects=tuple(joint.location.subject for joint in joints))

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
-from urdfcheck.core import Edit, Finding, Rule, Severity
-from urdfcheck.core.text import join_names
-from urdfcheck.model import Model
-from urdfcheck.model.parts import Joint
-from urdfcheck.source.text.xml import Element
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.merging import build_group_finding
+from urdfcheck.core.text import format_count, join_names
+from urdfcheck.model import Joint, Model
+from urdfcheck.model.repairs.edits import swap_literals
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -20,40 +19,27 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             continue
         typed = [limit.attributes[name] for name in ("lower", "upper") if name in limit.attributes]
         if not typed or lower < upper:
-            continue  # neither is given: JNT004
+            continue  # JNT004 reports a limit with neither
         if lower == upper:
             equal.setdefault(lower, []).append(joint)
         else:
             yield rule.finding(
                 "inverted",
                 at=limit,
-                edits=_propose_edits(limit),
+                edits=swap_literals(limit.attributes.get("lower"), limit.attributes.get("upper")),
                 joint=joint.name,
                 lower=lower,
                 upper=upper,
-                unit="rad" if joint.type == "revolute" else "m",
+                unit=joint.position_unit,
             )
+    # Joints with the same numbers come from one template or one exporter's default.
     for value, joints in equal.items():
-        yield _build_group_finding(rule, value, joints)
-
-
-def _build_group_finding(rule: Rule, value: float, joints: list[Joint]) -> Finding:
-    """One finding for all joints with the same numbers: they come from one template or one exporter's default."""
-    limits = [joint.limit for joint in joints if joint.limit is not None]
-    finding = rule.finding(
-        "equal",
-        at=limits[0],
-        severity=Severity.WARNING,
-        related={limit.span: limit for limit in limits if limit.span != limits[0].span}.values(),
-        joints=join_names(j.name for j in joints),
-        which="1 joint has" if len(joints) == 1 else f"{len(joints)} joints have",
-        value=value,
-    )
-    return replace(finding, subjects=tuple(limit.subject for limit in limits))
-
-
-def _propose_edits(limit: Element) -> list[Edit]:
-    lower, upper = limit.attributes.get("lower"), limit.attributes.get("upper")
-    if lower is None or upper is None or not (lower.literal and upper.literal) or not (lower.span and upper.span):
-        return []
-    return [Edit(lower.span, lower.typed, upper.typed), Edit(upper.span, upper.typed, lower.typed)]
+        yield build_group_finding(
+            rule,
+            "equal",
+            [joint.limit for joint in joints if joint.limit is not None],
+            severity=Severity.WARNING,
+            joints=join_names(joint.name for joint in joints),
+            which=format_count(len(joints), "joint has", "joints have"),
+            value=value,
+        )

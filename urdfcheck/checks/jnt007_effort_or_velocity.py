@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
-from urdfcheck.model import Model
-from urdfcheck.model.parts import Joint
+from urdfcheck.model import Joint, Model
 from urdfcheck.source.text.grammar import is_attribute_missing
 
 
@@ -22,23 +21,21 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             )
     for name in ("effort", "velocity"):
         values = [(joint, joint.get_limit_value(name)) for joint in model.joints if joint.is_driven]
-        yield from _build_group_finding(rule, f"{name}-zero", name, [j for j, v in values if v == 0])
-        yield from _build_group_finding(
-            rule, f"{name}-negative", name, [j for j, v in values if v is not None and v < 0]
-        )
+        zero = [joint for joint, value in values if value == 0]
+        negative = [joint for joint, value in values if value is not None and value < 0]
+        # Joints with the same defect come from one template or one exporter's default.
+        for kind, joints in (("zero", zero), ("negative", negative)):
+            if joints:
+                yield _build_wrong_limit_finding(rule, name, kind, joints=joints)
 
 
-def _build_group_finding(rule: Rule, message: str, name: str, joints: list[Joint]) -> Iterator[Finding]:
-    """One finding for all joints with the same defect: they come from one template or one exporter's default."""
-    attributes = [j.limit.attributes[name] for j in joints if j.limit is not None]
-    if attributes:
-        finding = rule.finding(
-            message,
-            at=attributes[0],
-            related={a.span: a for a in attributes if a.span != attributes[0].span}.values(),
-            joints=join_names(j.name for j in joints),
-            count=len(joints),
-            noun="joint" if len(joints) == 1 else "joints",
-            verb="has" if len(joints) == 1 else "have",
-        )
-        yield replace(finding, subjects=tuple(a.location.subject for a in attributes))
+def _build_wrong_limit_finding(rule: Rule, name: str, kind: str, *, joints: list[Joint]) -> Finding:
+    return build_group_finding(
+        rule,
+        f"{name}-{kind}",
+        [joint.limit.attributes[name] for joint in joints if joint.limit is not None],
+        joints=join_names(joint.name for joint in joints),
+        count=len(joints),
+        noun="joint" if len(joints) == 1 else "joints",
+        verb="has" if len(joints) == 1 else "have",
+    )

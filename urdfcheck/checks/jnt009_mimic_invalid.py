@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Located, Rule, Severity
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint
-from urdfcheck.model import Model
-from urdfcheck.model.parts import Joint
-from urdfcheck.source.text.tokens import build_replacement_edits
+from urdfcheck.model import Joint, Model
+from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.values import read_attribute_number
-from urdfcheck.source.text.xml import Element
-
-_BOUNDED = frozenset({"revolute", "prismatic"})
+from urdfcheck.source.text.xml import Attribute, Element
 
 
 def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
@@ -26,9 +23,9 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
         if leader is None:
             known = model.joint_by_name.keys() - {joint.name}
             near = find_only_near_name(at.value, known, SLIP_LIKENESS)
-            edits = build_replacement_edits([at], near) if near is not None else ()
-            told = format_name_hint(at.value, known)
-            yield rule.finding("unknown", at=at, edits=edits, joint=joint.name, leader=at.value, near=told)
+            edits = edit_literal(at, near) if near is not None else []
+            hint = format_name_hint(at.value, known)
+            yield rule.finding("unknown", at=at, edits=edits, joint=joint.name, leader=at.value, near=hint)
         elif leader.name == joint.name:
             yield rule.finding("itself", at=at, joint=joint.name)
         elif loop:
@@ -37,36 +34,34 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
         elif leader.type == "fixed":
             yield rule.finding("fixed", at=at, joint=joint.name, leader=leader.name, related=[leader])
         else:
-            yield from _check_range(rule, joint, leader, mimic, at, slack)
+            yield from _check_range(rule, joint, leader, reference=at, slack=slack)
 
 
 def _find_mimic_loop(model: Model, start: Joint) -> tuple[str, ...]:
-    """The joints that follow each other in a circle through ``start``, empty when they do not."""
-    seen: list[str] = []
+    """Return the names of the joints that follow each other in a circle through ``start``, or nothing."""
+    names: list[str] = []
     joint: Joint | None = start
-    while joint is not None and joint.name not in seen:
-        seen.append(joint.name)
+    while joint is not None and joint.name not in names:
+        names.append(joint.name)
         joint = model.joint_by_name.get("" if joint.mimic is None else joint.mimic.get("joint"))
-    return tuple(seen) if joint is not None and joint.name == start.name else ()
+    return tuple(names) if joint is not None and joint.name == start.name else ()
 
 
-def _check_range(
-    rule: Rule, joint: Joint, leader: Joint, mimic: Element, at: Located, slack: float
-) -> Iterator[Finding]:
-    own, led = _get_limits(joint), _get_limits(leader)
-    multiplier = _read_coefficient(mimic, "multiplier", 1.0)
-    offset = _read_coefficient(mimic, "offset", 0.0)
+def _check_range(rule: Rule, joint: Joint, leader: Joint, *, reference: Attribute, slack: float) -> Iterator[Finding]:
+    """Report a follower whose own limits are narrower than its leader's range demands."""
+    own, led = joint.position_range, leader.position_range
+    multiplier = _read_coefficient(reference.owner, "multiplier", 1.0)
+    offset = _read_coefficient(reference.owner, "offset", 0.0)
     if own is None or led is None or multiplier is None or offset is None:
         return
     low, high = sorted(multiplier * q + offset for q in led)
     beyond = max(own[0] - low, high - own[1])
     if beyond > slack:
-        limit = joint.limit
         yield rule.finding(
             "range",
-            at=at,
+            at=reference,
             severity=Severity.WARNING,
-            related=[x for x in (limit, leader.limit) if x is not None],
+            related=[limit for limit in (joint.limit, leader.limit) if limit is not None],
             joint=joint.name,
             leader=leader.name,
             low=low,
@@ -74,15 +69,8 @@ def _check_range(
             lower=own[0],
             upper=own[1],
             beyond=beyond,
-            unit="rad" if joint.type == "revolute" else "m",
+            unit=joint.position_unit,
         )
-
-
-def _get_limits(joint: Joint) -> tuple[float, float] | None:
-    lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
-    if joint.type not in _BOUNDED or lower is None or upper is None or lower >= upper:
-        return None
-    return lower, upper
 
 
 def _read_coefficient(mimic: Element, name: str, default: float) -> float | None:

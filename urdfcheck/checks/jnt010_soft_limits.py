@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
-from urdfcheck.model import Model
-from urdfcheck.model.parts import Joint
+from urdfcheck.model import Joint, Model
+from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.grammar import is_attribute_missing
 from urdfcheck.source.text.values import read_attribute_number
 from urdfcheck.source.text.xml import Element
@@ -20,29 +20,27 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
             continue
         if is_attribute_missing(safety, "k_velocity"):
             yield rule.finding("gain", at=safety, severity=Severity.ERROR, joint=joint.name)
-        lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
-        soft = _read_soft_limit(safety, "soft_lower_limit"), _read_soft_limit(safety, "soft_upper_limit")
-        if joint.type not in {"revolute", "prismatic"} or lower is None or upper is None or lower >= upper:
-            continue  # nothing to compare with: JNT004, JNT005
-        if soft[0] is not None and soft[1] is not None:
-            yield from _check_soft_limits(rule, joint, safety, (lower, upper), (soft[0], soft[1]), slack)
+        yield from _check_soft_limits(rule, joint, safety, slack=slack)
 
 
-def _check_soft_limits(
-    rule: Rule, joint: Joint, safety: Element, hard: tuple[float, float], soft: tuple[float, float], slack: float
-) -> Iterator[Finding]:
+def _check_soft_limits(rule: Rule, joint: Joint, safety: Element, *, slack: float) -> Iterator[Finding]:
+    hard = joint.position_range
+    soft_lower, soft_upper = _read_soft_limit(safety, "soft_lower_limit"), _read_soft_limit(safety, "soft_upper_limit")
+    if hard is None or soft_lower is None or soft_upper is None:
+        return  # nothing to compare with: JNT004, JNT005
+    lower, upper = hard
     data: dict[str, Any] = {
         "joint": joint.name,
-        "soft_lower": soft[0],
-        "soft_upper": soft[1],
-        "lower": hard[0],
-        "upper": hard[1],
-        "unit": "rad" if joint.type == "revolute" else "m",
+        "soft_lower": soft_lower,
+        "soft_upper": soft_upper,
+        "lower": lower,
+        "upper": upper,
+        "unit": joint.position_unit,
     }
-    beyond = max(hard[0] - soft[0], soft[1] - hard[1])
+    beyond = max(lower - soft_lower, soft_upper - upper)
     if not {"soft_lower_limit", "soft_upper_limit"} & set(safety.attributes):
         yield rule.finding("absent", at=safety, **data)
-    elif max(soft[0], hard[0]) >= min(soft[1], hard[1]):
+    elif max(soft_lower, lower) >= min(soft_upper, upper):
         yield rule.finding("locked", at=safety, **data)
     elif beyond > slack:
         edits = [edit for side in ("lower", "upper") for edit in _propose_edits(joint, safety, side)]
@@ -50,16 +48,15 @@ def _check_soft_limits(
 
 
 def _read_soft_limit(safety: Element, name: str) -> float | None:
-    """A soft limit, 0 where it is absent; None when malformed."""
+    """Return a soft limit, 0 if it is absent, or None if it is malformed."""
     return read_attribute_number(safety, name) if name in safety.attributes else 0.0
 
 
-def _propose_edits(joint: Joint, safety: Element, side: str) -> Iterator[Edit]:
-    """Write the hard limit where the soft one lies beyond it."""
+def _propose_edits(joint: Joint, safety: Element, side: str) -> list[Edit]:
+    """Return the edit that writes the hard limit in place of a soft one beyond it."""
     hard = None if joint.limit is None else joint.limit.attributes.get(side)
     soft = safety.attributes.get(f"soft_{side}_limit")
-    if hard is None or soft is None or not (hard.literal and soft.literal) or soft.span is None:
-        return
-    apart = float(soft.value) - float(hard.value)
-    if (apart if side == "upper" else -apart) > 0:
-        yield Edit(soft.span, soft.typed, hard.typed)
+    if hard is None or soft is None or not hard.literal:
+        return []
+    excess = float(soft.value) - float(hard.value)
+    return edit_literal(soft, hard.typed) if (excess if side == "upper" else -excess) > 0 else []

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
+from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.values import read_attribute_number
-from urdfcheck.source.text.xml import Attribute
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -17,10 +17,5 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             value = read_attribute_number(dynamics, name)
             if dynamics is not None and value is not None and value < 0:
                 attribute = dynamics.attributes[name]
-                yield rule.finding(name, at=attribute, edits=_propose_edits(attribute), joint=joint.name, value=value)
-
-
-def _propose_edits(attribute: Attribute) -> list[Edit]:
-    if not attribute.literal or attribute.span is None:
-        return []
-    return [Edit(attribute.span, attribute.typed, attribute.typed.replace("-", "", 1))]
+                edits = edit_literal(attribute, attribute.typed.replace("-", "", 1))
+                yield rule.finding(name, at=attribute, edits=edits, joint=joint.name, value=value)

@@ -7,13 +7,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import format_count
 from urdfcheck.model import Model
 from urdfcheck.source.text.grammar import iter_urdf_elements
 from urdfcheck.source.text.tokens import Token, tokenize_attribute
 from urdfcheck.source.text.values import parse_number, parse_numbers
 from urdfcheck.source.text.xml import Attribute
 
-# Angles that were added up stop at some turns; 95 is no fifteenth of a turn written with few digits.
+# Sums of angles stay below some turns: 95 is in degrees and not a multiple of 15° in radians with few digits.
 _MOST_TURNS = 4
 
 
@@ -28,7 +29,7 @@ def check(model: Model, rule: Rule, *, step: float, near: float) -> Iterator[Fin
         return
     attributes = [a for a in origins if (a.span or a.location.subject) in wrong]
     worst = max((v for a in wrong.values() for v in _parse_angles(a)), key=abs)
-    # Who typed one angle of an origin in degrees typed all three so.
+    # An author who typed one angle of an origin in degrees typed all three in degrees.
     words = [
         word for a in wrong.values() for word in tokenize_attribute(a, model.source.files) if parse_number(word.text)
     ]
@@ -37,7 +38,7 @@ def check(model: Model, rule: Rule, *, step: float, near: float) -> Iterator[Fin
         at=attributes[0],
         related=list(wrong.values())[1:],
         edits=[word.build_edit(_format_radians(word, in_xacro=model.source.is_xacro)) for word in words],
-        where="1 origin holds" if len(attributes) == 1 else f"{len(attributes)} origins hold",
+        where=format_count(len(attributes), "origin holds", "origins hold"),
         worst=worst,
         turns=abs(worst) / math.tau,
         radians=math.radians(worst),
@@ -50,7 +51,7 @@ def _parse_angles(attribute: Attribute) -> tuple[float, ...]:
 
 
 def _is_degrees(angle: float, step: float, near: float) -> bool:
-    """Whether an angle is more than a turn, and no such fraction of one as sums of angles in radians come to."""
+    """Whether an angle is more than a turn, and not a fraction of a turn that sums of angles in radians come to."""
     size = abs(angle)
     fraction = size <= _MOST_TURNS * math.tau and abs(size - round(size / step) * step) <= near
     return math.tau < size <= 360 * _MOST_TURNS and not fraction

@@ -13,26 +13,54 @@ from urdfcheck.source.text.tokens import Token, tokenize_attribute
 from urdfcheck.source.text.values import parse_number
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _RoundedAngle:
+    """A word for an angle with too few digits."""
+
+    word: Token
+    miss: NearMiss
+
+    @property
+    def error(self) -> float:
+        """The absolute error in rad."""
+        return abs(self.miss.difference)
+
+    @property
+    def is_in_joint(self) -> bool:
+        """Whether the angle places a link, not only a picture of it."""
+        parent = self.word.attribute.owner.parent
+        return parent is not None and parent.tag == "joint"
+
+    def format_correction(self, *, in_xacro: bool) -> str:
+        return self.miss.expression if in_xacro else repr(self.miss.exact)
+
+
 @dataclass(slots=True)
 class _ConstantSpellings:
-    """How a file writes a constant, whatever its sign: the words of each short spelling, by its size (rad), and those with
-    all digits, however they are spelled."""
+    """The spellings of a constant in a file, whatever its sign."""
 
-    rounded: dict[float, list[Token]] = field(default_factory=dict)
+    rounded: dict[float, list[_RoundedAngle]] = field(default_factory=dict)
+    """The words of each spelling with too few digits, by its size in rad."""
     exact: list[Token] = field(default_factory=list)
+    """The words with all digits, however they are spelled."""
 
 
 def check(model: Model, rule: Rule, *, negligible: float, harmful: float) -> Iterator[Finding]:
-    found: dict[tuple[str, str], _ConstantSpellings] = {}
+    constants: dict[tuple[str, str], _ConstantSpellings] = {}
     for word, value in _collect_angles(model):
         miss = find_near_miss(word.text)
         constant = find_constant(value) if miss is None else miss.constant.lstrip("-")
         if constant is None or (miss is not None and abs(miss.difference) < negligible):
             continue
-        spellings = found.setdefault((word.span.file, constant), _ConstantSpellings())
-        (spellings.exact if miss is None else spellings.rounded.setdefault(abs(value), [])).append(word)
+        spellings = constants.setdefault((word.span.file, constant), _ConstantSpellings())
+        if miss is None:
+            spellings.exact.append(word)
+        else:
+            spellings.rounded.setdefault(abs(value), []).append(_RoundedAngle(word, miss))
     every = [
-        _build_finding(model, rule, constant, spelt, harmful) for (_, constant), spelt in found.items() if spelt.rounded
+        _build_finding(model, rule, constant, spellings=spellings, harmful=harmful)
+        for (_, constant), spellings in constants.items()
+        if spellings.rounded
     ]
     mild = [finding for finding in every if finding.severity is Severity.INFO]
     yield from (finding for finding in every if finding.severity is not Severity.INFO)
@@ -40,7 +68,7 @@ def check(model: Model, rule: Rule, *, negligible: float, harmful: float) -> Ite
 
 
 def _build_group_finding(rule: Rule, findings: list[Finding]) -> Finding:
-    """Several constants, or files, of a robot: they were typed by one hand, or one exporter."""
+    """Report several constants, or files, of a robot together: one author or exporter wrote them."""
     counts: dict[str, int] = {}
     for finding in findings:
         spelling = "`{spelled}` for {constant} (off by {lever})".format_map(finding.data)
@@ -57,15 +85,19 @@ def _build_group_finding(rule: Rule, findings: list[Finding]) -> Finding:
     return replace(finding, subjects=tuple(dict.fromkeys(subject for f in findings for subject in f.subjects)))
 
 
-def _build_finding(model: Model, rule: Rule, constant: str, spellings: _ConstantSpellings, harmful: float) -> Finding:
-    groups = sorted(spellings.rounded.values(), key=lambda group: -_measure_error(group[0]))
-    words = sorted(
-        (word for group in groups for word in group),
-        key=lambda word: (-_measure_error(word), not _is_joint_origin(word)),
+def _build_finding(
+    model: Model, rule: Rule, constant: str, *, spellings: _ConstantSpellings, harmful: float
+) -> Finding:
+    in_xacro = model.source.is_xacro
+    groups = sorted(spellings.rounded.values(), key=lambda group: -group[0].error)
+    angles = sorted(
+        (angle for group in groups for angle in group), key=lambda angle: (-angle.error, not angle.is_in_joint)
     )
-    coarsest, off = groups[0], _measure_error(groups[0][0])
+    words = [angle.word for angle in angles]
+    coarsest, error = groups[0], groups[0][0].error
     ways = [
-        f"`{_strip_sign(group[0])}` ({_describe_place(group)}, off by {_format_displacement(_measure_error(group[0]))})"
+        f"`{_strip_sign(group[0].word)}` ({_describe_place([angle.word for angle in group])}, "
+        f"off by {_format_displacement(group[0].error)})"
         for group in groups
     ]
     if spellings.exact:
@@ -74,58 +106,35 @@ def _build_finding(model: Model, rule: Rule, constant: str, spellings: _Constant
         "rounded" if len(ways) == 1 else "mixed",
         at=words[0],
         related=[*words[1:], *spellings.exact[:1]],
-        edits=[word.build_edit(_format_correction(word, in_xacro=model.source.is_xacro)) for word in words],
-        severity=Severity.WARNING
-        if any(_measure_error(word) > harmful and _is_joint_origin(word) for word in words)
-        else None,
-        spelled=_strip_sign(coarsest[0]),
-        times=_format_count(coarsest),
+        edits=[angle.word.build_edit(angle.format_correction(in_xacro=in_xacro)) for angle in angles],
+        severity=Severity.WARNING if any(angle.error > harmful and angle.is_in_joint for angle in angles) else None,
+        spelled=_strip_sign(coarsest[0].word),
+        times=_format_times(len(coarsest)),
         count=len(words),
         constant=_format_constant(constant),
-        difference=off,
-        lever=_format_displacement(off),
+        difference=error,
+        lever=_format_displacement(error),
         number=len(ways),
         ways=", ".join(ways),
-        correct=_format_correction(words[0], in_xacro=model.source.is_xacro),
+        correct=angles[0].format_correction(in_xacro=in_xacro),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(word.location.subject for word in words)))
 
 
 def _collect_angles(model: Model) -> list[tuple[Token, float]]:
-    """The words of every origin's rpy with the angles (rad) that they stand for, each place in the text once however
-    many elements were made from it."""
-    found: dict[tuple[str, int], tuple[Token, float]] = {}
+    """Return the words of every origin's rpy with their angles (rad); each place in the text once, even in a macro."""
+    angles: dict[tuple[str, int], tuple[Token, float]] = {}
     for element in model.robot.walk():
         attribute = element.attributes.get("rpy") if element.tag == "origin" else None
         if attribute is None:
             continue
         words, values = tokenize_attribute(attribute, model.source.files), attribute.value.split()
-        if len(words) == len(values):  # else an expression made several numbers
+        if len(words) == len(values):  # otherwise an expression made several numbers
             for word, text in zip(words, values, strict=True):
                 value = parse_number(text)
                 if value is not None:
-                    found.setdefault((word.span.file, word.span.start), (word, value))
-    return list(found.values())
-
-
-def _is_joint_origin(word: Token) -> bool:
-    """Whether the angle places a link, not only a picture of it."""
-    parent = word.attribute.owner.parent
-    return parent is not None and parent.tag == "joint"
-
-
-def _measure_error(word: Token) -> float:
-    return abs(_get_near_miss(word).difference)
-
-
-def _format_correction(word: Token, *, in_xacro: bool) -> str:
-    return _get_near_miss(word).expression if in_xacro else repr(_get_near_miss(word).exact)
-
-
-def _get_near_miss(word: Token) -> NearMiss:
-    miss = find_near_miss(word.text)
-    assert miss is not None, "the word was found by it"
-    return miss
+                    angles.setdefault((word.span.file, word.span.start), (word, value))
+    return list(angles.values())
 
 
 def _strip_sign(word: Token) -> str:
@@ -136,16 +145,16 @@ def _format_constant(constant: str) -> str:
     return constant.replace("*pi", "π").replace("pi", "π")
 
 
-def _format_count(words: list[Token]) -> str:
-    return "once" if len(words) == 1 else f"{len(words)} times"
+def _format_times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"
 
 
 def _describe_place(words: list[Token]) -> str:
-    """``joint wheel_4`` for the only word in ``joint[wheel_4]/origin@rpy``, else how many there are."""
+    """Return ``joint wheel_4`` for a single word in ``joint[wheel_4]/origin@rpy``, and the number of several."""
     subject = words[0].location.subject.split("/")[0]
-    return subject.replace("[", " ").rstrip("]") if len(words) == 1 else _format_count(words)
+    return subject.replace("[", " ").rstrip("]") if len(words) == 1 else _format_times(len(words))
 
 
 def _format_displacement(radians: float) -> str:
-    """How far a point one metre away is displaced."""
+    """Return the displacement of a point one metre away."""
     return f"{radians * 1e6:.2g} µm/m" if radians < 1e-4 else f"{radians * 1e3:.2g} mm/m"

@@ -17,8 +17,8 @@ from urdfcheck.source.text.xml import Element
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     by_file: dict[str, dict[int, Token]] = {}
-    for part in (*(link.element for link in model.links), *(joint.element for joint in model.joints)):
-        for element in part.walk():
+    for part in model.named_elements:
+        for element in part.element.walk():
             for word in _find_noise_words(element, model):
                 by_file.setdefault(word.span.file, {}).setdefault(word.span.start, word)
     for places in by_file.values():
@@ -30,7 +30,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             at=words[0],
             related=words[1:],
             edits=[word.build_edit("0") for word in words],
-            applicability=Applicability.SAFE,  # of no length or angle that anything can tell from zero
+            applicability=Applicability.SAFE,  # nothing can tell such a length or angle from zero
             count=f"{len(words)} numbers are" if len(words) > 1 else "one number is",
             parts=join_names(dict.fromkeys(_get_part_name(word) for word in words)),
             largest=largest.text,
@@ -41,12 +41,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _find_noise_words(element: Element, model: Model) -> Iterator[Token]:
-    """The words of an origin or an axis that mean zero."""
+    """Iterate over the words of an origin or an axis that mean zero."""
     kinds: list[tuple[str, Callable[[float], bool]]] = []
     if element.tag == "origin":
         kinds = [("xyz", is_noise_length), ("rpy", is_noise_angle)]
-    elif element.tag == "axis" and math.hypot(*(read_attribute_numbers(element, "xyz", 3, ()) or ())) > 0.5:
-        kinds = [("xyz", is_noise_length)]  # relative to the rest of the axis, whose length is 1
+    elif element.tag == "axis" and math.hypot(*(read_attribute_numbers(element, "xyz", 3, default=()) or ())) > 0.5:
+        kinds = [("xyz", is_noise_length)]  # relative to the axis, whose length is 1
     for name, is_noise in kinds:
         for word in tokenize_attribute(element.attributes.get(name), model.source.files):
             value = parse_number(word.text)
@@ -55,5 +55,5 @@ def _find_noise_words(element: Element, model: Model) -> Iterator[Token]:
 
 
 def _get_part_name(word: Token) -> str:
-    """``wheel_4`` for a word of ``joint[wheel_4]/origin@rpy``."""
+    """Return ``wheel_4`` for a word of ``joint[wheel_4]/origin@rpy``."""
     return word.location.subject.split("/")[0].partition("[")[2].rstrip("]")

@@ -11,37 +11,56 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import Edit, Finding, Location, Rule
+from urdfcheck.core.text import format_point
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_mass_covariance
 from urdfcheck.facts.likeness.revolution import RoundOutline, find_revolution_axis, measure_line_angle, measure_outline
-from urdfcheck.model import Joint, Link, Model
-from urdfcheck.model.ground.wheels import WHEEL_NAME, collect_shape_corners, rolling_wheels
-from urdfcheck.model.parts import Inertial, Shape
+from urdfcheck.model import Inertial, Joint, Link, Model, Shape
+from urdfcheck.model.ground.wheels import WHEEL_NAME, rolling_wheels
+from urdfcheck.model.repairs.edits import edit_literal, swap_literals
+from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
-# What carries a wheel is called after it and turns about another axis.
+# A part that carries a wheel is named after it and turns about another axis.
 _CARRIER = re.compile(
     r"steer|swivel|rotation|holder|fork|mount|bracket|knuckle|arm|leg|rocker|bogie|susp|axle", re.IGNORECASE
 )
-# An axis that was meant to be x, y or z, and one that is upright, to within a degree and some.
+# An axis counts as x, y or z, or as upright, to within a little more than a degree.
 _SQUARE = 0.02
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class _AxisEvidence:
-    """What tells a wheel's own ``axis`` (3,), in its frame: ``kind`` visual, collision or inertia; ``shape`` of what is drawn.
-
-    ``is_wheel``: whether it would be taken for a wheel whatever its joint does, being flat and about its frame's origin."""
+    """Evidence of a wheel's own axis."""
 
     kind: str
+    """``visual``, ``collision`` or ``inertia``."""
     axis: Array
+    """(3,) in the wheel's frame."""
     location: Location
     is_wheel: bool
+    """Whether the part is a wheel whatever its joint does: flat, and near its frame's origin."""
     shape: RoundOutline | None = None
+    """The outline of the geometry; None for the inertia."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class _SuspectWheel:
+    """A wheel and the evidence of its axis."""
+
+    joint: Joint
+    link: Link
+    axis: Array
+    """The joint's unit axis (3,) in the wheel's frame."""
+    evidence: Sequence[_AxisEvidence]
+
+    @property
+    def names(self) -> dict[str, Any]:
+        """What every message about the wheel needs."""
+        return {"joint": self.joint.name, "wheel": self.joint.child, "axis": _format_axis(self.axis)}
 
 
 def check(model: Model, rule: Rule, *, limit: float, eccentric: float) -> Iterator[Finding]:
@@ -51,7 +70,7 @@ def check(model: Model, rule: Rule, *, limit: float, eccentric: float) -> Iterat
     for joint in wheels:
         if len(upright) == 1 and joint is upright[0] and len(wheels) == 3:
             continue  # the steered wheel of a tricycle, with one joint for both
-        yield from _check_wheel(model, rule, joint, math.radians(limit), eccentric)
+        yield from _check_wheel(model, rule, joint, limit=math.radians(limit), eccentric=eccentric)
 
 
 def _is_named_wheel(joint: Joint) -> bool:
@@ -59,92 +78,88 @@ def _is_named_wheel(joint: Joint) -> bool:
     return joint.type == "continuous" and bool(WHEEL_NAME.search(words)) and not _CARRIER.search(words)
 
 
-def _check_wheel(model: Model, rule: Rule, joint: Joint, limit: float, eccentric: float) -> Iterator[Finding]:
+def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccentric: float) -> Iterator[Finding]:
+    link = model.link_by_name[joint.child]
     axis = np.array(joint.axis or (1.0, 0.0, 0.0))
     axis = axis / np.linalg.norm(axis)
-    witnesses = _collect_evidence(model, model.link_by_name[joint.child])
-    angles = [measure_line_angle(witness.axis, axis) for witness in witnesses]
-    against = [w for w, angle in zip(witnesses, angles, strict=True) if angle > limit]
-    others = [w.kind for w in witnesses if w not in against]
-    drawn = [w for w in witnesses if w.shape is not None]
-    data: dict[str, Any] = {"joint": joint.name, "wheel": joint.child, "axis": _format_axis(axis)}
+    wheel = _SuspectWheel(joint=joint, link=link, axis=axis, evidence=_collect_evidence(model, link))
+    against = [witness for witness in wheel.evidence if measure_line_angle(witness.axis, axis) > limit]
+    others = [witness.kind for witness in wheel.evidence if witness not in against]
+    drawn = [witness for witness in wheel.evidence if witness.shape is not None]
     if against and not others and not (drawn or against)[0].is_wheel:
-        return  # a rod, or something that hangs beside its joint
+        return  # a rod, or a part that hangs beside its joint
     if drawn and not others:
-        yield _build_axis_finding(model, rule, joint, drawn[0], witnesses, limit, data)
+        yield _build_axis_finding(model, rule, wheel, drawn=drawn[0], limit=limit)
         return
     for witness in against:
-        inertial = None if witness.shape is not None else model.link_by_name[joint.child].inertial
-        yield rule.finding(
-            "drawn" if inertial is None else "inertia" if others else "unsure",
-            at=witness.location,
-            related=[joint.axis_location],
-            edits=_propose_edits(inertial, witness.axis, axis) if inertial is not None and others else (),
-            kind=witness.kind,
-            others=" and ".join(others) + (" is" if len(others) == 1 else " are"),
-            angle=math.degrees(measure_line_angle(witness.axis, axis)),
-            own=_format_axis(witness.axis),
-            **data,
-        )
+        yield _build_witness_finding(rule, wheel, witness, others=others)
     for witness in drawn:
-        assert witness.shape is not None
-        centre = witness.shape.centre
-        offset = float(np.linalg.norm(centre - (centre @ axis) * axis))
-        if witness not in against and offset > eccentric * witness.shape.radius:
-            yield rule.finding(
-                "eccentric",
-                at=witness.location,
-                kind=witness.kind,
-                offset=offset * 1e3,
-                part=offset / witness.shape.radius,
-                centre=" ".join(f"{round(float(v), 5) + 0.0:g}" for v in centre),
-                **data,
-            )
-            return
+        if witness.shape is not None and witness not in against:
+            centre, radius = witness.shape.centre, witness.shape.radius
+            offset = float(np.linalg.norm(centre - (centre @ axis) * axis))
+            if offset > eccentric * radius:
+                yield rule.finding(
+                    "eccentric",
+                    at=witness.location,
+                    kind=witness.kind,
+                    offset=offset * 1e3,
+                    part=offset / radius,
+                    centre=format_point(centre, decimals=5),
+                    **wheel.names,
+                )
+                return
+
+
+def _build_witness_finding(
+    rule: Rule, wheel: _SuspectWheel, witness: _AxisEvidence, *, others: Sequence[str]
+) -> Finding:
+    """Report evidence that contradicts the joint's axis and the ``others``, if there are any."""
+    inertial = None if witness.shape is not None else wheel.link.inertial
+    return rule.finding(
+        "drawn" if inertial is None else "inertia" if others else "unsure",
+        at=witness.location,
+        related=[wheel.joint.axis_location],
+        edits=_swap_moments(inertial, witness.axis, wheel.axis) if inertial is not None and others else (),
+        kind=witness.kind,
+        others=" and ".join(others) + (" is" if len(others) == 1 else " are"),
+        angle=math.degrees(measure_line_angle(witness.axis, wheel.axis)),
+        own=_format_axis(witness.axis),
+        **wheel.names,
+    )
 
 
 def _build_axis_finding(
-    model: Model,
-    rule: Rule,
-    joint: Joint,
-    drawn: _AxisEvidence,
-    witnesses: Sequence[_AxisEvidence],
-    limit: float,
-    data: Any,
+    model: Model, rule: Rule, wheel: _SuspectWheel, *, drawn: _AxisEvidence, limit: float
 ) -> Finding:
-    """All that is known of the wheel speaks against the joint's axis."""
+    """Report a joint axis that all evidence contradicts."""
+    joint = wheel.joint
     own = drawn.axis * _choose_axis_sign(model, joint, drawn.axis)
     element = joint.axis_element
     attribute = None if element is None else element.attributes.get("xyz")
-    edits = []
-    if attribute is not None and attribute.literal and attribute.span is not None:
-        edits.append(Edit(attribute.span, attribute.typed, _format_axis(own)))
-    agreeing = [w.kind for w in witnesses if measure_line_angle(w.axis, drawn.axis) <= limit]
+    agreeing = [witness.kind for witness in wheel.evidence if measure_line_angle(witness.axis, drawn.axis) <= limit]
     return rule.finding(
         "default" if attribute is None else "axis",
         at=joint.axis_location,
-        edits=edits,
+        edits=edit_literal(attribute, _format_axis(own)),
         witnesses=" and ".join(agreeing),
         tell="tells" if len(agreeing) == 1 else "tell",
         angle=math.degrees(measure_line_angle(drawn.axis, joint.axis or (1.0, 0.0, 0.0))),
         own=_format_axis(own),
-        **data,
+        **wheel.names,
     )
 
 
 def _collect_evidence(model: Model, link: Link) -> list[_AxisEvidence]:
-    found = []
-    for kind, shapes in (("visual", link.visuals), ("collision", link.collisions)):
-        witness = _find_drawn_axis(model, kind, shapes)
-        if witness is not None:
-            found.append(witness)
-    if link.inertial is not None:
-        found += _find_inertia_axis(link.inertial)
-    return found
+    witnesses = [
+        _find_drawn_axis(model, "visual", link.visuals),
+        _find_drawn_axis(model, "collision", link.collisions),
+        None if link.inertial is None else _find_inertia_axis(link.inertial),
+    ]
+    return [witness for witness in witnesses if witness is not None]
 
 
 def _find_drawn_axis(model: Model, kind: str, shapes: Sequence[Shape]) -> _AxisEvidence | None:
-    """The axis of revolution of the largest shape about which all of them are round."""
+    """Return the axis of revolution of the largest shape about which all shapes are round."""
     points = collect_shape_corners(model, shapes)
     if points is None or not len(points):
         return None
@@ -154,10 +169,16 @@ def _find_drawn_axis(model: Model, kind: str, shapes: Sequence[Shape]) -> _AxisE
         if axis is not None and own is not None:
             sized.append((float(np.ptp(own, axis=0).max()), shape, axis))
     for _, shape, axis in sorted(sized, key=lambda one: -one[0]):
-        seen = measure_outline(points, axis)
-        if seen.is_round():
-            near = float(np.linalg.norm(seen.centre)) <= 2 * seen.radius and seen.width <= 4 * seen.radius
-            return _AxisEvidence(kind, axis, shape.location, near, seen)
+        outline = measure_outline(points, axis)
+        if outline.is_round():
+            near = float(np.linalg.norm(outline.centre)) <= 2 * outline.radius
+            return _AxisEvidence(
+                kind=kind,
+                axis=axis,
+                location=shape.location,
+                is_wheel=near and outline.width <= 4 * outline.radius,
+                shape=outline,
+            )
     return None
 
 
@@ -175,41 +196,37 @@ def _compute_shape_axis(model: Model, shape: Shape) -> Array | None:
     return None if axis is None else pose[:3, :3] @ axis
 
 
-def _find_inertia_axis(inertial: Inertial) -> list[_AxisEvidence]:
-    """The axis of revolution of the mass, where its tensor is one that a body can have."""
+def _find_inertia_axis(inertial: Inertial) -> _AxisEvidence | None:
+    """Return the axis of revolution of the mass, or None if it has none or a body cannot have its tensor."""
     tensor, mass = inertial.tensor_in_link, inertial.mass
     if tensor is None or mass is None or not mass > 0:
-        return []
+        return None
     report = check_inertia_validity(tensor)
-    axis = (
-        find_revolution_axis(compute_mass_covariance(tensor, mass))
-        if report.positive_definite and report.triangle_inequality
-        else None
-    )
+    if not (report.positive_definite and report.triangle_inequality):
+        return None
+    axis = find_revolution_axis(compute_mass_covariance(tensor, mass))
     if axis is None:
-        return []
-    # About the axis of a disc the moment is the largest.
+        return None
+    # The largest moment of a disc is that about its axis.
     flat = float(axis @ tensor @ axis) > 0.99 * report.moments[2]
-    return [_AxisEvidence("inertia", axis, inertial.location, flat)]
+    return _AxisEvidence(kind="inertia", axis=axis, location=inertial.location, is_wheel=flat)
 
 
-def _propose_edits(inertial: Inertial, own: Array, axis: Array) -> list[Edit]:
-    """The moments about two axes of the frame exchanged, where no more than that is wrong and both are typed as they stand."""
-    element, six, pose = inertial.tensor_element, inertial.inertia_components, inertial.origin.matrix
+def _swap_moments(inertial: Inertial, own: Array, axis: Array) -> list[Edit]:
+    """Return the edits that exchange the moments about two axes of the frame, if that repairs the tensor."""
+    element, components, pose = inertial.tensor_element, inertial.inertia_components, inertial.origin.matrix
     places = [int(np.abs(one).argmax()) for one in (own, axis)]
-    if element is None or six is None or pose is None or not np.array_equal(pose[:3, :3], np.eye(3)):
+    if element is None or components is None or pose is None or not np.array_equal(pose[:3, :3], np.eye(3)):
         return []
     straight = all(1 - abs(float(one[place])) < _SQUARE**2 for one, place in zip((own, axis), places, strict=True))
-    if not straight or any(six[i] != 0 for i in (1, 2, 4)):
+    if not straight or any(components[i] != 0 for i in (1, 2, 4)):
         return []
     one, other = (element.attributes[("ixx", "iyy", "izz")[place]] for place in places)
-    if not (one.literal and other.literal and one.span is not None and other.span is not None):
-        return []
-    return [Edit(one.span, one.typed, other.typed), Edit(other.span, other.typed, one.typed)]
+    return swap_literals(one, other)
 
 
 def _choose_axis_sign(model: Model, joint: Joint, axis: Array) -> float:
-    """The sign that makes an axis of the joint's child point to the robot's left, or along +x or +z when it lies there."""
+    """Return the sign that turns an axis of the joint's child to the robot's left, or along +x or +z if it is nearer to that."""
     rotated = model.frames[joint.child][:3, :3] @ axis
     return math.copysign(1.0, float(rotated[int(np.abs(rotated).argmax())]))
 
@@ -218,4 +235,4 @@ def _format_axis(axis: Array) -> str:
     largest = int(np.abs(axis).argmax())
     if 1 - abs(float(axis[largest])) < _SQUARE**2:
         axis = np.sign(axis) * (np.arange(3) == largest)
-    return " ".join(f"{round(float(v), 6) + 0.0:g}" for v in axis)
+    return format_point(axis, decimals=6)

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule
-from urdfcheck.model import Model
-from urdfcheck.model.parts import Joint
+from urdfcheck.model import Joint, Model
 from urdfcheck.model.rigid_bodies import compute_body_inertia
 
 
@@ -18,22 +17,21 @@ def check(
     for joint in model.joints:
         attribute = joint.origin.get_attribute("rpy")
         if joint.type not in {"revolute", "continuous"} or attribute is None or not attribute.literal:
-            continue  # an angle that was computed was meant
+            continue  # a computed angle was meant
         angle = _measure_turn_about_axis(joint, parallel)
         if angle is None or _is_round_angle(angle, round_to, round_tol) or _has_few_decimals(attribute.value, decimals):
             continue
         data: dict[str, Any] = {"joint": joint.name, "angle": angle, "degrees": math.degrees(angle)}
         if joint.type == "revolute":
-            lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
-            if lower is not None and upper is not None and lower < upper:  # else it cannot turn: JNT004, JNT005
-                data |= {"lower": math.degrees(lower), "upper": math.degrees(upper)}
-                yield rule.finding("limits", at=attribute, **data)
+            if joint.position_range is not None:  # otherwise it cannot turn: JNT004, JNT005
+                lower, upper = map(math.degrees, joint.position_range)
+                yield rule.finding("limits", at=attribute, **data, lower=lower, upper=upper)
         elif _is_asymmetric(model, joint, eccentric):
             yield rule.finding("shifted", at=attribute, **data)
 
 
 def _measure_turn_about_axis(joint: Joint, parallel: float) -> float | None:
-    """The angle (rad) of an origin that does nothing but turn about the joint's own axis, else None."""
+    """Return the angle (rad) of an origin that only turns about the joint's own axis, or None for any other rotation."""
     import numpy as np
 
     from urdfcheck.facts.motion.kinematics import compute_axis_angle
@@ -54,36 +52,35 @@ def _is_round_angle(angle: float, step: float, tolerance: float) -> bool:
 
 
 def _has_few_decimals(text: str, most: int) -> bool:
-    """Whether the angle was typed by hand: no word has more than so many decimals."""
+    """Whether the angle was typed by hand: no word has more than ``most`` decimals."""
     return all(len(word.partition(".")[2]) <= most for word in text.split())
 
 
 def _is_asymmetric(model: Model, joint: Joint, eccentric: float) -> bool:
-    """Whether what the joint moves is known not to be round about its axis: it carries another joint, its mass is
-    eccentric, or its drawing is."""
+    """Whether the moved part is known not to be round about the axis: it carries another joint, or its mass or its drawing is
+    eccentric."""
     try:
         body = model.tree.list_body_links(joint.child)
         carries = any(other.type != "fixed" for name in body for other in model.tree.child_joints[name])
         return (
-            carries
-            or _has_asymmetric_mass(model, joint, body, eccentric)
-            or _has_asymmetric_drawing(model, joint, eccentric)
+            carries or _has_asymmetric_mass(model, joint, eccentric) or _has_asymmetric_drawing(model, joint, eccentric)
         )
     except FactUnavailableError:
         return False
 
 
-def _has_asymmetric_mass(model: Model, joint: Joint, body: tuple[str, ...], eccentric: float) -> bool:
+def _has_asymmetric_mass(model: Model, joint: Joint, eccentric: float) -> bool:
     import numpy as np
 
     from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 
-    found, axis = compute_body_inertia(model, body), model.axes.get(joint.name)
-    if found is None or axis is None:
+    inertia = compute_body_inertia(model, model.tree.list_body_links(joint.child))
+    axis = model.axes.get(joint.name)
+    if inertia is None or axis is None:
         return False
-    mass, com, tensor = found
+    mass, com, tensor = inertia
     across = np.eye(3) - np.outer(axis, axis)
-    # Across the axis, ascending: a zero along it, and the two that are equal for a body of revolution.
+    # Ascending: a zero along the axis, then the two across it, which are equal for a body of revolution.
     _, less, more = np.linalg.eigvalsh(across @ compute_mass_covariance(tensor, mass) @ across).tolist()
     off = float(np.linalg.norm(across @ (com - model.frames[joint.child][:3, 3])))
     size = math.sqrt(max(0.0, less + more))
@@ -91,10 +88,10 @@ def _has_asymmetric_mass(model: Model, joint: Joint, body: tuple[str, ...], ecce
 
 
 def _has_asymmetric_drawing(model: Model, joint: Joint, eccentric: float) -> bool:
-    """Whether what is drawn reaches out unequally far in 16 directions across the axis."""
+    """Whether the drawn part extends unequally far in 16 directions across the axis."""
     import numpy as np
 
-    from urdfcheck.model.shapes.visual_solid import collect_rigid_corners
+    from urdfcheck.model.shapes.corners import collect_rigid_corners
 
     points, axis = collect_rigid_corners(model, model.link_by_name[joint.child]), np.array(joint.axis)
     if points is None:

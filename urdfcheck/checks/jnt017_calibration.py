@@ -12,11 +12,9 @@ from urdfcheck.source.text.values import read_attribute_number
 def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
     for joint in model.joints:
         calibration = joint.element.find_child("calibration")
-        lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
-        if calibration is None or joint.type not in {"revolute", "prismatic"}:
-            continue
-        if lower is None or upper is None or lower >= upper:
-            continue  # JNT004, JNT005
+        if calibration is None or joint.position_range is None:
+            continue  # without a range: JNT004, JNT005
+        lower, upper = joint.position_range
         for edge in ("rising", "falling"):
             value = read_attribute_number(calibration, edge)
             if value is not None and not lower - slack <= value <= upper + slack:
@@ -29,5 +27,5 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
                     value=value,
                     lower=lower,
                     upper=upper,
-                    unit="rad" if joint.type == "revolute" else "m",
+                    unit=joint.position_unit,
                 )

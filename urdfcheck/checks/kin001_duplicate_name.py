@@ -9,7 +9,7 @@ from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
 
-# It needs no names of joints, but for what refers to them.
+# MuJoCo needs the name of a joint only for references to it.
 MUJOCO = {"link": "refuses the file: repeated name", "joint": "replaces the name of the second by none"}
 
 
@@ -37,9 +37,13 @@ def _check_repeated_names(parts: Sequence[Link] | Sequence[Joint], kind: str, ru
     first: dict[str, Link | Joint] = {}
     for part in parts:
         if part.name and first.setdefault(part.name, part) is not part:
-            related, told = [_locate_name(first[part.name])], {"mujoco": MUJOCO[kind]}
             yield rule.finding(
-                "repeated", at=_locate_name(part), related=related, consequences=told, kind=kind, called=part.name
+                "repeated",
+                at=_locate_name(part),
+                related=[_locate_name(first[part.name])],
+                consequences={"mujoco": MUJOCO[kind]},
+                kind=kind,
+                called=part.name,
             )
 
 

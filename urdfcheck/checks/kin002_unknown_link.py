@@ -6,28 +6,31 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.link_graph import KinematicGraph
+from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.xml import Attribute
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     graph = KinematicGraph.from_model(model)
-    # One link that is missing is one mistake, however many joints name it.
-    found: dict[str, list[tuple[Joint, Attribute]]] = {}
+    # One missing link is one mistake, however many joints name it.
+    unknown: dict[str, list[tuple[Joint, Attribute]]] = {}
     for joint in graph.broken:
         for element in (joint.element.find_child("parent"), joint.element.find_child("child")):
             name = element.attributes.get("link") if element is not None else None
             if element is not None and name is not None and name.value and name.value not in graph.links:
-                found.setdefault(name.value, []).append((joint, name))
-    for called, places in found.items():
-        yield _build_finding(graph, called, places, rule)
+                unknown.setdefault(name.value, []).append((joint, name))
+    for places in unknown.values():
+        yield _build_finding(rule, graph, places)
 
 
-def _build_finding(graph: KinematicGraph, called: str, places: list[tuple[Joint, Attribute]], rule: Rule) -> Finding:
+def _build_finding(rule: Rule, graph: KinematicGraph, places: list[tuple[Joint, Attribute]]) -> Finding:
+    """Report all places that name one unknown link."""
     attributes = [attribute for _, attribute in places]
+    called = attributes[0].value
     related = [*(a.location for a in attributes[1:10]), *(d.location for d in attributes[0].collect_definitions())]
     data: dict[str, Any] = {"called": called, "where": _describe_places(places)}
     near = graph.guess_link(attributes[0].owner.tag, called)
@@ -35,13 +38,13 @@ def _build_finding(graph: KinematicGraph, called: str, places: list[tuple[Joint,
         links = join_names(graph.links) or "none"
         finding = rule.finding("unknown", at=attributes[0], related=related, links=links, **data)
     else:
-        edits = [edit for attribute in attributes for edit in _propose_edits(attribute, near)]
+        edits = [edit for attribute in attributes for edit in edit_literal(attribute, near)]
         finding = rule.finding("near", at=attributes[0], related=related, edits=edits, near=near, **data)
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
 
 
 def _describe_places(places: list[tuple[Joint, Attribute]]) -> str:
-    """``the parent of joints a, b and c and the child of joint d``."""
+    """Return ``the parent of joints a, b and c and the child of joint d``."""
     joints: dict[str, list[str]] = {}
     for joint, attribute in places:
         joints.setdefault(attribute.owner.tag, []).append(joint.name)
@@ -53,9 +56,3 @@ def _describe_places(places: list[tuple[Joint, Attribute]]) -> str:
 
 def _format_names(names: list[str]) -> str:
     return join_names(names, 3) if len(names) > 3 else " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
-
-
-def _propose_edits(attribute: Attribute, near: str) -> tuple[Edit, ...]:
-    if not attribute.literal or attribute.span is None:
-        return ()
-    return (Edit(attribute.span, attribute.typed, near),)

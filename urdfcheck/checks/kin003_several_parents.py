@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Location, Rule
-from urdfcheck.model import Joint, Model
+from urdfcheck.core import Finding, Rule
+from urdfcheck.model import Model
 from urdfcheck.model.link_graph import KinematicGraph
 
 
@@ -18,15 +18,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if len(counted) > 1:
             yield rule.finding(
                 "several",
-                at=_locate_child(counted[1]),
-                related=[_locate_child(j) for j in counted if j is not counted[1]],
+                at=counted[1].child_location,
+                related=[j.child_location for j in counted if j is not counted[1]],
                 link=link,
                 joints=", ".join(f"{j.name} (from {j.parent})" for j in counted),
                 parents=[j.parent for j in counted],
             )
-
-
-def _locate_child(joint: Joint) -> Location:
-    element = joint.element.find_child("child")
-    assert element is not None, "a joint of the graph has a child"
-    return element.attributes["link"].location

@@ -19,11 +19,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         closing = loop[-1]
         links = [joint.parent for joint in loop]
         shown = [*links[:_SHOWN], "…"] if len(links) > _SHOWN else links
-        child = closing.element.find_child("child")
-        assert child is not None, "a joint of the graph has a child"
         yield rule.finding(
             "loop",
-            at=child.attributes["link"],
+            at=closing.child_attribute or closing,
             related=loop[:-1][:_SHOWN],
             consequences={"urdfdom": loss, "bullet": loss},
             joint=closing.name,

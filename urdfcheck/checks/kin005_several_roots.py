@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.link_graph import KinematicGraph
 
@@ -17,7 +17,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     pieces = [
         piece
         for piece in graph.find_components()
-        if not explained & set(piece) and any(not parents[link] for link in piece)  # else a loop: KIN004
+        if not explained & set(piece) and any(not parents[link] for link in piece)  # otherwise a loop: KIN004
     ]
     if len(pieces) - unknown < 2:
         return
@@ -27,18 +27,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         at=model.link_by_name[roots[1]],
         related=[model.link_by_name[root] for root in (roots[0], *roots[2:10])],
         count=len(pieces),
-        main=f"{roots[0]} ({_format_link_count(len(pieces[0]))})",
+        main=f"{roots[0]} ({format_count(len(pieces[0]), 'link')})",
         others=join_names(
-            f"{root} ({_format_link_count(len(piece))})" for root, piece in zip(roots[1:], pieces[1:], strict=True)
+            f"{root} ({format_count(len(piece), 'link')})" for root, piece in zip(roots[1:], pieces[1:], strict=True)
         ),
         roots=roots,
     )
 
 
 def _find_explained_links(graph: KinematicGraph) -> tuple[set[str], int]:
-    """Links that are apart because a joint names a wrong link, and how many more wrong names could explain a piece.
+    """Return the links that are apart because a joint names a wrong link, and the number of other wrong names.
 
-    Those joints have findings of their own (KIN002, KIN006, XML005).
+    KIN002, KIN006 and XML005 report those joints; each of the other names may explain one piece.
     """
     links: set[str] = set()
     unknown = 0
@@ -52,7 +52,3 @@ def _find_explained_links(graph: KinematicGraph) -> tuple[set[str], int]:
         else:
             links.add(meant)
     return links, unknown
-
-
-def _format_link_count(count: int) -> str:
-    return "1 link" if count == 1 else f"{count} links"

@@ -10,6 +10,6 @@ from urdfcheck.model import Model
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for joint in model.joints:
-        child = joint.element.find_child("child")
-        if child is not None and joint.child and joint.parent == joint.child:
-            yield rule.finding("itself", at=child.attributes["link"], joint=joint.name, link=joint.child)
+        attribute = joint.child_attribute
+        if attribute is not None and attribute.value and joint.parent == attribute.value:
+            yield rule.finding("itself", at=attribute, joint=joint.name, link=attribute.value)

@@ -10,6 +10,6 @@ from urdfcheck.model.link_graph import KinematicGraph
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    KinematicGraph.from_model(model)  # a file whose xacro is not expanded has its links still to come
+    KinematicGraph.from_model(model)  # raises if the xacro is not expanded: its links are still to come
     if not model.links:
         yield rule.finding("none", at=model, robot=model.name)

@@ -10,21 +10,19 @@ from urdfcheck.model import Model
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if not model.joints:
-        return  # a single body: nothing hangs on it
-    root = model.link_by_name[model.tree.root]
-    inertial = root.inertial
-    if inertial is None or not inertial.mass:
+        return  # a single body
+    root = model.mass_by_name.get(model.tree.root)
+    if root is None or not root.mass:
         return
-    masses = [link.inertial.mass for link in model.links if link.inertial is not None]
-    known = [mass for mass in masses if mass is not None and mass >= 0]
-    if len(known) < len(masses):
-        return  # a sum that counts a wrong mass says nothing
-    total = sum(known)
+    masses = [declared.mass for declared in model.masses if declared.mass >= 0]
+    if len(masses) < sum(link.inertial is not None for link in model.links):
+        return  # a sum with a wrong mass in it means nothing
+    total = sum(masses)
     yield rule.finding(
         "ignored",
-        at=inertial.element,
-        link=root.name,
-        mass=inertial.mass,
+        at=root.inertial.element,
+        link=root.link.name,
+        mass=root.mass,
         total=total,
-        rest=total - inertial.mass,
+        rest=total - root.mass,
     )

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator
-from dataclasses import replace
 
-from urdfcheck.core import Edit, Finding, Rule, Severity
-from urdfcheck.core.text import join_names
-from urdfcheck.model import Model
-from urdfcheck.model.parts import Joint
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.merging import build_group_finding
+from urdfcheck.core.text import format_count, join_names
+from urdfcheck.model import Joint, Model
+from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.grammar import JOINT_TYPES, is_attribute_missing, is_unexpanded
 from urdfcheck.source.text.xml import Attribute
 
-# What SDF, MJCF and others call a type of URDF, or have beside it.
+# The names that SDF, MJCF and others have for a type of URDF, and the types that only they have.
 _SYNONYMS = {"hinge": "revolute", "rotational": "revolute", "slide": "prismatic", "slider": "prismatic",
              "linear": "prismatic", "weld": "fixed", "rigid": "fixed", "free": "floating"}  # fmt: skip
 _SDF = frozenset({"ball", "screw", "universal", "revolute2", "gearbox"})
 _LIKENESS, _LONGEST = 0.6, 40
-# Which targets make a joint of several degrees of freedom a fixed one.
+# The targets that make a joint of several degrees of freedom a fixed one.
 _FIXED = {"floating": frozenset({"bullet", "kdl"}), "planar": frozenset({"kdl"})}
 
 
@@ -33,8 +33,15 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for kind, targets in _FIXED.items():
         joints = [joint for joint in model.joints if joint.type == kind]
         if joints:
-            fixed = targets.intersection(model.targets)
-            yield _build_group_finding(rule, kind, joints, Severity.WARNING if fixed else Severity.INFO)
+            # All joints of one type have the same consequences.
+            yield build_group_finding(
+                rule,
+                kind,
+                [joint.element.attributes["type"] for joint in joints],
+                severity=Severity.WARNING if targets.intersection(model.targets) else Severity.INFO,
+                joints=join_names(joint.name for joint in joints),
+                count=format_count(len(joints), "joint is", "joints are"),
+            )
 
 
 def _build_unknown_finding(rule: Rule, joint: Joint, attribute: Attribute) -> Finding:
@@ -45,23 +52,9 @@ def _build_unknown_finding(rule: Rule, joint: Joint, attribute: Attribute) -> Fi
     return rule.finding(
         message,
         at=attribute,
-        edits=[Edit(attribute.span, attribute.typed, near)] if near and attribute.literal and attribute.span else (),
+        edits=edit_literal(attribute, near) if near else (),
         joint=joint.name,
         type=joint.type,
         near=near or "",
         known=", ".join(JOINT_TYPES),
     )
-
-
-def _build_group_finding(rule: Rule, kind: str, joints: list[Joint], severity: Severity) -> Finding:
-    """One finding for all joints of a type: what becomes of them is the same."""
-    attributes = [joint.element.attributes["type"] for joint in joints]
-    finding = rule.finding(
-        kind,
-        at=attributes[0],
-        severity=severity,
-        related={a.span: a for a in attributes if a.span != attributes[0].span}.values(),
-        joints=join_names(joint.name for joint in joints),
-        count="1 joint is" if len(joints) == 1 else f"{len(joints)} joints are",
-    )
-    return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))

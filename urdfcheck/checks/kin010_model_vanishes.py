@@ -4,32 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Link, Model
 
-# libsdformat takes a mass that differs from 0 by less as none (gz::math::equal).
+# libsdformat takes a smaller mass for zero (gz::math::equal).
 _NO_MASS = 1e-6
 _KEPT = frozenset({"preserveFixedJoint", "disableFixedJointLumping"})
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if not model.links:
-        return  # nothing that could vanish: KIN007
+        return  # KIN007
     if all(link.inertial is None for link in model.links):
         yield rule.finding(
-            "drawing", at=_locate_name(model), severity=Severity.INFO, which=_describe_lack(len(model.links))
+            "drawing", at=model.name_location, severity=Severity.INFO, which=_describe_lack(len(model.links))
         )
         return
     root = model.tree.root
-    # A root of this name stands for the world: what hangs on it is converted piece by piece.
+    # A root of this name is the world: each part below it is converted separately.
     heads = [joint.child for joint in model.tree.child_joints[root]] if root == "world" else [root]
     kept = _list_preserved_joints(model)
     bodies = {head: [model.link_by_name[name] for name in _list_merged_links(model, head, kept)] for head in heads}
     if not bodies or any(_has_mass(links) for links in bodies.values()):
         return
     head, links = next(iter(bodies.items()))
-    masses = [link.inertial.mass for link in model.links if link.inertial is not None]
     moving = {joint.name for link in links for joint in model.tree.child_joints[link.name]}
     yield rule.finding(
         "vanishes",
@@ -37,23 +36,23 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         link=head,
         with_it=f" (with {join_names(link.name for link in links[1:])}, fixed to it)" if len(links) > 1 else "",
         count=len(model.links),
-        mass=sum(mass for mass in masses if mass is not None),
+        mass=sum(declared.mass for declared in model.masses),
         joints=join_names(joint.name for joint in model.joints if joint.name in moving and joint.type != "fixed"),
     )
 
 
 def _list_merged_links(model: Model, head: str, kept: frozenset[str]) -> list[str]:
-    """The links that the conversion merges into ``head``: those behind fixed joints that nothing preserves."""
-    queue, found = [head], []
+    """Return the links that the conversion merges into ``head``: those behind fixed joints that nothing preserves."""
+    queue, merged = [head], []
     while queue:
-        found.append(queue.pop())
-        joints = model.tree.child_joints[found[-1]]
+        merged.append(queue.pop())
+        joints = model.tree.child_joints[merged[-1]]
         queue.extend(joint.child for joint in joints if joint.type == "fixed" and joint.name not in kept)
-    return found
+    return merged
 
 
 def _list_preserved_joints(model: Model) -> frozenset[str]:
-    """The fixed joints that a Gazebo extension keeps."""
+    """Return the names of the joints that a Gazebo extension keeps."""
     return frozenset(
         gazebo.get("reference")
         for gazebo in model.robot.find_children("gazebo")
@@ -62,7 +61,7 @@ def _list_preserved_joints(model: Model) -> frozenset[str]:
 
 
 def _has_mass(links: list[Link]) -> bool:
-    """Whether they have a mass together, or one that is wrong: not a number, negative, 0 with an inertia (INR002)."""
+    """Whether a link has a mass, or a wrong one: not a number, negative, or 0 with an inertia (INR002)."""
     inertials = [link.inertial for link in links if link.inertial is not None]
     return any(
         i.mass is None or i.mass < 0 or i.mass > _NO_MASS or (i.mass == 0 and any(i.inertia_components or ()))
@@ -72,8 +71,3 @@ def _has_mass(links: list[Link]) -> bool:
 
 def _describe_lack(links: int) -> str:
     return "the only link has no" if links == 1 else f"none of the {links} links has an"
-
-
-def _locate_name(model: Model) -> Location:
-    name = model.robot.attributes.get("name")
-    return model.location if name is None else name.location

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
-from urdfcheck.source.text.shape_roles import describe_unreadable_mesh
+from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh
 
 # A file in a format that we cannot read, or with its geometry in a second file, need not be broken.
 UNREAD_SEVERITIES = {"unsupported": Severity.WARNING, "external-buffer": Severity.INFO}

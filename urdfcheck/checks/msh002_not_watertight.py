@@ -10,7 +10,8 @@ import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_large_count, join_names, join_numbers
-from urdfcheck.facts.mesh.measure import Boundary, MeshFacts
+from urdfcheck.facts.mesh.measure import MeshFacts
+from urdfcheck.facts.mesh.topology import Boundary
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.shapes.mesh_marks import round_significant, sample_for_drawing

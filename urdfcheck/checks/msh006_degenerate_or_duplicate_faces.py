@@ -15,7 +15,7 @@ from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.shapes.mesh_marks import sample_for_drawing
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 # A report draws so many triangles of so many meshes.
 MAX_MESHES, MAX_TRIANGLES = 8, 32
@@ -51,7 +51,7 @@ def _format_face_counts(facts: MeshFacts) -> str:
     return ", ".join(f"{n:,} {what}" for n, what in counts if n)
 
 
-def _find_bad_triangles(facts: MeshFacts) -> NDArray[np.float64]:
+def _find_bad_triangles(facts: MeshFacts) -> Array:
     """Return the corners (n, 3, 3) of the triangles without area, or repeated, that the welded mesh still has."""
     corners = facts.vertices[facts.faces]
     sides = corners - np.roll(corners, 1, axis=1)
@@ -59,5 +59,5 @@ def _find_bad_triangles(facts: MeshFacts) -> NDArray[np.float64]:
     degenerate = area <= 1e-14 * (sides**2).sum(axis=2).max(axis=1)
     repeated = np.ones(len(degenerate), dtype=bool)
     repeated[np.unique(np.sort(facts.faces, axis=1), axis=0, return_index=True)[1]] = False
-    bad: NDArray[np.float64] = corners[degenerate | repeated]
+    bad: Array = corners[degenerate | repeated]
     return bad

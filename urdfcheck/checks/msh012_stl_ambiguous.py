@@ -8,7 +8,7 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
-from urdfcheck.source.text.shape_roles import describe_missing_mesh
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -7,13 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
+from urdfcheck.facts.arrays import Array
 from urdfcheck.model import Joint, Model
-
-Array = NDArray[np.float64]
 
 # The words of a name and the text between them.
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[^A-Za-z]+")

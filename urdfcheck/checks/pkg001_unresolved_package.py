@@ -9,7 +9,7 @@ from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import ResourceUse, is_misspelt, list_resource_uses
-from urdfcheck.source.text.shape_roles import describe_missing_mesh
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import locate_text
 
 # So many files are looked up in other packages to find the one that is meant.

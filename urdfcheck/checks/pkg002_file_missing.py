@@ -12,7 +12,7 @@ from urdfcheck.core.text import find_nearest_name, format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.resources import ResourceUse, find_missing_path, is_misspelt, list_resource_uses
-from urdfcheck.source.text.shape_roles import describe_missing_mesh
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.system.files import walk
 
 # Beyond this many files the search for one of the same name stops: a suggestion is not worth seconds.

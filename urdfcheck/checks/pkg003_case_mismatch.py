@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from urdfcheck.core import Applicability, Edit, Finding, Location, Rule
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import ResourceUse, find_machine_path, list_resource_uses
-from urdfcheck.source.text.shape_roles import describe_missing_mesh
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.xml import SourceFile
 
 

@@ -9,7 +9,7 @@ from urdfcheck.core import Edit, Finding, Location, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import ResourceUse, find_machine_path, list_resource_uses
-from urdfcheck.source.text.shape_roles import describe_missing_mesh
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import build_replacement_edits
 
 

@@ -10,11 +10,11 @@ from pathlib import Path
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.core.text import join_names
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.resources import list_resource_uses
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.source.xacro.usage import iter_elements_by_tag, select_own_trees
+from urdfcheck.source.xacro.usage import iter_elements_by_tag
 
 _FIND = re.compile(r"^\s*\$\(find\s+([^\s()]+)\s*\)/([^$]*)$")
 

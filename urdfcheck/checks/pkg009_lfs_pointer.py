@@ -11,7 +11,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.resources import ResourceUse, list_resource_uses
-from urdfcheck.source.text.shape_roles import describe_unreadable_mesh
+from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh
 from urdfcheck.system.files import read_start
 
 POINTER = b"version https://git-lfs.github.com/spec/"

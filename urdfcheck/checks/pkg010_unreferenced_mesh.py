@@ -9,9 +9,9 @@ from pathlib import Path
 
 from urdfcheck.core import FactUnavailableError, Finding, Location, Rule
 from urdfcheck.core.text import join_names
+from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.package.references import (
-    MESH_SUFFIXES,
     has_unreachable_users,
     iter_file_texts,
     list_other_folders,

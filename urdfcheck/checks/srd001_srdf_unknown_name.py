@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import find_only_near_name, format_name_hint
 from urdfcheck.model import Model
-from urdfcheck.model.likeness.sibling_robots import PackageNames
+from urdfcheck.model.likeness.sibling_robots import PackageNames, package_names
 from urdfcheck.model.motion.planning_limits import collect_group_joints
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.repairs.edits import edit_literals
@@ -50,7 +50,7 @@ class _NameUse:
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    elsewhere = PackageNames(model)
+    elsewhere = package_names(model)
     srdfs = [srdf for srdf in semantic_descriptions(model) if is_about_model(srdf, model.source)]
     for srdf in srdfs:
         yield from _check_unknown_names(model, rule, srdf=srdf, elsewhere=elsewhere)

@@ -18,7 +18,7 @@ from urdfcheck.model.parts import Joint
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.ros.joint_limits import JointLimits
 from urdfcheck.source.ros.srdf import Srdf
-from urdfcheck.source.text.yaml import find_yaml_error
+from urdfcheck.source.ros.yaml_files import find_yaml_error
 
 # ROS 2 reads these as floating-point numbers, and rejects integers.
 _DOUBLES = ("min_position", "max_position", "max_velocity", "max_acceleration", "max_jerk")

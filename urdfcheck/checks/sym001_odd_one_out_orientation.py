@@ -28,9 +28,8 @@ from urdfcheck.model.repairs.origin_edits import describe_definitions, list_defi
 from urdfcheck.source.text.values import parse_number
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # Predicted frames are only as exact as the rpy of the siblings; 1.57 is the coarsest that is common.
 ANGLE_TOLERANCE = 2e-3

@@ -21,9 +21,8 @@ from urdfcheck.source.text.tokens import tokenize_attribute
 from urdfcheck.source.text.values import parse_number
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # Two displacements, or two positions of joints on their parents, agree within this share of the deviation.
 SIMILAR_SHARE = 0.25

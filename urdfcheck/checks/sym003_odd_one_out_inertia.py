@@ -7,7 +7,7 @@ from typing import Any
 
 from urdfcheck.core import Confidence, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.likeness.mirror import measure_deviation
 from urdfcheck.model import Model
@@ -27,7 +27,7 @@ MAX_FIT_DEVIATION, MIN_DEVIATION_RATIO = 0.1, 3.0
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
     for odd in find_odd_copies(model, note):
         diagnosed = inertial_diagnoses(model).get(odd.link.name)
-        if diagnosed is not None and diagnosed.diagnosis.by == "twin" and not diagnosed.diagnosis.decided:
+        if diagnosed is not None and diagnosed.diagnosis.judged_by == "twin" and not diagnosed.diagnosis.at_fault:
             continue  # its numbers fit its drawing: all others may have the same mistake
         names = join_names(link.name for link in odd.by)
         why = f"{len(odd.by)} like links that draw the same part ({names}) agree on theirs"

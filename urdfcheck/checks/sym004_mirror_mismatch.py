@@ -11,7 +11,7 @@ import numpy as np
 
 from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.core.text import format_point, join_names, join_numbers
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs, measure_principal_deviation
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
@@ -39,9 +39,8 @@ from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.source.text.values import read_attribute_number
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 # INR009 leaves this mistake to SYM004.
 UNMIRRORED = "unmirrored"
@@ -141,7 +140,7 @@ def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
     causes = []
     for name in (pair.one, pair.other):
         diagnosed = inertial_diagnoses(model).get(name)
-        cause = None if diagnosed is None or not diagnosed.diagnosis.decided else diagnosed.diagnosis.cause
+        cause = None if diagnosed is None or not diagnosed.diagnosis.at_fault else diagnosed.diagnosis.cause
         causes.append(None if cause == UNMIRRORED else cause)
     return causes[0] != causes[1]
 

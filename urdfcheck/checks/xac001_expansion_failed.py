@@ -11,17 +11,11 @@ from typing import Any
 
 from urdfcheck.core import Finding, Location, Rule
 from urdfcheck.core.text import find_nearest_name, format_name_hint, join_names
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.usage import (
-    collect_macros,
-    collect_properties,
-    find_unprefixed_tags,
-    iter_elements_by_tag,
-    locate_expression,
-)
+from urdfcheck.source.xacro.usage import collect_macros, collect_properties, find_unprefixed_tags, iter_elements_by_tag
 
 _EXPRESSIONS = " when evaluating expression '"
 _PATH = re.compile(r"(?<![\w./])/[^\s'\",:]+")

@@ -7,10 +7,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Applicability, Finding, Rule
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.source.xacro.usage import select_own_trees
 
 CURRENT = "http://www.ros.org/wiki/xacro"
 # The wiki's own pages once declared the second one; every release of xacro accepts it.

@@ -8,9 +8,9 @@ from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import format_repetition, join_names
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.text.xml import Element, SourceFile
-from urdfcheck.source.xacro.usage import find_unprefixed_tags, select_own_trees
+from urdfcheck.source.xacro.usage import find_unprefixed_tags
 
 # At most so many tags of one file are listed, and renamed by one fix.
 _MAX_EDITED = 500

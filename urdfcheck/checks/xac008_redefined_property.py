@@ -7,9 +7,10 @@ from collections.abc import Iterator, Mapping
 
 from urdfcheck.core import Finding, Location, Rule, Span
 from urdfcheck.model import Model
+from urdfcheck.source.load import select_own_trees
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.usage import iter_elements_by_tag, select_own_trees
+from urdfcheck.source.xacro.usage import iter_elements_by_tag
 
 _CONDITIONS = frozenset({"xacro:if", "xacro:unless"})
 

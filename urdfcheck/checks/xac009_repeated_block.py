@@ -10,10 +10,9 @@ from dataclasses import dataclass
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model.likeness.repeated_blocks import NumberColumn, classify_columns
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element
-from urdfcheck.source.xacro.usage import select_own_trees
 
 # CAD exports of one part differ in these digits, by rounding.
 _TOLERANCES = {"rel_tol": 1e-6, "abs_tol": 1e-12}

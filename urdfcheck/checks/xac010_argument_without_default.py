@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.source.load import Source
-from urdfcheck.source.xacro.usage import find_unprefixed_tags, iter_elements_by_tag, locate_expression
+from urdfcheck.source.load import Source, locate_expression
+from urdfcheck.source.xacro.usage import find_unprefixed_tags, iter_elements_by_tag
 
 _READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 

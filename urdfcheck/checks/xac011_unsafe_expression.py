@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.source.load import Source
-from urdfcheck.source.xacro.usage import locate_expression
+from urdfcheck.source.load import Source, locate_expression
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:

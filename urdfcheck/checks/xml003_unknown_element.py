@@ -9,8 +9,8 @@ from typing import Any
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_repetition
 from urdfcheck.model import Model
+from urdfcheck.source.text.engine_reactions import is_collision_part
 from urdfcheck.source.text.grammar import CHILDREN, guess_element_tag, iter_urdf_elements
-from urdfcheck.source.text.shape_roles import is_collision_part
 from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.xml import Element
 

@@ -9,12 +9,11 @@ from typing import Any
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity, Span
 from urdfcheck.core.text import format_repetition, join_names
 from urdfcheck.model import Model
+from urdfcheck.source.text.engine_reactions import describe_engine_reactions, describe_loss
 from urdfcheck.source.text.grammar import (
     NUMERIC_ATTRIBUTES,
     REQUIRED_ATTRIBUTES,
     TEXT_ATTRIBUTES,
-    describe_engine_reactions,
-    describe_loss,
     get_known_attributes,
     guess_attribute,
     iter_misspelt_contents,

@@ -7,13 +7,8 @@ from typing import Any
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import (
-    REQUIRED_ATTRIBUTES,
-    describe_engine_reactions,
-    describe_loss,
-    is_attribute_missing,
-    iter_urdf_elements,
-)
+from urdfcheck.source.text.engine_reactions import describe_engine_reactions, describe_loss
+from urdfcheck.source.text.grammar import REQUIRED_ATTRIBUTES, is_attribute_missing, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
 
 # Other rules check a limit's effort and velocity, a joint's type and a safety controller's k_velocity.

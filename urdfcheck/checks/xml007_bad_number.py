@@ -11,7 +11,8 @@ from urdfcheck.core import Applicability, Edit, Finding, Rule, Severity
 from urdfcheck.core.text import truncate_text
 from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_literal
-from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, describe_loss, is_unexpanded, iter_urdf_elements
+from urdfcheck.source.text.engine_reactions import describe_loss
+from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.values import DECIMAL, MAX_MAGNITUDE, is_computable, parse_number
 from urdfcheck.source.text.xml import Attribute
 

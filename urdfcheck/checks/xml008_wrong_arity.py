@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_literal
-from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, describe_loss, iter_urdf_elements
+from urdfcheck.source.text.engine_reactions import describe_loss
+from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, iter_urdf_elements
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute
 

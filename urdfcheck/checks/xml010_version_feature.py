@@ -9,7 +9,8 @@ from dataclasses import replace
 from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.core.text import format_repetition
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import describe_loss, is_unexpanded, iter_urdf_elements, parse_urdf_version
+from urdfcheck.source.text.engine_reactions import describe_loss
+from urdfcheck.source.text.grammar import is_unexpanded, iter_urdf_elements, parse_urdf_version
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Element
 

@@ -7,10 +7,10 @@ import os
 import sys
 from collections.abc import Sequence
 
-from urdfcheck.cli.terminal import FAILED, FINDINGS, NOTHING, OK, erase_progress, exit_code, say, silence_stdout
+from urdfcheck.cli.terminal import FAILED, FINDINGS, NOTHING, OK, compute_exit_code, erase_progress, say, silence_stdout
 from urdfcheck.core.errors import UrdfcheckError
 
-__all__ = ["FAILED", "FINDINGS", "NOTHING", "OK", "exit_code", "main"]
+__all__ = ["FAILED", "FINDINGS", "NOTHING", "OK", "compute_exit_code", "main"]
 
 COMMANDS = ("check", "audit", "rule", "srdf", "cache", "baseline", "engines", "drop", "config", "init", "completion")
 # Words that later versions use as commands: a file of this name is written ./diff.
@@ -23,7 +23,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
-        code = _command(words)
+        code = _run_command(words)
         sys.stdout.flush()
         return code
     except UrdfcheckError as error:
@@ -41,7 +41,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return FAILED
 
 
-def _command(words: list[str]) -> int:
+def _run_command(words: list[str]) -> int:
     for word in words[: words.index("--") if "--" in words else None]:
         # A stranger's file, named by a pattern of the shell or by pre-commit: -ohtml=… would write where its name says.
         if word.startswith("-") and os.path.lexists(word):

@@ -11,13 +11,15 @@ from typing import TYPE_CHECKING, NoReturn
 from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
-    from urdfcheck.policy.baseline import Baseline
-    from urdfcheck.policy.config import Config, Configurations, Given
-    from urdfcheck.policy.limits import ResourceLimits
-    from urdfcheck.run.pipeline import Request
+    from urdfcheck.policy.config import Config
+    from urdfcheck.run.jobs import Request
+    from urdfcheck.run.request import RunOptions
 
-# MiB: an audit of an empty robot takes about half of it.
-LEAST_MEMORY = 512
+# How the command line spells the fields of `RunOptions`.
+_SPELLING = {
+    **{name: f"--{name}" for name in ("tier", "target", "timeout", "memory", "jobs")},
+    **{"packages": "--package", "package_paths": "--package-path", "allow_read": "--allow-read"},
+}
 # No report has such a name.
 MODELS = frozenset({".urdf", ".xacro", ".srdf", ".sdf", ".launch"})
 EPILOG = """\
@@ -25,7 +27,7 @@ exit codes: 0 nothing at or above --fail-on, 1 findings, 2 urdfcheck or its conf
 urdfcheck rule lists the rules, urdfcheck rule CODE explains one"""
 
 
-class Parser(argparse.ArgumentParser):
+class CommandParser(argparse.ArgumentParser):
     """A word of the command line may be a stranger's file name: what is wrong with it is told like everything else."""
 
     def error(self, message: str) -> NoReturn:
@@ -42,7 +44,7 @@ def add_options(p: argparse.ArgumentParser) -> None:
     p.add_argument(
         "--fail-on", choices=("error", "warning", "info", "never"), help="exit 1 from here on (default: error)"
     )
-    add_access(p)
+    add_access_options(p)
     p.add_argument(
         "--all-args", action="store_true", help="each xacro with all values that its text has for its arguments"
     )
@@ -57,7 +59,7 @@ def add_options(p: argparse.ArgumentParser) -> None:
     p.add_argument("--allow-empty", action="store_true", help="exit 0 when there is nothing to check")
 
 
-def add_access(p: argparse.ArgumentParser) -> None:
+def add_access_options(p: argparse.ArgumentParser) -> None:
     """The options that decide about what a model is read with, and what that may take."""
     p.add_argument("--arg", action="append", default=[], metavar="NAME:=VALUE", help="xacro argument for all models")
     p.add_argument("--package", action="append", default=[], metavar="NAME=DIR", help="where a ROS package is")
@@ -85,7 +87,7 @@ def ensure_paths(options: argparse.Namespace) -> None:
         raise UrdfcheckError("a path is empty (urdfcheck . for this folder)")
 
 
-def output_file(text: str) -> tuple[str, Path]:
+def parse_output(text: str) -> tuple[str, Path]:
     """The format and the file of an ``--output``."""
     from urdfcheck.output import FORMATS, PICTURE_FORMAT
 
@@ -96,7 +98,7 @@ def output_file(text: str) -> tuple[str, Path]:
     return output_format, Path(file)
 
 
-def names_folder(text: str) -> bool:
+def is_folder_output(text: str) -> bool:
     """Whether an ``--output`` asks for a folder of pages: it is there, or its name ends with a slash or without a suffix."""
     output_format, _, file = text.partition("=")
     if output_format != "html":
@@ -105,12 +107,12 @@ def names_folder(text: str) -> bool:
     return file.endswith(("/", os.sep)) or path.is_dir() or not (path.suffix or path.exists())
 
 
-def output_files(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str, Path]]:
+def parse_outputs(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str, Path]]:
     """The formats and files of all ``--output``; two reports do not go into one file, and none into the place of a model.
 
     :raises UrdfcheckError: when that is asked for.
     """
-    found = [output_file(text) for text in texts]
+    found = [parse_output(text) for text in texts]
     taken: dict[str, str] = {}
     inputs = {os.path.realpath(path) for path in paths}
     for text, (_, file) in zip(texts, found, strict=True):
@@ -127,167 +129,59 @@ def output_files(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str, 
     return found
 
 
-def configuration(path: Path, options: argparse.Namespace) -> Config:
-    """The configuration that holds for a path."""
-    from urdfcheck.policy.config import Configurations
+def read_options(options: argparse.Namespace, paths: Sequence[str]) -> RunOptions:
+    """Convert the options of `add_options` or `add_access_options`; of the latter, all others keep their defaults.
 
-    return Configurations(isolated=options.isolated).of(path)
+    :raises UrdfcheckError: for an option whose value has the wrong form.
+    """
+    from urdfcheck.run.jobs import SAMPLES, THOROUGH
+    from urdfcheck.run.request import RunOptions, split_words
 
-
-def reading(options: argparse.Namespace, settings: Config, paths: tuple[Path, ...], codes: frozenset[str]) -> Request:
-    """What the options of `add_access` and the configuration ask for."""
-    from urdfcheck.run.pipeline import Request
-    from urdfcheck.system.array_cache import default_folder
-
-    return Request(
+    given = vars(options)
+    target: str | None = given.get("target")
+    return RunOptions(
         paths=paths,
-        root=settings.root,
-        codes=codes,
-        arguments=dict(_pair(text, ":=", "--arg") for text in options.arg),
-        packages={**settings.packages, **_packages(options.package)},
-        package_paths=(*_folders(options.package_path, "--package-path"), *settings.package_path),
-        cache=None if options.no_cache else default_folder(),
-        allowed=tuple(_folders(options.allow_read, "--allow-read")),
-        environment=tuple(options.env),
-        limits=_limits(options.timeout, options.memory),
+        select=split_words(given.get("select") or ()),
+        ignore=split_words(given.get("ignore") or ()),
+        fail_on=given.get("fail_on"),
+        tier=given.get("tier"),
+        target=None if target is None else split_words([target]),
+        baseline=given.get("baseline"),
+        may_lack_baseline=given.get("action") == "write",  # urdfcheck baseline write --baseline FILE
+        arguments=dict(_split_pair(text, ":=", "--arg") for text in options.arg),
+        all_arguments=given.get("all_args", False),
+        packages=dict(_split_pair(text, "=", "--package", value="DIR") for text in options.package),
+        package_paths=options.package_path,
+        allow_read=options.allow_read,
+        environment=options.env,
+        isolated=options.isolated,
+        cache=not options.no_cache,
+        timeout=options.timeout,
+        memory=options.memory,
+        samples=THOROUGH if given.get("thorough") else SAMPLES,
+        jobs=given.get("jobs"),
+        spelling=_SPELLING,
     )
 
 
-def requested(options: argparse.Namespace, *, scene: bool = False) -> tuple[Request, Config]:
-    """What the options of `add_options` and the configurations ask for, and the configuration for the first path: it holds for
-    what belongs to no file."""
-    from dataclasses import replace
+def build_request(options: argparse.Namespace, *, scene: bool = False) -> tuple[Request, Config]:
+    """Resolve the options of `add_options`: see :func:`urdfcheck.run.request.make_request`."""
+    from urdfcheck.run.request import make_request
 
-    from urdfcheck.run.pipeline import SAMPLES, THOROUGH
-
-    paths = tuple(Path(p) for p in options.paths)
-    configured = configurations(options, paths)
-    configs = [configured.of(path) for path in paths]
-    settings = configs[0]
-    holds = configured.holds(settings, settings.root)
-    request = replace(
-        reading(options, settings, paths, holds.codes),
-        packages=_packages(options.package),
-        package_paths=tuple(_folders(options.package_path, "--package-path")),
-        # The folders that the configurations for the given paths name are in reach, and not those of files found below.
-        allowed=(
-            *_folders(options.allow_read, "--allow-read"),
-            *(folder for config in configs for folder in (*config.packages.values(), *config.package_path)),
-        ),
-        tier=holds.tier,
-        jobs=_jobs(options.jobs),
-        options=holds.options,
-        severities=holds.severities,
-        targets=holds.targets,
-        scene=scene,
-        samples=THOROUGH if options.thorough else SAMPLES,
-        baseline=known(options, settings),
-        suppress=holds.suppress,
-        comments=not options.isolated,
-        configured=configured,
-        all_arguments=options.all_args,
-    )
-    return request, settings
+    return make_request(read_options(options, options.paths), scene=scene)
 
 
-def configurations(options: argparse.Namespace, paths: tuple[Path, ...]) -> Configurations:
-    """The configurations of a run, and what the options of `add_options` say that wins over them."""
-    from urdfcheck.policy.config import Configurations
+def build_access_request(options: argparse.Namespace, path: str, codes: frozenset[str]) -> tuple[Request, Config]:
+    """Resolve the options of `add_access_options` and the configuration for one path."""
+    from urdfcheck.policy.config import ConfigResolver
+    from urdfcheck.run.request import make_access_request
 
-    return Configurations(given(options), options.isolated, paths)
-
-
-def given(options: argparse.Namespace) -> Given:
-    """What the options of `add_options` say about the rules."""
-    from urdfcheck import rules as catalogue
-    from urdfcheck.policy.config import Given
-
-    def codes(values: Sequence[str] | None) -> frozenset[str] | None:
-        words = _words(values)
-        return frozenset(catalogue.select_rules(words)) if words else None
-
-    return Given(
-        codes(options.select),
-        codes(options.ignore),
-        options.fail_on,
-        options.tier,
-        None if options.target is None else _targets(options.target),
-        options.baseline,
-    )
+    config = ConfigResolver(isolated=options.isolated).for_path(Path(path))
+    return make_access_request(read_options(options, [path]), config, codes), config
 
 
-def known(options: argparse.Namespace, settings: Config) -> Baseline | None:
-    """The baseline that was named, or else the one that stands beside the configuration."""
-    from urdfcheck.policy import baseline
-
-    file = baseline_file(options, settings)
-    to_be_made = getattr(options, "action", "") == "write"  # urdfcheck baseline write --baseline FILE
-    if not file.is_file() and (options.baseline is None or to_be_made):
-        return None
-    if options.baseline is None and options.isolated:
-        return None
-    return baseline.read(file, settings.root)
-
-
-def baseline_file(options: argparse.Namespace, settings: Config) -> Path:
-    """Where the baseline is, or will be."""
-    from urdfcheck.policy.baseline import DEFAULT
-
-    named: Path | None = options.baseline or settings.baseline
-    return settings.root / DEFAULT if named is None else named
-
-
-def _words(values: Sequence[str] | None) -> tuple[str, ...]:
-    return tuple(w.strip() for value in values or () for w in value.split(",") if w.strip())
-
-
-def _pair(text: str, separator: str, option: str, meant: str = "VALUE") -> tuple[str, str]:
-    name, assigned, value = text.partition(separator)
+def _split_pair(text: str, separator: str, option: str, *, value: str = "VALUE") -> tuple[str, str]:
+    name, assigned, rest = text.partition(separator)
     if not assigned or not name:
-        raise UrdfcheckError(f"{option} {text}: write NAME{separator}{meant}")
-    return name, value
-
-
-def _packages(values: Sequence[str]) -> dict[str, Path]:
-    found = {}
-    for text in values:
-        name, folder = _pair(text, "=", "--package", "DIR")
-        if not Path(folder).is_dir():
-            raise UrdfcheckError(f"--package {text}: {folder} is no folder")
-        found[name] = Path(folder).absolute()
-    return found
-
-
-def _folders(values: Sequence[str], option: str) -> list[Path]:
-    for folder in values:
-        if not Path(folder).is_dir():
-            raise UrdfcheckError(f"{option} {folder}: is no folder")
-    return [Path(folder) for folder in values]
-
-
-def _targets(text: str) -> tuple[str, ...]:
-    from urdfcheck.policy.config import unknown_target
-
-    names = _words([text])
-    for name in names:
-        if (wrong := unknown_target(name)) is not None:
-            raise UrdfcheckError(f"--target: {wrong}")
-    return names
-
-
-def _limits(seconds: float | None, memory: int | None) -> ResourceLimits:
-    from urdfcheck.policy.limits import ResourceLimits
-
-    if seconds is not None and not 0 <= seconds < 1e9:
-        raise UrdfcheckError(f"--timeout {seconds:g}: a number of seconds, 0 for no limit")
-    if memory is not None and memory < LEAST_MEMORY:
-        raise UrdfcheckError(f"--memory {memory}: at least {LEAST_MEMORY} MiB, which the libraries take")
-    default = ResourceLimits()
-    return ResourceLimits(default.seconds if seconds is None else seconds, default.memory if memory is None else memory)
-
-
-def _jobs(given: int | None) -> int:
-    if given is not None and given < 1:
-        raise UrdfcheckError(f"--jobs {given}: at least 1")
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return given or cores
+        raise UrdfcheckError(f"{option} {text}: write NAME{separator}{value}")
+    return name, rest

@@ -33,30 +33,32 @@ def silence_stdout() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def show(run: Run, output_format: str, color: str, detail: DetailLevel | None = None, fail_on: str = "error") -> None:
+def print_run(
+    run: Run, output_format: str, color: str, detail: DetailLevel | None = None, fail_on: str = "error"
+) -> None:
     """Print a run in this format; ``color``: auto | always | never; ``detail`` and ``fail_on``: see
     :func:`urdfcheck.output.text.render`."""
     from urdfcheck import output
 
     if output_format != "text":
-        show_document(output.render(run, output_format))
+        print_document(output.render(run, output_format))
         return
     from urdfcheck.output import text
 
-    width, colored = _page(color)
+    width, colored = _choose_width_and_color(color)
     detail = text.DetailLevel.BRIEF if detail is None else detail
     sys.stdout.write(text.render(run, width=width, color=colored, detail=detail, fail_on=fail_on))
 
 
-def show_statistics(run: Run, color: str) -> None:
+def print_statistics(run: Run, color: str) -> None:
     """Print how often each rule fired in a run; ``color``: auto | always | never."""
     from urdfcheck.output import text
 
-    width, colored = _page(color)
+    width, colored = _choose_width_and_color(color)
     sys.stdout.write(text.render_statistics(run, width=width, color=colored))
 
 
-def _page(color: str) -> tuple[int, bool]:
+def _choose_width_and_color(color: str) -> tuple[int, bool]:
     """The columns of standard output, and whether it gets colours."""
     from urdfcheck.output.text import WIDTH
 
@@ -71,14 +73,14 @@ def _page(color: str) -> tuple[int, bool]:
     return width, colored
 
 
-def show_document(text: str) -> None:
+def print_document(text: str) -> None:
     """JSON, HTML and XML are UTF-8 wherever they go; text has the terminal's encoding."""
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(encoding="utf-8")
     sys.stdout.write(text)
 
 
-def write(content: str | bytes, file: Path) -> None:
+def write_file(content: str | bytes, file: Path) -> None:
     """Write a file whole or not at all; what is no file (``/dev/null``, a pipe) is written to, and not put in the place of."""
     import tempfile
 
@@ -109,7 +111,7 @@ def write_report(run: Run, output_format: str, file: Path, *, as_pages: bool = F
     from urdfcheck import output
 
     if output_format == output.PICTURE_FORMAT:
-        write(output.render_picture(run), file)
+        write_file(output.render_picture(run), file)
         return
     documents: Iterable[tuple[str, Path]]
     if as_pages:
@@ -119,7 +121,7 @@ def write_report(run: Run, output_format: str, file: Path, *, as_pages: bool = F
     else:
         documents = [(output.render(run, output_format), file)]
     for text, path in documents:
-        write(text, path)
+        write_file(text, path)
         # All that is much in a document is ASCII.
         if output_format == "html" and len(text) > LARGEST:
             many = not as_pages and len(run.models) > 1
@@ -127,9 +129,9 @@ def write_report(run: Run, output_format: str, file: Path, *, as_pages: bool = F
             say(f"{path}: {len(text) / 1e6:.1f} MB, browsers will be slow with it; {advice}", sys.stderr)
 
 
-def progress() -> Callable[[int, int], None] | None:
+def make_progress_printer() -> Callable[[int, int], None] | None:
     """Shows on a terminal how far a run is; nothing where no one watches."""
-    if not _watched():
+    if not _is_watched():
         return None
     import time
 
@@ -144,7 +146,7 @@ def progress() -> Callable[[int, int], None] | None:
                 erase_progress()
         elif now - began >= PROGRESS_FROM and now - shown >= PROGRESS_EVERY:
             left = (now - began) / done * (total - done)
-            print(f"\r{_bar(done, total, left)}\x1b[K", end="", file=sys.stderr, flush=True)
+            print(f"\r{_format_bar(done, total, left)}\x1b[K", end="", file=sys.stderr, flush=True)
             shown = now
 
     return show
@@ -152,22 +154,22 @@ def progress() -> Callable[[int, int], None] | None:
 
 def erase_progress() -> None:
     """Nothing is left of the line that a run shows."""
-    if _watched():
+    if _is_watched():
         print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 
 
-def _watched() -> bool:
+def _is_watched() -> bool:
     """Whether somebody looks at standard error, on a terminal that can take a line back."""
     return sys.stderr.isatty() and os.environ.get("TERM") != "dumb" and not os.environ.get("CI")
 
 
-def _bar(done: int, total: int, left: float) -> str:
+def _format_bar(done: int, total: int, left: float) -> str:
     """How far it is, on one line whatever the window: a line that wraps could not be taken back."""
     try:
         columns = os.get_terminal_size(sys.stderr.fileno()).columns or 80
     except OSError:
         columns = 80
-    text = f"{done:,} of {total:,} checked, about {_time(left)} left"
+    text = f"{done:,} of {total:,} checked, about {_format_seconds(left)} left"
     full = BAR * done // total
     bar = "━" * full + "─" * (BAR - full)
     try:
@@ -177,21 +179,21 @@ def _bar(done: int, total: int, left: float) -> str:
     return f"{bar}  {text}" if len(bar) + len(text) + 2 < columns else text[: columns - 1]
 
 
-def _time(seconds: float) -> str:
+def _format_seconds(seconds: float) -> str:
     whole = round(seconds)
     return f"{whole} s" if whole < 100 else f"{whole // 60:,} min {whole % 60} s"
 
 
-def exit_code(run: Run, fail_on: str, *, allow_empty: bool = False) -> int:
+def compute_exit_code(run: Run, fail_on: str, *, allow_empty: bool = False) -> int:
     """Our own failures weigh more than findings, findings more than having had nothing to check. ``fail_on`` holds for what
     belongs to no model whose configuration says otherwise."""
-    codes = {code_of(bool(run.failures), None, fail_on)}
-    codes |= {code_of(False, f.severity, run.fail_on.get(f.model, fail_on)) for f in run.active_findings}
+    codes = {combine_exit_code(bool(run.failures), None, fail_on)}
+    codes |= {combine_exit_code(False, f.severity, run.fail_on.get(f.model, fail_on)) for f in run.active_findings}
     code = max(codes)
     return NOTHING if code == OK and not run.units and not allow_empty else code
 
 
-def code_of(failed: bool, worst: Severity | None, fail_on: str) -> int:
+def combine_exit_code(failed: bool, worst: Severity | None, fail_on: str) -> int:
     from urdfcheck.core import Severity
 
     if failed:

@@ -1,4 +1,4 @@
-"""Findings that say the same of several elements: one finding that names them all."""
+"""Merge findings that report the same of several elements into one that names them all."""
 
 from __future__ import annotations
 
@@ -10,12 +10,35 @@ from urdfcheck.core import Edit, Finding, Located, Rule
 from urdfcheck.core.text import join_names
 
 
+def merge_same_text(findings: Iterable[Finding]) -> list[Finding]:
+    """Merge findings of one code, source text, message and measured values into one with several subjects.
+
+    One typo is one finding. Where a macro line gives each link another value, each value stays a finding with its own call.
+    """
+    groups: dict[tuple[Any, ...], list[Finding]] = {}
+    for finding in findings:
+        numbers = tuple(sorted((k, v) for k, v in finding.data.items() if isinstance(v, (int, float))))
+        place = finding.location.span or finding.location.subject
+        key = finding.code, finding.message_id, finding.model, place, numbers, finding.suppressed
+        groups.setdefault(key, []).append(finding)
+    return [
+        replace(
+            group[0],
+            subjects=tuple(dict.fromkeys(subject for finding in group for subject in finding.subjects)),
+            severity=max(finding.severity for finding in group),
+        )
+        for group in groups.values()
+    ]
+
+
 def merge_identical(
     rule: Rule, findings: Iterable[Finding], *names: str, varying: Collection[str] = ()
 ) -> Iterator[Finding]:
-    """Findings whose ``data`` differ in nothing but these names become one, at the first of the places, that lists the others
-    and repairs all: a block that was copied is wrong once. ``each``: what may differ as well, because each has a repair of
-    its own."""
+    """Merge findings whose ``data`` differ only in these names: a block that was copied is wrong once.
+
+    The merged finding is at the first place, lists the others and repairs all. ``varying``: keys of ``data`` that may differ
+    as well, because each finding has its own repair.
+    """
     groups: dict[str, list[Finding]] = {}
     for finding in findings:
         same = {key: value for key, value in finding.data.items() if key not in {*names, *varying}}
@@ -26,11 +49,11 @@ def merge_identical(
         yield _merge_group(rule, group, names, varying) if len(group) > 1 else group[0]
 
 
-def _merge_group(rule: Rule, group: Sequence[Finding], names: Sequence[str], each: Collection[str]) -> Finding:
+def _merge_group(rule: Rule, group: Sequence[Finding], names: Sequence[str], varying: Collection[str]) -> Finding:
     first = group[0]
     places = list({finding.location.span or finding.location.subject: finding.location for finding in group}.values())
     data: dict[str, Any] = {
-        key: _quote_first_text(group, key, names[0]) if key in each else v for key, v in first.data.items()
+        key: _quote_first_text(group, key, names[0]) if key in varying else v for key, v in first.data.items()
     }
     data |= {name: join_names(dict.fromkeys(f.data[name] for f in group)) for name in names if name in data}
     finding = rule.finding(
@@ -47,7 +70,7 @@ def _merge_group(rule: Rule, group: Sequence[Finding], names: Sequence[str], eac
 
 
 def _quote_first_text(group: Sequence[Finding], key: str, name: str) -> Any:
-    """A text of the first, and that the others have their own."""
+    """Return a text of the first finding, marked if the others have their own."""
     data: Mapping[str, Any] = group[0].data
     text = data[key]
     if not isinstance(text, str) or all(finding.data[key] == text for finding in group):
@@ -56,7 +79,7 @@ def _quote_first_text(group: Sequence[Finding], key: str, name: str) -> Any:
 
 
 def _collect_edits(group: Iterable[Finding]) -> list[Edit]:
-    """Of all of them, each place in the text once: one macro line makes several elements."""
+    """Return the edits of all findings, each source text once: one macro line makes several elements."""
     edits = (edit for finding in group if finding.fix is not None for edit in finding.fix.edits)
     return list({edit.span: edit for edit in edits}.values())
 

@@ -55,6 +55,7 @@ class Rule:
     tags: tuple[str, ...]
     hidden_by: tuple[str, ...]
     concerns: tuple[str, ...]
+    depends_on_targets: bool
     fix: Applicability
     options: Mapping[str, RuleOption]
     messages: Mapping[str, str]

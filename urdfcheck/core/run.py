@@ -14,19 +14,30 @@ if TYPE_CHECKING:
     from urdfcheck.core.scene import Scene
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ModelInfo:
-    """What a run knows of one model. ``status``: checked | needs-arguments | failed. ``mass`` in kg."""
+    """What a run knows of one model."""
 
     path: str
     robot: str
+    """Name of the robot; empty if it could not be read."""
     args: Mapping[str, str]
+    """Arguments of the xacro."""
     links: int
     joints: int
     mass: float | None
+    """Total mass in kg, as far as it is given."""
     status: str
+    """checked | needs-arguments | failed."""
     id: str
+    """Name of the model in the report: its path from the configuration's root, and its arguments."""
     seconds: float = 0.0
+    """Duration of the check."""
+
+    @classmethod
+    def unread(cls, *, path: str, id: str, arguments: Mapping[str, str], status: str = "failed") -> ModelInfo:
+        """Return the line of a model that could not be read."""
+        return cls(path=path, robot="", args=dict(arguments), links=0, joints=0, mass=None, status=status, id=id)
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,7 +23,7 @@ from urdfcheck import __version__
 from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
-    from urdfcheck.run.audit import Report, Settings, Unit
+    from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 
     Numbered = tuple[int, Unit]
 
@@ -34,12 +34,12 @@ LEAST, MOST, TASKS = 8, 32, 4
 # Variables that say where packages are, here and not on the machine of the cluster.
 _OURS = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "ROS_DISTRO", "ROS_VERSION")
 # Python looks for modules in the folder where `-c` is started: there is nothing but its own.
-_PROGRAM = [sys.executable, "-c", "from urdfcheck.dataset.cluster import serve; serve()"]
+_PROGRAM = [sys.executable, "-c", "from urdfcheck.dataset.cluster import serve_task; serve_task()"]
 
 
-def stream(
-    units: Sequence[Unit], settings: Settings, backend: str, address: str | None
-) -> Generator[tuple[int, Report], None, None]:
+def stream_on_cluster(
+    units: Sequence[Unit], settings: AuditSettings, backend: str, address: str | None
+) -> Generator[tuple[int, UnitReport], None, None]:
     """Audit each unit on the cluster: the places of the units and their reports as they come.
 
     :raises UrdfcheckError: when joblib or the cluster's library is not installed, or nothing answers at the address.
@@ -49,15 +49,15 @@ def stream(
     try:
         import joblib
     except ImportError:
-        raise _not_installed(backend) from None
-    connected = _dask if backend == "dask" else _ray
+        raise _make_install_error(backend) from None
+    connected = _connect_dask if backend == "dask" else _connect_ray
     with connected(address) as registered, joblib.parallel_config(registered):
-        here = {name: os.environ.get(name) for name in (*_OURS, *settings.environment)}
+        here = {name: os.environ.get(name) for name in (*_OURS, *settings.options.environment)}
         try:
             cores = joblib.effective_n_jobs(-1)
             tasks = (
-                joblib.delayed(work)(chunk, settings, os.getcwd(), here, __version__)
-                for chunk in _chunks(list(enumerate(units)), cores)
+                joblib.delayed(run_task)(chunk, settings, os.getcwd(), here, __version__)
+                for chunk in _split_chunks(list(enumerate(units)), cores)
             )
             if backend == "dask":
                 parallel = joblib.Parallel(n_jobs=-1, batch_size=1, return_as="generator_unordered")
@@ -70,26 +70,26 @@ def stream(
                         for reports in parallel(some):
                             yield from reports
         except Exception as error:  # whatever the cluster's library has for machines that are gone
-            raise UrdfcheckError(f"the cluster failed: {type(error).__name__}: {_first_line(error)}") from None
+            raise UrdfcheckError(f"the cluster failed: {type(error).__name__}: {_get_first_line(error)}") from None
 
 
-def _chunks(units: Sequence[Numbered], cores: int) -> Iterator[Sequence[Numbered]]:
+def _split_chunks(units: Sequence[Numbered], cores: int) -> Iterator[Sequence[Numbered]]:
     size = max(min(LEAST, -(-len(units) // cores)), min(MOST, len(units) // (cores * TASKS)))
     return (units[start : start + size] for start in range(0, len(units), size))
 
 
 @contextlib.contextmanager
-def _ray(address: str | None) -> Iterator[Any]:
+def _connect_ray(address: str | None) -> Iterator[Any]:
     """A connection to a Ray cluster, by its name in joblib."""
     try:
         import ray
         from ray.util.joblib import register_ray
     except ImportError:
-        raise _not_installed("ray") from None
+        raise _make_install_error("ray") from None
     try:
         ray.init(address or "auto", log_to_driver=False, logging_level=logging.ERROR)
     except (ConnectionError, ValueError) as error:
-        raise UrdfcheckError(f"no Ray cluster answers at {address or 'auto'}: {_first_line(error)}") from None
+        raise UrdfcheckError(f"no Ray cluster answers at {address or 'auto'}: {_get_first_line(error)}") from None
     try:
         register_ray()
         yield "ray"
@@ -98,30 +98,30 @@ def _ray(address: str | None) -> Iterator[Any]:
 
 
 @contextlib.contextmanager
-def _dask(address: str | None) -> Iterator[Any]:
+def _connect_dask(address: str | None) -> Iterator[Any]:
     """A connection to a Dask cluster, as a backend of joblib."""
     try:
         from distributed import Client
     except ImportError:
-        raise _not_installed("dask") from None
+        raise _make_install_error("dask") from None
     # That a machine was lost and its work goes to another is the scheduler's affair.
     logging.disable(logging.ERROR)
     try:
         try:
             client = Client(address, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
-            raise UrdfcheckError(f"no Dask scheduler answers at {address}: {_first_line(error)}") from None
+            raise UrdfcheckError(f"no Dask scheduler answers at {address}: {_get_first_line(error)}") from None
         with client:
-            yield _backend(client)
+            yield _make_dask_backend(client)
     finally:
         logging.disable(logging.NOTSET)
 
 
-def _first_line(error: Exception) -> str:
+def _get_first_line(error: Exception) -> str:
     return str(error).strip().partition("\n")[0]
 
 
-def _backend(client: Any) -> Any:
+def _make_dask_backend(client: Any) -> Any:
     """joblib's backend for Dask. Its own waits for ever for a task that Dask has given up."""
     from joblib._dask import DaskDistributedBackend
 
@@ -139,7 +139,7 @@ def _backend(client: Any) -> Any:
     return Backend(client=client)
 
 
-def _not_installed(backend: str) -> UrdfcheckError:
+def _make_install_error(backend: str) -> UrdfcheckError:
     extra = "urdfcheck[cluster]" if backend == "dask" else "urdfcheck[cluster] ray"
     return UrdfcheckError(f"--backend {backend} needs more than is installed: pip install {extra}")
 
@@ -147,11 +147,11 @@ def _not_installed(backend: str) -> UrdfcheckError:
 # -- on the machine of the cluster -------------------------------------------------------------------------------------
 
 
-def work(
-    units: Sequence[Numbered], settings: Settings, folder: str, environment: Mapping[str, str | None], version: str
-) -> list[tuple[int, Report]]:
+def run_task(
+    units: Sequence[Numbered], settings: AuditSettings, folder: str, environment: Mapping[str, str | None], version: str
+) -> list[tuple[int, UnitReport]]:
     """What a process of the cluster does with a task: have it done, and say what of it could not be."""
-    from urdfcheck.run.audit import Report
+    from urdfcheck.run.jobs import UnitReport
 
     variables = {**os.environ, **{name: value for name, value in environment.items() if value is not None}}
     for name, value in environment.items():
@@ -166,15 +166,15 @@ def work(
         env=variables,
     )
     said, complaint = process.communicate(pickle.dumps((units, settings, folder, version)))
-    done: dict[int, Report] = dict(_reports(said))
+    done: dict[int, UnitReport] = dict(_iter_reports(said))
     why = complaint.decode("utf-8", "replace").strip().rpartition("\n")[2] or f"exit code {process.returncode}"
     return [
-        (number, done.get(number) or Report(failures=(f"{unit.id}: a machine of the cluster failed: {why}",)))
+        (number, done.get(number) or UnitReport(failures=(f"{unit.id}: a machine of the cluster failed: {why}",)))
         for number, unit in units
     ]
 
 
-def _reports(said: bytes) -> Iterator[tuple[int, Report]]:
+def _iter_reports(said: bytes) -> Iterator[tuple[int, UnitReport]]:
     """What the program wrote, as far as it came."""
     import io
 
@@ -186,7 +186,7 @@ def _reports(said: bytes) -> Iterator[tuple[int, Report]]:
             return
 
 
-def serve() -> None:
+def serve_task() -> None:
     """The program: reads a task from standard input, and writes each report to standard output as soon as it is there."""
     units, settings, folder, version = pickle.load(sys.stdin.buffer)
     if version != __version__:
@@ -195,7 +195,7 @@ def serve() -> None:
         os.chdir(folder)  # files are called by where they lie from there
     except OSError as error:
         sys.exit(f"{folder}: {error.strerror}")
-    from urdfcheck.run.pipeline import stream as reports_of
+    from urdfcheck.run.pipeline import stream_reports as reports_of
 
     if settings.cache is not None:
         try:

@@ -46,12 +46,12 @@ class Journal:
         self._settings = settings
         self._places: dict[str, tuple[int, int, int]] = {}
         self._superseded = False
-        with saying(folder):
-            self._descriptor = _opened(folder)
+        with translate_os_errors(folder):
+            self._descriptor = _open_journal(folder)
         try:
-            with saying(folder):
-                _lock(self._descriptor, folder)
-                self._end = self._read(wanted, restart)
+            with translate_os_errors(folder):
+                _lock_journal(self._descriptor, folder)
+                self._end = self._scan(wanted, restart)
         except BaseException:
             self.close()
             raise
@@ -68,7 +68,7 @@ class Journal:
     def __contains__(self, key: str) -> bool:
         return key in self._places
 
-    def text(self, key: str) -> bytes:
+    def read_text(self, key: str) -> bytes:
         """The text of an entry.
 
         :raises KeyError: for a key without one.
@@ -84,8 +84,8 @@ class Journal:
         :raises UrdfcheckError: when it cannot be written; everything else is still there.
         """
         head = json.dumps({"key": key, "bytes": len(text), "sum": zlib.crc32(text), "reads": reads}).encode() + b"\n"
-        with saying(self._folder):
-            self._write(head + text + b"\n")
+        with translate_os_errors(self._folder):
+            self._append(head + text + b"\n")
         self._superseded = self._superseded or key in self._places
         self._places[key] = self._end, self._end + len(head), len(text)
         self._end += len(head) + len(text) + 1
@@ -97,8 +97,8 @@ class Journal:
         temporary = self._folder / f"{TEMPORARY}{NAME}"
         with contextlib.suppress(OSError):
             try:
-                with aside(temporary) as out, open(self._descriptor, "rb", closefd=False) as file:
-                    out.write(_first_line(self._settings, out.fileno()))
+                with open_new_file(temporary) as out, open(self._descriptor, "rb", closefd=False) as file:
+                    out.write(_encode_header(self._settings, out.fileno()))
                     for place, start, length in sorted(self._places.values()):
                         file.seek(place)
                         out.write(file.read(start + length + 1 - place))
@@ -106,22 +106,22 @@ class Journal:
             finally:
                 temporary.unlink(missing_ok=True)
 
-    def _read(self, wanted: Set[str], restart: bool) -> int:
+    def _scan(self, wanted: Set[str], restart: bool) -> int:
         """Look through the entries, and cut off what was not finished; where the next one goes."""
-        first = _first_line(self._settings, self._descriptor)
+        first = _encode_header(self._settings, self._descriptor)
         with open(self._descriptor, "rb", closefd=False) as file:
             file.seek(0)
             known = file.readline()
             if restart or not known.endswith(b"\n"):
                 os.ftruncate(self._descriptor, 0)
                 self._end = 0
-                self._write(first)
+                self._append(first)
                 return len(first)
             if known != first:
-                raise UrdfcheckError(_changed(self._folder, known, first))
+                raise UrdfcheckError(_explain_other_settings(self._folder, known, first))
             end = len(known)
             fresh = _Freshness()
-            while (entry := _entry(file)) is not None:
+            while (entry := _read_entry(file)) is not None:
                 head, text = entry
                 start = end + len(head)
                 facts = json.loads(head)
@@ -134,7 +134,7 @@ class Journal:
         os.ftruncate(self._descriptor, end)
         return end
 
-    def _write(self, data: bytes) -> None:
+    def _append(self, data: bytes) -> None:
         """Append all of it, or nothing."""
         os.lseek(self._descriptor, self._end, os.SEEK_SET)
         rest = memoryview(data)
@@ -154,15 +154,15 @@ class _Freshness:
 
     def __call__(self, reads: Mapping[str, object]) -> bool:
         """An entry that rests on no file that is there may rest on anything."""
-        return any(reads.values()) and all(self._now(path) == known for path, known in reads.items())
+        return any(reads.values()) and all(self._read_stamp(path) == known for path, known in reads.items())
 
-    def _now(self, path: str) -> object:
+    def _read_stamp(self, path: str) -> object:
         stamp = self._stamp(path)
         return None if stamp is None else list(stamp)
 
 
 @contextlib.contextmanager
-def saying(folder: Path) -> Iterator[None]:
+def translate_os_errors(folder: Path) -> Iterator[None]:
     """Turn what goes wrong with the files of a folder into a clear word."""
     try:
         yield
@@ -170,14 +170,14 @@ def saying(folder: Path) -> Iterator[None]:
         raise UrdfcheckError(f"cannot write {folder}: {error.strerror or error}") from None
 
 
-def aside(path: Path) -> BufferedWriter:
+def open_new_file(path: Path) -> BufferedWriter:
     """A new file, opened for writing: never one that a link of its name leads to."""
     path.unlink(missing_ok=True)
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
     return os.fdopen(os.open(path, flags, 0o666), "wb")
 
 
-def _opened(folder: Path) -> int:
+def _open_journal(folder: Path) -> int:
     """The journal of a folder, opened; begun where there is none and nothing else."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / NAME
@@ -197,7 +197,7 @@ def _opened(folder: Path) -> int:
     return descriptor
 
 
-def _lock(descriptor: int, folder: Path) -> None:
+def _lock_journal(descriptor: int, folder: Path) -> None:
     try:
         import fcntl
     except ImportError:  # Windows: nobody looks
@@ -211,7 +211,7 @@ def _lock(descriptor: int, folder: Path) -> None:
         return
 
 
-def _entry(file: BufferedReader) -> tuple[bytes, bytes] | None:
+def _read_entry(file: BufferedReader) -> tuple[bytes, bytes] | None:
     """The next entry, None where there is no whole one."""
     head = file.readline()
     try:
@@ -224,12 +224,12 @@ def _entry(file: BufferedReader) -> tuple[bytes, bytes] | None:
     return (head, text[:-1]) if whole else None
 
 
-def _first_line(settings: Mapping[str, Any], descriptor: int) -> bytes:
+def _encode_header(settings: Mapping[str, Any], descriptor: int) -> bytes:
     here = {**settings, _PLACE: os.fstat(descriptor).st_ino}
     return _FIRST + json.dumps(here, sort_keys=True).encode()[1:] + b"\n"
 
 
-def _changed(folder: Path, known: bytes, now: bytes) -> str:
+def _explain_other_settings(folder: Path, known: bytes, now: bytes) -> str:
     try:
         before, after = json.loads(known), json.loads(now)
     except ValueError:

@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck import __version__
-from urdfcheck.core import Severity
+from urdfcheck.core import Finding, Severity, SkippedCheck
 from urdfcheck.source.text.xml import quote_attribute
 from urdfcheck.system.files import read_regular
 
 if TYPE_CHECKING:
     from urdfcheck.model import Model
-    from urdfcheck.run.audit import Report
 
 # Configurations that are looked at, and with --thorough. Of 55 pairs of a seven-joint arm with a hand 30 do not collide in
 # 200 of them, 22 in 5,000: an audit may miss a collision, a file that switches its check off should not.
 SAMPLES, THOROUGH = 5_000, 20_000
 # How a file that may be written over begins.
-MARK = "Written by urdfcheck srdf"
+MARKER = "Written by urdfcheck srdf"
 _COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 _TAG = re.compile(r"<([A-Za-z_][\w:.-]*)")
 # Of how many trials without a hit the probability of one is below 3/N, at 95 % confidence (the rule of three).
@@ -52,9 +51,9 @@ class LinkPairs:
 def compute_link_pairs(model: Model) -> LinkPairs:
     """The pairs of a model, judged as MoveIt's Setup Assistant does.
 
-    :raises Unavailable: when its collisions are not known.
+    :raises FactUnavailableError: when its collisions are not known.
     """
-    from urdfcheck.model.motion.collisions import self_collisions  # loads numpy
+    from urdfcheck.model.motion.collisions.self_collisions import self_collisions  # loads numpy
     from urdfcheck.model.motion.moveit_pairs import classify_link_pairs
 
     pairs = [
@@ -67,10 +66,10 @@ def compute_link_pairs(model: Model) -> LinkPairs:
     return LinkPairs(model.name, samples, tuple(sorted(pairs, key=lambda pair: pair.links)))
 
 
-def explain_missing_pairs(report: Report) -> str:
-    """Why a report on a model holds no pairs."""
-    reasons = [*report.failures, *(skip.reason for skip in report.skipped if skip.code == "srdf")]
-    for finding in report.findings:
+def explain_missing_pairs(failures: Iterable[str], skipped: Iterable[SkippedCheck], findings: Iterable[Finding]) -> str:
+    """Return why the report on a model, of which these are parts, holds no pairs."""
+    reasons = [*failures, *(skip.reason for skip in skipped if skip.code == "srdf")]
+    for finding in findings:
         span = finding.location.span
         if finding.severity == Severity.ERROR:
             place = "" if span is None else f" ({span.file}:{span.line}:{span.col})"
@@ -79,20 +78,20 @@ def explain_missing_pairs(report: Report) -> str:
 
 
 def has_foreign_content(file: Path) -> bool:
-    """Whether a file is there that :func:`render` did not make, or to which something was added."""
+    """Whether a file is there that :func:`render_srdf` did not make, or to which something was added."""
     try:
         text = read_regular(file).decode("utf-8", "replace")
     except OSError:
         return False
     elements = set(_TAG.findall(_COMMENT.sub("", text)))
-    return bool(text.strip()) and (MARK not in text[:500] or not elements <= {"robot", "disable_collisions"})
+    return bool(text.strip()) and (MARKER not in text[:500] or not elements <= {"robot", "disable_collisions"})
 
 
-def render(link_pairs: LinkPairs) -> str:
+def render_srdf(link_pairs: LinkPairs) -> str:
     """A semantic description that holds the ``disable_collisions`` of a robot and, in comments, what they rest on."""
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
-        f"<!-- {MARK} {__version__}: the pairs of links that MoveIt need not check for collisions.",
+        f"<!-- {MARKER} {__version__}: the pairs of links that MoveIt need not check for collisions.",
         "     Copy the lines into the robot's SRDF, or include this file in its .srdf.xacro. -->",
         f"<robot name={quote_attribute(link_pairs.robot)}>",
         *_format_pair_groups(link_pairs),

@@ -22,19 +22,18 @@ from urdfcheck.core.scene import (
 )
 from urdfcheck.model import Joint, Link, Model, Shape
 from urdfcheck.model.ground.wheels import rolling_wheels
-from urdfcheck.model.motion.collisions import self_collisions
+from urdfcheck.model.motion.collisions.self_collisions import self_collisions
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Pose
 from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_link_solid
-from urdfcheck.source.launch.launch_file import Launch, StaticTransform
+from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.node_graph import build_launch_scene
+from urdfcheck.source.launch.static_transforms import StaticTransform
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.values import read_attribute_number, read_attribute_numbers
 from urdfcheck.source.text.xml import Element
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
+    from urdfcheck.facts.arrays import Array, Indices
     from urdfcheck.facts.mesh.measure import MeshFacts
 
 # Triangles of one model that a report draws; more are made fewer. SO-101 has 320,000 and needs 1.4 MB.
@@ -271,10 +270,10 @@ def _build_drawings(facts: MeshFacts, share: float) -> Iterator[SceneDrawing]:
 
 def _build_drawing(
     facts: MeshFacts,
-    faces: NDArray[np.int64],
+    faces: Indices,
     color: tuple[float, ...] | None,
     share: float,
-    holes: NDArray[np.float64],
+    holes: Array,
 ) -> SceneDrawing:
     from urdfcheck.facts.mesh.codec import needs_wide_indices, pack_mesh
 
@@ -284,7 +283,7 @@ def _build_drawing(
     return SceneDrawing(*size, low, high, packed.data, color)
 
 
-def _select_hole_edges(facts: MeshFacts) -> NDArray[np.float64]:
+def _select_hole_edges(facts: MeshFacts) -> Array:
     """The ends (n, 2, 3) of its open edges, of the longest where there are many."""
     import numpy as np
 
@@ -339,7 +338,8 @@ def _build_ground(model: Model) -> SceneGround | None:
     return SceneGround(
         height=float(points[:, 2].min()),
         contacts=tuple(
-            (name, tuple(map(float, at))) for name, at in compute_contact_points(model, points, owners, now).items()
+            (name, tuple(map(float, at)))
+            for name, at in compute_contact_points(model, points, owners, support=now).items()
         ),
         support=tuple(tuple(map(float, corner)) for corner in now.polygon),
         com=tuple(map(float, com)),
@@ -367,5 +367,5 @@ def _build_previews(model: Model, findings: Iterable[Finding]) -> Iterator[Scene
                 yield ScenePreview(finding.code, finding.message_id, span, link=link.name, inertial=after)
 
 
-def _flatten_matrix(matrix: NDArray[np.float64]) -> tuple[float, ...]:
+def _flatten_matrix(matrix: Array) -> tuple[float, ...]:
     return tuple(float(v) for v in matrix.ravel())

@@ -15,30 +15,26 @@ from __future__ import annotations
 import contextlib
 from bisect import bisect_left, bisect_right, insort
 from collections import Counter
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from urdfcheck.core import Applicability, Edit, Finding, Fix, Run, Severity
-from urdfcheck.fix.patch import Editable, Refused, Text
-from urdfcheck.run.pipeline import Audited, Request, audited
-
-if TYPE_CHECKING:
-    from urdfcheck.run.audit import Report, Settings, Unit
-    from urdfcheck.system.process_pool import Worker
+from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError
+from urdfcheck.run.jobs import Request
+from urdfcheck.run.pipeline import IN_WORKERS, AuditedRun, Execution, run_audit
 
 # Findings about urdfcheck itself: of a comment that is needed no more, or an entry of the baseline.
-OWN = "URC"
+OWN_PREFIX = "URC"
 # Findings about files that are not found, such as meshes, and what rules need that look into these.
-FILES, LOOKING = "PKG", frozenset({"mesh", "dynamics", "collision"})
+FILE_FAMILY, FILE_NEEDS = "PKG", frozenset({"mesh", "dynamics", "collision"})
 # Each round is another check. Of fixes that overlap one is made in each.
-ROUNDS = 10
+MAX_ROUNDS = 10
 
 
 @dataclass(frozen=True, slots=True)
-class Fixes:
+class FixResult:
     """What fixing came to. ``outcome``: the findings that remain; ``fixed`` those that are gone; ``refused`` those whose fix
     was not made, and why; ``more``: how many remain that an unsafe fix would repair. ``changes``: the bytes of the files
     before and after, by real path."""
@@ -46,46 +42,38 @@ class Fixes:
     outcome: Run
     fixed: tuple[Finding, ...] = ()
     refused: tuple[tuple[Finding, str], ...] = ()
-    more: int = 0
+    unsafe_count: int = 0
     changes: Mapping[str, tuple[bytes, bytes]] = field(default_factory=dict)
 
 
-def fixes(
-    request: Request,
-    *,
-    unsafe: bool = False,
-    audit: Callable[[Unit, Settings], Report] | None = None,
-    first: Worker | None = None,
-    meanwhile: Callable[[], object] | None = None,
-    progress: Callable[[int, int], object] | None = None,
-) -> Fixes:
+def compute_fixes(request: Request, execution: Execution = IN_WORKERS, *, include_unsafe: bool = False) -> FixResult:
     """Check as :func:`urdfcheck.run.pipeline.run` does, and work out what the files become when the safe fixes of the findings are
     applied, or the ``unsafe`` ones as well. No file is changed.
 
     :raises KeyboardInterrupt: when a check of edited files was interrupted.
     """
-    state = audited(request, audit, first, meanwhile, progress)
-    fixer = _Fixer(state, unsafe, audit)
+    state = run_audit(request, execution)
+    fixer = _Fixer(state, Execution(audit=execution.audit), include_unsafe=include_unsafe)
     if not state.outcome.partial:
-        for _ in range(ROUNDS):
-            before, state = state, fixer.round(state)
+        for _ in range(MAX_ROUNDS):
+            before, state = state, fixer.run_round(state)
             if state is before:
                 break
-    return Fixes(
-        outcome=fixer.shown(state.outcome),
+    return FixResult(
+        outcome=fixer.hide_refused_fixes(state.outcome),
         fixed=tuple(fixer.fixed),
         refused=tuple(fixer.refused),
-        more=0 if unsafe else fixer.more(state),
+        unsafe_count=0 if include_unsafe else fixer.count_unsafe_fixes(state),
         changes={
             path: (fixer.originals[path], text)
-            for path, text in state.request.texts.items()
+            for path, text in state.request.options.texts.items()
             if text != fixer.originals[path]
         },
     )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Change:
+class _FixGroup:
     """Edits that belong together, with real paths in their spans, and the findings that they repair: one for each model that
     the text is part of."""
 
@@ -94,31 +82,34 @@ class _Change:
 
 
 class _Fixer:
-    def __init__(self, found: Audited, unsafe: bool, audit: Callable[[Unit, Settings], Report] | None) -> None:
-        self.wanted = {Applicability.SAFE, Applicability.UNSAFE} if unsafe else {Applicability.SAFE}
-        self.audit = audit
-        self.editable = Editable(found.request.paths, _folders(found))
+    def __init__(self, found: AuditedRun, execution: Execution, *, include_unsafe: bool) -> None:
+        self.wanted = {Applicability.SAFE, Applicability.UNSAFE} if include_unsafe else {Applicability.SAFE}
+        self.execution = execution
+        self.editable = EditableFiles(found.request.paths, _list_package_folders(found))
         self.originals: dict[str, bytes] = {}
         self.fixed: list[Finding] = []
         self.refused: list[tuple[Finding, str]] = []
 
-    def round(self, base: Audited) -> Audited:
+    def run_round(self, base: AuditedRun) -> AuditedRun:
         """The state after all fixes that can be made together and make nothing worse; ``base`` itself where there is none."""
-        files = _Files(self.editable, base.request.texts)
-        possible, self.refused = self.candidates(base.outcome, files)
+        files = _EditableTexts(self.editable, base.request.options.texts)
+        possible, self.refused = self.collect_candidates(base.outcome, files)
         state = base
-        accepted: list[_Change] = []
-        together = apart(possible)
+        accepted: list[_FixGroup] = []
+        together = select_disjoint(possible)
         # Last those that bring new files to look at, so that what these show is not taken for the work of others.
-        waiting = [[c for c in together if _finds_files(c) is last] for last in (True, False)]
+        waiting = [[c for c in together if _is_about_files(c) is last] for last in (True, False)]
         while waiting:
             some = waiting.pop()
             if not some:
                 continue
             tried = [*accepted, *some]
-            request = replace(base.request, texts={**base.request.texts, **files.edited(tried)})
-            after = audited(request, self.audit, before=state)
-            objection = _lost(base, after) or worse(base.outcome, after.outcome, [f for c in tried for f in c.findings])
+            texts = {**base.request.options.texts, **files.apply_changes(tried)}
+            request = replace(base.request, options=replace(base.request.options, texts=texts))
+            after = run_audit(request, self.execution, previous=state)
+            objection = _describe_lost_models(base, after) or find_regression(
+                base.outcome, after.outcome, [f for c in tried for f in c.findings]
+            )
             if not objection:
                 accepted, state = tried, after
             elif len(some) == 1:
@@ -131,48 +122,51 @@ class _Fixer:
         self.fixed += [finding for change in accepted for finding in change.findings]
         return state
 
-    def candidates(self, outcome: Run, files: _Files) -> tuple[list[_Change], list[tuple[Finding, str]]]:
+    def collect_candidates(
+        self, outcome: Run, files: _EditableTexts
+    ) -> tuple[list[_FixGroup], list[tuple[Finding, str]]]:
         """The changes that may be made, the safe ones first, and the findings whose fix may not be."""
         found: dict[tuple[str, tuple[Edit, ...]], list[Finding]] = {}
         refused: list[tuple[Finding, str]] = []
-        for finding, fix in fixable(outcome, self.wanted):
+        for finding, fix in iter_fixable(outcome, self.wanted):
             try:
-                found.setdefault((finding.code, files.located(fix.edits)), []).append(finding)
-            except Refused as reason:
+                found.setdefault((finding.code, files.resolve_edits(fix.edits)), []).append(finding)
+            except EditRefusedError as reason:
                 refused.append((finding, str(reason)))
-        changes = [_Change(edits, tuple(some)) for (_, edits), some in found.items()]
+        changes = [_FixGroup(edits, tuple(some)) for (_, edits), some in found.items()]
         return sorted(changes, key=lambda change: any(map(_is_unsafe, change.findings))), refused
 
-    def more(self, state: Audited) -> int:
+    def count_unsafe_fixes(self, state: AuditedRun) -> int:
         """How many findings have an unsafe fix in files that may be changed."""
-        files, count = _Files(self.editable, state.request.texts), 0
-        for _, fix in fixable(state.outcome, {Applicability.UNSAFE}):
-            with contextlib.suppress(Refused):
-                files.located(fix.edits)
+        files, count = _EditableTexts(self.editable, state.request.options.texts), 0
+        for _, fix in iter_fixable(state.outcome, {Applicability.UNSAFE}):
+            with contextlib.suppress(EditRefusedError):
+                files.resolve_edits(fix.edits)
                 count += 1
         return count
 
-    def shown(self, outcome: Run) -> Run:
+    def hide_refused_fixes(self, outcome: Run) -> Run:
         """A fix that was tried in vain is no offer any more."""
         vain = {id(finding) for finding, _ in self.refused}
-        return replace(outcome, findings=tuple(_displayed(f) if id(f) in vain else f for f in outcome.findings))
+        return replace(outcome, findings=tuple(_demote_to_display(f) if id(f) in vain else f for f in outcome.findings))
 
 
-def _folders(found: Audited) -> Iterator[Path]:
+def _list_package_folders(found: AuditedRun) -> Iterator[Path]:
     """The folders of packages that the command line and the configurations name."""
     request = found.request
-    yield from (*request.packages.values(), *request.package_paths, *request.allowed)
+    yield from (*request.packages.all_folders, *request.allowed)
     for unit in found.units:
-        yield from map(Path, (*unit.own.get("packages", {}).values(), *unit.own.get("package_paths", ())))
+        if unit.packages is not None:
+            yield from unit.packages.all_folders
 
 
-def _lost(before: Audited, after: Audited) -> str:
+def _describe_lost_models(before: AuditedRun, after: AuditedRun) -> str:
     """What is looked at no more; which variants tell of a finding with the fewest arguments is another matter."""
-    lost = {unit.id for unit in before.units if not unit.reduced} - {unit.id for unit in after.units}
+    lost = {unit.id for unit in before.units if not unit.is_reduced} - {unit.id for unit in after.units}
     return f"with it {min(lost)} would not be found" if lost and not after.outcome.partial else ""
 
 
-def fixable(outcome: Run, kinds: Container[Applicability]) -> Iterator[tuple[Finding, Fix]]:
+def iter_fixable(outcome: Run, kinds: Container[Applicability]) -> Iterator[tuple[Finding, Fix]]:
     """The findings that count and have a fix of these kinds, with it."""
     for finding in outcome.findings:
         fix = finding.fix
@@ -180,29 +174,29 @@ def fixable(outcome: Run, kinds: Container[Applicability]) -> Iterator[tuple[Fin
             yield finding, fix
 
 
-def _finds_files(change: _Change) -> bool:
-    return any(finding.code.startswith(FILES) for finding in change.findings)
+def _is_about_files(change: _FixGroup) -> bool:
+    return any(finding.code.startswith(FILE_FAMILY) for finding in change.findings)
 
 
 def _is_unsafe(finding: Finding) -> bool:
     return finding.fix is not None and finding.fix.applicability is Applicability.UNSAFE
 
 
-def _displayed(finding: Finding) -> Finding:
+def _demote_to_display(finding: Finding) -> Finding:
     assert finding.fix is not None
     return replace(finding, fix=replace(finding.fix, applicability=Applicability.DISPLAY))
 
 
-class _Files:
+class _EditableTexts:
     """The files that edits are about, as they are in one round."""
 
-    def __init__(self, editable: Editable, texts: Mapping[str, bytes]) -> None:
+    def __init__(self, editable: EditableFiles, texts: Mapping[str, bytes]) -> None:
         self.editable = editable
         self.texts = texts
-        self.by_name: dict[str, Text | Refused] = {}
-        self.by_path: dict[str, Text] = {}
+        self.by_name: dict[str, EditableText | EditRefusedError] = {}
+        self.by_path: dict[str, EditableText] = {}
 
-    def located(self, edits: Iterable[Edit]) -> tuple[Edit, ...]:
+    def resolve_edits(self, edits: Iterable[Edit]) -> tuple[Edit, ...]:
         """Edits with the real path in their spans, each once.
 
         :raises Refused: when one of them cannot be made.
@@ -210,62 +204,62 @@ class _Files:
         located: dict[Edit, None] = {}
         for edit in edits:
             try:
-                text = self._text(edit.span.file)
-                text.ensure(edit)
-            except Refused as reason:
-                raise Refused(f"{edit.span.file}: {reason}") from None
+                text = self._get_text(edit.span.file)
+                text.ensure_applicable(edit)
+            except EditRefusedError as reason:
+                raise EditRefusedError(f"{edit.span.file}: {reason}") from None
             located[replace(edit, span=replace(edit.span, file=text.path))] = None
         spans = sorted((edit.span.file, edit.span.start, edit.span.end) for edit in located)
         if any(one[0] == two[0] and one[2] > two[1] for one, two in pairwise(spans)):
-            raise Refused("its edits overlap")
+            raise EditRefusedError("its edits overlap")
         return tuple(located)
 
-    def _text(self, name: str) -> Text:
+    def _get_text(self, name: str) -> EditableText:
         if name not in self.by_name:
             try:
-                text = Text.read(name, self.editable, self.texts)
+                text = EditableText.read(name, self.editable, self.texts)
                 self.by_name[name] = self.by_path[text.path] = text
-            except Refused as reason:
+            except EditRefusedError as reason:
                 self.by_name[name] = reason
         found = self.by_name[name]
-        if isinstance(found, Refused):
+        if isinstance(found, EditRefusedError):
             raise found
         return found
 
-    def edited(self, changes: Iterable[_Change]) -> dict[str, bytes]:
+    def apply_changes(self, changes: Iterable[_FixGroup]) -> dict[str, bytes]:
         """What the changes make of the files, by real path."""
         edits: dict[str, dict[Edit, None]] = {}
         for edit in (edit for change in changes for edit in change.edits):
             edits.setdefault(edit.span.file, {})[edit] = None
-        return {path: self.by_path[path].edited(some) for path, some in edits.items()}
+        return {path: self.by_path[path].apply_edits(some) for path, some in edits.items()}
 
 
-class _Taken:
+class _EditedRanges:
     """The pieces of text that edits change. An insertion beside another edit, or where another one inserts, does not overlap
     with it, nor do two edits that are the same."""
 
     def __init__(self) -> None:
-        self.known: set[Edit] = set()
-        self.pieces: dict[str, list[tuple[int, int]]] = {}
+        self.edits: set[Edit] = set()
+        self.ranges: dict[str, list[tuple[int, int]]] = {}
         self.insertions: dict[str, list[int]] = {}
 
-    def take(self, edits: Iterable[Edit]) -> bool:
+    def try_take(self, edits: Iterable[Edit]) -> bool:
         """Take the text of all of these edits, which do not overlap, or say that some of it is taken already."""
-        new = [edit for edit in edits if edit not in self.known]
+        new = [edit for edit in edits if edit not in self.edits]
         if any(map(self._overlaps, new)):
             return False
         for edit in new:
-            self.known.add(edit)
+            self.edits.add(edit)
             file, start, end = edit.span.file, edit.span.start, edit.span.end
             if start == end:
                 insort(self.insertions.setdefault(file, []), start)
             else:
-                insort(self.pieces.setdefault(file, []), (start, end))
+                insort(self.ranges.setdefault(file, []), (start, end))
         return True
 
     def _overlaps(self, edit: Edit) -> bool:
         start, end = edit.span.start, edit.span.end
-        pieces, insertions = self.pieces.get(edit.span.file, []), self.insertions.get(edit.span.file, [])
+        pieces, insertions = self.ranges.get(edit.span.file, []), self.insertions.get(edit.span.file, [])
         before = bisect_left(pieces, (end, 0)) - 1
         if before >= 0 and pieces[before][1] > start:
             return True
@@ -273,60 +267,62 @@ class _Taken:
         return inside < len(insertions) and insertions[inside] < end
 
 
-def apart(changes: Iterable[_Change]) -> list[_Change]:
+def select_disjoint(changes: Iterable[_FixGroup]) -> list[_FixGroup]:
     """Those of the changes that touch no text that one before them changes."""
-    taken = _Taken()
-    return [change for change in changes if taken.take(change.edits)]
+    taken = _EditedRanges()
+    return [change for change in changes if taken.try_take(change.edits)]
 
 
-def worse(before: Run, after: Run, fixed: Sequence[Finding]) -> str:
+def find_regression(previous: Run, current: Run, fixed: Sequence[Finding]) -> str:
     """What became worse when these findings were fixed, or that one of them is still there; empty where all is well.
 
     What a model or a mesh has that could not be read before was not known; what a fixed finding hid was there as well.
 
     :raises KeyboardInterrupt: when the second run was interrupted.
     """
-    if after.partial:
+    if current.partial:
         raise KeyboardInterrupt
-    for failure in after.failures:
-        if failure not in before.failures:
+    for failure in current.failures:
+        if failure not in previous.failures:
             return f"with it urdfcheck fails: {failure}"
-    readable = {model.id for model in after.models if model.status == "checked"}
-    unread = {model.id for model in before.models if model.status != "checked"}
-    new = (readable & unread) | (after.unit_ids - before.unit_ids)
-    for model in before.models:
-        if model.id in after.unit_ids - readable - unread:
+    readable = {model.id for model in current.models if model.status == "checked"}
+    unread = {model.id for model in previous.models if model.status != "checked"}
+    new = (readable & unread) | (current.unit_ids - previous.unit_ids)
+    for model in previous.models:
+        if model.id in current.unit_ids - readable - unread:
             return f"with it {model.id} could not be read"
-    seen = {(finding.model, code) for finding in before.findings for code in (finding.code, "ALL")}
-    seen -= {(skip.model, skip.code) for skip in before.skipped}
-    for skip in after.skipped:
+    seen = {(finding.model, code) for finding in previous.findings for code in (finding.code, "ALL")}
+    seen -= {(skip.model, skip.code) for skip in previous.skipped}
+    for skip in current.skipped:
         if (skip.model, skip.code) in seen:  # what is not looked for is not gone
             return f"with it {skip.code} could not be checked: {skip.reason}"
-    had, gone, has = (Counter(_keys(findings)) for findings in (before.findings, fixed, after.findings))
+    had, gone, has = (
+        Counter(_iter_finding_keys(findings)) for findings in (previous.findings, fixed, current.findings)
+    )
     for key in gone:
         if has[key] > had[key] - gone[key]:
             return "the finding would still be there"
     hidden = {(f.model, code) for f in fixed for code in f.data.get("hides", ())}
     # What cannot be read tells one mistake after the other, mostly of the same kind.
     hidden |= {(f.model, f.code) for f in fixed if f.model in unread}
-    looking = [code for code, rule in after.rules.items() if LOOKING & set(rule.needs)]
-    hidden |= {(f.model, code) for f in fixed if f.code.startswith(FILES) for code in looking}
-    had, gone, has = (_by_message(counter) for counter in (had, gone, has))
-    for finding in after.findings:
+    looking = [code for code, rule in current.rules.items() if FILE_NEEDS & set(rule.needs)]
+    hidden |= {(f.model, code) for f in fixed if f.code.startswith(FILE_FAMILY) for code in looking}
+    had, gone, has = (_count_by_message(counter) for counter in (had, gone, has))
+    for finding in current.findings:
         key = finding.model, finding.code, finding.message_id
-        known = finding.model in new or key[:2] in hidden or finding.code.startswith(OWN) or finding.suppressed
+        known = finding.model in new or key[:2] in hidden or finding.code.startswith(OWN_PREFIX) or finding.suppressed
         if not known and finding.severity > Severity.INFO and has[key] > had[key] - gone[key]:
             return f"it would bring {finding.code} for {finding.subjects[0]}: {finding.message}"
     return ""
 
 
-def _keys(findings: Iterable[Finding]) -> Iterator[tuple[str, ...]]:
+def _iter_finding_keys(findings: Iterable[Finding]) -> Iterator[tuple[str, ...]]:
     for finding in findings:
         if finding.suppressed is None:
             yield from ((finding.model, finding.code, finding.message_id, subject) for subject in finding.subjects)
 
 
-def _by_message(counter: Counter[tuple[str, ...]]) -> Counter[tuple[str, ...]]:
+def _count_by_message(counter: Counter[tuple[str, ...]]) -> Counter[tuple[str, ...]]:
     """How often each message is there, whatever it is about: an edit may give an element another name."""
     total: Counter[tuple[str, ...]] = Counter()
     for key, number in counter.items():

@@ -17,18 +17,18 @@ from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import find_project_folder, is_below, resolve_real_path
 from urdfcheck.source.text.xml import SourceFile, XmlError
 from urdfcheck.system.files import overlay_files, read_regular
-from urdfcheck.system.process_pool import undisturbed
+from urdfcheck.system.process_pool import block_ending_signals
 
 # What lies beside `share` in a prefix of ROS, an installed workspace or the devel space of catkin.
 _INSTALLED = ("local_setup.sh", "local_setup.bash", "_setup_util.py")
 _MARKUP = re.compile("[<>&\"']")
 
 
-class Refused(Exception):
+class EditRefusedError(Exception):
     """An edit is not made; why, as a sentence about the file."""
 
 
-class Editable:
+class EditableFiles:
     """The files that may be changed: those below the given paths, and those of the repository or package around each of them.
 
     Not changed are installed files, what lies in other folders of packages that were named (``folders``), what is hidden, and
@@ -38,47 +38,53 @@ class Editable:
     def __init__(self, paths: Iterable[Path], folders: Iterable[Path]) -> None:
         paths = list(paths)
         # Where a link leads may be a stranger's choice: what counts is the repository or package that the link lies in.
-        self.given = {os.path.realpath(path) for path in paths if not os.path.islink(path)}
-        self.homes = {os.path.realpath(find_project_folder(path)) for path in paths}
+        self.given_paths = {os.path.realpath(path) for path in paths if not os.path.islink(path)}
+        self.project_folders = {os.path.realpath(find_project_folder(path)) for path in paths}
         named = {os.path.realpath(folder) for folder in folders}
         # A folder of packages around the given paths says nothing about them.
-        self.foreign = {f for f in named if not any(is_below(place, f) for place in (*self.homes, *self.given))}
+        self.foreign_folders = {
+            f for f in named if not any(is_below(place, f) for place in (*self.project_folders, *self.given_paths))
+        }
 
-    def ensure(self, path: Path) -> str:
+    def ensure_editable(self, path: Path) -> str:
         """The real path of a file that may be changed.
 
         :raises Refused: of any other.
         """
         real = resolve_real_path(path)
         if real is None or not self._is_own(real):
-            raise Refused("it lies outside of the given paths and of their repository or package")
+            raise EditRefusedError("it lies outside of the given paths and of their repository or package")
         if any((folder / name).exists() for folder in Path(real).parents for name in _INSTALLED):
-            raise Refused("it is an installed file: its source is elsewhere")
+            raise EditRefusedError("it is an installed file: its source is elsewhere")
         try:
             status = os.stat(real)
         except OSError as error:
-            raise Refused(error.strerror or str(error)) from None
+            raise EditRefusedError(error.strerror or str(error)) from None
         if not stat.S_ISREG(status.st_mode):
-            raise Refused("it is no regular file")
+            raise EditRefusedError("it is no regular file")
         if status.st_nlink > 1:
-            raise Refused("it has more than one name (hard links), and only one of them would be changed")
+            raise EditRefusedError("it has more than one name (hard links), and only one of them would be changed")
         if not status.st_mode & stat.S_IWUSR or not os.access(real, os.W_OK):
-            raise Refused("it is read-only")
+            raise EditRefusedError("it is read-only")
         if hasattr(os, "geteuid") and os.geteuid() not in {0, status.st_uid}:
-            raise Refused("it belongs to another user")
+            raise EditRefusedError("it belongs to another user")
         if not os.access(os.path.dirname(real), os.W_OK):
-            raise Refused("its folder is read-only")
+            raise EditRefusedError("its folder is read-only")
         return real
 
     def _is_own(self, real: str) -> bool:
-        if any(is_below(real, given) for given in self.given):
+        if any(is_below(real, given) for given in self.given_paths):
             return True
         home = os.path.realpath(find_project_folder(Path(real)))
-        return home in self.homes and is_below(real, home) and not any(is_below(real, f) for f in self.foreign)
+        return (
+            home in self.project_folders
+            and is_below(real, home)
+            and not any(is_below(real, f) for f in self.foreign_folders)
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Text:
+class EditableText:
     """A file that may be changed, and what stands in it. ``path`` is its real one."""
 
     name: str
@@ -87,40 +93,40 @@ class Text:
     file: SourceFile
 
     @classmethod
-    def read(cls, name: str, editable: Editable, texts: Mapping[str, bytes]) -> Text:
+    def read(cls, name: str, editable: EditableFiles, texts: Mapping[str, bytes]) -> EditableText:
         """The file that findings call ``name``, or what ``texts`` puts in its place.
 
         :raises Refused: when it may not be changed, or its bytes are not those of its text.
         """
-        path = editable.ensure(Path(name))
+        path = editable.ensure_editable(Path(name))
         try:
             with overlay_files(texts):
                 data = read_regular(Path(path))
                 file = SourceFile.read(Path(path), name)
         except (OSError, XmlError) as error:
-            raise Refused(f"it cannot be read: {error}") from None
+            raise EditRefusedError(f"it cannot be read: {error}") from None
         try:
             same = file.text.encode(file.encoding) == data
         except UnicodeEncodeError:
             same = False
         if not same:
-            raise Refused(f"writing it as {file.encoding} would change more than the edit")
+            raise EditRefusedError(f"writing it as {file.encoding} would change more than the edit")
         return cls(name, path, data, file)
 
-    def ensure(self, edit: Edit) -> None:
+    def ensure_applicable(self, edit: Edit) -> None:
         """:raises Refused: when the text is not what the edit expects, or it would make other markup of it."""
         text, span = self.file.text, edit.span
         if not 0 <= span.start <= span.end <= len(text) or text[span.start : span.end] != edit.expected:
-            raise Refused("the text is not the one that the finding was about")
+            raise EditRefusedError("the text is not the one that the finding was about")
         # A name that a stranger gave to a file or a link must not become an attribute.
         if edit.expected and not _MARKUP.search(edit.expected) and _MARKUP.search(edit.replacement):
-            raise Refused("the new text would have to be quoted")
+            raise EditRefusedError("the new text would have to be quoted")
         try:
             edit.replacement.encode(self.file.encoding)
         except UnicodeEncodeError:
-            raise Refused(f"the new text cannot be written as {self.file.encoding}") from None
+            raise EditRefusedError(f"the new text cannot be written as {self.file.encoding}") from None
 
-    def edited(self, edits: Iterable[Edit]) -> bytes:
+    def apply_edits(self, edits: Iterable[Edit]) -> bytes:
         """The bytes of the file after edits that do not overlap. Their line breaks become those of the file."""
         text = self.file.text
         first = NEWLINE.search(text)
@@ -133,24 +139,24 @@ class Text:
         return "".join((*pieces, text[at:])).encode(self.file.encoding)
 
 
-def difference(path: str, before: bytes, after: bytes) -> Iterator[str]:
+def iter_diff_lines(path: str, before: bytes, after: bytes) -> Iterator[str]:
     """The lines of a unified diff of one file."""
     name = format_path(Path(path))
-    old, new = (_lines(path, data) for data in (before, after))
+    old, new = (_split_lines(path, data) for data in (before, after))
     for number, line in enumerate(difflib.unified_diff(old, new, name, name, lineterm="")):
         yield line.removesuffix("\n")
         if number > 1 and line[0] in " +-" and not line.endswith("\n"):
             yield "\\ No newline at end of file"
 
 
-def _lines(path: str, data: bytes) -> list[str]:
+def _split_lines(path: str, data: bytes) -> list[str]:
     """The lines of a file, each with a newline, but the last where the file lacks it."""
     with overlay_files({path: data}):
         text = SourceFile.read(Path(path), path).text
     return re.findall("[^\n]*\n|[^\n]+", NEWLINE.sub("\n", text))
 
 
-def write(changes: Mapping[str, tuple[bytes, bytes]]) -> None:
+def write_files(changes: Mapping[str, tuple[bytes, bytes]]) -> None:
     """Put the second bytes in the place of the first ones, by real paths, each file whole or not at all.
 
     :raises UrdfcheckError: when a file is not what it was any more, or cannot be written, or on an interrupt. No file is changed
@@ -160,24 +166,28 @@ def write(changes: Mapping[str, tuple[bytes, bytes]]) -> None:
     path = ""
     try:
         for path, (_, after) in changes.items():
-            waiting[path] = _beside(path, after)
+            waiting[path] = _write_beside(path, after)
         for path, (before, _) in changes.items():
             if read_regular(Path(path)) != before:
-                raise UrdfcheckError(f"{_named([path])} was changed by others while it was checked; {_told(waiting)}")
-        with undisturbed():
+                raise UrdfcheckError(
+                    f"{_format_paths([path])} was changed by others while it was checked; {_describe_written(waiting)}"
+                )
+        with block_ending_signals():
             for path, place in waiting.items():
                 os.replace(place, path)
     except OSError as error:
-        raise UrdfcheckError(f"cannot write {_named([path])}: {error.strerror or error}; {_told(waiting)}") from None
+        raise UrdfcheckError(
+            f"cannot write {_format_paths([path])}: {error.strerror or error}; {_describe_written(waiting)}"
+        ) from None
     except KeyboardInterrupt:
-        raise UrdfcheckError(f"interrupted; {_told(waiting)}") from None
+        raise UrdfcheckError(f"interrupted; {_describe_written(waiting)}") from None
     finally:
         for place in waiting.values():
             with contextlib.suppress(FileNotFoundError):  # it has taken the other's place
                 os.unlink(place)
 
 
-def _beside(path: str, data: bytes) -> str:
+def _write_beside(path: str, data: bytes) -> str:
     """A new file with these bytes in the same folder, with the rights of the file at ``path``."""
     status = os.stat(path)
     handle, place = tempfile.mkstemp(dir=os.path.dirname(path), prefix=f".{os.path.basename(path)}.")
@@ -197,11 +207,11 @@ def _beside(path: str, data: bytes) -> str:
     return place
 
 
-def _told(waiting: Mapping[str, str]) -> str:
+def _describe_written(waiting: Mapping[str, str]) -> str:
     """Which files were fixed: those whose new one is not where it waited any more."""
     done = [path for path, place in waiting.items() if not os.path.lexists(place)]
-    return f"these files were fixed: {_named(done)}" if done else "no file was changed"
+    return f"these files were fixed: {_format_paths(done)}" if done else "no file was changed"
 
 
-def _named(paths: Iterable[str]) -> str:
+def _format_paths(paths: Iterable[str]) -> str:
     return ", ".join(format_path(Path(path)) for path in paths)

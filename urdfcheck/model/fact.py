@@ -1,4 +1,4 @@
-"""The one memo: a fact of a model is a function, computed when it is first asked for and remembered on the model."""
+"""The one memo: a fact of a model is a function, computed when it is first called and remembered on the model."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from urdfcheck.core.errors import FactUnavailableError
 
 
 class Remembering(Protocol):
-    """What holds a memo: a model."""
+    """An object that holds a memo: a model."""
 
     @property
     def memo(self) -> dict[Hashable, Any]: ...
@@ -25,7 +25,10 @@ T = TypeVar("T")
 def fact(compute: Callable[Concatenate[M, P], T]) -> Callable[Concatenate[M, P], T]:
     """Compute a fact once per model, and per set of (hashable) arguments after the model.
 
-    A `FactUnavailableError` is remembered as well and raised again: every link asks for the tree of a model that has none.
+    A `FactUnavailableError` is remembered as well and raised again: every link asks for the tree of a model, which may have
+    none.
+
+    :raises TypeError: when the function returns an iterator.
     """
 
     if isgeneratorfunction(compute):

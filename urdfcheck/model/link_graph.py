@@ -11,24 +11,29 @@ from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 
-# Similarity (2 x common letters / all letters) of two words that may be one word misspelt: `weel` and `wheel` have 0.89,
+# Similarity (2 x common letters / all letters) of two words, one of which may be the other misspelled: `weel` and `wheel` have 0.89,
 # `left` and `right` 0.44, `front` and `rear` 0.22, `upper` and `lower` 0.6.
 _ALIKE = 0.7
-# Each unknown name is compared with all links, letter by letter. More links, and longer names, were not typed by anybody.
+# Each unknown name is compared with all links, letter by letter. Nobody types more links, or longer names.
 _MOST_COMPARED, _LONGEST_COMPARED = 1_000, 200
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KinematicGraph:
-    """``edges`` are the joints between two different links that exist, ``broken`` the others."""
+    """Links and joints as a graph, before it is known to be a tree."""
 
     links: tuple[str, ...]
     edges: tuple[Joint, ...]
+    """The joints between two different links that exist."""
     broken: tuple[Joint, ...]
+    """The other joints."""
 
     @classmethod
     def from_model(cls, model: Model) -> KinematicGraph:
-        """:raises Unavailable: when xacro still has to make a part of the links or joints."""
+        """Build the graph of a model.
+
+        :raises FactUnavailableError: when xacro elements that were not expanded may still make links or joints.
+        """
         if any(child.tag.startswith("xacro:") for child in model.robot.children):
             raise FactUnavailableError("the file holds xacro elements that nothing has expanded (XML009)")
         links = dict.fromkeys(name for name in model.link_by_name if name)
@@ -40,22 +45,22 @@ class KinematicGraph:
         return cls(tuple(links), tuple(edges), tuple(broken))
 
     def guess_link(self, role: str, name: str) -> str | None:
-        """The link that an unknown ``name`` probably means; for a child first among those that are no joint's child."""
+        """Return the link that an unknown ``name`` probably means; for a child, links that are no joint's child come first."""
         if len(self.links) > _MOST_COMPARED or len(name) > _LONGEST_COMPARED:
             return None
-        taken = {joint.child for joint in (*self.edges, *self.broken)}
-        free = [link for link in self.links if link not in taken]
-        return (_find_misspelt(name, free) if role == "child" else None) or _find_misspelt(name, self.links)
+        child_names = {joint.child for joint in (*self.edges, *self.broken)}
+        unused = [link for link in self.links if link not in child_names]
+        return (_find_misspelt(name, unused) if role == "child" else None) or _find_misspelt(name, self.links)
 
     def map_parent_joints(self) -> Mapping[str, tuple[Joint, ...]]:
-        """The joints that have each link as their child."""
-        found: dict[str, list[Joint]] = {name: [] for name in self.links}
+        """Return the joints that have each link as their child."""
+        parents: dict[str, list[Joint]] = {name: [] for name in self.links}
         for joint in self.edges:
-            found[joint.child].append(joint)
-        return {name: tuple(joints) for name, joints in found.items()}
+            parents[joint.child].append(joint)
+        return {name: tuple(joints) for name, joints in parents.items()}
 
     def find_components(self) -> list[list[str]]:
-        """The connected pieces, each in document order, the largest first (the first of equals)."""
+        """Return the connected components, each in document order, the largest first (the first of equals)."""
         index = {name: i for i, name in enumerate(self.links)}
         group = list(range(len(self.links)))
 
@@ -68,13 +73,13 @@ class KinematicGraph:
         for joint in self.edges:
             a, b = find_representative(index[joint.parent]), find_representative(index[joint.child])
             group[max(a, b)] = min(a, b)
-        found: dict[int, list[str]] = {}
+        components: dict[int, list[str]] = {}
         for name, i in index.items():
-            found.setdefault(find_representative(i), []).append(name)
-        return sorted(found.values(), key=len, reverse=True)
+            components.setdefault(find_representative(i), []).append(name)
+        return sorted(components.values(), key=len, reverse=True)
 
     def find_loops(self) -> list[tuple[Joint, ...]]:
-        """The loops that the joints close, each as its joints in the order parent to child, one per closing joint.
+        """Return the loops that the joints close, each as its joints from parent to child, one per closing joint.
 
         Depth-first search over the joints: an edge back to a link on the current path closes a loop.
         """
@@ -82,7 +87,7 @@ class KinematicGraph:
         for edge in self.edges:
             children[edge.parent].append(edge)
         state = dict.fromkeys(self.links, 0)  # 0 unseen, 1 on the path, 2 done
-        found: list[tuple[Joint, ...]] = []
+        loops: list[tuple[Joint, ...]] = []
         child_names = {edge.child for edge in self.edges}
         starts = sorted(self.links, key=lambda name: name in child_names)  # from the roots first
         for start in starts:
@@ -99,16 +104,16 @@ class KinematicGraph:
                     state[done] = 2
                 elif state[joint.child] == 1:
                     first = next((i for i, j in enumerate(path) if j.parent == joint.child), len(path))
-                    found.append((*path[first:], joint))
+                    loops.append((*path[first:], joint))
                 elif state[joint.child] == 0:
                     state[joint.child] = 1
                     path.append(joint)
                     stack.append(iter(children[joint.child]))
-        return found
+        return loops
 
 
 def _find_misspelt(name: str, known: Iterable[str]) -> str | None:
-    """The known name of which ``name`` may be a misspelling, word by word: left_wheel is none of right_wheel."""
+    """Return the known name of which ``name`` may be a misspelling, word by word: left_wheel is not one of right_wheel."""
     near = [k for k in known if len(k) <= _LONGEST_COMPARED]
     alike = [
         k
@@ -130,6 +135,6 @@ def _strip_to_letters(name: str) -> str:
 
 
 def _split_words(name: str) -> list[str]:
-    """``Left_wheel2_link`` as left, wheel, 2: what a link is called, without the words that many add."""
+    """Split ``Left_wheel2_link`` into left, wheel, 2, without the words that many names add."""
     words = [w.lower() for w in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+", name)]
     return [w for w in words if w not in {"link", "lnk", "frame"}] or words

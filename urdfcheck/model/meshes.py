@@ -12,22 +12,23 @@ from urdfcheck.model.parts import Link, Shape
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Resource
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.system.array_cache import Cache, origin_of, version_of
+from urdfcheck.system.array_cache import ArrayCache, compute_code_version, find_library_origin
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, read_regular
 
 if TYPE_CHECKING:
-    from urdfcheck.facts.mesh.measure import MeshError, MeshFacts
+    from urdfcheck.facts.mesh.decode_limits import MeshError
+    from urdfcheck.facts.mesh.measure import MeshFacts
     from urdfcheck.system.array_cache import Entry
 
-# What the measurements of a mesh depend on beside its content.
+# What the measurements of a mesh depend on besides its content.
 MEASURING_MODULES = ("urdfcheck.facts.mesh",)
-# The libraries that read what is not read by our own.
+# The libraries that read the formats that urdfcheck does not read itself.
 READERS = {"dae": "collada", "ply": "trimesh"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeshUse:
-    """One ``<mesh filename=…>`` of a shape, and the file it means."""
+    """One ``<mesh filename=…>`` of a shape, and the file that it names."""
 
     link: Link
     shape: Shape
@@ -40,59 +41,62 @@ class MeshUse:
         return self.filename.value.rpartition("/")[2]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class ModelMeshes:
-    """``uses`` in document order; ``facts``, ``errors`` and ``digests`` of the content by file, empty in the source tier."""
+    """The meshes of a model, and what was measured on their files."""
 
     uses: tuple[MeshUse, ...]
+    """In document order."""
     facts: Mapping[Path, MeshFacts]
+    """By file, of those that could be read; empty in the source tier, as the next two."""
     errors: Mapping[Path, MeshError]
+    """By file, of those that could not."""
     digests: Mapping[Path, str]
+    """SHA-256 of the content, by file."""
     by_shape: Mapping[int, MeshUse]
+    """The use of each shape, by the ``id`` of the shape."""
 
     @classmethod
-    def from_links(cls, links: Sequence[Link], source: Source, cache: Cache, *, read: bool) -> ModelMeshes:
+    def from_links(cls, links: Sequence[Link], source: Source, cache: ArrayCache, *, read: bool) -> ModelMeshes:
         """Resolve the meshes of all links; with ``read``, measure every file that exists, or recall what was measured."""
         uses: list[MeshUse] = []
         for link in links:
             for shape in (*link.visuals, *link.collisions):
                 filename = shape.mesh_filename
                 if filename is not None:
-                    uses.append(
-                        MeshUse(
-                            link, shape, filename, source.finder.resolve_resource(filename.value, source.path.parent)
-                        )
-                    )
-        found = cls(tuple(uses), {}, {}, {}, {id(u.shape): u for u in uses})
-        return found._read_files(cache) if read and found.group_by_file() else found
+                    resource = source.finder.resolve_resource(filename.value, source.path.parent)
+                    uses.append(MeshUse(link=link, shape=shape, filename=filename, resource=resource))
+        meshes = cls(uses=tuple(uses), facts={}, errors={}, digests={}, by_shape={id(u.shape): u for u in uses})
+        return meshes._read_files(cache) if read and meshes.group_by_file() else meshes
 
     def get_facts(self, shape: Shape) -> MeshFacts | None:
-        """The facts of a shape's mesh; None when it is no mesh, is missing or could not be read."""
+        """Return the facts of a shape's mesh; None when it is not a mesh, is missing or could not be read."""
         use = self.by_shape.get(id(shape))
         return None if use is None or use.resource.path is None else self.facts.get(use.resource.path)
 
     def group_by_file(self) -> Mapping[Path, tuple[MeshUse, ...]]:
-        """The uses of each file that exists; those for collision first, otherwise in document order."""
-        found: dict[Path, list[MeshUse]] = {}
+        """Return the uses of each file that exists; those for collision first, otherwise in document order."""
+        by_file: dict[Path, list[MeshUse]] = {}
         for use in self.uses:
             if use.resource.exists and use.resource.path is not None:
-                found.setdefault(use.resource.path, []).append(use)
-        return {path: tuple(sorted(uses, key=lambda u: u.shape.role != "collision")) for path, uses in found.items()}
+                by_file.setdefault(use.resource.path, []).append(use)
+        return {path: tuple(sorted(uses, key=lambda u: u.shape.role != "collision")) for path, uses in by_file.items()}
 
     def list_measured(self) -> Iterator[tuple[tuple[MeshUse, ...], MeshFacts]]:
-        """The uses, as in :meth:`group_by_file`, and the facts of each file that could be read."""
+        """Yield the uses, as in :meth:`group_by_file`, and the facts of each file that could be read."""
         for path, uses in self.group_by_file().items():
             facts = self.facts.get(path)
             if facts is not None:
                 yield uses, facts
 
     def compute_content_key(self, path: Path) -> str | None:
-        """What identifies a file's content and how it is read; None for a file that could not be opened."""
+        """Return a text that identifies a file's content and how it is read; None for a file that could not be opened."""
         digest = self.digests.get(path)
         return None if digest is None else f"{digest}-{_get_file_kind(path)}"
 
-    def _read_files(self, cache: Cache) -> ModelMeshes:
-        from urdfcheck.facts.mesh.measure import MeshError, restore_mesh_facts
+    def _read_files(self, cache: ArrayCache) -> ModelMeshes:
+        from urdfcheck.facts.mesh.decode_limits import MeshError
+        from urdfcheck.facts.mesh.measure import restore_mesh_facts
 
         facts: dict[Path, MeshFacts] = {}
         errors: dict[Path, MeshError] = {}
@@ -101,7 +105,7 @@ class ModelMeshes:
         for path in sorted(self.group_by_file()):
             kind = _get_file_kind(path)
             try:
-                digests[path], data = cache.digest(path)
+                digests[path], data = cache.compute_digest(path)
                 key = f"{digests[path]}-{kind}-{_compute_reader_version(kind)}"
                 if key not in by_content:
                     parts = cache.entry("meshes", key)
@@ -112,11 +116,11 @@ class ModelMeshes:
             except (OSError, ImportError, MemoryError) as error:
                 errors[path] = _make_mesh_error(error)
                 continue
-            found = by_content[key]
-            if isinstance(found, MeshError):
-                errors[path] = found
+            result = by_content[key]
+            if isinstance(result, MeshError):
+                errors[path] = result
             else:
-                facts[path] = found
+                facts[path] = result
         return replace(self, facts=facts, errors=errors, digests=digests)
 
 
@@ -127,8 +131,8 @@ def _measure_mesh(path: Path, parts: Entry, data: bytes | None = None) -> MeshFa
 
 
 def _make_mesh_error(error: OSError | ImportError | MemoryError) -> MeshError:
-    """Why a file could not even be looked at; nothing that another run must find as well."""
-    from urdfcheck.facts.mesh.measure import MeshError
+    """Explain why a file could not be read at all; another run may be able to, so the cache does not keep it."""
+    from urdfcheck.facts.mesh.decode_limits import MeshError
 
     if isinstance(error, FileTooLargeError):
         return MeshError("too-large", error.message.removeprefix("the file "))
@@ -140,9 +144,9 @@ def _make_mesh_error(error: OSError | ImportError | MemoryError) -> MeshError:
 
 
 def _compute_reader_version(kind: str) -> str:
-    """A digest of what decides about the measurements of a file of this kind beside its content."""
+    """Return a digest of what decides the measurements of a file of this kind besides its content."""
     reader = READERS.get(kind)
-    return version_of(*MEASURING_MODULES, library=reader and origin_of(reader))
+    return compute_code_version(*MEASURING_MODULES, library=reader and find_library_origin(reader))
 
 
 def _get_file_kind(path: Path) -> str:

@@ -1,6 +1,6 @@
 """Links, joints, inertials and shapes: thin located views of the expanded elements.
 
-A value that the file spells wrongly, or that nothing can be computed with, is None here: the rule about numbers reports it,
+A value that the file misspells, or that is too large to compute with, is None here: the rule about numbers reports it, and
 every other rule abstains.
 """
 
@@ -15,35 +15,36 @@ from urdfcheck.source.text.values import MAX_MAGNITUDE, is_computable, read_attr
 from urdfcheck.source.text.xml import Attribute, Element
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 MOVING_TYPES = frozenset({"revolute", "continuous", "prismatic", "floating", "planar"})
 _ZERO = (0.0, 0.0, 0.0)
 TENSOR_NAMES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+# A root of one of these names is the ground itself.
+GROUND_NAMES = frozenset({"world", "map"})
 GEOMETRY_TAGS = ("mesh", "box", "cylinder", "sphere", "capsule")
 
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """An ``<origin>``: ``xyz`` in metres, ``rpy`` in radians (fixed axes roll, pitch, yaw). Absent means identity."""
+    """An ``<origin>``: ``xyz`` in metres, ``rpy`` in radians (fixed axes roll, pitch, yaw); the identity where it is absent."""
 
     element: Element | None
 
     @property
     def xyz(self) -> tuple[float, ...] | None:
-        return _read_numbers(self.element, "xyz", 3, _ZERO)
+        return _read_numbers(self.element, "xyz", count=3, default=_ZERO)
 
     @property
     def rpy(self) -> tuple[float, ...] | None:
-        return _read_numbers(self.element, "rpy", 3, _ZERO)
+        return _read_numbers(self.element, "rpy", count=3, default=_ZERO)
 
     def get_attribute(self, name: str) -> Attribute | None:
         return None if self.element is None else self.element.attributes.get(name)
 
     @cached_property
-    def matrix(self) -> NDArray[np.float64] | None:
-        """4x4, child to parent; None when a number is malformed. ``quat_xyzw`` counts where the rpy is absent."""
+    def matrix(self) -> Array | None:
+        """4x4, child to parent; None when a number is malformed. ``quat_xyzw`` applies where ``rpy`` is absent."""
         from urdfcheck.facts.motion.kinematics import build_origin_transform, quaternion_to_matrix
 
         xyz, rpy = self.xyz, self.rpy
@@ -51,7 +52,7 @@ class Pose:
             return None
         placed = build_origin_transform(xyz, rpy)
         if self.get_attribute("quat_xyzw") is not None and self.get_attribute("rpy") is None:
-            quaternion = _read_numbers(self.element, "quat_xyzw", 4, ())
+            quaternion = _read_numbers(self.element, "quat_xyzw", count=4, default=())
             if quaternion is None or not any(quaternion):
                 return None
             placed[:3, :3] = quaternion_to_matrix(quaternion)
@@ -84,12 +85,12 @@ class Inertial:
 
     @cached_property
     def inertia_components(self) -> tuple[float, ...] | None:
-        """ixx ixy ixz iyy iyz izz as typed, None unless all six are numbers."""
+        """ixx ixy ixz iyy iyz izz as typed; None unless all six are numbers."""
         values = [_read_number(self.tensor_element, name) for name in TENSOR_NAMES]
         return None if any(v is None for v in values) else tuple(v for v in values if v is not None)
 
     @cached_property
-    def tensor(self) -> NDArray[np.float64] | None:
+    def tensor(self) -> Array | None:
         """3x3 about the COM in the axes of the inertial frame (before its rpy)."""
         import numpy as np
 
@@ -99,12 +100,12 @@ class Inertial:
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
     @cached_property
-    def tensor_in_link(self) -> NDArray[np.float64] | None:
+    def tensor_in_link(self) -> Array | None:
         """3x3 about the COM in the axes of the link frame (after the inertial frame's rpy)."""
         if self.tensor is None or self.origin.matrix is None:
             return None
         rotation = self.origin.matrix[:3, :3]
-        turned: NDArray[np.float64] = rotation @ self.tensor @ rotation.T
+        turned: Array = rotation @ self.tensor @ rotation.T
         return turned
 
     @property
@@ -114,7 +115,7 @@ class Inertial:
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A ``<visual>`` or ``<collision>``. ``kind`` is the tag inside ``<geometry>``, None when there is none that is known."""
+    """A ``<visual>`` or ``<collision>``."""
 
     element: Element
     role: str
@@ -133,6 +134,7 @@ class Shape:
 
     @property
     def kind(self) -> str | None:
+        """The tag inside ``<geometry>``; None when it holds no known one."""
         return None if self.geometry_element is None else self.geometry_element.tag
 
     @cached_property
@@ -141,9 +143,9 @@ class Shape:
         if self.geometry_element is None:
             return None
         if self.kind == "box":
-            return _read_numbers(self.geometry_element, "size", 3, ()) or None
+            return _read_numbers(self.geometry_element, "size", count=3, default=()) or None
         if self.kind == "mesh":
-            return _read_numbers(self.geometry_element, "scale", 3, (1.0, 1.0, 1.0))
+            return _read_numbers(self.geometry_element, "scale", count=3, default=(1.0, 1.0, 1.0))
         names = ("radius",) if self.kind == "sphere" else ("radius", "length")
         values = [_read_number(self.geometry_element, n) for n in names]
         return None if any(v is None for v in values) else tuple(v for v in values if v is not None)
@@ -162,6 +164,15 @@ class Shape:
         return self.element.location
 
 
+def locate_geometry(shape: Shape) -> Location:
+    """Return where the geometry of a shape is typed: the name of its mesh, or the primitive."""
+    return (
+        shape.mesh_filename.location
+        if shape.mesh_filename is not None
+        else (shape.geometry_element or shape.element).location
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Link:
     """A ``<link>``."""
@@ -174,8 +185,8 @@ class Link:
 
     @cached_property
     def inertial(self) -> Inertial | None:
-        found = self.element.find_child("inertial")
-        return None if found is None else Inertial(found)
+        element = self.element.find_child("inertial")
+        return None if element is None else Inertial(element)
 
     @cached_property
     def visuals(self) -> tuple[Shape, ...]:
@@ -195,6 +206,7 @@ class DeclaredMass:
     """The mass of a link that is typed as a number."""
 
     link: Link
+    inertial: Inertial
     mass: float
     """kg, possibly zero or negative."""
     attribute: Attribute
@@ -203,9 +215,10 @@ class DeclaredMass:
     @classmethod
     def from_link(cls, link: Link) -> DeclaredMass | None:
         """Return the mass of a link, or None if it is missing or malformed."""
-        mass = None if link.inertial is None else link.inertial.mass
-        attribute = None if link.inertial is None else link.inertial.mass_attribute
-        return None if mass is None or attribute is None else cls(link, mass, attribute)
+        inertial = link.inertial
+        if inertial is None or inertial.mass is None or inertial.mass_attribute is None:
+            return None
+        return cls(link=link, inertial=inertial, mass=inertial.mass, attribute=inertial.mass_attribute)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -218,7 +231,7 @@ class DeclaredTensor:
     """The ``<inertia>``."""
     components: tuple[float, ...]
     """ixx ixy ixz iyy iyz izz in kg m²."""
-    tensor: NDArray[np.float64]
+    tensor: Array
     """(3, 3) in kg m² about the COM, in the axes of the inertial frame."""
 
     @property
@@ -253,9 +266,9 @@ class CompleteInertial(DeclaredTensor):
 
     mass: float
     """kg, possibly zero or negative."""
-    pose: NDArray[np.float64]
+    pose: Array
     """(4, 4) from the inertial frame to the link frame: the COM in m and the axes."""
-    tensor_in_link: NDArray[np.float64]
+    tensor_in_link: Array
     """(3, 3) in kg m² about the COM, in the axes of the link frame."""
 
     @classmethod
@@ -301,13 +314,24 @@ class Joint:
 
     @property
     def parent(self) -> str:
-        found = self.element.find_child("parent")
-        return "" if found is None else found.get("link")
+        element = self.element.find_child("parent")
+        return "" if element is None else element.get("link")
 
     @property
     def child(self) -> str:
-        found = self.element.find_child("child")
-        return "" if found is None else found.get("link")
+        element = self.element.find_child("child")
+        return "" if element is None else element.get("link")
+
+    @property
+    def child_attribute(self) -> Attribute | None:
+        """The ``link`` of ``<child>``."""
+        element = self.element.find_child("child")
+        return None if element is None else element.attributes.get("link")
+
+    @property
+    def child_location(self) -> Location:
+        """Where the child is named; the joint if it names none."""
+        return self.location if self.child_attribute is None else self.child_attribute.location
 
     @cached_property
     def origin(self) -> Pose:
@@ -320,11 +344,11 @@ class Joint:
     @cached_property
     def axis(self) -> tuple[float, ...] | None:
         """As typed in the joint frame; (1, 0, 0) when absent; None when malformed."""
-        return _read_numbers(self.axis_element, "xyz", 3, (1.0, 0.0, 0.0))
+        return _read_numbers(self.axis_element, "xyz", count=3, default=(1.0, 0.0, 0.0))
 
     @property
     def axis_location(self) -> Location:
-        """Where the axis is typed; the joint where it is not."""
+        """Where the axis is typed; the joint where it is absent."""
         element = self.axis_element
         if element is None:
             return self.location
@@ -336,14 +360,27 @@ class Joint:
         return self.element.find_child("limit")
 
     def get_limit_value(self, name: str) -> float | None:
-        """``lower``, ``upper`` (default 0), ``effort`` or ``velocity`` of ``<limit>``; None without it or malformed."""
+        """Return ``lower``, ``upper`` (default 0), ``effort`` or ``velocity`` of ``<limit>``; None without it or malformed."""
         if self.limit is not None and name not in self.limit.attributes and name in {"lower", "upper"}:
             return 0.0
         return read_attribute_number(self.limit, name)
 
     @property
+    def position_range(self) -> tuple[float, float] | None:
+        """Lower and upper limit of a revolute (rad) or prismatic (m) joint; None if malformed, or if lower is not below upper."""
+        lower, upper = self.get_limit_value("lower"), self.get_limit_value("upper")
+        if self.type not in {"revolute", "prismatic"} or lower is None or upper is None or lower >= upper:
+            return None
+        return lower, upper
+
+    @property
+    def position_unit(self) -> str:
+        """The unit of the joint's position: ``m`` or ``rad``."""
+        return "m" if self.type == "prismatic" else "rad"
+
+    @property
     def is_driven(self) -> bool:
-        """Whether it moves by a motor of its own and has a ``<limit>``; a follower's motor is its leader's."""
+        """Whether its own motor moves it and it has a ``<limit>``; a follower's motor is its leader's."""
         return self.type in {"revolute", "continuous", "prismatic"} and self.limit is not None and self.mimic is None
 
     @property
@@ -356,22 +393,22 @@ class Joint:
 
 
 def _read_numbers(
-    element: Element | None, name: str, count: int, default: tuple[float, ...]
+    element: Element | None, name: str, *, count: int, default: tuple[float, ...]
 ) -> tuple[float, ...] | None:
-    """The numbers of an attribute that is computed with, see `_filter_computable`."""
+    """Read the numbers of an attribute to compute with, see `_filter_computable`."""
     values = read_attribute_numbers(element, name, count, default)
     known = [_filter_computable(v) for v in values or ()]
     return None if values is None or None in known else tuple(v for v in known if v is not None)
 
 
 def _read_number(element: Element | None, name: str) -> float | None:
-    """The number of an attribute that is computed with, see `_filter_computable`."""
+    """Read the number of an attribute to compute with, see `_filter_computable`."""
     value = read_attribute_number(element, name)
     return None if value is None else _filter_computable(value)
 
 
 def _filter_computable(value: float) -> float | None:
-    """None for a number that is too large, 0 for one that is too small to tell from it (residues of an export)."""
+    """Return None for a number that is too large, 0 for one too small to distinguish from it (residues of an export)."""
     if is_computable(value):
         return value
     return None if abs(value) > MAX_MAGNITUDE else 0.0

@@ -1,4 +1,4 @@
-"""Rigid bodies: what fixed joints make one, with the mass and inertia tensor of all their links together."""
+"""Rigid bodies: the links that fixed joints merge, with the mass and inertia tensor of all of them together."""
 
 from __future__ import annotations
 
@@ -11,90 +11,99 @@ from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 # A body whose radius of gyration is below a micrometre is a point: its tensor is zero or the residue of an export
 # (published files hold 1e-20 kg m² for 0.1 kg). The lightest part of a watch has 1e-4 m.
 POINT_RADIUS = 1e-6
-# What is below a thousandth of a body's mass and of its smallest moment is less than what the body is known to: a motor's
-# cable weighs more.
+# A thousandth of a body's mass and of its smallest moment is less than the accuracy to which the body is known: a motor's cable
+# weighs more.
 NEGLIGIBLE = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RigidLinkGroup:
-    """Links that move as one, ``links[0]`` the nearest to the root. ``moves``: whether it hangs on a joint that does."""
+    """Links that move as one."""
 
     links: tuple[str, ...]
+    """``links[0]`` is the nearest to the root."""
     is_movable: bool
+    """Whether they hang on a joint that moves."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MergedBody:
-    """The body that fixed joints make of a link and others. ``heaviest``: the heaviest of the others; ``moments``: the
-    body's principal moments (kg m²), ascending; ``negligible``: whether the link adds next to nothing to it."""
+    """The body that fixed joints make of a link and others."""
 
     heaviest: str
+    """The heaviest of the other links."""
     moments: tuple[float, float, float]
+    """The body's principal moments (kg m²), ascending."""
     link_is_negligible: bool
+    """Whether the link adds next to nothing to the body."""
 
     def is_physically_valid(self, rel_tol: float) -> bool:
         """Whether the moments are positive and keep the triangle inequality, to within ``rel_tol`` of the largest."""
-        first, second, third = self.moments
-        return first > rel_tol * third and first + second - third >= -rel_tol * third
+        least, middle, largest = self.moments
+        return least > rel_tol * largest and least + middle - largest >= -rel_tol * largest
 
 
 def list_rigid_bodies(model: Model) -> tuple[RigidLinkGroup, ...]:
-    """The rigid bodies, from the root outwards.
+    """Return the rigid bodies, from the root outwards.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     tree = model.tree
     heads = [name for name in tree.order if name not in tree.parent_joint or tree.parent_joint[name].type != "fixed"]
     return tuple(RigidLinkGroup(tree.list_body_links(name), name in tree.parent_joint) for name in heads)
 
 
+def has_collision_geometry(model: Model, body: RigidLinkGroup) -> bool:
+    """Whether a link of the body has a ``<collision>``."""
+    return any(model.link_by_name[name].collisions for name in body.links)
+
+
 def is_point_mass(inertial: Inertial) -> bool:
-    """Whether the inertia tensor is zero for all that its mass can tell; False without mass."""
-    six, mass = inertial.inertia_components, inertial.mass
-    return six is not None and mass is not None and mass > 0 and max(map(abs, six)) <= mass * POINT_RADIUS**2
+    """Whether the inertia tensor is zero as far as the mass can tell; False without mass."""
+    components, mass = inertial.inertia_components, inertial.mass
+    return (
+        components is not None and mass is not None and mass > 0 and max(map(abs, components)) <= mass * POINT_RADIUS**2
+    )
 
 
 @fact
 def compute_body_mass(model: Model, links: tuple[str, ...]) -> float | None:
-    """Total mass in kg of these links, those without ``<inertial>`` counting nothing; None when one is malformed.
+    """Compute the total mass in kg of some links, those without ``<inertial>`` counting nothing; None when one is
+    malformed.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
-    masses = [model.link_by_name[name].inertial for name in links]
-    known = [inertial.mass for inertial in masses if inertial is not None]
-    return None if any(m is None for m in known) else sum(m for m in known if m is not None)
+    inertials = [model.link_by_name[name].inertial for name in links]
+    masses = [inertial.mass for inertial in inertials if inertial is not None]
+    return None if any(m is None for m in masses) else sum(m for m in masses if m is not None)
 
 
-def compute_body_tensor(model: Model, links: tuple[str, ...]) -> NDArray[np.float64] | None:
-    """Inertia tensor (3, 3) in kg m² of these links together, about their common COM, in root coordinates.
+def compute_body_tensor(model: Model, links: tuple[str, ...]) -> Array | None:
+    """Compute the inertia tensor (3, 3) in kg m² of some links together, about their common COM, in root coordinates.
 
     None when an inertial is malformed or the links have no mass together.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    found = compute_body_inertia(model, links)
-    return None if found is None else found[2]
+    inertia = compute_body_inertia(model, links)
+    return None if inertia is None else inertia[2]
 
 
 @fact
-def compute_body_inertia(
-    model: Model, links: tuple[str, ...]
-) -> tuple[float, NDArray[np.float64], NDArray[np.float64]] | None:
-    """Mass in kg, COM (3,) in m and inertia tensor as `compute_body_tensor`, in root coordinates; None as there.
+def compute_body_inertia(model: Model, links: tuple[str, ...]) -> tuple[float, Array, Array] | None:
+    """Compute mass in kg, COM (3,) in m and the tensor of `compute_body_tensor`, in root coordinates; None as there.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     import numpy as np
 
     inertials = [(model.frames[name], i) for name in links if (i := model.link_by_name[name].inertial) is not None]
-    parts: list[tuple[float, NDArray[np.float64], NDArray[np.float64]]] = []
+    parts: list[tuple[float, Array, Array]] = []
     for frame, inertial in inertials:
         matrix, tensor = inertial.origin.matrix, inertial.tensor_in_link
         if inertial.mass is None or matrix is None or tensor is None:
@@ -113,16 +122,19 @@ def compute_body_inertia(
 
 
 def find_merged_body(model: Model, link: Link) -> MergedBody | None:
-    """The body that a link with an inertial is part of; None when nothing else in it has mass, or that is not known."""
+    """Return the body that a link with an inertial is part of; None when nothing else in it has mass, or when that is not
+    known.
+    """
     try:
         names = model.tree.list_body_links(link.name)
         moments, total = _compute_body_moments(model, names), compute_body_mass(model, names)
     except FactUnavailableError:
         return None
+    if link.inertial is None:
+        return None
     heaviest = next((name for name in _find_two_heaviest(model, names) if name != link.name), "")
     if moments is None or total is None or not heaviest or not _get_link_mass(model, heaviest) > 0:
         return None
-    assert link.inertial is not None
     largest = max(map(abs, link.inertial.inertia_components or (0.0,)))
     negligible = _get_link_mass(model, link.name) <= NEGLIGIBLE * total and largest <= NEGLIGIBLE * moments[0]
     return MergedBody(heaviest, moments, negligible)
@@ -130,7 +142,7 @@ def find_merged_body(model: Model, link: Link) -> MergedBody | None:
 
 @fact
 def _compute_body_moments(model: Model, links: tuple[str, ...]) -> tuple[float, float, float] | None:
-    """The principal moments (kg m²) of these links together, ascending; None as `compute_body_tensor`."""
+    """Compute the principal moments (kg m²) of some links together, ascending; None as for `compute_body_tensor`."""
     from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 
     tensor = compute_body_tensor(model, links)
@@ -141,10 +153,10 @@ def _compute_body_moments(model: Model, links: tuple[str, ...]) -> tuple[float, 
 
 
 @fact
-def _find_two_heaviest(model: Model, links: tuple[str, ...]) -> list[str]:
-    """The two of these links that have the most mass."""
+def _find_two_heaviest(model: Model, links: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the two of some links that have the most mass."""
     known = [name for name in links if model.link_by_name[name].inertial is not None]
-    return sorted(known, key=lambda name: -_get_link_mass(model, name))[:2]
+    return tuple(sorted(known, key=lambda name: -_get_link_mass(model, name))[:2])
 
 
 def _get_link_mass(model: Model, link: str) -> float:

@@ -15,11 +15,10 @@ from urdfcheck.model.tree import Tree
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.text.xml import Element
-from urdfcheck.system.array_cache import Cache
+from urdfcheck.system.array_cache import ArrayCache
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +31,7 @@ class Model:
     """The expanded root element."""
     tier: str = "full"
     """Which facts may be computed: source | mesh | full."""
-    cache: Cache = field(default_factory=Cache)
+    cache: ArrayCache = field(default_factory=ArrayCache)
     """Keeps between runs what took long to compute."""
     samples: int = 200
     """Number of joint configurations that facts about motion sample."""
@@ -132,7 +131,7 @@ class Model:
         return _build_tree(self)
 
     @property
-    def frames(self) -> Mapping[str, NDArray[np.float64]]:
+    def frames(self) -> Mapping[str, Array]:
         """4x4 placement of each link's frame in the root link's frame, all joints at zero.
 
         :raises FactUnavailableError: when the tree is broken or an origin is malformed.
@@ -140,11 +139,11 @@ class Model:
         return _compute_frames(self)
 
     @cached_property
-    def axes(self) -> Mapping[str, NDArray[np.float64]]:
+    def axes(self) -> Mapping[str, Array]:
         """Unit axis in root coordinates of each joint that has one, by joint name, all joints at zero."""
         import numpy as np
 
-        found: dict[str, NDArray[np.float64]] = {}
+        found: dict[str, Array] = {}
         for joint in self.joints:
             axis = joint.axis
             if not joint.has_axis or axis is None:
@@ -166,7 +165,7 @@ def _build_tree(model: Model) -> Tree:
 
 
 @fact
-def _compute_frames(model: Model) -> Mapping[str, NDArray[np.float64]]:
+def _compute_frames(model: Model) -> Mapping[str, Array]:
     import numpy as np
 
     from urdfcheck.facts.motion.kinematics import compute_forward_kinematics

@@ -3,69 +3,67 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from functools import cached_property
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.parts import Joint, Link
 
-# urdfdom and Pinocchio go down a chain of links by calling themselves: on a stack of 8 MiB they come to more than 2,000, and
-# then the process dies. Published robots have up to 22.
+# urdfdom and Pinocchio follow a chain of links recursively: a stack of 8 MiB lasts for more than 2,000, beyond that the process
+# dies. Published robots have up to 22.
 MOST_LEVELS = 1_000
 
 
 @dataclass(frozen=True, eq=False)
 class Tree:
-    """``order`` lists the links from the root outwards, each after its parent."""
+    """The kinematic tree."""
 
     root: str
     order: tuple[str, ...]
+    """The links from the root outwards, each after its parent."""
     parent_joint: Mapping[str, Joint]
+    """The joint on which each link but the root hangs, by its name."""
     child_joints: Mapping[str, tuple[Joint, ...]]
+    """The joints that hang on each link."""
 
     @classmethod
     def build(cls, links: Sequence[Link], joints: Sequence[Joint]) -> Tree:
-        """:raises Unavailable: when the links and joints are not one tree."""
-        names = [link.name for link in links]
-        known = set(names)
-        if not names:
-            raise FactUnavailableError("the model has no link (KIN007)")
-        nameless = next((link for link in links if not link.name), None)
-        if nameless is not None:
-            code = "NAM001" if "name" in nameless.element.attributes else "XML005"
-            raise FactUnavailableError(f"a link has no name ({code})")
-        if len(known) != len(names) or len({j.name for j in joints}) != len(joints):
-            raise FactUnavailableError("links or joints share a name (KIN001)")
+        """Build the tree of a model.
+
+        :raises FactUnavailableError: when the links and joints are not one tree.
+        """
+        _ensure_names(links, joints)
+        names = dict.fromkeys(link.name for link in links)
         parent_joint: dict[str, Joint] = {}
-        children: dict[str, list[Joint]] = {name: [] for name in names}
+        child_joints: dict[str, list[Joint]] = {name: [] for name in names}
         for joint in joints:
-            _ensure_links(joint, known)
-            children[joint.parent].append(joint)
+            _ensure_links(joint, names.keys())
+            child_joints[joint.parent].append(joint)
         for joint in joints:
             if joint.child in parent_joint:
-                raise FactUnavailableError(_explain_two_parents(joint.child, joints, children))
+                raise FactUnavailableError(_explain_two_parents(joint.child, joints, child_joints))
             parent_joint[joint.child] = joint
         roots = [name for name in names if name not in parent_joint]
         if len(roots) != 1:
             raise FactUnavailableError(
                 "the links form a cycle (KIN004)" if not roots else f"the model has {len(roots)} roots (KIN005)"
             )
-        order: list[str] = []
-        queue = deque(((roots[0], 1),))
-        level = 0
-        while queue:
-            name, level = queue.popleft()
-            order.append(name)
-            queue.extend((joint.child, level + 1) for joint in children[name])
+        order, level = _order_from_root(roots[0], child_joints)
         if len(order) != len(names):
             raise FactUnavailableError("some links form a cycle apart from the root (KIN004)")
         if level > MOST_LEVELS:
             raise TreeTooDeepError(level, order[-1])
-        return cls(roots[0], tuple(order), parent_joint, {k: tuple(v) for k, v in children.items()})
+        return cls(
+            root=roots[0],
+            order=tuple(order),
+            parent_joint=parent_joint,
+            child_joints={name: tuple(below) for name, below in child_joints.items()},
+        )
 
     def find_path_to(self, link: str) -> tuple[Joint, ...]:
-        """The joints from the root to a link."""
+        """Return the joints from the root to a link."""
         joints: list[Joint] = []
         while link in self.parent_joint:
             joints.append(self.parent_joint[link])
@@ -73,12 +71,12 @@ class Tree:
         return tuple(reversed(joints))
 
     def list_body_links(self, link: str) -> tuple[str, ...]:
-        """The links that fixed joints make one rigid body with ``link``, the nearest to the root first."""
+        """Return the links that fixed joints merge into one rigid body with ``link``, the nearest to the root first."""
         return self._body_links[link]
 
     @cached_property
     def _body_links(self) -> Mapping[str, tuple[str, ...]]:
-        """The body of each link, one and the same for all links of it."""
+        """The links of each link's body; links of one body share one tuple."""
         head: dict[str, str] = {}
         members: dict[str, list[str]] = {}
         for name in self.order:
@@ -94,7 +92,7 @@ class Tree:
 
 
 class TreeTooDeepError(FactUnavailableError):
-    """``levels`` links hang one below the other, down to ``link``; ``limit`` would be followed."""
+    """A chain of ``levels`` links, down to ``link``; ``limit`` would be followed."""
 
     def __init__(self, levels: int, link: str) -> None:
         super().__init__(f"{levels:,} links hang one below the other, more than {MOST_LEVELS:,} (URC905)")
@@ -102,7 +100,30 @@ class TreeTooDeepError(FactUnavailableError):
         self.link = link
 
 
-def _ensure_links(joint: Joint, known: Set[str]) -> None:
+def _order_from_root(root: str, child_joints: Mapping[str, Sequence[Joint]]) -> tuple[list[str], int]:
+    """Return the links that hang on the root, each after its parent, and on how many levels they are."""
+    order: list[str] = []
+    queue = deque(((root, 1),))
+    level = 0
+    while queue:
+        name, level = queue.popleft()
+        order.append(name)
+        queue.extend((joint.child, level + 1) for joint in child_joints[name])
+    return order, level
+
+
+def _ensure_names(links: Sequence[Link], joints: Sequence[Joint]) -> None:
+    if not links:
+        raise FactUnavailableError("the model has no link (KIN007)")
+    nameless = next((link for link in links if not link.name), None)
+    if nameless is not None:
+        code = "NAM001" if "name" in nameless.element.attributes else "XML005"
+        raise FactUnavailableError(f"a link has no name ({code})")
+    if len({link.name for link in links}) != len(links) or len({j.name for j in joints}) != len(joints):
+        raise FactUnavailableError("links or joints share a name (KIN001)")
+
+
+def _ensure_links(joint: Joint, known: AbstractSet[str]) -> None:
     if not joint.parent or not joint.child:
         raise FactUnavailableError(f"joint {joint.name!r} names no parent or no child (XML005)")
     if joint.parent not in known or joint.child not in known:
@@ -112,7 +133,7 @@ def _ensure_links(joint: Joint, known: Set[str]) -> None:
 
 
 def _explain_two_parents(link: str, joints: Sequence[Joint], children: Mapping[str, Sequence[Joint]]) -> str:
-    """A link that has several parents, or one beside the joint that leads back to it."""
+    """Explain a link that several joints have as their child: several parents, or a joint that leads back to it."""
     below, queue = {link}, [link]
     while queue:
         for joint in children[queue.pop()]:

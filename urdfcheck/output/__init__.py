@@ -9,20 +9,20 @@ if TYPE_CHECKING:
     from urdfcheck.core import Run
 
 FORMATS = ("text", "json", "html", "sarif", "github", "gitlab", "junit", "rdjson", "markdown")
-# What goes into a file only, because it is no text.
+# A picture can only be written to a file.
 PICTURE_FORMAT = "png"
-# Those that draw something: they need the scenes of a run.
+# Formats that draw something: they need the scenes of a run.
 DRAWING_FORMATS = frozenset({"html", "markdown", PICTURE_FORMAT})
 
 
 def render(run: Run, output_format: str) -> str:
-    """The run in a format of :data:`FORMATS`; the module is imported when it is asked for."""
+    """Render the run in a format of :data:`FORMATS`, whose module is imported only now."""
     rendered: str = importlib.import_module(f"urdfcheck.output.{output_format}").render(run)
     return rendered
 
 
 def render_picture(run: Run) -> bytes:
-    """The one model of a run as a :data:`PICTURE_FORMAT`.
+    """Render the one model of a run as a :data:`PICTURE_FORMAT`.
 
     :raises UrdfcheckError: when there are several models, or none that can be drawn.
     """

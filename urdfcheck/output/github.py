@@ -1,7 +1,7 @@
 """Annotations on GitHub: workflow commands that a runner reads from the log.
 
-Only what is written here begins a command: a stranger's text is the value of a property or the message of one, where ``%`` and
-the ends of lines are escaped, and lines of it that look like commands are spelled out besides.
+Only this module begins commands: untrusted text is the value of a property or the message of a command, where ``%`` and line
+breaks are escaped, and so are lines that look like commands.
 """
 
 from __future__ import annotations
@@ -23,29 +23,27 @@ from urdfcheck.output.shared.wording import (
 )
 
 COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "notice"}
-# GitHub shows no more of each kind from a step.
+# GitHub shows at most this many annotations of each kind from a step.
 MOST_ANNOTATIONS = 10
 LONGEST_MESSAGE = 4_000
 
 
 def render(run: Run) -> str:
-    """A command a line, the worst first, and a line that says how it came out."""
+    """Render a command per line, the worst first, and a line with the verdict."""
     return "".join(f"{line}\n" for line in _iter_lines(run))
 
 
 def _iter_lines(run: Run) -> Iterator[str]:
-    found = sort_worst_first(run.active_findings)
+    findings = sort_worst_first(run.active_findings)
     shown: list[Finding] = []
-    hidden = max(0, len(run.failures) - MOST_ANNOTATIONS)
-    for failure in run.failures[:MOST_ANNOTATIONS]:
+    failures = run.failures[:MOST_ANNOTATIONS]
+    hidden = len(run.failures) - len(failures)
+    for failure in failures:
         yield format_workflow_command("error", [("title", "urdfcheck failed")], failure)
     for severity in SEVERITY_ORDER:
-        room = (
-            MOST_ANNOTATIONS - min(len(run.failures), MOST_ANNOTATIONS)
-            if severity == Severity.ERROR
-            else MOST_ANNOTATIONS
-        )
-        group = [finding for finding in found if finding.severity == severity]
+        # Failures are errors too.
+        room = MOST_ANNOTATIONS - len(failures) if severity == Severity.ERROR else MOST_ANNOTATIONS
+        group = [finding for finding in findings if finding.severity == severity]
         shown += group[:room]
         hidden += len(group[room:])
     yield from (_format_annotation(run, finding) for finding in shown)
@@ -62,7 +60,7 @@ def _format_annotation(run: Run, finding: Finding) -> str:
     if span is not None:
         at = to_utf16_region(span, run.sources)
         properties = [("file", span.file), ("line", at.line), ("endLine", at.end_line)]
-        # The runner drops columns that belong to different lines, with a complaint.
+        # The runner drops columns of different lines, with a warning.
         properties += [("col", at.column), ("endColumn", at.end_column)] if at.line == at.end_line else []
     elif file := find_finding_file(run, finding):
         properties = [("file", file)]
@@ -72,12 +70,12 @@ def _format_annotation(run: Run, finding: Finding) -> str:
 
 
 def format_workflow_command(name: str, properties: Sequence[tuple[str, object]], message: str) -> str:
-    """A workflow command. A runner makes of its message what was given, but for what acts in a terminal or a log."""
-    told = ",".join(
+    """Format a workflow command. A runner shows its message unchanged, except for what acts in a terminal or a log."""
+    assignments = ",".join(
         f"{key}={_escape_command_text(str(value)).replace(':', '%3A').replace(',', '%2C')}" for key, value in properties
     )
     cut = message if len(message) <= LONGEST_MESSAGE else f"{message[:LONGEST_MESSAGE]}…"
-    return f"::{name} {told}::{_escape_command_text(cut)}"
+    return f"::{name} {assignments}::{_escape_command_text(cut)}"
 
 
 def _escape_command_text(text: str) -> str:

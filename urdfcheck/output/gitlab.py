@@ -1,4 +1,4 @@
-"""Findings for GitLab's widget on merge requests: a Code Quality report, as Code Climate wrote it."""
+"""Findings for GitLab's widget on merge requests: a Code Quality report in the format of Code Climate."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from typing import Any
 from urdfcheck.core import Confidence, Finding, Rule, Run, Severity, Verdict
 from urdfcheck.output.shared.inert import escape_for_json, escape_for_markdown
 from urdfcheck.output.shared.wording import find_finding_file, iter_details, sort_worst_first
-from urdfcheck.policy.consumers import verdict
+from urdfcheck.policy.consumers import get_verdict
 
 
 def render(run: Run) -> str:
-    """A JSON array, the worst first."""
-    found = [*_iter_failure_issues(run), *_iter_finding_issues(run)]
-    return escape_for_json(json.dumps(found, indent=2, ensure_ascii=False) + "\n")
+    """Render a JSON array, the worst first."""
+    issues = [*_iter_failure_issues(run), *_iter_finding_issues(run)]
+    return escape_for_json(json.dumps(issues, indent=2, ensure_ascii=False) + "\n")
 
 
 def _iter_failure_issues(run: Run) -> Iterator[dict[str, Any]]:
-    """What failed in urdfcheck itself belongs to no line: it is shown at the first model, lest the report look clean."""
+    """Report failures of urdfcheck itself at the first model: they belong to no line, and the report must not look clean."""
     path = run.models[0].path if run.models else "."
     for number, failure in enumerate(run.failures, 1):
         yield {
@@ -34,12 +34,13 @@ def _iter_failure_issues(run: Run) -> Iterator[dict[str, Any]]:
 
 
 def _iter_finding_issues(run: Run) -> Iterator[dict[str, Any]]:
-    seen: dict[str, int] = {}
+    counts: dict[str, int] = {}
     for finding in sort_worst_first(run.active_findings):
-        first = next(iter(finding.fingerprints), finding.code)
-        seen[first] = seen.get(first, 0) + 1
-        at = finding.location.span
-        lines = {"begin": 1} if at is None else {"begin": at.line, "end": at.end_line}
+        fingerprint = next(iter(finding.fingerprints), finding.code)
+        number = counts[fingerprint] = counts.get(fingerprint, 0) + 1
+        span = finding.location.span
+        lines = {"begin": 1} if span is None else {"begin": span.line, "end": span.end_line}
+        path = (find_finding_file(run, finding) or ".") if span is None else span.file
         yield {
             "type": "issue",
             "check_name": finding.code,
@@ -47,17 +48,17 @@ def _iter_finding_issues(run: Run) -> Iterator[dict[str, Any]]:
             "content": {"body": _format_issue_body(run, finding)},
             "categories": ["Bug Risk"],
             "severity": _classify_severity(run, finding),
-            # Of findings with one fingerprint the second has a number, so that none hides another.
-            "fingerprint": first if seen[first] == 1 else f"{first}-{seen[first]}",
-            "location": {"path": (find_finding_file(run, finding) or ".") if at is None else at.file, "lines": lines},
+            # From the second finding of one fingerprint on there is a number, so that none hides another.
+            "fingerprint": fingerprint if number == 1 else f"{fingerprint}-{number}",
+            "location": {"path": path, "lines": lines},
         }
 
 
 def _classify_severity(run: Run, finding: Finding) -> str:
-    """A blocker where urdfdom or a target has no model at all; a hint weighs less than what is sure."""
+    """Return GitLab's severity: a blocker if urdfdom or a target refuses the model; a heuristic warning is minor."""
     if finding.severity == Severity.ERROR:
         readers = run.targets or ("urdfdom",)
-        refused = any(verdict(finding.consequences, reader) == Verdict.REFUSES for reader in readers)
+        refused = any(get_verdict(finding.consequences, reader) == Verdict.REFUSES for reader in readers)
         return "blocker" if refused else "critical"
     if finding.severity == Severity.WARNING:
         return "minor" if finding.confidence == Confidence.HEURISTIC else "major"
@@ -65,11 +66,11 @@ def _classify_severity(run: Run, finding: Finding) -> str:
 
 
 def _format_issue_body(run: Run, finding: Finding) -> str:
-    """Markdown: what else is known of the finding, and what its rule is about."""
-    told = [
+    """Format the details of a finding and the summary of its rule as Markdown."""
+    details = [
         f"**{escape_for_markdown(label)}:** {escape_for_markdown(text)}" for label, text in iter_details(run, finding)
     ]
-    return "\n\n".join([*told, *_format_rule_help(run.rules.get(finding.code))])
+    return "\n\n".join([*details, *_format_rule_help(run.rules.get(finding.code))])
 
 
 def _format_rule_help(rule: Rule | None) -> list[str]:

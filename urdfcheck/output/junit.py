@@ -1,7 +1,7 @@
-"""Findings as tests for a build server: JUnit's XML, as the strict schema of Jenkins' xUnit plugin takes it.
+"""Findings as tests for a build server: JUnit's XML, valid under the strict schema of Jenkins' xUnit plugin.
 
-A suite for each model and one for launch files and packages; a case for each element that a rule found something wrong with,
-and one that passes for each rule that ran and found nothing. What fails the run is a failure; the rest passes, and says so.
+There is a suite for each model and one for launch files and packages; a case for each element with a finding, and a passing
+case for each rule that ran and found nothing. A finding that fails the run is a failure; any other passes, with its text.
 """
 
 from __future__ import annotations
@@ -24,23 +24,27 @@ STATUS_TEXTS = {
     "failed": "not checked: the model could not be expanded; the findings say why",
 }
 LONGEST_LINE = 200
-# XML has no way to say these; other controls are spelled out already.
+# XML cannot hold these, not even as references; other controls are escaped already.
 _NO_XML = re.compile("[\ufffe\uffff]")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class JUnitCase:
-    """A test. ``outcome``: passed | failure | error | skipped, with a type, a line and a text."""
+    """A test case."""
 
     name: str
     outcome: str = "passed"
+    """passed | failure | error | skipped"""
     failure_type: str = ""
+    """The ``type`` attribute of an outcome other than passed."""
     message: str = ""
+    """One line."""
     text: str = ""
+    """Many lines; the output of a case that passed."""
 
 
 def render(run: Run) -> str:
-    """An XML document. Only ``time`` differs between equal runs."""
+    """Render an XML document. Only ``time`` differs between equal runs."""
     root = ElementTree.Element("testsuites", name="urdfcheck")
     for info in run.models:
         _add_suite(root, info.id, _iter_model_cases(run, info), seconds=info.seconds, file=info.path)
@@ -53,36 +57,52 @@ def render(run: Run) -> str:
     return escape_for_xml(f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n')
 
 
-# -- what is a test ----------------------------------------------------------------------------------------------------
+# -- cases -------------------------------------------------------------------------------------------------------------
 
 
 def _iter_model_cases(run: Run, info: ModelInfo) -> Iterator[JUnitCase]:
-    found = [finding for finding in run.findings if finding.model == info.id]
-    yield from _iter_finding_cases(run, found)
+    findings = [finding for finding in run.findings if finding.model == info.id]
+    yield from _iter_finding_cases(run, findings)
     if info.status == "checked":
-        yield from _iter_passed_cases(run, info.id, {finding.code for finding in found}, {"file", "model"})
+        fired = {finding.code for finding in findings}
+        yield from _iter_passed_cases(run, info.id, fired=fired, scopes={"file", "model"})
     else:
-        yield JUnitCase("the model is checked", "skipped", info.status, STATUS_TEXTS.get(info.status, info.status))
+        yield JUnitCase(
+            name="the model is checked",
+            outcome="skipped",
+            failure_type=info.status,
+            message=STATUS_TEXTS.get(info.status, info.status),
+        )
     yield from _iter_skipped_cases(run, {info.id})
 
 
 def _iter_other_cases(run: Run) -> Iterator[JUnitCase]:
-    """Of launch files and packages, and of whatever else belongs to no model."""
+    """Yield the cases of launch files and packages, and of everything else that belongs to no model."""
     models = {info.id for info in run.models}
-    found = [finding for finding in run.findings if finding.model not in models]
-    yield from _iter_finding_cases(run, found)
+    findings = [finding for finding in run.findings if finding.model not in models]
+    yield from _iter_finding_cases(run, findings)
     for name in sorted(run.unit_ids - models):
         scopes = {"package"} if name.rsplit("/", 1)[-1] == "package.xml" else {"launch"}
-        yield from _iter_passed_cases(run, name, {f.code for f in found if f.model == name}, scopes, suffix=f" {name}")
+        fired = {finding.code for finding in findings if finding.model == name}
+        yield from _iter_passed_cases(run, name, fired=fired, scopes=scopes, suffix=f" {name}")
     yield from _iter_skipped_cases(run, {skip.model for skip in run.skipped} - models)
 
 
 def _iter_urdfcheck_cases(run: Run) -> Iterator[JUnitCase]:
     for number, failure in enumerate(run.failures, 1):
-        yield JUnitCase(f"urdfcheck itself ({number})", "error", "urdfcheck", _get_first_line(failure), failure)
+        yield JUnitCase(
+            name=f"urdfcheck itself ({number})",
+            outcome="error",
+            failure_type="urdfcheck",
+            message=_get_first_line(failure),
+            text=failure,
+        )
     if not run.units and not run.failures:
         yield JUnitCase(
-            "there is something to check", "skipped", "nothing", "no model, launch file or package was found"
+            name="there is something to check",
+            outcome="skipped",
+            failure_type="nothing",
+            message="no model, launch file or package was found",
         )
 
 
@@ -92,22 +112,24 @@ def _iter_finding_cases(run: Run, findings: Iterable[Finding]) -> Iterator[JUnit
         for subject in finding.subjects or ("",):
             name = f"{finding.code} {finding.name} {subject}".strip()
             if finding.suppressed is not None:
-                yield JUnitCase(
-                    name, "skipped", "known", f"known, {finding.suppressed}: {_get_first_line(finding.message)}"
-                )
+                message = f"known, {finding.suppressed}: {_get_first_line(finding.message)}"
+                yield JUnitCase(name=name, outcome="skipped", failure_type="known", message=message)
             elif _is_failing(run, finding):
-                yield JUnitCase(name, "failure", finding.code, _get_first_line(finding.message), text)
+                message = _get_first_line(finding.message)
+                yield JUnitCase(name=name, outcome="failure", failure_type=finding.code, message=message, text=text)
             else:
-                yield JUnitCase(name, text=text)
+                yield JUnitCase(name=name, text=text)
 
 
-def _iter_passed_cases(run: Run, unit: str, fired: set[str], scopes: set[str], suffix: str = "") -> Iterator[JUnitCase]:
-    """The rules that ran on a unit and found nothing there."""
+def _iter_passed_cases(
+    run: Run, unit: str, *, fired: set[str], scopes: set[str], suffix: str = ""
+) -> Iterator[JUnitCase]:
+    """Yield a case for each rule that ran on a unit and found nothing there."""
     skipped = {skip.code for skip in run.skipped if skip.model == unit}
     ran = set() if "ALL" in skipped else run.complete_rules.get(unit, frozenset()) - skipped - fired
     for code in sorted(ran & run.rules.keys()):
         if scopes & set(run.rules[code].scopes):
-            yield JUnitCase(f"{code} {run.rules[code].name}{suffix}")
+            yield JUnitCase(name=f"{code} {run.rules[code].name}{suffix}")
 
 
 def _iter_skipped_cases(run: Run, units: set[str]) -> Iterator[JUnitCase]:
@@ -115,22 +137,22 @@ def _iter_skipped_cases(run: Run, units: set[str]) -> Iterator[JUnitCase]:
         if skip.model in units:
             rule = run.rules.get(skip.code)
             name = "all rules" if skip.code == "ALL" else skip.code if rule is None else f"{rule.code} {rule.name}"
-            yield JUnitCase(name, "skipped", "skipped", skip.reason)
+            yield JUnitCase(name=name, outcome="skipped", failure_type="skipped", message=skip.reason)
 
 
 def _is_failing(run: Run, finding: Finding) -> bool:
-    """Whether it fails the run, as the exit code does."""
+    """Whether a finding fails the run, by the same limit as the exit code."""
     levels = set(run.fail_on.values())
-    # What belongs to no unit fails from where all of them do.
+    # A finding that belongs to no unit has the limit that all units share.
     fail_on = run.fail_on.get(finding.model, next(iter(levels)) if len(levels) == 1 else "error")
     return fail_on != "never" and finding.severity >= Severity.parse(fail_on)
 
 
-# -- what is said of it ------------------------------------------------------------------------------------------------
+# -- text of a case ----------------------------------------------------------------------------------------------------
 
 
 def _iter_detail_lines(run: Run, finding: Finding) -> Iterator[str]:
-    """The place, the message, the lines of the source, why and what to do."""
+    """Yield the place, the message, the lines of the source, the cause, the consequences and the fix."""
     span = finding.location.span
     where = "" if span is None else f"{format_place(span)}: "
     yield f"{where}{finding.severity} {finding.code} {finding.name}"
@@ -155,32 +177,32 @@ def _get_first_line(text: str) -> str:
 def _add_suite(
     root: ElementTree.Element, name: str, cases: Iterable[JUnitCase], *, seconds: float = 0.0, file: str = ""
 ) -> None:
-    """A suite with these cases; none without any."""
+    """Add a suite with these cases, unless there are none."""
     tests = list(cases)
     if not tests:
         return
     outcomes = Counter(case.outcome for case in tests)
     suite = ElementTree.SubElement(root, "testsuite", name=_escape_attribute(name), tests=str(len(tests)))
-    for key, outcome in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
-        suite.set(key, str(outcomes[outcome]))
+    for attribute, counted in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
+        suite.set(attribute, str(outcomes[counted]))
     suite.set("time", f"{seconds:.3f}")
     if file:
         suite.set("file", _escape_attribute(file))
-    # Jenkins takes what stands before the last dot for a package, and two tests of one name for one.
+    # Jenkins reads the part before the last dot as a package, and merges two tests of one name.
     group = f"urdfcheck.{_escape_attribute(name).replace('.', '_')}"
-    seen: dict[str, int] = {}
+    counts: dict[str, int] = {}
     for case in tests:
-        seen[case.name] = seen.get(case.name, 0) + 1
-        numbered = case.name if seen[case.name] == 1 else f"{case.name} ({seen[case.name]})"
+        number = counts[case.name] = counts.get(case.name, 0) + 1
+        numbered = case.name if number == 1 else f"{case.name} ({number})"
         test = ElementTree.SubElement(suite, "testcase", classname=group, name=_escape_attribute(numbered))
         if case.outcome == "passed":
             if case.text:
                 ElementTree.SubElement(test, "system-out").text = _escape_text(case.text)
             continue
-        said = ElementTree.SubElement(
+        outcome = ElementTree.SubElement(
             test, case.outcome, type=_escape_attribute(case.failure_type), message=_escape_attribute(case.message)
         )
-        said.text = _escape_text(case.text) or None
+        outcome.text = _escape_text(case.text) or None
 
 
 def _escape_attribute(text: str) -> str:

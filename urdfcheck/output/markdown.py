@@ -1,16 +1,16 @@
 """The report as Markdown: a comment on a pull request, and the summary of a job.
 
-Text of strangers is code or plain words: it brings no markup, link, picture or mention, and closes no cell and no fence.
+Untrusted text is code or plain words: it cannot add markup, links, pictures or mentions, nor close a cell or a fence.
 """
 
 from __future__ import annotations
 
+import html
 import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
 from urdfcheck.core.scene import Scene
-from urdfcheck.output.mermaid import build_mermaid_chart
 from urdfcheck.output.shared.diffs import iter_diff_lines
 from urdfcheck.output.shared.inert import (
     escape_for_log,
@@ -19,6 +19,7 @@ from urdfcheck.output.shared.inert import (
     escape_one_line,
     format_code_span,
 )
+from urdfcheck.output.shared.mermaid_chart import build_mermaid_chart
 from urdfcheck.output.shared.wording import (
     PROGRAM_NAMES,
     SEVERITY_ORDER,
@@ -30,9 +31,9 @@ from urdfcheck.output.shared.wording import (
     summarize_verdict,
 )
 
-# At the top of a comment, so that a bot finds its own and writes it anew.
+# At the top of a comment, so that a bot finds and replaces its own.
 MARKER = "<!-- urdfcheck report -->"
-# Bytes: GitHub takes comments of 65,536 characters and summaries of 1 MiB from a step.
+# In bytes: GitHub accepts comments of 65,536 characters and summaries of 1 MiB from a step.
 COMMENT_LIMIT, SUMMARY_LIMIT = 65_000, 1_000_000
 SIGNS = {Severity.ERROR: "❌", Severity.WARNING: "⚠️", Severity.INFO: "ℹ️"}
 VERDICT_SIGNS = {"error": "❌", "warning": "⚠️", "ok": "✅"}
@@ -40,16 +41,16 @@ APPLICABILITY_TEXTS = {
     Applicability.SAFE: "safe to apply as shown",
     Applicability.UNSAFE: "review it before it is applied",
 }
-# A cell of a table: who wants to read on has the other reports.
+# Limits of a table cell and of a diff, in characters, effects and lines: the other reports have everything.
 LONGEST_TEXT, MOST_EFFECTS, MOST_LINES = 600, 3, 30
 MOST_TREES = 5
-# What the last line may take, and the end of a fold.
+# Bytes reserved for the last line and the end of a fold.
 RESERVE = 500
 _TICKS = re.compile("`+")
 
 
 def render(run: Run) -> str:
-    """A comment: the verdict, a table of errors and warnings, and folded what is less urgent."""
+    """Render a comment: the verdict, a table of errors and warnings, and the less urgent rest folded."""
     page = _BoundedPage(COMMENT_LIMIT, [MARKER])
     _add_head(page, run)
     _add_findings(page, run)
@@ -59,7 +60,7 @@ def render(run: Run) -> str:
 
 
 def render_job_summary(run: Run, reports: Sequence[str] = (), byte_limit: int = SUMMARY_LIMIT) -> str:
-    """The summary of a job in at most so many bytes; ``reports``: the files that the run's HTML reports were written to."""
+    """Render the summary of a job in at most ``byte_limit`` bytes; ``reports``: the files of the run's HTML reports."""
     page = _BoundedPage(min(byte_limit, SUMMARY_LIMIT), [])
     _add_head(page, run)
     for report in reports:
@@ -73,7 +74,7 @@ def render_job_summary(run: Run, reports: Sequence[str] = (), byte_limit: int = 
 
 
 class _BoundedPage:
-    """Lines of a document that may not be larger than ``room`` bytes; what finds no room is counted, and told at the end."""
+    """Lines of a document of at most ``room`` bytes; what does not fit is counted, and reported at the end."""
 
     def __init__(self, room: int, lines: Iterable[str]) -> None:
         self.lines = list(lines)
@@ -81,7 +82,7 @@ class _BoundedPage:
         self.missing: list[str] = []
 
     def add_lines(self, *lines: str) -> bool:
-        """Whether these lines, all of them, had room."""
+        """Add the lines if all of them fit, and return whether they did."""
         lines = tuple(map(escape_for_log, lines))
         size = sum(map(_measure_size, lines))
         if size > self.left:
@@ -90,8 +91,10 @@ class _BoundedPage:
         self.lines += lines
         return True
 
-    def add_group(self, noun: str, head: Sequence[str], blocks: Sequence[Sequence[str]], foot: Sequence[str]) -> None:
-        """As many of the blocks as have room, between a head and a foot; ``what``: the word for one of them."""
+    def add_group(
+        self, noun: str, *, head: Sequence[str], blocks: Sequence[Sequence[str]], foot: Sequence[str]
+    ) -> None:
+        """Add as many blocks as fit between a head and a foot; ``noun``: the word for one block."""
         self.left -= sum(map(_measure_size, foot))
         shown = 0
         if blocks and self.add_lines(*head):
@@ -104,10 +107,11 @@ class _BoundedPage:
             self.missing.append(format_count(len(blocks) - shown, noun))
 
     def build_text(self) -> str:
+        """Join the lines, and report at the end what did not fit."""
         if self.missing:
-            told = ", ".join(self.missing)
+            missing = ", ".join(self.missing)
             self.lines.append(
-                f"*Left out, because a page like this has its limits: {told}. The other reports have all.*"
+                f"*Left out, because a page like this has its limits: {missing}. The other reports have all.*"
             )
         return "\n".join(self.lines).rstrip("\n") + "\n"
 
@@ -124,48 +128,47 @@ def _add_head(page: _BoundedPage, run: Run) -> None:
     kind, sentence = summarize_verdict(run)
     page.add_lines(f"### {VERDICT_SIGNS[kind]} urdfcheck: {sentence}", "")
     counts = " · ".join(f"{SIGNS[s]} {format_count(run.count_findings(s), str(s))}" for s in SEVERITY_ORDER)
-    known = sum(run.suppressed_counts.values())
-    page.add_lines(
-        f"{counts} · in {describe_checked_units(run)}{f' · {known} known and not shown' if known else ''}", ""
-    )
+    suppressed = sum(run.suppressed_counts.values())
+    hidden = f" · {suppressed} known and not shown" if suppressed else ""
+    page.add_lines(f"{counts} · in {describe_checked_units(run)}{hidden}", "")
     failures = [[f"- urdfcheck failed: {escape_for_markdown(_truncate_text(failure))}"] for failure in run.failures]
-    page.add_group("failure", [], failures, [""])
+    page.add_group("failure", head=[], blocks=failures, foot=[""])
 
 
 def _add_findings(page: _BoundedPage, run: Run) -> None:
-    found = sort_worst_first(run.active_findings)
+    findings = sort_worst_first(run.active_findings)
     table = ["| | rule | where, what, and → what follows |", "| --- | --- | --- |"]
-    urgent = [[_format_finding_row(run, finding)] for finding in found if finding.severity > Severity.INFO]
-    page.add_group("error or warning", table, urgent, [""])
-    notes = [[_format_finding_row(run, finding)] for finding in found if finding.severity == Severity.INFO]
+    urgent = [[_format_finding_row(run, finding)] for finding in findings if finding.severity > Severity.INFO]
+    page.add_group("error or warning", head=table, blocks=urgent, foot=[""])
+    notes = [[_format_finding_row(run, finding)] for finding in findings if finding.severity == Severity.INFO]
     head, foot = _make_fold(f"{SIGNS[Severity.INFO]} {format_count(len(notes), 'info')}: worth knowing")
-    page.add_group("info", [*head, *table], notes, foot)
+    page.add_group("info", head=[*head, *table], blocks=notes, foot=foot)
 
 
 def _format_finding_row(run: Run, finding: Finding) -> str:
-    at = finding.location.span
-    where = format_code_span(finding.location.subject if at is None else format_place(at))
-    given = " ".join(
+    span = finding.location.span
+    where = format_code_span(finding.location.subject if span is None else format_place(span))
+    arguments = " ".join(
         format_code_span(f"{name}:={value}") for name, value in sorted(run.find_variant_arguments(finding).items())
     )
-    told = escape_for_markdown(_truncate_text(finding.message))
-    effects = [
-        f"→ {', '.join(escape_for_markdown(PROGRAM_NAMES.get(p, p)) for p in programs)}: {escape_for_markdown(_truncate_text(effect))}"
-        for effect, programs in group_by_effect(finding.consequences).items()
-    ]
-    lines = [f"{where}{f' with {given}' if given else ''}", told, *effects[:MOST_EFFECTS]]
+    message = escape_for_markdown(_truncate_text(finding.message))
+    effects = []
+    for effect, programs in group_by_effect(finding.consequences).items():
+        names = ", ".join(escape_for_markdown(PROGRAM_NAMES.get(program, program)) for program in programs)
+        effects.append(f"→ {names}: {escape_for_markdown(_truncate_text(effect))}")
+    lines = [f"{where}{f' with {arguments}' if arguments else ''}", message, *effects[:MOST_EFFECTS]]
     lines += ["→ …"] if len(effects) > MOST_EFFECTS else []
     severity = f"{SIGNS[finding.severity]}&nbsp;{finding.severity}"
     return f"| {severity} | **{finding.code}**<br>{finding.name} | {'<br>'.join(lines)} |"
 
 
 def _add_repairs(page: _BoundedPage, run: Run) -> None:
-    blocks = [_format_repair(run, finding) for finding in sort_worst_first(run.active_findings)]
-    found = [block for block in blocks if block]
+    repairs = (_format_repair(run, finding) for finding in sort_worst_first(run.active_findings))
+    blocks = [block for block in repairs if block]
     head, foot = _make_fold(
-        f"🔧 {format_count(len(found), 'repair')} to copy, or to apply with <code>urdfcheck --fix</code>"
+        f"🔧 {format_count(len(blocks), 'repair')} to copy, or to apply with <code>urdfcheck --fix</code>"
     )
-    page.add_group("repair", head, found, foot)
+    page.add_group("repair", head=head, blocks=blocks, foot=foot)
 
 
 def _format_repair(run: Run, finding: Finding) -> list[str]:
@@ -180,7 +183,7 @@ def _format_repair(run: Run, finding: Finding) -> list[str]:
 
 
 def _wrap_in_fence(language: str, lines: Sequence[str]) -> list[str]:
-    """A fence that is longer than what looks like one inside."""
+    """Wrap lines in a fence that is longer than any run of backticks in them."""
     longest = max((len(ticks) for line in lines for ticks in _TICKS.findall(line)), default=0)
     fence = "`" * max(3, longest + 1)
     return [f"{fence}{language}", *lines, fence]
@@ -191,7 +194,7 @@ def _add_models(page: _BoundedPage, run: Run) -> None:
         "| model | robot | links | joints | mass | errors | warnings | info |",
         "| --- | --- | --: | --: | --: | --: | --: | --: |",
     ]
-    page.add_group("model", head, [[row] for row in _iter_model_rows(run)], [""])
+    page.add_group("model", head=head, blocks=[[row] for row in _iter_model_rows(run)], foot=[""])
 
 
 def _iter_model_rows(run: Run) -> Iterator[str]:
@@ -219,9 +222,9 @@ def _add_trees(page: _BoundedPage, run: Run, *, folded: bool) -> None:
 
 
 def _format_tree(scene: Scene, findings: Sequence[Finding]) -> list[str]:
-    found = build_mermaid_chart(scene, findings)
-    more = f"Drawn are {found.shown} of {found.total} links and frames, those next to the root."
-    return [*_wrap_in_fence("mermaid", found.text.splitlines()), *(["", more] if found.shown < found.total else [])]
+    chart = build_mermaid_chart(scene, findings)
+    more = f"Drawn are {chart.shown} of {chart.total} links and frames, those next to the root."
+    return [*_wrap_in_fence("mermaid", chart.text.splitlines()), *(["", more] if chart.shown < chart.total else [])]
 
 
 def _add_skipped(page: _BoundedPage, run: Run) -> None:
@@ -233,13 +236,11 @@ def _add_skipped(page: _BoundedPage, run: Run) -> None:
         for reason, codes in sorted(reasons.items())
     ]
     head, foot = _make_fold("checks that could not run")
-    page.add_group("reason why a check could not run", head, blocks, foot)
+    page.add_group("reason why a check could not run", head=head, blocks=blocks, foot=foot)
 
 
 def _format_html_code(text: str) -> str:
-    """A name in the head of a fold, which is HTML and no Markdown."""
-    import html
-
+    """Format a name as code for the head of a fold, which is HTML and not Markdown."""
     return f"<code>{html.escape(escape_one_line(text))}</code>"
 
 

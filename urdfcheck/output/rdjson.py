@@ -12,15 +12,15 @@ from urdfcheck.output.shared.wording import find_finding_file, iter_details, sor
 
 
 def render(run: Run) -> str:
-    """One JSON object. Messages are inert Markdown, for reviewdog makes comments of them."""
-    found = sort_worst_first(run.active_findings)
-    worst = Severity.ERROR if run.failures else max((f.severity for f in found), default=None)
+    """Render one JSON object. Messages are inert Markdown, because reviewdog turns them into comments."""
+    findings = sort_worst_first(run.active_findings)
+    worst = Severity.ERROR if run.failures else max((f.severity for f in findings), default=None)
     result = {
         "source": {"name": "urdfcheck"},
         **({} if worst is None else {"severity": _get_severity_name(worst)}),
         "diagnostics": [
             *(_build_failure(run, failure) for failure in run.failures),
-            *(_build_diagnostic(run, f) for f in found),
+            *(_build_diagnostic(run, finding) for finding in findings),
         ],
     }
     return escape_for_json(json.dumps(result, indent=2, ensure_ascii=False) + "\n")
@@ -39,7 +39,7 @@ def _build_failure(run: Run, failure: str) -> dict[str, Any]:
 
 
 def _build_diagnostic(run: Run, finding: Finding) -> dict[str, Any]:
-    at = finding.location.span
+    span = finding.location.span
     lines = [escape_for_markdown(finding.message)]
     lines += [
         f"{escape_for_markdown(label)}: {escape_for_markdown(text)}" for label, text in iter_details(run, finding)
@@ -49,10 +49,10 @@ def _build_diagnostic(run: Run, finding: Finding) -> dict[str, Any]:
         for r in finding.related
         if r.span
     ]
-    suggestions = [] if at is None else _build_suggestions(run, finding, at)
+    suggestions = [] if span is None else _build_suggestions(run, finding, span)
     return {
         "message": "\n".join(lines),
-        "location": {"path": find_finding_file(run, finding) or "."} if at is None else _build_location(run, at),
+        "location": {"path": find_finding_file(run, finding) or "."} if span is None else _build_location(run, span),
         "severity": _get_severity_name(finding.severity),
         "source": {"name": "urdfcheck"},
         "code": {"value": finding.code},
@@ -66,22 +66,23 @@ def _build_location(run: Run, span: Span) -> dict[str, Any]:
 
 
 def _build_range(run: Run, span: Span) -> dict[str, Any]:
-    at = to_utf8_region(span, run.sources)
+    region = to_utf8_region(span, run.sources)
     return {
-        "start": {"line": at.line, "column": at.column},
-        "end": {"line": at.end_line, "column": at.end_column},
+        "start": {"line": region.line, "column": region.column},
+        "end": {"line": region.end_line, "column": region.end_column},
     }
 
 
-def _build_suggestions(run: Run, finding: Finding, at: Span) -> list[dict[str, Any]]:
-    """The repair, where it is one edit in the lines of the finding: each suggestion is applied alone, and reviewdog takes only
-    those for the lines that it comments on."""
+def _build_suggestions(run: Run, finding: Finding, span: Span) -> list[dict[str, Any]]:
+    """Suggest the repair if it is one edit in the lines of the finding.
+
+    Each suggestion is applied alone, and reviewdog accepts only those for the lines that it comments on."""
     edits = () if finding.fix is None else finding.fix.edits
-    if len(edits) != 1 or not _is_on_same_lines(edits[0], at):
+    if len(edits) != 1 or not _is_on_same_lines(edits[0], span):
         return []
     return [{"range": _build_range(run, edits[0].span), "text": edits[0].replacement}]
 
 
-def _is_on_same_lines(edit: Edit, at: Span) -> bool:
-    span = edit.span
-    return (span.file, span.line, span.end_line) == (at.file, at.line, at.end_line)
+def _is_on_same_lines(edit: Edit, span: Span) -> bool:
+    edited = edit.span
+    return (edited.file, edited.line, edited.end_line) == (span.file, span.line, span.end_line)

@@ -1,7 +1,7 @@
-"""SARIF 2.1.0, as GitHub's code scanning and editors read it: a result for each finding, at the text that must change.
+"""SARIF 2.1.0 for GitHub's code scanning and editors: a result for each finding, at the text that must change.
 
-Beside the standard it keeps to what GitHub asks for: no empty text, a place for every result, and no more of anything than it
-takes. Paths are relative to the working directory, which for GitHub must be the root of the repository.
+The output also meets GitHub's own demands: no empty text, a place for every result, and no list longer than its limits.
+Paths are relative to the working directory, which for GitHub must be the root of the repository.
 """
 
 from __future__ import annotations
@@ -11,27 +11,25 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
-from html import unescape
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 from urdfcheck.core import NEWLINE, Confidence, Finding, Fix, Location, Rule, Run, Severity, Span, Suppression
-from urdfcheck.output.html.appendix import SHOWN_SECTIONS
-from urdfcheck.output.html.text import get_base_name, join_first, render_inline, split_sections
-from urdfcheck.output.json import build_subject_object
 from urdfcheck.output.shared.inert import escape_for_json, escape_invisible, escape_one_line
+from urdfcheck.output.shared.json_objects import build_subject_object
 from urdfcheck.output.shared.positions import to_utf16_region
-from urdfcheck.output.shared.wording import PROGRAM_NAMES, format_count, group_by_effect
+from urdfcheck.output.shared.rule_page import SHOWN_SECTIONS, iter_inline_pieces, split_sections
+from urdfcheck.output.shared.wording import PROGRAM_NAMES, format_count, get_base_name, group_by_effect, join_first
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 BASE = "%SRCROOT%"
-# More than this GitHub refuses: the whole file, or what is too much of it.
+# GitHub's limits: beyond them it rejects the file, or drops the excess.
 MOST_RESULTS = 25_000
 MOST_LOCATIONS = 1_000
 MOST_TAGS = 20
 MOST_CHARACTERS = 1_024
-# So many elements a message names, and to so many places it has links; the result holds the others.
+# Elements that a message names, and places that it links to; the result holds the others.
 MOST_NAMED = 100
 MOST_LINKED = 4
 
@@ -40,7 +38,6 @@ PROBLEMS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO:
 PRECISIONS = {Confidence.PROOF: "very-high", Confidence.STRONG: "high", Confidence.HEURISTIC: "medium"}
 RANKS = {Confidence.PROOF: 100, Confidence.STRONG: 75, Confidence.HEURISTIC: 50}
 
-_TAG = re.compile(r"</?(?:code|em|strong)>")
 _FENCE = re.compile(r"^(?:```|~~~).*\n?", re.MULTILINE)
 _CODE = re.compile(r"`([^`\n]+)`")
 _PLACEHOLDER = re.compile(r"\{\d+\}")
@@ -50,13 +47,13 @@ Json = dict[str, Any]
 
 
 def render(run: Run) -> str:
-    """Indented JSON with a line for each result, and a newline at the end; equal runs give equal bytes."""
-    _resolve_uri.cache_clear()  # links may have changed since the last run
+    """Render indented JSON with a line for each result, and a newline at the end; equal runs give equal bytes."""
+    _resolve_uri.cache_clear()  # symbolic links may have changed since the last run
     index = {code: number for number, code in enumerate(run.rules)}
-    kept = _select_most_important(run.findings)
-    results = ",".join(f"\n        {_dump_json(_build_result(run, finding, index))}" for finding in kept)
-    log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [_build_run(run, len(run.findings) - len(kept), index)]}
-    # To indent thousands of results would take longer than all else.
+    selected = _select_most_important(run.findings)
+    results = ",".join(f"\n        {_dump_json(_build_result(run, finding, index))}" for finding in selected)
+    log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [_build_run(run, len(run.findings) - len(selected), index)]}
+    # Indenting thousands of results would take longer than everything else.
     before, after = _dump_json(log, indent=2).rsplit("[]", 1)
     return escape_for_json(f"{before}[{results}]{after}\n")
 
@@ -66,7 +63,7 @@ def _dump_json(value: Json, indent: int | None = None) -> str:
 
 
 def _build_run(run: Run, left_out: int, index: Mapping[str, int]) -> Json:
-    """The run; its results, which come last, are still to be put in."""
+    """Build the run object, whose results are still empty and come last."""
     return {
         "tool": {
             "driver": {
@@ -91,7 +88,7 @@ def _build_run(run: Run, left_out: int, index: Mapping[str, int]) -> Json:
 
 
 def _select_most_important(findings: Sequence[Finding]) -> Sequence[Finding]:
-    """No more than GitHub takes, in their order: those that somebody knows go first, then the least severe."""
+    """Select as many findings as GitHub accepts, in their order; suppressed ones are dropped first, then the least severe."""
     if len(findings) <= MOST_RESULTS:
         return findings
     ranked = sorted(range(len(findings)), key=lambda i: (findings[i].suppressed is not None, -findings[i].severity))
@@ -99,7 +96,7 @@ def _select_most_important(findings: Sequence[Finding]) -> Sequence[Finding]:
 
 
 def _make_category(run: Run) -> str:
-    """What the results of several runs over one commit are told apart by: the robot, where there is one."""
+    """Return the category that distinguishes several runs over one commit: the robot, if there is exactly one."""
     robots = {escape_one_line(info.robot) for info in run.models if info.robot}
     return f"urdfcheck/{robots.pop()}/" if len(robots) == 1 else "urdfcheck/"
 
@@ -130,15 +127,15 @@ def _build_rule_descriptor(rule: Rule) -> Json:
 
 
 def _strip_markdown(markdown: str) -> str:
-    """Markdown without its marks."""
-    return unescape(_TAG.sub("", render_inline(markdown)))
+    """Return Markdown as plain text, without the marks of inline code, emphasis and links."""
+    return "".join(escape_invisible(text) for _, text in iter_inline_pieces(markdown))
 
 
 def _truncate_text(text: str) -> str:
     return text if len(text) <= MOST_CHARACTERS else f"{text[: MOST_CHARACTERS - 1]}…"
 
 
-# -- what is told of the run itself ------------------------------------------------------------------------------------
+# -- notifications about the run itself --------------------------------------------------------------------------------
 
 
 def _iter_notifications(run: Run, left_out: int, index: Mapping[str, int]) -> Iterator[Json]:
@@ -155,14 +152,14 @@ def _iter_notifications(run: Run, left_out: int, index: Mapping[str, int]) -> It
         skipped.setdefault((skip.code, skip.reason), []).append(paths.get(skip.model, skip.model))
     for (code, reason), files in skipped.items():
         what = "Nothing was checked" if code == "ALL" else f"{code} was not checked"
-        told: Json = {"level": "note", "message": _build_message(f"{what}: {reason}")}
+        notification: Json = {"level": "note", "message": _build_message(f"{what}: {reason}")}
         if code in index:
-            told["associatedRule"] = {"id": code, "index": index[code]}
+            notification["associatedRule"] = {"id": code, "index": index[code]}
         if places := [
             {"physicalLocation": {"artifactLocation": _build_artifact_location(f)}} for f in dict.fromkeys(files) if f
         ]:
-            told["locations"] = places[:MOST_LOCATIONS]
-        yield told
+            notification["locations"] = places[:MOST_LOCATIONS]
+        yield notification
 
 
 # -- results -----------------------------------------------------------------------------------------------------------
@@ -186,7 +183,7 @@ def _build_result(run: Run, finding: Finding, index: Mapping[str, int]) -> Json:
         "partialFingerprints": {"urdfcheck/v1": finding.fingerprints[0]},
         "rank": RANKS[finding.confidence],
         "suppressions": [] if finding.suppressed is None else [_build_suppression(finding.suppressed)],
-        "properties": _build_properties(run, finding),
+        "properties": _build_properties(finding),
     }
     if finding.code in index:
         result["ruleIndex"] = index[finding.code]
@@ -206,10 +203,10 @@ def _build_result(run: Run, finding: Finding, index: Mapping[str, int]) -> Json:
 
 
 def _format_message_text(run: Run, finding: Finding, related: Sequence[tuple[str, Span]]) -> str:
-    """The message and, a paragraph each, what else a reader needs who sees nothing but the message."""
+    """Return the message and, a paragraph each, everything needed by readers who see only the message."""
     paragraphs = [finding.message]
-    if given := run.find_variant_arguments(finding):
-        paragraphs.append("With " + " ".join(f"{name}:={value}" for name, value in sorted(given.items())))
+    if arguments := run.find_variant_arguments(finding):
+        paragraphs.append("With " + " ".join(f"{name}:={value}" for name, value in sorted(arguments.items())))
     if finding.cause_text is not None:
         paragraphs.append(f"Why: {finding.cause_text}")
     for effect, programs in group_by_effect(finding.consequences).items():
@@ -218,13 +215,13 @@ def _format_message_text(run: Run, finding: Finding, related: Sequence[tuple[str
         paragraphs.append(f"Fix: {finding.fix.title}")
     if len(finding.subjects) > 1:
         paragraphs.append(f"For {join_first(list(finding.subjects), MOST_NAMED)}")
-    told = [_escape_message_text(_end_sentence(paragraph)) for paragraph in paragraphs]
+    lines = [_escape_message_text(_end_sentence(paragraph)) for paragraph in paragraphs]
     links: dict[str, int] = {}
     for number, (_, span) in enumerate(related, 1):
         links.setdefault(_format_link_label(span), number)
     if links:
-        told.append(f"See {join_first([f'[{label}]({number})' for label, number in links.items()], MOST_LINKED)}.")
-    return "\n".join(told)
+        lines.append(f"See {join_first([f'[{label}]({number})' for label, number in links.items()], MOST_LINKED)}.")
+    return "\n".join(lines)
 
 
 def _end_sentence(text: str) -> str:
@@ -237,34 +234,33 @@ def _build_message(text: str) -> Json:
 
 
 def _escape_message_text(text: str) -> str:
-    """Text that holds neither a placeholder nor a link of SARIF, and nothing that acts where it is shown.
+    """Escape what would be a placeholder or a link of SARIF, and control characters.
 
-    The standard wants every brace doubled, and its readers show them doubled: only what would be a placeholder is. Backquotes
-    make GitHub put backslashes before the underscores between them."""
+    The standard wants every brace doubled, but readers show them doubled, so only the braces of would-be placeholders are.
+    Backquotes become quotes, because GitHub puts backslashes before underscores between them."""
     plain = _CODE.sub(r'"\1"', escape_invisible(text))
     return _PLACEHOLDER.sub(r"{\g<0>}", plain).replace("](", "] (")
 
 
 def _format_link_label(span: Span) -> str:
-    """The text of a link."""
-    return re.sub(
-        r"([\\\[\]])", r"\\\1", _escape_message_text(f"{escape_one_line(get_base_name(span.file))}:{span.line}")
-    )
+    """Return the text of a link to a span, its brackets and backslashes escaped."""
+    text = _escape_message_text(f"{escape_one_line(get_base_name(span.file))}:{span.line}")
+    return re.sub(r"([\\\[\]])", r"\\\1", text)
 
 
 def _list_related_places(finding: Finding) -> list[tuple[str, Span]]:
-    """The further places that are known, as many as there may be beside the first."""
+    """List the related places that have a span, within GitHub's limit."""
     return [(place.subject, place.span) for place in finding.related if place.span is not None][: MOST_LOCATIONS - 1]
 
 
 def _build_logical_location(subject: str) -> Json:
-    named = build_subject_object(subject)
-    found = {"kind": named["kind"], "name": named["name"], "fullyQualifiedName": named["path"]}
-    return {key: escape_one_line(value) for key, value in found.items() if value}
+    parts = build_subject_object(subject)
+    location = {"kind": parts["kind"], "name": parts["name"], "fullyQualifiedName": parts["path"]}
+    return {key: escape_one_line(value) for key, value in location.items() if value}
 
 
 def _iter_flow_locations(run: Run, location: Location) -> Iterator[Json]:
-    """The calls and includes that brought the text there, and the text itself."""
+    """Yield the macro calls and includes that lead to the text, outermost first, and the text itself."""
     assert location.span is not None
     calls = [(span, _describe_call(run, span)) for span in location.via[-(MOST_LOCATIONS - 1) :]]
     for level, (span, text) in enumerate([*calls, (location.span, location.subject)]):
@@ -288,17 +284,17 @@ def _build_suppression(suppression: Suppression) -> Json:
     }
 
 
-def _build_properties(run: Run, finding: Finding) -> Json:
-    found: Json = {"confidence": str(finding.confidence), "messageId": finding.message_id}
+def _build_properties(finding: Finding) -> Json:
+    properties: Json = {"confidence": str(finding.confidence), "messageId": finding.message_id}
     if finding.model:
-        found["model"] = escape_one_line(finding.model)
+        properties["model"] = escape_one_line(finding.model)
     if finding.cause is not None:
-        found["cause"] = finding.cause.id
+        properties["cause"] = finding.cause.id
     if finding.fix is not None:
-        found["applicability"] = str(finding.fix.applicability)
+        properties["applicability"] = str(finding.fix.applicability)
     if len(finding.subjects) > 1:
-        found["fingerprints"] = list(finding.fingerprints[:MOST_LOCATIONS])
-    return found
+        properties["fingerprints"] = list(finding.fingerprints[:MOST_LOCATIONS])
+    return properties
 
 
 def _build_fix(run: Run, fix: Fix) -> Json:
@@ -306,7 +302,7 @@ def _build_fix(run: Run, fix: Fix) -> Json:
     for edit in sorted(fix.edits, key=lambda edit: (edit.span.start, edit.span.end)):
         replacement: Json = {"deletedRegion": _build_region(run, edit.span)}
         if edit.replacement:
-            # Line breaks as the file has them.
+            # Use the line breaks of the file.
             newline = NEWLINE.search(run.sources.get(edit.span.file, ""))
             text = edit.replacement if newline is None else NEWLINE.sub(newline[0], edit.replacement)
             replacement["insertedContent"] = {"text": text}
@@ -314,8 +310,8 @@ def _build_fix(run: Run, fix: Fix) -> Json:
     return {
         "description": _build_message(_end_sentence(fix.title)),
         "artifactChanges": [
-            {"artifactLocation": _build_artifact_location(file), "replacements": found}
-            for file, found in sorted(changes.items())
+            {"artifactLocation": _build_artifact_location(file), "replacements": replacements}
+            for file, replacements in sorted(changes.items())
         ],
     }
 
@@ -324,12 +320,12 @@ def _build_fix(run: Run, fix: Fix) -> Json:
 
 
 def _locate_finding(run: Run, finding: Finding) -> Span:
-    """Where a finding is; of one about a model as a whole the start of its file, of one about none that of the first."""
+    """Return the span of a finding, or the start of its model's file, or the start of the first model's file."""
     if finding.location.span is not None:
         return finding.location.span
     paths = {info.id: info.path for info in run.models}
     file = paths.get(finding.model) or finding.model or next(iter(paths.values()), ".")
-    return Span(file, 1, 1, 1, 1, 0, 0)
+    return Span(file=file, line=1, col=1, end_line=1, end_col=1, start=0, end=0)
 
 
 def _build_physical_location(run: Run, span: Span) -> Json:
@@ -353,7 +349,7 @@ def _build_artifact_location(file: str) -> Json:
 
 @lru_cache(maxsize=4096)
 def _resolve_uri(file: str, folder: str) -> str:
-    """The file that a name leads to, seen from the working directory: GitHub does not show what lies behind a symbolic link."""
+    """Resolve symbolic links, behind which GitHub shows nothing; return the path relative to the working directory as a URI."""
     real = os.path.realpath(file)
     try:
         return quote(os.fsencode(Path(os.path.relpath(real, os.path.realpath(folder))).as_posix()))

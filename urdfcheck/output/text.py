@@ -10,10 +10,14 @@ from typing import TYPE_CHECKING, cast
 from rich.text import Text
 
 from urdfcheck.core import Applicability, Finding, Fix, ModelInfo, Run, Severity, Span
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
 from urdfcheck.output.shared.code_frames import extract_code_frame
-from urdfcheck.output.shared.drops import iter_drop_test_lines as drop_lines
+from urdfcheck.output.shared.drop_test_lines import iter_drop_test_lines
 from urdfcheck.output.shared.inert import escape_invisible, escape_one_line, find_ci_command
-from urdfcheck.output.shared.summary import count_by_rule, format_table
+from urdfcheck.output.shared.rule_statistics import count_by_rule, format_table
 from urdfcheck.output.shared.wording import (
     GLYPHS,
     PROGRAM_NAMES,
@@ -21,10 +25,8 @@ from urdfcheck.output.shared.wording import (
     describe_checked_units,
     format_count,
     group_by_effect,
+    join_first,
 )
-
-if TYPE_CHECKING:
-    from rich.console import Console
 
 STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "bold yellow", Severity.INFO: "bold cyan"}
 # The options that apply a fix.
@@ -32,78 +34,83 @@ FIX_OPTIONS = {Applicability.SAFE: "--fix", Applicability.UNSAFE: "--fix --unsaf
 WIDTH = 100
 EMPTY_TEXT = Text()
 MAX_RELATED = 4
-# From here on the errors and warnings are listed once more at the end.
+MAX_CODES = 8
+# A report with more findings repeats its errors and warnings at the end.
 RECAP_THRESHOLD = 8
-# So many lines of its message an info has in brief.
+# Lines of the message of an info in brief.
 BRIEF_LINES = 2
 
 
 class DetailLevel(Enum):
-    """How much is told of infos that fail nothing: all; where, what and no more; nothing, and nothing that is no finding."""
+    """How much the report says about infos that fail nothing."""
 
     FULL = "full"
+    """Everything."""
     BRIEF = "brief"
+    """Their place and the beginning of their message."""
     QUIET = "quiet"
+    """Nothing, and of the rest only findings, failures and the summary."""
 
 
 def render(
     run: Run, *, width: int = WIDTH, color: bool = False, detail: DetailLevel = DetailLevel.FULL, fail_on: str = "error"
 ) -> str:
-    """The report as text of this width in columns, with ANSI colours if wanted. ``fail_on``: from which severity on a finding
-    fails the run, where its model does not say otherwise; what fails is told in full whatever the ``detail``."""
-    return _join_page(_iter_report(run, width, detail, fail_on), color)
+    """Render the report as text of this width in columns, with ANSI colours if wanted.
+
+    ``fail_on``: the lowest severity that fails the run, unless its model says otherwise; a finding that fails it is reported
+    in full whatever the ``detail``."""
+    return _join_page(_iter_report(run, width=width, detail=detail, fail_on=fail_on), color)
 
 
 def render_statistics(run: Run, *, width: int = WIDTH, color: bool = False) -> str:
-    """A table of the rules that fired, by severity: the worst and then the most common first; and a report's closing lines."""
+    """Render a table of the rules that fired, the worst and then the most common first, and the closing lines of a report."""
     return _join_page(_iter_statistics(run, width), color)
 
 
 def _join_page(lines: Iterable[Text], color: bool) -> str:
     page = Text("\n").join(map(_escape_line, lines))
     text = _render_ansi(page) if color else page.plain
-    # Lines are wrapped behind blanks; a CI log and a diff are better without.
+    # Lines are wrapped after blanks, which a CI log and a diff should not have.
     return "".join(f"{line.rstrip()}\n" for line in text.split("\n"))
 
 
 def _escape_line(line: Text) -> Text:
-    """A finished line that is one line and no command of a CI system; what it says was spelled out before it was measured."""
+    """Make a finished line one line that is not a command of a CI system; its text was escaped before it was measured."""
     plain = escape_one_line(line.plain)
-    if plain != line.plain:  # somebody forgot to spell it: its colours are the least of it
+    if plain != line.plain:  # the text was not escaped earlier: drop the colours, whose ranges no longer fit
         line = Text(plain)
-    at = find_ci_command(line.plain)
-    while at is not None:
-        line = Text.assemble(line[:at], f"\\x{ord(line.plain[at]):02x}", line[at + 1 :])
-        at = find_ci_command(line.plain, at)
+    index = find_ci_command(line.plain)
+    while index is not None:
+        line = Text.assemble(line[:index], f"\\x{ord(line.plain[index]):02x}", line[index + 1 :])
+        index = find_ci_command(line.plain, index)
     return line
 
 
 def _render_ansi(page: Text) -> str:
-    """The text with its styles as ANSI codes."""
+    """Render the styles of the text as ANSI codes."""
     from rich.console import Console
     from rich.segment import Segments
 
     out = Console(force_terminal=True, no_color=False, color_system="standard", legacy_windows=False)
     with out.capture() as printed:
-        out.print(Segments(page.render(out)), soft_wrap=True)  # the Text itself would be searched for long lines
+        out.print(Segments(page.render(out)), soft_wrap=True)  # a Text would be searched for long lines
     return printed.get()
 
 
-def _iter_report(run: Run, width: int, detail: DetailLevel, fail_on: str) -> Iterator[Text]:
+def _iter_report(run: Run, *, width: int, detail: DetailLevel, fail_on: str) -> Iterator[Text]:
     infos = {info.id: info for info in run.models}
-    full = [f for f in run.active_findings if detail is DetailLevel.FULL or _needs_full_detail(run, f, fail_on)]
-    chosen = {id(f) for f in full}
-    brief = [] if detail is DetailLevel.QUIET else [f for f in run.active_findings if id(f) not in chosen]
+    full = {id(f) for f in run.active_findings if detail is DetailLevel.FULL or _needs_full_detail(run, f, fail_on)}
+    brief = [] if detail is DetailLevel.QUIET else [f for f in run.active_findings if id(f) not in full]
     for drop in run.drops:
         yield _format_separator(_format_model_heading(infos.get(drop.model), drop.model, width), width)
-        yield from (piece for line in drop_lines(drop) for piece in _wrap_text(line, width, Text("  ")))
-    # What matters stands first for each model, in the order of the run.
-    shown = (f for f in run.active_findings if id(f) in chosen or detail is not DetailLevel.QUIET)
+        yield from (piece for line in iter_drop_test_lines(drop) for piece in _wrap_text(line, width, Text("  ")))
+    # For each model the findings in full come first, in the order of the run.
+    shown = (f for f in run.active_findings if id(f) in full or detail is not DetailLevel.QUIET)
     for model, group in groupby(shown, key=lambda f: f.model):
         yield _format_separator(_format_model_heading(infos.get(model), model, width), width)
         rest = []
         for finding in group:
-            if id(finding) in chosen:
+            if id(finding) in full:
                 yield from _iter_finding(run, finding, width)
             else:
                 rest.append(finding)
@@ -112,9 +119,8 @@ def _iter_report(run: Run, width: int, detail: DetailLevel, fail_on: str) -> Ite
         yield from _iter_skipped(run, width)
         yield from _iter_recap(run, width)
     yield from _iter_failures(run, width)
-    if detail is not DetailLevel.QUIET and (
-        closing := "; ".join(filter(None, (_describe_fixable(run), _describe_hidden(brief))))
-    ):
+    closing = "; ".join(filter(None, (_describe_fixable(run), _describe_hidden(brief))))
+    if closing and detail is not DetailLevel.QUIET:
         yield from _wrap_text(Text(closing, "dim"), width)
     yield from _wrap_text(_format_summary(run), width)
 
@@ -149,21 +155,21 @@ def _iter_statistics(run: Run, width: int) -> Iterator[Text]:
 
 
 def _wrap_text(text: Text, width: int, lead: Text = EMPTY_TEXT) -> Iterator[Text]:
-    """The text in lines of this width; the first begins with ``lead``, the others with as many blanks."""
-    # The console is only asked when text is justified on both sides, and to load one takes longer than most reports.
+    """Wrap the text into lines of this width; the first begins with ``lead``, the others with as many blanks."""
+    # Only justified text needs a console, and loading one is slower than rendering most reports.
     for line in text.wrap(cast("Console", None), max(width - len(lead), 1)):
         yield lead + line
         lead = Text(" " * len(lead))
 
 
 def _wrap_labelled(label: str, text: str | Text, width: int) -> Iterator[Text]:
-    """``label: text`` with the text's further lines below its first."""
+    """Wrap ``label: text``, with the further lines of the text below its first."""
     shown = Text(text) if isinstance(text, str) else text
     return _wrap_text(shown, width, Text.assemble("  ", (label.ljust(6), "dim")))
 
 
 def _format_separator(title: Text, width: int) -> Text:
-    """A line across the page that begins with this title."""
+    """Format a line across the page that begins with this title."""
     title.plain = title.plain.replace("\n", " ")
     title.expand_tabs(8)
     title.truncate(max(width - 2, 0), overflow="ellipsis")
@@ -171,7 +177,7 @@ def _format_separator(title: Text, width: int) -> Text:
 
 
 def _format_model_heading(info: ModelInfo | None, model: str, width: int) -> Text:
-    """The model, and of what is known of it as much as the line has room for."""
+    """Format the name of the model, and as many facts about it as fit into the line."""
     title = Text(escape_one_line(model) or "this run", style="bold")
     facts: list[str] = []
     if info is not None and info.status == "checked":
@@ -186,27 +192,27 @@ def _format_model_heading(info: ModelInfo | None, model: str, width: int) -> Tex
         facts = [info.status]
     lead = "  "
     for fact in facts:
-        told = Text(lead + fact, style="dim")
-        if title.cell_len + told.cell_len > width - 2:  # half a number is a wrong one
+        addition = Text(lead + fact, style="dim")
+        if title.cell_len + addition.cell_len > width - 2:  # a truncated number would be wrong
             break
-        title.append_text(told)
+        title.append_text(addition)
         lead = " · "
     return title
 
 
 def _iter_finding_head(finding: Finding, width: int) -> Iterator[Text]:
-    """Where it is, and what it is called, for the eye to find."""
+    """Yield the place and the title of a finding."""
     span = finding.location.span
     place = Text("" if span is None else f"{escape_one_line(span.file)}:{span.line}:{span.col} ", style="bold")
     head = _format_finding_title(finding)
-    if place.cell_len + head.cell_len > width:  # a long path keeps its line, so that a click on it still works
+    if place.cell_len + head.cell_len > width:  # a long path gets its own line, so that terminals still link it
         yield place
         place = Text("  ")
     yield place + head
 
 
 def _iter_brief_findings(findings: Sequence[Finding], width: int) -> Iterator[Text]:
-    """Where each is and what, with no more than a few lines of its message."""
+    """Yield the place, the title and a few lines of the message of each finding."""
     for finding in findings:
         for line in _iter_finding_head(finding, width):
             yield Text(line.plain, "cyan")
@@ -225,36 +231,36 @@ def _iter_finding(run: Run, finding: Finding, width: int) -> Iterator[Text]:
     yield from _iter_finding_head(finding, width)
     span = finding.location.span
     yield from _wrap_text(Text(escape_invisible(finding.message)), width, Text("  "))
-    if given := run.find_variant_arguments(finding):
+    if arguments := run.find_variant_arguments(finding):
         shown_with = " ".join(
-            f"{escape_one_line(name)}:={escape_one_line(value)}" for name, value in sorted(given.items())
+            f"{escape_one_line(name)}:={escape_one_line(value)}" for name, value in sorted(arguments.items())
         )
         yield from _wrap_labelled("with", shown_with, width)
     if len(finding.subjects) > 1:
         yield from _wrap_labelled("for", ", ".join(escape_one_line(s) for s in finding.subjects), width)
     if span is not None:
-        yield from _iter_code_frame(run, span, STYLES[finding.severity], width)
+        yield from _iter_code_frame(run, span, style=STYLES[finding.severity], width=width)
     for call in reversed(finding.location.via):
-        called = f"{escape_one_line(call.file)}:{call.line}:{call.col}  {_get_first_line(run, call)}"
-        yield from _wrap_labelled("from", called, width)
-    shown = [r for r in finding.related if r.span is not None]
-    for related in shown[:MAX_RELATED]:
-        assert related.span is not None
-        seen = f"{escape_one_line(related.span.file)}:{related.span.line}  {escape_one_line(related.subject)}"
-        yield from _wrap_labelled("see", seen, width)
-    if len(shown) > MAX_RELATED:
-        yield from _wrap_labelled("see", _format_remainder(len(shown) - MAX_RELATED, "place"), width)
+        caller = f"{escape_one_line(call.file)}:{call.line}:{call.col}  {_get_first_line(run, call)}"
+        yield from _wrap_labelled("from", caller, width)
+    related = [(place.subject, place.span) for place in finding.related if place.span is not None]
+    for subject, place in related[:MAX_RELATED]:
+        yield from _wrap_labelled(
+            "see", f"{escape_one_line(place.file)}:{place.line}  {escape_one_line(subject)}", width
+        )
+    if len(related) > MAX_RELATED:
+        yield from _wrap_labelled("see", _format_remainder(len(related) - MAX_RELATED, "place"), width)
     if finding.cause_text is not None:
         yield from _wrap_labelled("why", escape_invisible(finding.cause_text), width)
     for effect, programs in group_by_effect(finding.consequences).items():
-        named = ", ".join(PROGRAM_NAMES.get(program, program) for program in programs)
-        yield from _wrap_labelled("then", f"{named}: {escape_invisible(effect)}", width)
+        names = ", ".join(PROGRAM_NAMES.get(program, program) for program in programs)
+        yield from _wrap_labelled("then", f"{names}: {escape_invisible(effect)}", width)
     if finding.fix is not None:
         yield from _iter_fix_lines(finding, finding.fix, width)
     yield Text()
 
 
-def _iter_code_frame(run: Run, span: Span, style: str, width: int) -> Iterator[Text]:
+def _iter_code_frame(run: Run, span: Span, *, style: str, width: int) -> Iterator[Text]:
     lines = extract_code_frame(run.sources.get(span.file, ""), span)
     if not lines:
         return
@@ -263,15 +269,15 @@ def _iter_code_frame(run: Run, span: Span, style: str, width: int) -> Iterator[T
     for line in lines:
         text = escape_invisible(line.text.replace("\t", " "))
         start, end = (len(escape_invisible(line.text[:k].replace("\t", " "))) for k in line.marked or (0, 0))
-        shown, cut = _crop_to_window(text, start, end, room)
+        shown, cut = _crop_to_window(text, start, end, room=room)
         yield Text.assemble((f"  {line.number:>{digits}} │ ", "dim"), shown)
         if line.marked is not None:
             marks = " " * (start - cut) + "^" * max(min(end - cut, room) - (start - cut), 1)
             yield Text.assemble((f"  {' ' * digits} │ ", "dim"), (marks, style))
 
 
-def _crop_to_window(text: str, start: int, end: int, room: int) -> tuple[str, int]:
-    """A line cut to ``room`` columns around its marked part, and how many columns were cut from its left."""
+def _crop_to_window(text: str, start: int, end: int, *, room: int) -> tuple[str, int]:
+    """Cut a line to ``room`` columns around its marked part; return it and the number of columns cut from its left."""
     cut = 0 if end <= room - 1 else max(0, min(start - room // 3, len(text) - room))
     shown = text[cut : cut + room]
     if cut:
@@ -308,21 +314,16 @@ def _get_first_line(run: Run, span: Span) -> str:
 
 
 def _iter_skipped(run: Run, width: int) -> Iterator[Text]:
-    """By reason; with the models that it holds for, where it does not hold for all."""
+    """Yield the skipped checks by reason, with their models unless the reason applies to all."""
     reasons: dict[str, tuple[set[str], set[str]]] = {}
     for skip in run.skipped:
         codes, models = reasons.setdefault(skip.reason, (set(), set()))
         codes.add(skip.code)
         models.add(skip.model)
     for reason, (codes, models) in sorted(reasons.items()):
-        where = "" if "" in models or len(models) >= len(run.models) else f" ({_join_first(sorted(models), 3)})"
-        yield from _wrap_text(
-            Text(f"skipped {_join_first(sorted(codes))}: {escape_invisible(reason + where)}", "dim"), width
-        )
-
-
-def _join_first(words: Sequence[str], most: int = 8) -> str:
-    return ", ".join(words[:most]) + (f" and {len(words) - most} more" if len(words) > most else "")
+        where = "" if "" in models or len(models) >= len(run.models) else f" ({join_first(sorted(models), 3)})"
+        line = f"skipped {join_first(sorted(codes), MAX_CODES)}: {escape_invisible(reason + where)}"
+        yield from _wrap_text(Text(line, "dim"), width)
 
 
 def _format_finding_title(finding: Finding) -> Text:
@@ -332,7 +333,7 @@ def _format_finding_title(finding: Finding) -> Text:
 
 
 def _iter_recap(run: Run, width: int) -> Iterator[Text]:
-    """After a long report: its errors and warnings once more, a line each, where the reader's eye is."""
+    """Repeat the errors and warnings of a long report, a line each, at the end where the reader is."""
     serious = [f for f in run.active_findings if f.severity > Severity.INFO]
     if not serious or len(run.active_findings) <= RECAP_THRESHOLD:
         return
@@ -349,7 +350,7 @@ def _format_summary(run: Run) -> Text:
         return Text("nothing to check: no model, launch file or package was found there", "bold")
     if not run.active_findings and not run.failures and all(info.status != "failed" for info in run.models):
         where = f"in {describe_checked_units(run)}{_describe_statuses(run.models)}"
-        if not set(run.rules) - {"URC900"}:  # that one tells of crashes, whatever is selected
+        if not set(run.rules) - {"URC900"}:  # it reports crashes, whatever is selected
             return Text(f"nothing was looked for {where}: no rule is selected (urdfcheck config says by what)", "bold")
         text = Text(f"✔ no findings {where}", "bold green")
         return text.append(_describe_suppressed(run), "dim")
@@ -359,13 +360,13 @@ def _format_summary(run: Run) -> Text:
         text.append(f"{GLYPHS[severity]} {format_count(count, str(severity))}", STYLES[severity] if count else "dim")
         text.append("  ")
     states = _describe_statuses(run.models)
-    took = f", {run.seconds:.1f} s" if run.seconds else ""  # a reproducible report tells no time
+    took = f", {run.seconds:.1f} s" if run.seconds else ""  # a reproducible report has no duration
     text.append(f"in {describe_checked_units(run)}{states}{took}{_describe_suppressed(run)}", "dim")
     return text
 
 
 def _describe_fixable(run: Run) -> str:
-    """How many findings can be repaired by which option; empty where none can."""
+    """Say how many findings each option can repair; empty if none can be."""
     fixes = [f.fix for f in run.active_findings if f.fix is not None and f.fix.edits]
     kinds = [fix.applicability for fix in fixes if fix.applicability in FIX_OPTIONS]
     safe, unsafe = kinds.count(Applicability.SAFE), kinds.count(Applicability.UNSAFE)
@@ -375,12 +376,12 @@ def _describe_fixable(run: Run) -> str:
 
 
 def _describe_hidden(brief: Sequence[Finding]) -> str:
-    """How to see the rest of what is told in brief."""
+    """Say how to see the infos in brief in full."""
     return f"{format_count(len(brief), 'info')} in brief, in full with --verbose" if brief else ""
 
 
 def _describe_suppressed(run: Run) -> str:
-    """How many findings are not shown, and why."""
+    """Say how many findings are not shown, and why."""
     where = {
         "source": "suppressed in the source",
         "configuration": "by the configuration",

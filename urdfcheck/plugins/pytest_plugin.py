@@ -42,40 +42,40 @@ def pytest_configure(config: pytest.Config) -> None:
     """Collect models only where that was asked for."""
     config.addinivalue_line("markers", "urdfcheck: a robot model that urdfcheck checks")
     if config.getoption("--urdfcheck"):
-        config.pluginmanager.register(_Models(config), "urdfcheck-models")
+        config.pluginmanager.register(_ModelCollector(config), "urdfcheck-models")
 
 
-class _Models:
+class _ModelCollector:
     """The models of a session."""
 
     def __init__(self, config: pytest.Config) -> None:
         self.config = config
-        self.checker: _Checker | None = None
+        self.checker: _CheckerProcess | None = None
         self.files: dict[str, list[tuple[int, str]]] = {}
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_collection(self) -> None:
-        self.checker = _Checker(self.config)
+        self.checker = _CheckerProcess(self.config)
         if self.config.pluginmanager.has_plugin("dsession"):
             self.checker.end()  # pytest-xdist has its processes collect; here it is said what is wrong with the options
             return
         for number, unit in enumerate(self.checker.units):
-            for home in self.checker.homes(unit):
+            for home in self.checker.iter_home_files(unit):
                 self.files.setdefault(home, []).append((number, unit["arguments"]))
 
     def pytest_collect_file(self, file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
         units = self.files.get(os.path.realpath(file_path)) if file_path.name.endswith(_KNOWN) else None
-        return _File.from_parent(parent, path=file_path, units=units, checker=self.checker) if units else None
+        return _ModelTestFile.from_parent(parent, path=file_path, units=units, checker=self.checker) if units else None
 
     def pytest_unconfigure(self) -> None:
         if self.checker is not None:
             self.checker.end()
 
 
-class _File(pytest.File):
+class _ModelTestFile(pytest.File):
     """A file with models: more than one where the configuration names several sets of arguments."""
 
-    def __init__(self, *, units: list[tuple[int, str]], checker: _Checker, **more: Any) -> None:
+    def __init__(self, *, units: list[tuple[int, str]], checker: _CheckerProcess, **more: Any) -> None:
         super().__init__(**more)
         self.units = units
         self.checker = checker
@@ -83,39 +83,41 @@ class _File(pytest.File):
     def collect(self) -> Iterator[pytest.Item]:
         for number, arguments in self.units:
             title = f"urdfcheck[{arguments}]" if arguments else "urdfcheck"
-            yield _Item.from_parent(self, name=title, number=number, checker=self.checker)
+            yield _ModelItem.from_parent(self, name=title, number=number, checker=self.checker)
 
 
-class _Item(pytest.Item):
+class _ModelItem(pytest.Item):
     """The check of one model."""
 
-    def __init__(self, *, number: int, checker: _Checker, **more: Any) -> None:
+    def __init__(self, *, number: int, checker: _CheckerProcess, **more: Any) -> None:
         super().__init__(**more)
         self.number = number
         self.checker = checker
         self.add_marker("urdfcheck")
 
     def runtest(self) -> None:
-        fared = self.checker.fared(self.number, (i.number for i in self.session.items if isinstance(i, _Item)))
+        fared = self.checker.get_result(
+            self.number, (i.number for i in self.session.items if isinstance(i, _ModelItem))
+        )
         if fared["outcome"] == "skipped":
             pytest.skip(f"{self.path.name}: {fared['text']}")
         if fared["outcome"] != "passed":
-            raise _Failed(fared["text"])
+            raise _ModelFailedError(fared["text"])
         self.add_report_section("call", "urdfcheck", fared["text"])
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *_: Any) -> Any:
         """The findings, as the command prints them."""
-        return str(excinfo.value) if isinstance(excinfo.value, _Failed) else super().repr_failure(excinfo)
+        return str(excinfo.value) if isinstance(excinfo.value, _ModelFailedError) else super().repr_failure(excinfo)
 
     def reportinfo(self) -> tuple[Path, None, str]:
         return self.path, None, f"{self.name}: {self.parent.name if self.parent else ''}"
 
 
-class _Failed(Exception):
+class _ModelFailedError(Exception):
     """A model has findings, or could not be checked; the text says it."""
 
 
-class _Checker:
+class _CheckerProcess:
     """The process that does the work, and what it has answered so far."""
 
     def __init__(self, config: pytest.Config) -> None:
@@ -145,7 +147,7 @@ class _Checker:
             encoding="utf-8",
             errors="surrogatepass",
         )
-        self.tell(
+        self.send(
             {
                 "words": [*words, "--", *map(str, self.paths)],
                 "folder": str(folder),
@@ -153,13 +155,13 @@ class _Checker:
                 "color": terminal.hasmarkup,
             }
         )
-        first = self.hear()
+        first = self.receive()
         if "units" not in first:
             self.end()
             raise pytest.UsageError(f"urdfcheck: {first['error']}")
         self.units = first["units"]
 
-    def homes(self, unit: dict[str, Any]) -> Iterator[str]:
+    def iter_home_files(self, unit: dict[str, Any]) -> Iterator[str]:
         """The file that a unit is a test of, as a real path: its own if pytest comes there, else the one that leads to it."""
         own = os.path.join(unit["path"], "package.xml") if unit["kind"] == "package" else unit["path"]
         given = [os.path.realpath(path) for path in self.paths]
@@ -169,25 +171,25 @@ class _Checker:
                 yield real
                 return
 
-    def fared(self, number: int, all_: Iterable[int]) -> dict[str, Any]:
+    def get_result(self, number: int, all_: Iterable[int]) -> dict[str, Any]:
         """How a unit fared; the first who asks has all of them checked."""
         if number not in self.asked:
             wanted = sorted({*all_} - self.asked) if self.whole else [number]
             self.asked.update(wanted)
-            self.tell(wanted)
+            self.send(wanted)
         while number not in self.answers:
-            answer = self.hear()
+            answer = self.receive()
             if "error" in answer:
-                raise _Failed(f"urdfcheck failed: {answer['error']}")
+                raise _ModelFailedError(f"urdfcheck failed: {answer['error']}")
             self.answers[answer["unit"]] = answer
         return self.answers[number]  # it stays: a plugin may run a test twice
 
-    def tell(self, what: object) -> None:
+    def send(self, what: object) -> None:
         assert self.process.stdin is not None
         with contextlib.suppress(OSError):  # it has gone: its answer says so
             print(json.dumps(what), file=self.process.stdin, flush=True)
 
-    def hear(self) -> dict[str, Any]:
+    def receive(self) -> dict[str, Any]:
         assert self.process.stdout is not None
         if line := self.process.stdout.readline():
             answer: dict[str, Any] = json.loads(line)

@@ -23,13 +23,13 @@ from urdfcheck.source.reach import is_below, resolve_real_path
 from urdfcheck.system.files import read_regular
 
 # What it is called beside the configuration when nobody says otherwise.
-DEFAULT = "urdfcheck-baseline.json"
+DEFAULT_NAME = "urdfcheck-baseline.json"
 SCHEMA = "urdfcheck-baseline/1"
-MAX_TEXT = 64 * 1024**2
+MAX_FILE_SIZE = 64 * 1024**2
 # How often one finding can be known of one subject: more than a model of the largest size has elements.
-MOST = 10**6
+MAX_COUNT = 10**6
 
-Key = tuple[str, str, str]
+EntryKey = tuple[str, str, str]
 _ARGUMENTS = re.compile(r" [^\s=:]+:=.*", re.DOTALL)
 
 
@@ -41,9 +41,9 @@ class Baseline:
     path: Path
     root: Path
     text: str = ""
-    models: Mapping[str, Mapping[Key, int]] = field(default_factory=dict)
+    models: Mapping[str, Mapping[EntryKey, int]] = field(default_factory=dict)
 
-    def known(self, model: str) -> Mapping[Key, int]:
+    def get_entries(self, model: str) -> Mapping[EntryKey, int]:
         """What is known of a model."""
         return self.models.get(model, {})
 
@@ -53,14 +53,14 @@ class Baseline:
         return sum(sum(entries.values()) for entries in self.models.values())
 
 
-def read(path: Path, root: Path) -> Baseline:
+def read_baseline(path: Path, root: Path) -> Baseline:
     """A baseline file.
 
     :raises UrdfcheckError: when it cannot be read or is none.
     """
     name = format_path(path)
     try:
-        text = read_regular(path, MAX_TEXT).decode("utf-8")
+        text = read_regular(path, MAX_FILE_SIZE).decode("utf-8")
         found = json.loads(text)
     except OSError as error:
         hint = "; urdfcheck baseline write makes one" if isinstance(error, FileNotFoundError) else ""
@@ -72,22 +72,22 @@ def read(path: Path, root: Path) -> Baseline:
     if not isinstance(found, dict) or found.get("schema") != SCHEMA:
         raise UrdfcheckError(f"{name}: no baseline: its schema is not {SCHEMA}")
     try:
-        return Baseline(path, root, text, {model: _entries(rows) for model, rows in found["models"].items()})
+        return Baseline(path, root, text, {model: _parse_entries(rows) for model, rows in found["models"].items()})
     except (AttributeError, KeyError, TypeError, ValueError):
         raise UrdfcheckError(f"{name}: no baseline: write it anew with urdfcheck baseline write") from None
 
 
-def _entries(rows: Any) -> Counter[Key]:
-    entries: Counter[Key] = Counter()
+def _parse_entries(rows: Any) -> Counter[EntryKey]:
+    entries: Counter[EntryKey] = Counter()
     for row in rows:
         key, count = (row["code"], row["subject"], row["message"]), row.get("count", 1)
-        if not all(isinstance(part, str) for part in key) or type(count) is not int or not 1 <= count <= MOST:
+        if not all(isinstance(part, str) for part in key) or type(count) is not int or not 1 <= count <= MAX_COUNT:
             raise ValueError(row)
         entries[key] += count
     return entries
 
 
-def render(models: Mapping[str, Mapping[Key, int]]) -> str:
+def render_baseline(models: Mapping[str, Mapping[EntryKey, int]]) -> str:
     """The text of a baseline file."""
     blocks = []
     for model, entries in sorted(models.items()):
@@ -101,11 +101,11 @@ def render(models: Mapping[str, Mapping[Key, int]]) -> str:
     return f'{{\n  "schema": "{SCHEMA}",\n  "models": {body}\n}}\n'
 
 
-def entries_of(findings: Iterable[Finding]) -> dict[str, Counter[Key]]:
+def collect_entries(findings: Iterable[Finding]) -> dict[str, Counter[EntryKey]]:
     """What a baseline has to know so that these findings count no more; what is suppressed otherwise is left out."""
-    models: dict[str, Counter[Key]] = {}
+    models: dict[str, Counter[EntryKey]] = {}
     for finding in findings:
-        if not counts(finding):
+        if not is_baseline_candidate(finding):
             continue
         for model, subjects in (finding.variants or {finding.model: finding.subjects}).items():
             for subject in subjects:
@@ -113,52 +113,54 @@ def entries_of(findings: Iterable[Finding]) -> dict[str, Counter[Key]]:
     return models
 
 
-def counts(finding: Finding) -> bool:
+def is_baseline_candidate(finding: Finding) -> bool:
     """Whether a baseline knows a finding, or would: not those about urdfcheck itself, nor what is suppressed otherwise."""
     known = finding.suppressed is None or finding.suppressed.kind == "baseline"
     return known and not finding.code.startswith("URC")
 
 
 @dataclass(frozen=True, slots=True)
-class Seen:
+class BaselineView:
     """What a run saw of the models of one baseline, under the names that it has for them. ``judged``: see
     :class:`~urdfcheck.core.Run`; ``tier``: how much was computed."""
 
     findings: Sequence[Finding]
     models: Sequence[ModelInfo]
-    judged: Mapping[str, Collection[str]]
+    complete_rules: Mapping[str, Collection[str]]
     skipped: Sequence[SkippedCheck]
     tier: str = "full"
 
-    def of(self, names: Mapping[str, str]) -> Seen:
+    def select_models(self, names: Mapping[str, str]) -> BaselineView:
         """The part about these models, under these names."""
-        return Seen(
+        return BaselineView(
             [
                 replace(f, model=names[f.model], variants={names[m]: s for m, s in f.variants.items() if m in names})
                 for f in self.findings
                 if f.model in names
             ],
             [replace(info, id=names[info.id]) for info in self.models if info.id in names],
-            {names[model]: codes for model, codes in self.judged.items() if model in names},
+            {names[model]: codes for model, codes in self.complete_rules.items() if model in names},
             [replace(skip, model=names[skip.model]) for skip in self.skipped if skip.model in names],
             self.tier,
         )
 
 
-def stale(baseline: Baseline, seen: Seen) -> dict[str, Counter[Key]]:
+def find_stale_entries(baseline: Baseline, view: BaselineView) -> dict[str, Counter[EntryKey]]:
     """The entries whose finding is gone, by model. What was not looked for in a model cannot be known to be gone; with less
     than all computed, a rule may find the same and have less to say about it. An entry of a model whose file does not exist any
     more is always stale."""
-    there = entries_of(seen.findings)
-    checked = set(seen.judged).difference(info.id for info in seen.models if info.status != "checked")
-    met = set(seen.judged).union(info.id for info in seen.models)
-    blind = {(skip.model, skip.code) for skip in seen.skipped}
-    gone: dict[str, Counter[Key]] = {}
+    there = collect_entries(view.findings)
+    checked = set(view.complete_rules).difference(info.id for info in view.models if info.status != "checked")
+    met = set(view.complete_rules).union(info.id for info in view.models)
+    blind = {(skip.model, skip.code) for skip in view.skipped}
+    gone: dict[str, Counter[EntryKey]] = {}
     for model, entries in baseline.models.items():
         if model in checked and (model, "ALL") not in blind:
             left = Counter(entries) - there.get(model, Counter())
-            rest = Counter({k: n for k, n in left.items() if k[0] in seen.judged[model] and (model, k[0]) not in blind})
-            if seen.tier != "full":
+            rest = Counter(
+                {k: n for k, n in left.items() if k[0] in view.complete_rules[model] and (model, k[0]) not in blind}
+            )
+            if view.tier != "full":
                 same = {key[:2] for key in there.get(model, ())}
                 rest = Counter({k: n for k, n in rest.items() if k[:2] not in same})
         elif model not in met and _is_gone(baseline.root, _ARGUMENTS.sub("", model)):
@@ -176,11 +178,11 @@ def _is_gone(root: Path, name: str) -> bool:
     return real is not None and is_below(real, os.path.realpath(root)) and not os.path.lexists(real)
 
 
-def complaints(baseline: Baseline, gone: Mapping[str, Mapping[Key, int]]) -> Iterator[Finding]:
+def report_stale_entries(baseline: Baseline, stale: Mapping[str, Mapping[EntryKey, int]]) -> Iterator[Finding]:
     """A finding of URC904 for each model with stale entries, at the first of them."""
     rule = catalogue.load_rules()["URC904"]
-    spans = _spans(baseline)
-    for model, entries in gone.items():
+    spans = _locate_entries(baseline)
+    for model, entries in stale.items():
         first, *others = sorted(entries)
         more = f" and {len(others)} more" if others else ""
         span = spans.get((model, first), Span(format_path(baseline.path), 1, 1, 1, 1, 0, 0))
@@ -196,10 +198,10 @@ def complaints(baseline: Baseline, gone: Mapping[str, Mapping[Key, int]]) -> Ite
         yield replace(found, model=model)
 
 
-def _spans(baseline: Baseline) -> dict[tuple[str, Key], Span]:
-    """Where the entries stand that are written as `render` writes them, a line for each."""
+def _locate_entries(baseline: Baseline) -> dict[tuple[str, EntryKey], Span]:
+    """Where the entries stand that are written as `render_baseline` writes them, a line for each."""
     name, model, offset = format_path(baseline.path), "", 0
-    found: dict[tuple[str, Key], Span] = {}
+    found: dict[tuple[str, EntryKey], Span] = {}
     for number, line in enumerate(baseline.text.split("\n"), 1):
         text = line.strip().rstrip(",")
         with contextlib.suppress(ValueError, KeyError, TypeError):
@@ -221,12 +223,14 @@ def _spans(baseline: Baseline) -> dict[tuple[str, Key], Span]:
     return found
 
 
-def without(baseline: Baseline, gone: Mapping[str, Mapping[Key, int]]) -> dict[str, Counter[Key]]:
+def remove_stale_entries(
+    baseline: Baseline, stale: Mapping[str, Mapping[EntryKey, int]]
+) -> dict[str, Counter[EntryKey]]:
     """The entries that are left when the stale ones are taken out."""
-    return {model: Counter(entries) - Counter(gone.get(model, {})) for model, entries in baseline.models.items()}
+    return {model: Counter(entries) - Counter(stale.get(model, {})) for model, entries in baseline.models.items()}
 
 
-def renewed(baseline: Baseline, seen: Seen) -> dict[str, Counter[Key]]:
+def renew_entries(baseline: Baseline, view: BaselineView) -> dict[str, Counter[EntryKey]]:
     """The entries after a run: those of its findings, and of what it did not look for as they were while their files exist."""
-    left, there = without(baseline, stale(baseline, seen)), entries_of(seen.findings)
+    left, there = remove_stale_entries(baseline, find_stale_entries(baseline, view)), collect_entries(view.findings)
     return {model: left.get(model, Counter()) | there.get(model, Counter()) for model in {**left, **there}}

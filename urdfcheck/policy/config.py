@@ -14,8 +14,9 @@ import tomli
 
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Severity, UrdfcheckError
-from urdfcheck.policy.baseline import DEFAULT
-from urdfcheck.policy.suppression import Entry
+from urdfcheck.policy.baseline import DEFAULT_NAME
+from urdfcheck.policy.policy import TIERS, Policy
+from urdfcheck.policy.suppression import SuppressionEntry
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
@@ -23,12 +24,11 @@ from urdfcheck.source.text.toml import Key, locate_keys
 from urdfcheck.system.files import read_regular
 
 # The largest pyproject.toml of well-known projects has 60 kB; tomli takes a second for each megabyte.
-MAX_TEXT = 4 * 1024**2
+MAX_FILE_SIZE = 4 * 1024**2
 # Entries of a list or table, and characters of a text: the file may be a stranger's, and each is tried on each model.
-MOST_ENTRIES, LONGEST = 1_000, 1_000
-OWN, PROJECT = "urdfcheck.toml", "pyproject.toml"
+MAX_ENTRIES, MAX_TEXT_LENGTH = 1_000, 1_000
+OWN_FILE, PROJECT_FILE = "urdfcheck.toml", "pyproject.toml"
 FAIL_ON = ("error", "warning", "info", "never")
-TIERS = ("source", "mesh", "full")
 _KINDS = {float: "a number", int: "a whole number", str: "a text", bool: "true or false", list: "a list"}
 TARGETS = ("gazebo", "mujoco", "drake", "bullet", "isaac", "moveit", "rviz", "pinocchio", "ros2_control", "kdl")
 
@@ -73,7 +73,7 @@ class Config:
     package_path: tuple[Path, ...] = ()
     baseline: Path | None = None
     models: tuple[NamedModel, ...] = ()
-    suppress: tuple[tuple[str, Entry], ...] = ()
+    suppress: tuple[tuple[str, SuppressionEntry], ...] = ()
 
     @property
     def target(self) -> tuple[str, ...]:
@@ -84,19 +84,19 @@ class Config:
         """Whether a file that is found in a folder is to be passed over."""
         return bool(self.exclude) and match_any_pattern(self.exclude, split_relative_path(path, self.root))
 
-    def sections_of(self, path: Path) -> tuple[Section, ...]:
+    def get_sections(self, path: Path) -> tuple[Section, ...]:
         """The table, and the sections that mean a file."""
         names = split_relative_path(path, self.root)
         return tuple(s for i, s in enumerate(self.sections) if not i or match_any_pattern(s.match, names))
 
-    def known_of(self, path: Path) -> tuple[Entry, ...]:
+    def get_suppressions(self, path: Path) -> tuple[SuppressionEntry, ...]:
         """What is known of a file."""
         names = split_relative_path(path, self.root)
         return tuple(entry for pattern, entry in self.suppress if not pattern or match_any_pattern([pattern], names))
 
 
 @dataclass(frozen=True, slots=True)
-class Given:
+class CliOverrides:
     """What the command line says about the rules; it wins. None where it says nothing."""
 
     select: frozenset[str] | None = None
@@ -107,129 +107,130 @@ class Given:
     baseline: Path | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Holds:
-    """What holds for one file in the end."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EffectiveConfig:
+    """The configuration of one file after sections and command line."""
 
-    codes: frozenset[str]
-    severities: Mapping[str, str]
-    options: Mapping[str, Mapping[str, Any]]
-    targets: tuple[str, ...]
-    tier: str
+    policy: Policy
     fail_on: str
-    suppress: tuple[Entry, ...]
+    """Least severity of a finding that fails the run."""
     baseline: Path | None
 
 
 @dataclass(slots=True)
-class Configurations:
+class ConfigResolver:
     """The configurations of a run: for each file the nearest, read once. ``isolated``: no file is asked. ``paths``: those that
     were given; where no file says anything, all below one of them is named from the same folder."""
 
-    given: Given = field(default_factory=Given)
+    overrides: CliOverrides = field(default_factory=CliOverrides)
     isolated: bool = False
     paths: tuple[Path, ...] = ()
-    _found: dict[Path, Config | None] = field(default_factory=dict)
+    _configs_by_folder: dict[Path, Config | None] = field(default_factory=dict)
 
-    def of(self, path: Path) -> Config:
+    def for_path(self, path: Path) -> Config:
         """The configuration for a file or folder.
 
-        :raises UrdfcheckError: as for :func:`find`.
+        :raises UrdfcheckError: as for :func:`find_config`.
         """
         folder = Path(os.path.abspath(path))
         folder = folder if folder.is_dir() else folder.parent
-        found = None if self.isolated else self._above(folder)
+        found = None if self.isolated else self._find_above(folder)
         if found is not None:
             return found
         starts = (Path(os.path.abspath(start)) for start in self.paths)
-        return without_file(next((s for s in starts if s == folder or s in folder.parents), folder))
+        return make_default_config(next((s for s in starts if s == folder or s in folder.parents), folder))
 
-    def _above(self, folder: Path) -> Config | None:
+    def _find_above(self, folder: Path) -> Config | None:
         climbed: list[Path] = []
         found: Config | None = None
         for level in (folder, *folder.parents):
-            if level in self._found:
-                found = self._found[level]
+            if level in self._configs_by_folder:
+                found = self._configs_by_folder[level]
                 break
             climbed.append(level)
-            found = _in(level)
+            found = _read_folder_config(level)
             if found is not None:
                 break
-        self._found.update(dict.fromkeys(climbed, found))
+        self._configs_by_folder.update(dict.fromkeys(climbed, found))
         return found
 
-    def holds(self, config: Config, path: Path) -> Holds:
+    def resolve(self, config: Config, path: Path) -> EffectiveConfig:
         """What holds for a file of this configuration."""
-        return held(config, config.sections_of(path), config.known_of(path), self.given)
+        return resolve_config(config, config.get_sections(path), config.get_suppressions(path), self.overrides)
 
 
-def held(config: Config, sections: Sequence[Section], known: tuple[Entry, ...], given: Given) -> Holds:
+def resolve_config(
+    config: Config, sections: Sequence[Section], suppressions: tuple[SuppressionEntry, ...], overrides: CliOverrides
+) -> EffectiveConfig:
     """The sections one after the other, each over those before it, and the command line over all of them."""
-    codes = frozenset(catalogue.load_rules()) if given.select is None else given.select
+    codes = frozenset(catalogue.load_rules()) if overrides.select is None else overrides.select
     severities: dict[str, str] = {}
     options: dict[str, dict[str, Any]] = {}
     targets: tuple[str, ...] = ()
     for number, section in enumerate(sections):
-        if given.select is None and section.select is not None:
+        if overrides.select is None and section.select is not None:
             codes = codes | section.select if number else section.select
-        if given.ignore is None and section.ignore is not None:
+        if overrides.ignore is None and section.ignore is not None:
             codes -= section.ignore
         severities.update(section.severity)
         for code, values in section.options.items():
             options[code] = {**options.get(code, {}), **values}
         targets = targets if section.target is None else section.target
-    return Holds(
-        codes - (given.ignore or frozenset()),
-        severities,
-        options,
-        targets if given.target is None else given.target,
-        given.tier or config.tier,
-        given.fail_on or config.fail_on,
-        known,
-        config.baseline if given.baseline is None else given.baseline,
+    policy = Policy(
+        codes=codes - (overrides.ignore or frozenset()),
+        tier=overrides.tier or config.tier,
+        options=options,
+        severities=severities,
+        targets=targets if overrides.target is None else overrides.target,
+        suppress=suppressions,
+    )
+    return EffectiveConfig(
+        policy=policy,
+        fail_on=overrides.fail_on or config.fail_on,
+        baseline=config.baseline if overrides.baseline is None else overrides.baseline,
     )
 
 
-def find(start: Path) -> Config:
+def find_config(start: Path) -> Config:
     """The configuration for a path; without one, the defaults with the enclosing git repository (or the working
     directory) as root.
 
     :raises UrdfcheckError: for a file that is not TOML, an unknown key or a value of the wrong type.
     """
-    return Configurations().of(start)
+    return ConfigResolver().for_path(start)
 
 
-def without_file(start: Path) -> Config:
+def make_default_config(start: Path) -> Config:
     """What holds for a path where no file is to say anything. Models are named from the repository, or from where their baseline
     lies, or from the working directory."""
     start = start.absolute()
     for folder in (start, *start.parents):
-        if (folder / ".git").exists() or (folder / DEFAULT).is_file():
+        if (folder / ".git").exists() or (folder / DEFAULT_NAME).is_file():
             return Config(folder)
     return Config(Path.cwd())
 
 
-def _in(folder: Path) -> Config | None:
+def _read_folder_config(folder: Path) -> Config | None:
     """The configuration in a folder."""
-    own, project = folder / OWN, folder / PROJECT
+    own, project = folder / OWN_FILE, folder / PROJECT_FILE
     if own.is_file():
-        text = _text(own)
-        return _read(own, text, _parsed(own, text), ())
+        text = _read_text(own)
+        return _parse_config(own, text, _parse_toml(own, text), ())
     if project.is_file():
-        text = _text(project)
-        tools = _parsed(project, text).get("tool", {})
+        text = _read_text(project)
+        tools = _parse_toml(project, text).get("tool", {})
         table = tools.get("urdfcheck") if isinstance(tools, dict) else None
         if table is not None:
-            return _read(project, text, table, ("tool", "urdfcheck"))
+            return _parse_config(project, text, table, ("tool", "urdfcheck"))
     return None
 
 
-def typed(config: Config) -> tuple[Mapping[str, Any], Mapping[Key, str]]:
+def read_typed_table(config: Config) -> tuple[Mapping[str, Any], Mapping[Key, str]]:
     """The table of a configuration as it is typed, and where each of its keys stands, as ``file:line``."""
     if config.file is None:
         return {}, {}
-    text = _text(config.file)
-    table, own = _parsed(config.file, text), () if config.file.name == OWN else ("tool", "urdfcheck")
+    text = _read_text(config.file)
+    table, own = _parse_toml(config.file, text), () if config.file.name == OWN_FILE else ("tool", "urdfcheck")
     for key in own:
         table = table[key]
     name = format_path(config.file)
@@ -237,17 +238,17 @@ def typed(config: Config) -> tuple[Mapping[str, Any], Mapping[Key, str]]:
     return table, {key[len(own) :]: f"{name}:{line}" for key, line in found.items() if key[: len(own)] == own}
 
 
-def _text(path: Path) -> str:
+def _read_text(path: Path) -> str:
     """The text of a configuration, which may be a stranger's: of bounded size, and where its name says."""
     try:
         if not FileReach.from_paths([path], []).can_open(path):
             raise UrdfcheckError(f"{format_path(path)}: {OUT_OF_REACH}")
-        return read_regular(path, MAX_TEXT).decode("utf-8-sig")
+        return read_regular(path, MAX_FILE_SIZE).decode("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise UrdfcheckError(f"{format_path(path)}: {error}") from None
 
 
-def _parsed(path: Path, text: str) -> dict[str, Any]:
+def _parse_toml(path: Path, text: str) -> dict[str, Any]:
     try:
         table: dict[str, Any] = tomli.loads(text)
         return table
@@ -265,81 +266,83 @@ _MODEL_KEYS = ("path", "name", "arguments")
 _SUPPRESS_KEYS = ("codes", "subject", "path", "reason")
 
 
-def _read(path: Path, text: str, table: Any, key: Key) -> Config:
-    reader = _Reader(path, text, table, key)
-    reader.only(_KEYS)
+def _parse_config(path: Path, text: str, table: Any, key: Key) -> Config:
+    reader = _TableReader(path, text, table, key)
+    reader.ensure_known_keys(_KEYS)
     root = path.parent
-    packages, package_path = reader.texts("packages"), reader.words("package-path") or ()
+    packages, package_path = reader.read_texts("packages"), reader.read_words("package-path") or ()
     for name, folder in packages.items():
-        reader.folder(("packages", name), "packages", folder)
+        reader.ensure_folder(("packages", name), "packages", folder)
     for number, folder in enumerate(package_path):
-        reader.folder(("package-path", number), "package-path", folder)
-    baseline = reader.text("baseline")
+        reader.ensure_folder(("package-path", number), "package-path", folder)
+    baseline = reader.read_text("baseline")
     if baseline is not None and not FileReach.from_paths([path], []).can_open(root / baseline):
-        raise reader.wrong("baseline", "a file of the repository (name it on the command line)")
+        raise reader.make_type_error("baseline", "a file of the repository (name it on the command line)")
     return Config(
         root,
         path,
-        tuple(_section(r, key) for r in (reader, *reader.tables("paths", _SECTION_KEYS))),
-        reader.choice("fail-on", FAIL_ON, "error"),
-        reader.choice("tier", TIERS, "full"),
-        reader.words("exclude") or (),
+        tuple(_parse_section(r, key) for r in (reader, *reader.read_tables("paths", _SECTION_KEYS))),
+        reader.read_choice("fail-on", FAIL_ON, "error"),
+        reader.read_choice("tier", TIERS, "full"),
+        reader.read_words("exclude") or (),
         {name: root / folder for name, folder in packages.items()},
         tuple(root / p for p in package_path),
         None if baseline is None else root / baseline,
-        _models(reader),
-        tuple(_entry(entry) for entry in reader.tables("suppress", _SUPPRESS_KEYS)),
+        _parse_models(reader),
+        tuple(_parse_suppression(entry) for entry in reader.read_tables("suppress", _SUPPRESS_KEYS)),
     )
 
 
-def _section(reader: _Reader, table: Key) -> Section:
+def _parse_section(reader: _TableReader, table: Key) -> Section:
     of_paths = reader.key != table
-    match = reader.words("match") or ()
+    match = reader.read_words("match") or ()
     if of_paths and not match:
-        raise reader.wrong("match", "a list of patterns for files, which every section of paths needs")
-    target = reader.words("target")
+        raise reader.make_type_error("match", "a list of patterns for files, which every section of paths needs")
+    target = reader.read_words("target")
     for number, name in enumerate(target or ()):
-        if (wrong := unknown_target(name)) is not None:
-            raise reader.error(("target", number), wrong)
+        if (wrong := explain_unknown_target(name)) is not None:
+            raise reader.make_error(("target", number), wrong)
     return Section(
         match,
-        reader.codes("select"),
-        reader.codes("ignore"),
-        reader.severities(),
-        reader.options(),
+        reader.read_codes("select"),
+        reader.read_codes("ignore"),
+        reader.read_severities(),
+        reader.read_options(),
         target,
         reader.key[len(table) :],
     )
 
 
-def _models(reader: _Reader) -> tuple[NamedModel, ...]:
+def _parse_models(reader: _TableReader) -> tuple[NamedModel, ...]:
     found: list[NamedModel] = []
-    known: dict[tuple[str, str], _Reader] = {}
-    for entry in reader.tables("models", _MODEL_KEYS):
-        typed, name = entry.needed("path"), entry.text("name")
+    known: dict[tuple[str, str], _TableReader] = {}
+    for entry in reader.read_tables("models", _MODEL_KEYS):
+        typed, name = entry.read_required_text("path"), entry.read_text("name")
         path = entry.path.parent / typed
         if not FileReach.from_paths([entry.path], []).can_open(path):
-            raise entry.wrong("path", "a file of the repository")
+            raise entry.make_type_error("path", "a file of the repository")
         if not path.is_file():
-            raise entry.wrong("path", f"a file that exists; {typed} is none{_near_file(path, typed)}")
-        arguments = entry.arguments()
+            raise entry.make_type_error("path", f"a file that exists; {typed} is none{_suggest_file(path, typed)}")
+        arguments = entry.read_arguments()
         key, same = ("name", "this name") if name is not None else ("arguments", "these arguments")
         alike = (os.path.realpath(path), name if name is not None else str(sorted(arguments.items())))
         other = known.setdefault(alike, entry)
         if other is not entry:
-            raise entry.error((key,), f"{typed} has an entry with {same} already ({other.at(())})")
+            raise entry.make_error((key,), f"{typed} has an entry with {same} already ({other.describe_place(())})")
         found.append(NamedModel(path, name, arguments))
     return tuple(found)
 
 
-def _entry(entry: _Reader) -> tuple[str, Entry]:
-    codes = entry.codes("codes")
+def _parse_suppression(entry: _TableReader) -> tuple[str, SuppressionEntry]:
+    codes = entry.read_codes("codes")
     if not codes:
-        raise entry.wrong("codes", "a list of codes, prefixes, names or tags")
-    return entry.text("path") or "", Entry(codes, entry.text("subject") or "*", entry.needed("reason"))
+        raise entry.make_type_error("codes", "a list of codes, prefixes, names or tags")
+    return entry.read_text("path") or "", SuppressionEntry(
+        codes, entry.read_text("subject") or "*", entry.read_required_text("reason")
+    )
 
 
-def _near_file(path: Path, typed: str) -> str:
+def _suggest_file(path: Path, typed: str) -> str:
     """A file beside one that is not there, with a name like its."""
     try:
         known = os.listdir(path.parent)
@@ -349,170 +352,174 @@ def _near_file(path: Path, typed: str) -> str:
     return f"; did you mean {typed.removesuffix(path.name)}{near[0]}?" if near else ""
 
 
-def unknown_target(name: str) -> str | None:
+def explain_unknown_target(name: str) -> str | None:
     """What is to say of a target that is none, and None of one that is."""
-    return None if name in TARGETS else f"unknown target {name!r}{_near(name, TARGETS)} (known: {', '.join(TARGETS)})"
+    return (
+        None
+        if name in TARGETS
+        else f"unknown target {name!r}{_suggest_word(name, TARGETS)} (known: {', '.join(TARGETS)})"
+    )
 
 
-def _near(word: str, known: Iterable[str]) -> str:
+def _suggest_word(word: str, known: Iterable[str]) -> str:
     near = difflib.get_close_matches(word, known, n=1)
     return f"; did you mean {near[0]!r}?" if near else ""
 
 
-class _Reader:
+class _TableReader:
     """Typed access to a table; every complaint names the file and the line."""
 
     def __init__(self, path: Path, text: str, table: Any, key: Key) -> None:
         self.path = path
-        self.typed = text
+        self.source_text = text
         self.key = key
         if not isinstance(table, dict):
-            raise self.error((), f"{key[-1] if key else 'urdfcheck'} must be a table")
+            raise self.make_error((), f"{key[-1] if key else 'urdfcheck'} must be a table")
         self.table: Mapping[str, Any] = table
 
-    def at(self, key: Key) -> str:
+    def describe_place(self, key: Key) -> str:
         """Where a key of this table stands, or what is nearest around it."""
         try:
-            found = locate_keys(self.typed)
+            found = locate_keys(self.source_text)
         except RecursionError:
             found = {}
         whole = (*self.key, *key)
         line = next((found[whole[:n]] for n in range(len(whole), 0, -1) if whole[:n] in found), 1)
         return f"{format_path(self.path)}:{line}"
 
-    def error(self, key: Key, message: str) -> UrdfcheckError:
-        return UrdfcheckError(f"{self.at(key)}: {message}")
+    def make_error(self, key: Key, message: str) -> UrdfcheckError:
+        return UrdfcheckError(f"{self.describe_place(key)}: {message}")
 
-    def wrong(self, key: str, wanted: str) -> UrdfcheckError:
-        return self.error((key,), f"{key} must be {wanted}")
+    def make_type_error(self, key: str, wanted: str) -> UrdfcheckError:
+        return self.make_error((key,), f"{key} must be {wanted}")
 
-    def bounded(self, key: str, value: Any) -> None:
+    def ensure_bounded(self, key: str, value: Any) -> None:
         """:raises UrdfcheckError: when a list or table has more, or a text in it is longer, than anybody writes."""
-        if len(value) > MOST_ENTRIES:
-            raise self.wrong(key, f"at most {MOST_ENTRIES:,} entries")
-        if any(isinstance(v, str) and len(v) > LONGEST for v in value):
-            raise self.wrong(key, f"texts of at most {LONGEST:,} characters")
+        if len(value) > MAX_ENTRIES:
+            raise self.make_type_error(key, f"at most {MAX_ENTRIES:,} entries")
+        if any(isinstance(v, str) and len(v) > MAX_TEXT_LENGTH for v in value):
+            raise self.make_type_error(key, f"texts of at most {MAX_TEXT_LENGTH:,} characters")
 
-    def only(self, known: Sequence[str]) -> None:
+    def ensure_known_keys(self, known: Sequence[str]) -> None:
         for key in self.table:
             if key not in known:
-                hint = _near(key, known) or f" (known: {', '.join(known)})"
-                raise self.error((key,), f"unknown key {key!r}{hint}")
+                hint = _suggest_word(key, known) or f" (known: {', '.join(known)})"
+                raise self.make_error((key,), f"unknown key {key!r}{hint}")
 
-    def tables(self, key: str, known: Sequence[str]) -> list[_Reader]:
+    def read_tables(self, key: str, known: Sequence[str]) -> list[_TableReader]:
         value = self.table.get(key, [])
         if not isinstance(value, list) or not all(isinstance(entry, dict) for entry in value):
-            raise self.wrong(key, f"tables: [[{key}]]")
-        self.bounded(key, value)
-        found = [_Reader(self.path, self.typed, entry, (*self.key, key, i)) for i, entry in enumerate(value)]
+            raise self.make_type_error(key, f"tables: [[{key}]]")
+        self.ensure_bounded(key, value)
+        found = [_TableReader(self.path, self.source_text, entry, (*self.key, key, i)) for i, entry in enumerate(value)]
         for entry in found:
-            entry.only(known)
+            entry.ensure_known_keys(known)
         return found
 
-    def words(self, key: str) -> tuple[str, ...] | None:
+    def read_words(self, key: str) -> tuple[str, ...] | None:
         value = self.table.get(key)
         if value is None:
             return None
         if not isinstance(value, list) or not all(isinstance(v, str) for v in value):
-            raise self.wrong(key, "a list of strings")
-        self.bounded(key, value)
+            raise self.make_type_error(key, "a list of strings")
+        self.ensure_bounded(key, value)
         return tuple(value)
 
-    def text(self, key: str) -> str | None:
+    def read_text(self, key: str) -> str | None:
         value = self.table.get(key)
         if value is not None and not (isinstance(value, str) and value.strip()):
-            raise self.wrong(key, "a text")
-        self.bounded(key, [] if value is None else [value])
+            raise self.make_type_error(key, "a text")
+        self.ensure_bounded(key, [] if value is None else [value])
         return value
 
-    def needed(self, key: str) -> str:
-        value = self.text(key)
+    def read_required_text(self, key: str) -> str:
+        value = self.read_text(key)
         if value is None:
-            raise self.error((), f"{key} is missing")
+            raise self.make_error((), f"{key} is missing")
         return value
 
-    def choice(self, key: str, choices: tuple[str, ...], default: str) -> str:
+    def read_choice(self, key: str, choices: tuple[str, ...], default: str) -> str:
         value = self.table.get(key, default)
         if value not in choices:
-            raise self.wrong(key, f"one of {', '.join(choices)}")
+            raise self.make_type_error(key, f"one of {', '.join(choices)}")
         return str(value)
 
-    def texts(self, key: str) -> dict[str, str]:
+    def read_texts(self, key: str) -> dict[str, str]:
         value = self.table.get(key, {})
         if not isinstance(value, dict):
-            raise self.wrong(key, "a table of strings")
+            raise self.make_type_error(key, "a table of strings")
         for name, inner in value.items():
             if not isinstance(inner, str):
-                raise self.error((key, name), f"{key} must be a table of strings; {name} is none")
-        self.bounded(key, value)
+                raise self.make_error((key, name), f"{key} must be a table of strings; {name} is none")
+        self.ensure_bounded(key, value)
         return dict(value)
 
-    def arguments(self) -> dict[str, str]:
+    def read_arguments(self) -> dict[str, str]:
         """Values of xacro arguments: texts, or numbers and booleans as xacro reads them."""
         value = self.table.get("arguments", {})
         if not isinstance(value, dict):
-            raise self.wrong("arguments", "a table: { name = value }")
-        self.bounded("arguments", value)
+            raise self.make_type_error("arguments", "a table: { name = value }")
+        self.ensure_bounded("arguments", value)
         found: dict[str, str] = {}
         for name, inner in value.items():
             if not isinstance(inner, (str, int, float)):
-                raise self.error(("arguments", name), f"{name} must be a text, a number or a boolean")
+                raise self.make_error(("arguments", name), f"{name} must be a text, a number or a boolean")
             found[name] = str(inner).lower() if isinstance(inner, bool) else str(inner)
         return found
 
-    def folder(self, place: Key, key: str, folder: str) -> None:
+    def ensure_folder(self, place: Key, key: str, folder: str) -> None:
         around = FileReach.from_paths([self.path], [])
         if not around.can_open(self.path.parent / folder):  # the file may be a stranger's like all beside it
-            raise self.error(
+            raise self.make_error(
                 place, f"{key} must be folders of the repository; {folder} is none (name it on the command line)"
             )
         if not (self.path.parent / folder).is_dir():
-            raise self.error(place, f"{key} must be folders that exist; {folder} is none")
+            raise self.make_error(place, f"{key} must be folders that exist; {folder} is none")
 
-    def meant(self, key: Key, word: str) -> set[str]:
+    def select_rules(self, key: Key, word: str) -> set[str]:
         try:
             return catalogue.select_rules([word])
         except UrdfcheckError as error:
-            raise self.error(key, str(error)) from None
+            raise self.make_error(key, str(error)) from None
 
-    def codes(self, key: str) -> frozenset[str] | None:
-        words = self.words(key)
+    def read_codes(self, key: str) -> frozenset[str] | None:
+        words = self.read_words(key)
         if words is None:
             return None
-        return frozenset(code for i, word in enumerate(words) for code in self.meant((key, i), word))
+        return frozenset(code for i, word in enumerate(words) for code in self.select_rules((key, i), word))
 
-    def severities(self) -> dict[str, str]:
+    def read_severities(self) -> dict[str, str]:
         meant: list[tuple[set[str], str]] = []
-        for word, severity in self.texts("severity").items():
+        for word, severity in self.read_texts("severity").items():
             try:
                 Severity.parse(severity)
             except ValueError as error:
-                raise self.error(("severity", word), str(error)) from None
-            meant.append((self.meant(("severity", word), word), severity))
+                raise self.make_error(("severity", word), str(error)) from None
+            meant.append((self.select_rules(("severity", word), word), severity))
         # What means fewer rules is closer to each of them, wherever it stands.
         found: dict[str, str] = {}
         for codes, severity in sorted(meant, key=lambda m: -len(m[0])):
             found.update(dict.fromkeys(codes, severity))
         return found
 
-    def options(self) -> dict[str, dict[str, Any]]:
+    def read_options(self) -> dict[str, dict[str, Any]]:
         value = self.table.get("options", {})
         if not isinstance(value, dict):
-            raise self.wrong("options", "a table of tables")
-        self.bounded("options", value)
+            raise self.make_type_error("options", "a table of tables")
+        self.ensure_bounded("options", value)
         meant: list[tuple[set[str], str, dict[str, Any]]] = []
         for word, options in value.items():
             if not isinstance(options, dict):
-                raise self.error(("options", word), f"{word} must be a table")
-            meant.append((self.meant(("options", word), word), word, options))
+                raise self.make_error(("options", word), f"{word} must be a table")
+            meant.append((self.select_rules(("options", word), word), word, options))
         found: dict[str, dict[str, Any]] = {}
         for codes, word, options in sorted(meant, key=lambda m: -len(m[0])):
             for name, given in options.items():
-                for code, fitting in self.option(("options", word, name), codes, given).items():
+                for code, fitting in self.match_option(("options", word, name), codes, given).items():
                     found.setdefault(code, {})[name] = fitting
         return found
 
-    def option(self, key: Key, codes: Iterable[str], given: Any) -> dict[str, Any]:
+    def match_option(self, key: Key, codes: Iterable[str], given: Any) -> dict[str, Any]:
         """The value for each of the rules that have such an option."""
         word, name = str(key[-2]), str(key[-1])
         rules = [catalogue.load_rules()[code] for code in sorted(codes)]
@@ -524,12 +531,12 @@ class _Reader:
             wanted = type(option.default)
             value = float(given) if wanted is float and type(given) is int else given
             if type(value) is not wanted:
-                raise self.error(key, f"{name} must be {_KINDS.get(wanted, wanted.__name__)}")
+                raise self.make_error(key, f"{name} must be {_KINDS.get(wanted, wanted.__name__)}")
             if wanted is float and not math.isfinite(value):
-                raise self.error(key, f"{name} must be a finite number")
+                raise self.make_error(key, f"{name} must be a finite number")
             found[rule.code] = value
         if not found:
             known = sorted({option for rule in rules for option in rule.options})
-            hint = _near(name, known) or f" (it has: {', '.join(known) or 'none'})"
-            raise self.error(key, f"{word} has no option {name!r}{hint}")
+            hint = _suggest_word(name, known) or f" (it has: {', '.join(known) or 'none'})"
+            raise self.make_error(key, f"{word} has no option {name!r}{hint}")
         return found

@@ -29,28 +29,28 @@ THROUGH_URDFDOM = frozenset({"pinocchio", "gazebo", "kdl", "moveit", "rviz"})
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class ConsumerOutcome:
     """What becomes of a model in one program: the worst of what its findings say, and the rules that say so."""
 
     verdict: Verdict
     codes: tuple[str, ...]
 
 
-def outcomes(findings: Iterable[Finding]) -> dict[str, Outcome]:
+def predict_outcomes(findings: Iterable[Finding]) -> dict[str, ConsumerOutcome]:
     """What each of :data:`CONSUMERS` will do with the model that these findings are about. That a finding is known changes
     nothing about it."""
     told: dict[str, dict[Verdict, dict[str, None]]] = {name: {} for name in CONSUMERS}
     for finding in findings:
         for name in CONSUMERS:
-            told[name].setdefault(verdict(finding.consequences, name), {})[finding.code] = None
+            told[name].setdefault(get_verdict(finding.consequences, name), {})[finding.code] = None
     found = {}
     for name, verdicts in told.items():
         worst = max(verdicts, default=Verdict.LOADS)
-        found[name] = Outcome(worst, tuple(sorted(verdicts[worst])) if worst > Verdict.LOADS else ())
+        found[name] = ConsumerOutcome(worst, tuple(sorted(verdicts[worst])) if worst > Verdict.LOADS else ())
     return found
 
 
-def verdict(consequences: Mapping[str, str], consumer: str) -> Verdict:
+def get_verdict(consequences: Mapping[str, str], consumer: str) -> Verdict:
     """What one program does with one defect."""
     sentence = consequences.get(consumer)
     if sentence is None and consumer in THROUGH_URDFDOM:
@@ -59,18 +59,24 @@ def verdict(consequences: Mapping[str, str], consumer: str) -> Verdict:
     return Verdict.from_sentence(sentence or "")
 
 
-def weighed(finding: Finding, rule: Rule, targets: Sequence[str], severities: Mapping[str, str]) -> Finding:
-    """The finding as bad as the configuration says (``severities``, by code), or else as :func:`aimed` does."""
+def apply_severity_policy(
+    finding: Finding, rule: Rule, targets: Sequence[str], severities: Mapping[str, str]
+) -> Finding:
+    """The finding as bad as the configuration says (``severities``, by code), or else as :func:`apply_target_severity` does."""
     wanted = severities.get(finding.code)
-    return aimed(finding, rule, targets) if wanted is None else replace(finding, severity=Severity.parse(wanted))
+    return (
+        apply_target_severity(finding, rule, targets)
+        if wanted is None
+        else replace(finding, severity=Severity.parse(wanted))
+    )
 
 
-def aimed(finding: Finding, rule: Rule, targets: Sequence[str]) -> Finding:
+def apply_target_severity(finding: Finding, rule: Rule, targets: Sequence[str]) -> Finding:
     """The finding as bad as it is for those who will read the model: what one of them refuses or drops is an error, and what
     the rule says to concern others alone is worth knowing. Without targets it is as bad as its page says."""
     if not targets:
         return finding
-    worst = max(verdict(finding.consequences, target) for target in targets)
+    worst = max(get_verdict(finding.consequences, target) for target in targets)
     if worst >= Verdict.DROPS:
         return replace(finding, severity=Severity.ERROR)
     if rule.concerns and not set(rule.concerns) & set(targets):

@@ -1,187 +1,196 @@
-"""The reports of the units of a run, put together: what only all of them show, what is known already, one order."""
+"""The reports of all units put together to the outcome of a run."""
 
 from __future__ import annotations
 
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
-from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from urdfcheck import __version__
-from urdfcheck import rules as catalogue
-from urdfcheck.core import Finding, Location, Run, SkippedCheck, Span
+from urdfcheck.core import Finding, Location, Rule, Run, SkippedCheck, Span
 from urdfcheck.policy import baseline
-from urdfcheck.policy.consumers import weighed
-from urdfcheck.policy.fix_safety import between
-from urdfcheck.policy.suppression import needless, suppressed
-from urdfcheck.run.audit import clipped, merge, order
-from urdfcheck.run.variants import together
+from urdfcheck.policy.suppression import report_bad_comments
+from urdfcheck.rules import has_check, load_check, load_rules
+from urdfcheck.run.findings import settle_run_findings
+from urdfcheck.run.jobs import Request, Unit, UnitReport
+from urdfcheck.source.discover import Plan
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.system import libraries
 from urdfcheck.system.files import read_regular
 
-if TYPE_CHECKING:
-    from urdfcheck.run.audit import Report, Unit
-    from urdfcheck.run.pipeline import Request
-    from urdfcheck.source.discover import Plan
-
+# Libraries whose versions a full report lists.
 DISTRIBUTIONS = ("xacro", "numpy", "pin", "coal", "trimesh")
+# Units that were checked, with their reports.
+AuditedUnits = Sequence[tuple[Unit, UnitReport]]
+# File and root folder of a baseline; None for the run's own.
+BaselineHome = tuple[str, str] | None
 
 
-def assemble(request: Request, found: Plan, kept: Sequence[tuple[Unit, Report]], seconds: float) -> Run:
-    """The outcome of a run. ``kept``: the units that were checked, and their reports."""
-    skipped: list[SkippedCheck] = [s for _, r in kept for s in r.skipped]
-    skipped += [SkippedCheck("ALL", path, reason) for path, reason in found.unused]
-    failures = [f"{path}: {reason}" for path, reason in found.missing]
-    failures += [f for _, r in kept for f in r.failures]
-    across, crashes = _of_the_run(request, kept)
-    across, used = _known(request, kept, _held(request, kept, across))
-    findings: list[Finding] = [*(f for _, r in kept for f in r.findings), *merge(across)]
-    models = tuple(r.info for _, r in kept if r.info is not None)
-    comments = [(u.id, replace(j, used=j.used or j.comment.span in used)) for u, r in kept for j in r.comments]
-    own = [*needless(comments), *foreign_libraries()]
-    sources: dict[str, str] = {}
-    for _, report in kept:
-        sources.update(report.sources)
-    for text in found.config_errors:
-        own.append(misconfigured(text))
-        sources.setdefault(*_configuration(text))
-    judged = _judged(request, [unit for unit, _ in kept])
-    homes: dict[tuple[str, str] | None, dict[str, str]] = {}
-    for unit, _ in kept:
-        homes.setdefault(unit.home, {})[unit.id] = unit.entry or unit.id
-    seen = baseline.Seen(findings, models, judged, skipped, request.tier)
-    baselines: dict[str, str] = {}
-    for known, names in _baselines(request, homes):
-        own += _outdated(known, seen, names)
-        baselines[format_path(known.path)] = known.text
-    sources.update(baselines)
-    findings += _held(request, kept, own)
-    users: dict[str, set[str]] = {}
-    for unit, report in kept:
-        for name in report.files:
-            users.setdefault(name, set()).add(unit.id)
-    rules = catalogue.load_rules()
-    selected = request.codes.union({"URC900"}, *(u.own.get("codes", ()) for u, _ in kept))
+def build_run(request: Request, plan: Plan, audited_units: AuditedUnits, seconds: float) -> Run:
+    """Return the outcome of a run."""
+    units = [unit for unit, _ in audited_units]
+    reports = [report for _, report in audited_units]
+    across_models, crashes = _run_cross_model_checks(request, audited_units)
+    skipped = _collect_skips(plan, reports)
+    models = tuple(report.info for report in reports if report.info is not None)
+    complete_rules = _list_complete_rules(request, units)
+    unit_names = _group_by_baseline(units)
+    baselines = list(_read_baselines(request, unit_names))
+
+    def review(findings: Sequence[Finding], needed: Set[Span]) -> Iterator[Finding]:
+        """Report on comments, libraries, configurations and baselines, given all findings about models."""
+        view = baseline.BaselineView(
+            findings=findings, models=models, complete_rules=complete_rules, skipped=skipped, tier=request.policy.tier
+        )
+        yield from report_bad_comments(
+            (unit.id, replace(usage, is_used=usage.is_used or usage.comment.span in needed))
+            for unit, report in audited_units
+            for usage in report.comments
+        )
+        yield from report_foreign_libraries()
+        yield from map(report_misconfiguration, plan.config_errors)
+        for known, names in baselines:
+            yield from _report_outdated(known, view, names)
+
     return Run(
         models=models,
-        findings=tuple(sorted(together(between(findings, users), [u for u, _ in kept]), key=order)),
-        skipped=tuple(skipped),
-        rules={code: rule for code, rule in rules.items() if code in selected},
-        versions=versions(full=request.scene),
-        sources=sources,
-        scenes=tuple(r.scene for _, r in kept if r.scene is not None),
-        drops=tuple(r.drop for _, r in kept if r.drop is not None),
+        findings=settle_run_findings(audited_units, request.policy, across_models=across_models, review=review),
+        skipped=skipped,
+        rules=_select_rules(request, units),
+        versions=collect_versions(full=request.options.scene),
+        sources=_collect_sources(plan, reports, [known for known, _ in baselines]),
+        scenes=tuple(report.scene for report in reports if report.scene is not None),
+        drops=tuple(report.drop for report in reports if report.drop is not None),
         seconds=seconds,
-        failures=(*failures, *crashes),
-        units=len(kept),
-        unit_ids=frozenset(unit.id for unit, _ in kept),
-        complete_rules=judged,
-        baseline_unit_names=homes,
-        tier=request.tier,
-        targets=request.targets,
-        fail_on={u.id: u.fail_on for u, _ in kept if u.fail_on is not None},
-        baselines=frozenset(baselines),
+        failures=(*_collect_failures(plan, reports), *crashes),
+        units=len(units),
+        unit_ids=frozenset(unit.id for unit in units),
+        complete_rules=complete_rules,
+        baseline_unit_names=unit_names,
+        tier=request.policy.tier,
+        targets=request.policy.targets,
+        fail_on={unit.id: unit.fail_on for unit in units if unit.fail_on is not None},
+        baselines=frozenset(format_path(known.path) for known, _ in baselines),
     )
 
 
-def _baselines(
-    request: Request, homes: Mapping[tuple[str, str] | None, Mapping[str, str]]
+def _collect_skips(plan: Plan, reports: Iterable[UnitReport]) -> tuple[SkippedCheck, ...]:
+    """Return what could not be checked."""
+    skipped = [skip for report in reports for skip in report.skipped]
+    return (*skipped, *(SkippedCheck("ALL", path, reason) for path, reason in plan.unused))
+
+
+def _collect_failures(plan: Plan, reports: Iterable[UnitReport]) -> list[str]:
+    """Return the paths that do not exist, and the failures of urdfcheck itself."""
+    failures = [f"{path}: {reason}" for path, reason in plan.missing]
+    return failures + [failure for report in reports for failure in report.failures]
+
+
+def _collect_sources(
+    plan: Plan, reports: Iterable[UnitReport], baselines: Iterable[baseline.Baseline]
+) -> dict[str, str]:
+    """Return the text of the files that findings point into, by name."""
+    sources: dict[str, str] = {}
+    for report in reports:
+        sources.update(report.sources)
+    for error in plan.config_errors:
+        sources.setdefault(*_read_named_file(error))
+    sources.update({format_path(known.path): known.text for known in baselines})
+    return sources
+
+
+def _group_by_baseline(units: Iterable[Unit]) -> dict[BaselineHome, dict[str, str]]:
+    """Return for each baseline the names that it has for the units, by their ids."""
+    names: dict[BaselineHome, dict[str, str]] = {}
+    for unit in units:
+        names.setdefault(unit.baseline_home, {})[unit.id] = unit.baseline_name or unit.id
+    return names
+
+
+def _read_baselines(
+    request: Request, unit_names: Mapping[BaselineHome, Mapping[str, str]]
 ) -> Iterator[tuple[baseline.Baseline, Mapping[str, str]]]:
-    """The baselines of a run that exist, each with how it calls the units."""
-    for home, names in homes.items():
+    """Yield the baselines of a run that exist, each with its names for the units."""
+    for home, names in unit_names.items():
         if home is None and request.baseline is not None:
             yield request.baseline, names
-        elif home is not None and request.comments and os.path.isfile(home[0]):
-            yield baseline.read(Path(home[0]), Path(home[1])), names
+        elif home is not None and request.options.heed_comments and os.path.isfile(home[0]):
+            yield baseline.read_baseline(Path(home[0]), Path(home[1])), names
 
 
-def _outdated(known: baseline.Baseline, seen: baseline.Seen, names: Mapping[str, str]) -> Iterator[Finding]:
-    """What is stale in a baseline, under the ids of the run."""
-    ids = {entry: name for name, entry in names.items()}
-    for finding in baseline.complaints(known, baseline.stale(known, seen.of(names))):
+def _report_outdated(
+    known: baseline.Baseline, view: baseline.BaselineView, names: Mapping[str, str]
+) -> Iterator[Finding]:
+    """Yield findings about stale entries of a baseline, under the ids of the run."""
+    ids = {name: id_ for id_, name in names.items()}
+    for finding in baseline.report_stale_entries(known, baseline.find_stale_entries(known, view.select_models(names))):
         yield replace(finding, model=ids.get(finding.model, finding.model))
 
 
-def _of_the_run(request: Request, kept: Sequence[tuple[Unit, Report]]) -> tuple[list[Finding], list[str]]:
-    """What the rules find that look at all models together, and which of them crashed."""
-    outlines = [replace(r.outline, model=u.id) for u, r in kept if r.outline is not None and not u.varied]
-    codes = request.codes.union(*(u.own.get("codes", ()) for u, _ in kept))
+def _run_cross_model_checks(request: Request, audited_units: AuditedUnits) -> tuple[list[Finding], list[str]]:
+    """Run the checks that compare all models; return their findings, and which of them crashed."""
+    outlines = [
+        replace(report.outline, model=unit.id)
+        for unit, report in audited_units
+        if report.outline is not None and not unit.varied_arguments
+    ]
+    codes = _union_codes(request, (unit for unit, _ in audited_units))
     findings: list[Finding] = []
     crashes: list[str] = []
-    for rule in catalogue.load_rules().values():
-        if "run" in rule.scopes and rule.code in codes and catalogue.has_check(rule):
-            options = {name: o.default for name, o in rule.options.items()}
-            options.update(request.options.get(rule.code, {}))
+    for rule in load_rules().values():
+        if "run" in rule.scopes and rule.code in codes and has_check(rule):
+            options = {name: option.default for name, option in rule.options.items()}
+            options.update(request.policy.options.get(rule.code, {}))
             try:
-                findings += catalogue.load_check(rule)(outlines, rule, **options)
+                findings += load_check(rule)(outlines, rule, **options)
             except Exception as error:
                 crashes.append(f"{rule.code} crashed: {type(error).__name__}: {error}")
     return findings, crashes
 
 
-def _held(request: Request, kept: Sequence[tuple[Unit, Report]], findings: Iterable[Finding]) -> list[Finding]:
-    """The findings that the configuration of their model asks for, as bad as it says; of those of none, that of the run."""
-    rules = catalogue.load_rules()
-    settings = {unit.id: unit.own for unit, _ in kept}
-    held = []
-    for finding in findings:
-        own = settings.get(finding.model, {})
-        if finding.code in own.get("codes", request.codes):
-            targets = own.get("targets", request.targets)
-            severities = own.get("severities", request.severities)
-            held.append(clipped(weighed(finding, rules[finding.code], targets, severities)))
-    return held
+def _union_codes(request: Request, units: Iterable[Unit]) -> frozenset[str]:
+    """Return the rules that the run or any of its units selects."""
+    return request.policy.codes.union(*(unit.policy.codes for unit in units if unit.policy is not None))
 
 
-def _judged(request: Request, units: Sequence[Unit]) -> dict[str, frozenset[str]]:
-    """By the ids of units the rules whose findings this run could not have missed. A run over a part of the folder has not
-    looked at every launch file and package that there is, nor at every other model."""
+def _select_rules(request: Request, units: Iterable[Unit]) -> dict[str, Rule]:
+    """Return the rules that may have findings."""
+    codes = _union_codes(request, units) | {"URC900"}
+    return {code: rule for code, rule in load_rules().items() if code in codes}
+
+
+def _list_complete_rules(request: Request, units: Iterable[Unit]) -> dict[str, frozenset[str]]:
+    """Return by unit id the rules of which this run cannot have missed a finding.
+
+    A run over a part of the folder has not seen every launch file, package and model in it. A run for the targets of the
+    command line says nothing of what its other targets would do.
+    """
     root = Path(os.path.realpath(request.root))
-    given = [Path(os.path.realpath(path)) for path in request.paths if path.is_dir()]
-    missed: set[str] = set()
-    if not any(folder == root or folder in root.parents for folder in given):
-        missed |= {
-            c for c, rule in catalogue.load_rules().items() if {"launch", "package", "run"}.intersection(rule.scopes)
-        }
-    if request.configured is not None and request.configured.given.target is not None:
-        missed.add(
-            "MSH011"
-        )  # it says of the programs that will read the model what they cannot load, and nothing of others
-    return {unit.id: frozenset(unit.own.get("codes", request.codes)) - missed for unit in units}
+    folders = [Path(os.path.realpath(path)) for path in request.paths if path.is_dir()]
+    is_partial = not any(folder == root or folder in root.parents for folder in folders)
+    has_other_targets = request.config_resolver is not None and request.config_resolver.overrides.target is not None
+    missed = {
+        code
+        for code, rule in load_rules().items()
+        if (is_partial and {"launch", "package", "run"}.intersection(rule.scopes))
+        or (has_other_targets and rule.depends_on_targets)
+    }
+    return {unit.id: (unit.policy or request.policy).codes - missed for unit in units}
 
 
-def _known(
-    request: Request, kept: Sequence[tuple[Unit, Report]], findings: Sequence[Finding]
-) -> tuple[list[Finding], set[Span]]:
-    """Findings about several models, those marked that somebody knows, and the comments that say so."""
-    units = {unit.id: (unit, report) for unit, report in kept}
-    marked: list[Finding] = []
-    used: set[Span] = set()
-    for model, group in groupby(sorted(findings, key=lambda f: f.model), key=lambda f: f.model):
-        unit, report = units[model]
-        comments = [judgement.comment for judgement in report.comments]
-        entries = unit.own.get("suppress", request.suppress)
-        found, needed = suppressed(list(group), comments, entries, unit.known)
-        marked += found
-        used |= needed
-    return marked, used
-
-
-def misconfigured(text: str) -> Finding:
-    """The finding of URC901 about a configuration that could not be read; the text begins with the file and the line."""
+def report_misconfiguration(text: str) -> Finding:
+    """Return the finding URC901 about a configuration that could not be read; the text begins with file and line."""
     file, line, reason = re.match(r"(.*?):(?:(\d+):)? (.*)", text, re.DOTALL).groups()  # type: ignore[union-attr]
     number = int(line or 1)
     at = Location("configuration", Span(file, number, 1, number, 1, 0, 0))
-    return catalogue.load_rules()["URC901"].finding("wrong", at=at, reason=reason)
+    return load_rules()["URC901"].finding("wrong", at=at, reason=reason)
 
 
-def _configuration(text: str) -> tuple[str, str]:
-    """The file that such a text is about, and what it holds, if it can be read at all."""
+def _read_named_file(text: str) -> tuple[str, str]:
+    """Return the file that such a text names, and its content, empty if it cannot be read."""
     name = text.partition(":")[0]
     try:
         return name, read_regular(Path(name)).decode("utf-8", "replace")
@@ -189,25 +198,25 @@ def _configuration(text: str) -> tuple[str, str]:
         return name, ""
 
 
-def foreign_libraries() -> list[Finding]:
-    """The findings of URC907: libraries that are not taken from our own environment."""
-    rule = catalogue.load_rules()["URC907"]
+def report_foreign_libraries() -> list[Finding]:
+    """Return the findings URC907: libraries that do not come from our own environment."""
+    rule = load_rules()["URC907"]
     return [
         rule.finding("shadowed", at=Location(f"library[{library}]", None), library=library, path=path)
         for library, path in sorted(libraries.find_foreign_libraries().items())
     ]
 
 
-def versions(*, full: bool) -> dict[str, str]:
-    """Our own version and Python's; those of the libraries, which take a while to look up, only for a report that shows them."""
-    found = {"urdfcheck": __version__, "python": ".".join(map(str, sys.version_info[:3]))}
+def collect_versions(*, full: bool) -> dict[str, str]:
+    """Return the versions of urdfcheck and Python; with ``full`` also of the libraries, which takes a while."""
+    versions = {"urdfcheck": __version__, "python": ".".join(map(str, sys.version_info[:3]))}
     if not full:
-        return found
-    from importlib.metadata import PackageNotFoundError, version
+        return versions
+    from importlib.metadata import PackageNotFoundError, version  # slow to import
 
     for name in DISTRIBUTIONS:
         try:
-            found[name] = version(name)
+            versions[name] = version(name)
         except PackageNotFoundError:
-            found[name] = "not installed"
-    return found
+            versions[name] = "not installed"
+    return versions

@@ -6,37 +6,37 @@ import os
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from urdfcheck.core import Finding, Severity
-
-if TYPE_CHECKING:
-    from urdfcheck.run.audit import Report, Unit
+from urdfcheck.run.jobs import Unit, UnitReport
 
 # Of one file: how many sets of arguments are tried to find smaller ones that show a finding.
-MOST_TRIED = 100
+MAX_TRIED = 100
 
 
-def together(findings: Iterable[Finding], units: Iterable[Unit]) -> list[Finding]:
+def merge_variants(findings: Iterable[Finding], units: Iterable[Unit]) -> list[Finding]:
     """The findings with those made one that several sets of arguments of one file show at the same text: it names all of these,
     and is told of the one with the fewest arguments."""
-    files = _files(units)
+    files = _find_variant_files(units)
     alike: dict[tuple[Any, ...], list[Finding]] = {}
     found: list[Finding] = []
     for finding in findings:
         if finding.model in files:
-            alike.setdefault((files[finding.model][0], finding.suppressed, *_key(finding)), []).append(finding)
+            alike.setdefault((files[finding.model][0], finding.suppressed, *_get_defect_key(finding)), []).append(
+                finding
+            )
         else:
             found.append(finding)
     for group in alike.values():
-        for same in _told_apart(group):
+        for same in _split_by_subjects(group):
             first = min(same, key=lambda f: (files[f.model][1], f.model))
             variants = {f.model: f.subjects for f in sorted(same, key=lambda f: f.model)}
             found.append(replace(first, variants=variants, severity=max(f.severity for f in same)))
     return found
 
 
-def _told_apart(group: list[Finding]) -> list[list[Finding]]:
+def _split_by_subjects(group: list[Finding]) -> list[list[Finding]]:
     """Findings at one text: where a model has several, by their subjects, and by their order where these are the same."""
     if len({finding.model for finding in group}) == len(group):
         return [group]
@@ -48,85 +48,90 @@ def _told_apart(group: list[Finding]) -> list[list[Finding]]:
     return list(apart.values())
 
 
-def smaller(units: Sequence[Unit], reports: Mapping[int, Report]) -> list[Unit]:
+def propose_smaller_variants(units: Sequence[Unit], reports: Mapping[int, UnitReport]) -> list[Unit]:
     """Variants that nobody has checked and that may show a finding with fewer arguments than any that does: for the finding with
     the smallest set, halves of it are left out, then quarters and so on (Zeller and Hildebrandt, Simplifying and Isolating
     Failure-Inducing Input, 2002)."""
-    tried = {_identity(unit) for unit in units if unit.kind == "model"}
-    more = Counter(unit.path for unit in units if unit.reduced)
+    tried = {_get_identity(unit) for unit in units if unit.kind == "model"}
+    more = Counter(unit.path for unit in units if unit.is_reduced)
     best: dict[tuple[Any, ...], tuple[Unit, Finding]] = {}
     for place, unit in enumerate(units):
         for finding in reports[place].findings if unit.kind == "model" else ():
-            key = (unit.path, *_key(finding))
+            key = (unit.path, *_get_defect_key(finding))
             if key not in best or len(unit.arguments) < len(best[key][0].arguments):
                 best[key] = unit, finding
     wanted: list[Unit] = []
-    candidates = [_unmasked(units, reports)]
-    candidates += [_less(unit, tried) for unit, _ in sorted(best.values(), key=lambda found: -found[1].severity)]
+    candidates = [_reduce_failed_variants(units, reports)]
+    candidates += [
+        _halve_arguments(unit, tried) for unit, _ in sorted(best.values(), key=lambda found: -found[1].severity)
+    ]
     for some in candidates:
         for less in some:
-            if more[unit.path] < MOST_TRIED and _identity(less) not in tried:
-                tried.add(_identity(less))
+            if more[unit.path] < MAX_TRIED and _get_identity(less) not in tried:
+                tried.add(_get_identity(less))
                 more[unit.path] += 1
                 wanted.append(less)
     return wanted
 
 
-def _unmasked(units: Sequence[Unit], reports: Mapping[int, Report]) -> list[Unit]:
+def _reduce_failed_variants(units: Sequence[Unit], reports: Mapping[int, UnitReport]) -> list[Unit]:
     """The variants that could not be expanded for the same reason as one with fewer arguments, without what that has: nothing
     else can be seen of them before."""
     failed: dict[tuple[Any, ...], list[Unit]] = {}
     for place, unit in enumerate(units):
         info = reports[place].info
-        if unit.varied and info is not None and info.status == "failed":
+        if unit.varied_arguments and info is not None and info.status == "failed":
             for finding in reports[place].findings:
                 if finding.severity == Severity.ERROR:
-                    failed.setdefault((unit.path, *_key(finding)), []).append(unit)
+                    failed.setdefault((unit.path, *_get_defect_key(finding)), []).append(unit)
     found = []
     for alike in failed.values():
-        alike.sort(key=lambda unit: (len(unit.varied), unit.id))
+        alike.sort(key=lambda unit: (len(unit.varied_arguments), unit.id))
         for unit in alike:
             parts = (other for other in alike if other.arguments.items() < unit.arguments.items())
-            found += [_without(unit, part.varied[-1:]) for part in parts][:1]
+            found += [_drop_arguments(unit, part.varied_arguments[-1:]) for part in parts][:1]
     return found
 
 
-def _without(unit: Unit, names: Collection[str]) -> Unit:
+def _drop_arguments(unit: Unit, names: Collection[str]) -> Unit:
     """The variant with the defaults of these arguments."""
     arguments = {name: value for name, value in unit.arguments.items() if name not in names}
-    varied = tuple(name for name in unit.varied if name not in names)
-    named = unit.id.removesuffix(words(unit.arguments)) + words(arguments)
-    return replace(unit, arguments=arguments, id=named, varied=varied, reduced=True)
+    varied = tuple(name for name in unit.varied_arguments if name not in names)
+    named = unit.id.removesuffix(format_arguments(unit.arguments)) + format_arguments(arguments)
+    return replace(unit, arguments=arguments, id=named, varied_arguments=varied, is_reduced=True)
 
 
-def _less(unit: Unit, tried: Collection[tuple[str, frozenset[tuple[str, str]]]]) -> list[Unit]:
+def _halve_arguments(unit: Unit, tried: Collection[tuple[str, frozenset[tuple[str, str]]]]) -> list[Unit]:
     """The variants that leave out as many arguments at a time as has not been tried."""
-    size = len(unit.varied)
-    while len(unit.varied) > 1 and size > 1:
+    size = len(unit.varied_arguments)
+    while len(unit.varied_arguments) > 1 and size > 1:
         size = (size + 1) // 2
-        found = [_without(unit, unit.varied[start : start + size]) for start in range(0, len(unit.varied), size)]
-        if any(_identity(less) not in tried for less in found):
+        found = [
+            _drop_arguments(unit, unit.varied_arguments[start : start + size])
+            for start in range(0, len(unit.varied_arguments), size)
+        ]
+        if any(_get_identity(less) not in tried for less in found):
             return found
     return []
 
 
-def _identity(unit: Unit) -> tuple[str, frozenset[tuple[str, str]]]:
+def _get_identity(unit: Unit) -> tuple[str, frozenset[tuple[str, str]]]:
     return unit.path, frozenset(unit.arguments.items())
 
 
-def words(arguments: Mapping[str, str]) -> str:
+def format_arguments(arguments: Mapping[str, str]) -> str:
     """How arguments stand behind the path in the id of a model."""
     return "".join(f" {name}:={value}" for name, value in sorted(arguments.items()))
 
 
-def _files(units: Iterable[Unit]) -> dict[str, tuple[str, int]]:
+def _find_variant_files(units: Iterable[Unit]) -> dict[str, tuple[str, int]]:
     """Of the models of which the run has several variants, by their ids: the file, and the number of arguments."""
     found = {unit.id: (os.path.realpath(unit.path), len(unit.arguments)) for unit in units if unit.kind == "model"}
     number = Counter(file for file, _ in found.values())
     return {id: (file, length) for id, (file, length) in found.items() if number[file] > 1}
 
 
-def _key(finding: Finding) -> tuple[Any, ...]:
+def _get_defect_key(finding: Finding) -> tuple[Any, ...]:
     """What is one defect in all variants: the same text, whose value comes from the same definitions."""
     span = finding.location.span
     made_of = frozenset(place.span for place in finding.related if place.subject.startswith(("property[", "yaml[")))

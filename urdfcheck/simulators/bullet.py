@@ -7,7 +7,7 @@ from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as distribution
 from typing import Any
 
-from urdfcheck.simulators.outcome import Loaded, Motion, Robot, Vector
+from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, LoadedRobot, Vector
 
 INSTALL = "pip install 'urdfcheck[engines]'"
 LIBRARIES = ("pybullet",)
@@ -15,7 +15,7 @@ LIBRARIES = ("pybullet",)
 _STEP = 1e-4
 
 
-def version() -> str | None:
+def get_version() -> str | None:
     """The installed version."""
     try:
         return distribution("pybullet")
@@ -23,7 +23,7 @@ def version() -> str | None:
         return None
 
 
-def load(robot: Robot, path: str) -> Loaded:
+def load(robot: EngineInput, path: str) -> LoadedRobot:
     """With a fixed base and the inertias of the file; without that flag it takes those of the collision shapes."""
     import pybullet
 
@@ -34,42 +34,46 @@ def load(robot: Robot, path: str) -> Loaded:
         infos = [pybullet.getJointInfo(body, i) for i in range(pybullet.getNumJoints(body))]
         # As much of a name as it keeps.
         names = [pybullet.getBodyInfo(body)[0], *(info[12] for info in infos)]
-        known = {_text(info[1]): info for info in infos}
-        return Loaded(
-            links={_text(name): pybullet.getDynamicsInfo(body, i - 1)[0] for i, name in enumerate(names)},
+        known = {_decode_name(info[1]): info for info in infos}
+        return LoadedRobot(
+            links={_decode_name(name): pybullet.getDynamicsInfo(body, i - 1)[0] for i, name in enumerate(names)},
             joints=tuple(known),
-            limits={name: _limits(known[name]) for name in robot.joints if name in known},
+            limits={name: _read_limits(known[name]) for name in robot.joints if name in known},
             shapes=sum(len(pybullet.getCollisionShapeData(body, i - 1)) for i in range(len(names))),
-            motion=_motion_or_none(pybullet, body, infos, known, robot),
+            motion=_compute_dynamics_or_nan(pybullet, body, infos, known, robot),
         )
     finally:
         pybullet.disconnect()
 
 
-def _text(name: bytes) -> str:
+def _decode_name(name: bytes) -> str:
     return name.decode("utf-8", "replace")
 
 
-def _limits(info: Any) -> tuple[float, float] | None:
+def _read_limits(info: Any) -> tuple[float, float] | None:
     """It marks a joint without limits with a range that is inside out."""
     lower, upper = info[8], info[9]
     return None if (lower, upper) in {(0.0, -1.0), (1.0, -1.0)} else (lower, upper)
 
 
-def _motion_or_none(pybullet: Any, body: int, infos: list[Any], known: dict[str, Any], robot: Robot) -> Motion | None:
+def _compute_dynamics_or_nan(
+    pybullet: Any, body: int, infos: list[Any], known: dict[str, Any], robot: EngineInput
+) -> EngineDynamics | None:
     """No numbers where it loads a model with which it cannot compute."""
     try:
-        return _motion(pybullet, body, infos, known, robot)
+        return _compute_dynamics(pybullet, body, infos, known, robot)
     except (SystemError, pybullet.error):
-        return Motion(robot.joints, falls=(math.nan,) * len(robot.joints))
+        return EngineDynamics(robot.joints, accelerations=(math.nan,) * len(robot.joints))
 
 
-def _motion(pybullet: Any, body: int, infos: list[Any], known: dict[str, Any], robot: Robot) -> Motion | None:
+def _compute_dynamics(
+    pybullet: Any, body: int, infos: list[Any], known: dict[str, Any], robot: EngineInput
+) -> EngineDynamics | None:
     moving = [info for info in infos if info[2] != pybullet.JOINT_FIXED]
-    if {_text(info[1]) for info in moving} != set(robot.joints) or len(moving) != len(robot.joints):
+    if {_decode_name(info[1]) for info in moving} != set(robot.joints) or len(moving) != len(robot.joints):
         return None
     if not robot.joints:
-        return Motion()
+        return EngineDynamics()
     # Numbers go in and out in the order of the places in its state.
     order = sorted(robot.joints, key=lambda name: known[name][3])
     rows = [order.index(name) for name in robot.joints]
@@ -81,10 +85,12 @@ def _motion(pybullet: Any, body: int, infos: list[Any], known: dict[str, Any], r
         zero = [0.0] * len(q)
         held = pybullet.calculateInverseDynamics(body, q, zero, zero)
         torques.append(tuple(held[i] for i in rows))
-    return Motion(robot.joints, tuple(masses), tuple(torques), _falls(pybullet, body, known, robot))
+    return EngineDynamics(
+        robot.joints, tuple(masses), tuple(torques), _measure_accelerations(pybullet, body, known, robot)
+    )
 
 
-def _falls(pybullet: Any, body: int, known: dict[str, Any], robot: Robot) -> Vector:
+def _measure_accelerations(pybullet: Any, body: int, known: dict[str, Any], robot: EngineInput) -> Vector:
     """The speeds after one short step of the simulation, in which no motor, damping or friction has a part."""
     for index in range(-1, len(known)):
         pybullet.changeDynamics(body, index, linearDamping=0, angularDamping=0, jointDamping=0, lateralFriction=0)

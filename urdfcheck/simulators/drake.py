@@ -8,13 +8,13 @@ from importlib.metadata import version as distribution
 from pathlib import Path
 from typing import Any
 
-from urdfcheck.simulators.outcome import Loaded, Motion, Robot, Vector
+from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, LoadedRobot, Vector
 
 INSTALL = "pip install 'urdfcheck[engines]'"
 LIBRARIES = ("pydrake.multibody.parsing", "pydrake.multibody.plant")
 
 
-def version() -> str | None:
+def get_version() -> str | None:
     """The installed version."""
     try:
         return distribution("drake")
@@ -22,20 +22,20 @@ def version() -> str | None:
         return None
 
 
-def load(robot: Robot, path: str) -> Loaded:
+def load(robot: EngineInput, path: str) -> LoadedRobot:
     """With contacts, and the root welded to the world, for it would fall freely; how it moves is asked of one without shapes."""
     from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
     from pydrake.systems.framework import DiagramBuilder
 
     builder = DiagramBuilder()
     plant, scene = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
-    links, joints = _parsed(plant, robot, path)
+    links, joints = _parse_model(plant, robot, path)
     context = builder.Build().CreateDefaultContext()
     # Convex hulls are made when the first contact is looked for.
     scene.get_query_output_port().Eval(scene.GetMyContextFromRoot(context)).HasCollisions()
     bare = MultibodyPlant(0.0)
-    _, moved = _parsed(bare, robot, path)
-    return Loaded(
+    _, moved = _parse_model(bare, robot, path)
+    return LoadedRobot(
         links={body.name(): float(body.default_mass()) for body in links},
         joints=tuple(joints),
         limits={
@@ -44,11 +44,11 @@ def load(robot: Robot, path: str) -> Loaded:
             if name in joints and joints[name].num_positions() == 1
         },
         shapes=plant.num_collision_geometries(),
-        motion=_motion(bare, bare.CreateDefaultContext(), moved, robot),
+        motion=_compute_dynamics(bare, bare.CreateDefaultContext(), moved, robot),
     )
 
 
-def _parsed(plant: Any, robot: Robot, path: str) -> tuple[list[Any], dict[str, Any]]:
+def _parse_model(plant: Any, robot: EngineInput, path: str) -> tuple[list[Any], dict[str, Any]]:
     """The links of the model, and its joints by name."""
     from pydrake.multibody.parsing import Parser
 
@@ -62,7 +62,7 @@ def _parsed(plant: Any, robot: Robot, path: str) -> tuple[list[Any], dict[str, A
     return links, joints
 
 
-def _motion(plant: Any, context: Any, joints: dict[str, Any], robot: Robot) -> Motion | None:
+def _compute_dynamics(plant: Any, context: Any, joints: dict[str, Any], robot: EngineInput) -> EngineDynamics | None:
     import numpy as np
 
     if any(name not in joints or joints[name].num_velocities() != 1 for name in robot.joints):
@@ -76,10 +76,12 @@ def _motion(plant: Any, context: Any, joints: dict[str, Any], robot: Robot) -> M
         plant.SetPositions(context, positions)
         masses.append(tuple(map(tuple, plant.CalcMassMatrix(context)[np.ix_(rows, rows)].tolist())))
         torques.append(tuple((-plant.CalcGravityGeneralizedForces(context))[rows].tolist()))
-    return Motion(robot.joints, tuple(masses[:-1]), tuple(torques[:-1]), _falls(plant, context, rows))
+    return EngineDynamics(
+        robot.joints, tuple(masses[:-1]), tuple(torques[:-1]), _compute_accelerations(plant, context, rows)
+    )
 
 
-def _falls(plant: Any, context: Any, rows: list[int]) -> Vector:
+def _compute_accelerations(plant: Any, context: Any, rows: list[int]) -> Vector:
     """At the last configuration; no numbers where Drake stops at a body that nothing can hold. In continuous time it knows no
     constraints, which mimicking joints are."""
     if plant.num_velocities() != len(rows) or plant.num_constraints():

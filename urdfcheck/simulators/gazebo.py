@@ -16,8 +16,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from urdfcheck.simulators.outcome import Loaded, Motion, Robot
-from urdfcheck.simulators.reading import body_of, motion_in
+from urdfcheck.simulators.engine_input import compute_dynamics, make_inertia
+from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, LoadedRobot
 
 INSTALL = "apt install libsdformat-dev (Debian), or Gazebo itself"
 LIBRARIES = ("pinocchio",)
@@ -31,15 +31,15 @@ _PREFIX = re.compile(r"(?<=[<\s/])([\w.-]+):+(?=[\w.-]+[\s=>/])")
 _TENSOR = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))
 
 
-def version() -> str | None:
+def get_version() -> str | None:
     """The installed version."""
-    found = _library()
+    found = _find_library()
     return None if found is None else found[1]
 
 
-def load(robot: Robot, path: str) -> Loaded:
+def load(robot: EngineInput, path: str) -> LoadedRobot:
     """The model as it is after conversion. Gazebo spawns none that does not pass the check."""
-    found = _library()
+    found = _find_library()
     if found is None:
         raise RuntimeError("libsdformat is not installed")
     library = ctypes.CDLL(found[0])
@@ -48,7 +48,7 @@ def load(robot: Robot, path: str) -> Loaded:
     # Versions differ in how many of these they take, and older ones do not look at the others.
     library.cmdPrint.argtypes = [ctypes.c_char_p, *[ctypes.c_int] * 2, ctypes.c_float, *[ctypes.c_int] * 3]
     printed = Path(path).with_name("converted.sdf")
-    with _into(printed):
+    with _redirect_stdout(printed):
         library.cmdPrint(os.fsencode(path), 0, 0, 0.0, 0, _DIGITS, 0)
     text = printed.read_text(encoding="utf-8", errors="replace")
     model = ET.fromstring(_PREFIX.sub(r"\1_", text[text.index("<sdf") :])).find("model")
@@ -56,16 +56,16 @@ def load(robot: Robot, path: str) -> Loaded:
         raise RuntimeError("the converted file holds no model")
     joints = {joint.get("name", ""): joint for joint in model.iter("joint")}
     frames = [frame.get("name", "") for frame in model.iter("frame")]  # what is left of a joint that was merged
-    return Loaded(
-        links={link.get("name", ""): _number(link, "inertial/mass", 1.0) for link in model.iter("link")},
+    return LoadedRobot(
+        links={link.get("name", ""): _read_number(link, "inertial/mass", 1.0) for link in model.iter("link")},
         joints=(*joints, *frames),
-        limits={name: _limits(joints[name]) for name in robot.joints if name in joints},
+        limits={name: _read_limits(joints[name]) for name in robot.joints if name in joints},
         shapes=len(list(model.iter("collision"))),
-        motion=_motion(model, robot),
+        motion=_compute_dynamics(model, robot),
     )
 
 
-def _library() -> tuple[str, str] | None:
+def _find_library() -> tuple[str, str] | None:
     """The path and the version of the newest one."""
     found = []
     for folder in _FOLDERS:
@@ -77,7 +77,7 @@ def _library() -> tuple[str, str] | None:
 
 
 @contextmanager
-def _into(path: Path) -> Iterator[None]:
+def _redirect_stdout(path: Path) -> Iterator[None]:
     """Have what a library prints written to a file."""
     flush = ctypes.CDLL(None).fflush
     flush(None)
@@ -92,23 +92,23 @@ def _into(path: Path) -> Iterator[None]:
         os.close(saved)
 
 
-def _numbers(element: ET.Element, path: str, default: str) -> list[float]:
+def _read_numbers(element: ET.Element, path: str, default: str) -> list[float]:
     return [float(word) for word in (element.findtext(path) or default).split()]
 
 
-def _number(element: ET.Element, path: str, default: float) -> float:
+def _read_number(element: ET.Element, path: str, default: float) -> float:
     return float(element.findtext(path) or default)
 
 
-def _limits(joint: ET.Element) -> tuple[float, float] | None:
+def _read_limits(joint: ET.Element) -> tuple[float, float] | None:
     axis = joint.find("axis")
     if axis is None:
         return None
-    lower, upper = _number(axis, "limit/lower", -_NONE), _number(axis, "limit/upper", _NONE)
+    lower, upper = _read_number(axis, "limit/lower", -_NONE), _read_number(axis, "limit/upper", _NONE)
     return None if lower <= -_NONE and upper >= _NONE else (lower, upper)
 
 
-def _motion(model: ET.Element, robot: Robot) -> Motion | None:
+def _compute_dynamics(model: ET.Element, robot: EngineInput) -> EngineDynamics | None:
     """As Pinocchio computes it from the numbers of the converted model."""
     import numpy as np
     import pinocchio as pin
@@ -127,8 +127,8 @@ def _motion(model: ET.Element, robot: Robot) -> Motion | None:
         child = (joint.findtext("child") or "").strip()
         waiting += behind.pop(child, [])
         index, before = supports[(joint.findtext("parent") or "").strip()]
-        placed = before * _pose(joint)
-        kind, axis = joint.get("type"), np.array(_numbers(joint, "axis/xyz", "0 0 1"))
+        placed = before * _read_pose(joint)
+        kind, axis = joint.get("type"), np.array(_read_numbers(joint, "axis/xyz", "0 0 1"))
         if kind == "fixed":
             supports[child] = index, placed
             continue
@@ -140,18 +140,18 @@ def _motion(model: ET.Element, robot: Robot) -> Motion | None:
     for name, (index, placed) in supports.items():
         inertial = links[name].find("inertial") if name in links else None
         if inertial is not None:
-            pose = _pose(inertial)
-            tensor = np.array([[_number(inertial, f"inertia/{key}", 0.0) for key in row] for row in _TENSOR])
-            body = body_of(_number(inertial, "mass", 1.0), np.zeros(3), tensor)
-            built.appendBodyToJoint(index, body, placed * _pose(links[name]) * pose)
-    motion = motion_in(built, robot)
-    return None if motion is None else replace(motion, falls=())  # how it falls is not for Pinocchio to say
+            pose = _read_pose(inertial)
+            tensor = np.array([[_read_number(inertial, f"inertia/{key}", 0.0) for key in row] for row in _TENSOR])
+            body = make_inertia(_read_number(inertial, "mass", 1.0), np.zeros(3), tensor)
+            built.appendBodyToJoint(index, body, placed * _read_pose(links[name]) * pose)
+    motion = compute_dynamics(built, robot)
+    return None if motion is None else replace(motion, accelerations=())  # how it falls is not for Pinocchio to say
 
 
-def _pose(element: ET.Element) -> Any:
+def _read_pose(element: ET.Element) -> Any:
     """Where a joint, a link or an inertial is in what the converter gives it in: its parent, its joint, its link."""
     import numpy as np
     import pinocchio as pin
 
-    x, y, z, roll, pitch, yaw = _numbers(element, "pose", "0 0 0 0 0 0")
+    x, y, z, roll, pitch, yaw = _read_numbers(element, "pose", "0 0 0 0 0 0")
     return pin.SE3(pin.rpy.rpyToMatrix(roll, pitch, yaw), np.array([x, y, z]))

@@ -7,13 +7,13 @@ from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as distribution
 from typing import Any
 
-from urdfcheck.simulators.outcome import Loaded, Motion, Robot, Vector
+from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, LoadedRobot, Vector
 
 INSTALL = "pip install 'urdfcheck[engines]'"
 LIBRARIES = ("mujoco",)
 
 
-def version() -> str | None:
+def get_version() -> str | None:
     """The installed version."""
     try:
         return distribution("mujoco")
@@ -21,14 +21,14 @@ def version() -> str | None:
         return None
 
 
-def load(robot: Robot, path: str) -> Loaded:
+def load(robot: EngineInput, path: str) -> LoadedRobot:
     """With MuJoCo's own defaults for URDF: visuals are left out, fixed links merged, the root is part of the world."""
     import mujoco
 
     model = mujoco.MjModel.from_xml_path(path)
     bodies = [model.body(i) for i in range(model.nbody)]
     known = {model.joint(i).name: model.joint(i) for i in range(model.njnt)}
-    return Loaded(
+    return LoadedRobot(
         links={body.name: float(body.mass[0]) for body in bodies},
         joints=tuple(known),
         limits={
@@ -37,11 +37,11 @@ def load(robot: Robot, path: str) -> Loaded:
             if name in known
         },
         shapes=model.ngeom,
-        motion=_motion(model, known, robot) if set(robot.joints) <= set(known) else None,
+        motion=_compute_dynamics(model, known, robot) if set(robot.joints) <= set(known) else None,
     )
 
 
-def _motion(model: Any, known: dict[str, Any], robot: Robot) -> Motion:
+def _compute_dynamics(model: Any, known: dict[str, Any], robot: EngineInput) -> EngineDynamics:
     import mujoco
     import numpy as np
 
@@ -71,4 +71,4 @@ def _motion(model: Any, known: dict[str, Any], robot: Robot) -> Motion:
         # What is no number it resets, with a warning.
         if any(warning.number for warning in data.warning):
             falls = (math.nan,) * len(rows)
-    return Motion(robot.joints, tuple(masses), tuple(torques), falls)
+    return EngineDynamics(robot.joints, tuple(masses), tuple(torques), falls)

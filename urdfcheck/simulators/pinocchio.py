@@ -6,14 +6,14 @@ from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as distribution
 from typing import Any
 
-from urdfcheck.simulators.outcome import Loaded, Robot
-from urdfcheck.simulators.reading import motion_in
+from urdfcheck.simulators.engine_input import compute_dynamics
+from urdfcheck.simulators.outcome import EngineInput, LoadedRobot
 
 INSTALL = "there are no wheels of pin for this platform"
 LIBRARIES = ("pinocchio",)
 
 
-def version() -> str | None:
+def get_version() -> str | None:
     """The installed version."""
     try:
         return distribution("pin")
@@ -21,7 +21,7 @@ def version() -> str | None:
         return None
 
 
-def load(robot: Robot, path: str) -> Loaded:
+def load(robot: EngineInput, path: str) -> LoadedRobot:
     """The model and its geometry, as ``RobotWrapper.BuildFromURDF`` loads it."""
     import pinocchio as pin
 
@@ -34,16 +34,16 @@ def load(robot: Robot, path: str) -> Loaded:
         if joint is not None and joint.nq == 1:
             place = joint.idx_q
             limits[name] = float(model.lowerPositionLimit[place]), float(model.upperPositionLimit[place])
-    return Loaded(
-        links=masses(model),
-        joints=joints(model),
+    return LoadedRobot(
+        links=list_masses(model),
+        joints=list_joints(model),
         limits=limits,
         shapes=shapes.ngeoms,
-        motion=motion_in(model, robot),
+        motion=compute_dynamics(model, robot),
     )
 
 
-def masses(model: Any) -> dict[str, float]:
+def list_masses(model: Any) -> dict[str, float]:
     """What links weigh in a ``pinocchio.Model``: those that fixed joints join all together, told of the first."""
     import pinocchio as pin
 
@@ -55,7 +55,7 @@ def masses(model: Any) -> dict[str, float]:
     }
 
 
-def joints(model: Any) -> tuple[str, ...]:
+def list_joints(model: Any) -> tuple[str, ...]:
     """The joints of a ``pinocchio.Model``, those that do not move among them."""
     import pinocchio as pin
 

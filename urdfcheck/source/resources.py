@@ -19,7 +19,7 @@ _COMPUTED = re.compile(r"\$\((?:find|dirname|cwd|env|optenv|eval)\b|abs_filename
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ResourceUse:
-    """One attribute that names a file, and the file it means."""
+    """An attribute that names a file, and the file that it means."""
 
     attribute: Attribute
     resource: Resource
@@ -29,33 +29,32 @@ class ResourceUse:
         return self.attribute.location
 
     def collect_definitions(self) -> tuple[Definition, ...]:
-        """The definitions that the path was computed from."""
+        """Return the definitions that the path was computed from."""
         return self.attribute.collect_definitions()
 
 
 @lru_cache(maxsize=1)
 def list_resource_uses(source: Source) -> tuple[ResourceUse, ...]:
-    """Every mesh and texture of the expanded model in document order; none where it could not be expanded."""
+    """Return every mesh and texture of the expanded model in document order; none if it could not be expanded."""
     if source.root is None:
         return ()
-    base, named = source.path.parent, [a for a in _find_filenames(source.root) if a.value.strip()]
-    return tuple(ResourceUse(a, source.finder.resolve_resource(a.value, base)) for a in named)
+    base, filenames = source.path.parent, [a for a in _find_filenames(source.root) if a.value.strip()]
+    return tuple(ResourceUse(a, source.finder.resolve_resource(a.value, base)) for a in filenames)
 
 
 def normalize_spelling(text: str) -> str:
-    """A path as it is written where it shall be read everywhere: forward slashes, two of them behind the scheme, no blanks
-    around it."""
+    """Return the portable spelling of a path: forward slashes, two of them after the scheme, no blanks around it."""
     plain = text.strip().replace("\\", "/")
     return _ONE_SLASH.sub(r"\1://", plain)
 
 
 def is_misspelt(use: ResourceUse) -> bool:
-    """Whether a path leads nowhere and is spelled as some systems alone read it: then the spelling comes first (PKG011)."""
+    """Whether a path leads nowhere and its spelling is not portable: then PKG011 reports the spelling first."""
     return not use.resource.exists and normalize_spelling(use.resource.text) != use.resource.text
 
 
 def find_uninstalled_files(source: Source) -> dict[str, set[str]]:
-    """The files that the model names in packages which its own package depends on and which are not installed here."""
+    """Return the files that the model names in packages that its own package depends on and that are not installed here."""
     declared = frozenset() if source.package is None else source.package.dependencies
     files: dict[str, set[str]] = {}
     for use in list_resource_uses(source):
@@ -66,9 +65,9 @@ def find_uninstalled_files(source: Source) -> dict[str, set[str]]:
 
 
 def find_machine_path(use: ResourceUse, source: Source) -> Attribute | Definition | None:
-    """Where the path of one machine was typed: the attribute, or the property or argument that it comes from.
+    """Return where a path of one machine was typed: the attribute, or the property or argument that it comes from.
 
-    None for a path that any machine can open, and for one that xacro computes anew on each machine
+    None for a path that any machine can open, and for one that xacro computes on each machine
     (``file://$(find pkg)/…``).
     """
     if use.resource.kind not in {"absolute", "home", "file"}:

@@ -1,7 +1,7 @@
-"""Results that are kept between runs: named groups of arrays under a key that says all they depend on.
+"""A cache of results between runs: named groups of arrays under a key that covers all that they depend on.
 
-An entry is one npz file per group, written whole or not at all, read without pickle. A file that cannot be read is
-dropped, a folder that cannot be written is no error: what is missing is computed again.
+An entry is one npz file per group, written atomically and read without pickle. A file that cannot be read is dropped, and a
+folder that cannot be written is not an error: missing results are computed again.
 """
 
 from __future__ import annotations
@@ -28,14 +28,15 @@ if TYPE_CHECKING:
     Entry = MutableMapping[str, Arrays]
 
 FOLDER_VARIABLE = "URDFCHECK_CACHE_DIR"
-# All is kept below a folder of this name: whatever else lies in the one that was named is not ours.
+# Everything is kept in a subfolder of this name, because the folder that the user names may hold other files.
 NAME = "urdfcheck-results"
-# What the least recently used entries are dropped for.
+# Bytes above which the least recently used entries are dropped.
 LARGEST = 2 * 1024**3
-# A file that was changed a moment ago may be changed again without its time of change telling (as git's index fears).
+# A file that was modified this recently may be modified again without a change of its timestamp (git's index has the same
+# precaution).
 _SETTLED_NS = 2_000_000_000
 _TIDY_EVERY = 3600.0
-# The header of an array of numbers, as numpy writes it.
+# The header of a numeric array as numpy writes it.
 _HEADER = re.compile(
     rb"\x93NUMPY\x01\x00..\{'descr': '([<|][biuf]\d+)', 'fortran_order': (True|False), 'shape': \(([\d, ]*)\), \} *\n",
     re.DOTALL,
@@ -43,42 +44,46 @@ _HEADER = re.compile(
 
 
 @dataclass(frozen=True, slots=True)
-class Cache:
-    """A folder of entries; without a folder every entry is an empty dictionary that nothing keeps."""
+class ArrayCache:
+    """A folder of entries; without a folder, every entry is an empty dictionary that is not kept."""
 
     folder: Path | None = None
 
     def entry(self, kind: str, key: str) -> Entry:
-        """The groups of arrays of one key, read when they are asked for and written when they are set."""
-        return {} if self.folder is None else _Files(self.folder / kind / key[:2] / key[2:])
+        """Return the groups of arrays of one key, which are read on access and written on assignment."""
+        return {} if self.folder is None else _StoredEntry(self.folder / kind / key[:2] / key[2:])
 
-    def digest(self, path: Path, limit: int = MAX_MESH) -> tuple[str, bytes | None]:
-        """SHA-256 of a file's content, in hex, and the content if it was read for it.
+    def compute_digest(self, path: Path, limit: int = MAX_MESH) -> tuple[str, bytes | None]:
+        """Compute the SHA-256 of a file's content, in hex; also return the content if it was read for that.
 
         A file whose times, size and inode are known is not read again.
 
-        :raises TooLarge: when it has more than ``limit`` bytes.
-        :raises OSError: when it is no regular file, or cannot be read.
+        :raises FileTooLargeError: when it has more than ``limit`` bytes.
+        :raises OSError: when it is not a regular file, or cannot be read.
         """
         status = path.stat()
         note_lookup(path, status)
         if status.st_size > limit:
             raise FileTooLargeError(limit, status.st_size)
         stamp = f"{status.st_size} {status.st_mtime_ns} {status.st_ctime_ns} {status.st_ino}"
-        place = None if self.folder is None else self.folder / "files" / _hash(os.fsencode(os.path.realpath(path)))
+        place = (
+            None
+            if self.folder is None
+            else self.folder / "files" / _compute_sha256(os.fsencode(os.path.realpath(path)))
+        )
         if place is not None:
             with contextlib.suppress(OSError, ValueError):
                 known, _, digest = place.read_text(encoding="ascii").rpartition(" ")
                 if known == stamp and len(digest) == 64:
                     return digest, None
         data = read_regular(path, limit)
-        digest = _hash(data)
+        digest = _compute_sha256(data)
         if place is not None and time.time_ns() - status.st_mtime_ns > _SETTLED_NS:
-            _write(place, f"{stamp} {digest}".encode("ascii"))
+            _write_atomically(place, f"{stamp} {digest}".encode("ascii"))
         return digest, data
 
-    def files(self) -> Iterator[tuple[Path, os.stat_result]]:
-        """What lies in the folder."""
+    def iter_files(self) -> Iterator[tuple[Path, os.stat_result]]:
+        """Yield the files in the folder with their status."""
         if self.folder is not None:
             for parent, _, names in os.walk(self.folder):
                 for name in names:
@@ -86,7 +91,7 @@ class Cache:
                         yield (path := Path(parent, name)), path.stat()
 
     def tidy(self) -> None:
-        """Trim, if that was not done for an hour."""
+        """Trim unless that was done within the last hour."""
         if self.folder is None or not self.folder.is_dir():
             return
         marker = self.folder / "trimmed"
@@ -94,30 +99,30 @@ class Cache:
             if time.time() - marker.stat().st_mtime < _TIDY_EVERY:
                 return
         self.trim()
-        _write(marker, b"")
+        _write_atomically(marker, b"")
 
     def trim(self, largest: int = LARGEST) -> None:
-        """Drop the entries that were not used for longest until at most ``largest`` bytes are left."""
-        entries: dict[str, tuple[int, int]] = {}  # when it was used last, and its size
-        for path, status in self.files():
+        """Drop the least recently used entries until at most ``largest`` bytes are left."""
+        entries: dict[str, tuple[int, int]] = {}  # the time of its last use, and its size
+        for path, status in self.iter_files():
             entry = str(path.parent if path.suffix == ".npz" else path)
             used, size = entries.get(entry, (0, 0))
             entries[entry] = max(used, status.st_mtime_ns), size + status.st_size
-        kept = 0
+        total = 0
         for entry in sorted(entries, key=lambda entry: -entries[entry][0]):
-            kept += entries[entry][1]
-            if kept > largest:
-                _remove(Path(entry))
+            total += entries[entry][1]
+            if total > largest:
+                _remove_entry(Path(entry))
 
     def clear(self) -> None:
-        """Drop everything."""
+        """Drop all entries."""
         self.trim(-1)
 
 
-def default_folder() -> Path | None:
-    """Where this platform keeps caches, or where ``URDFCHECK_CACHE_DIR`` says; None where there is no such place."""
-    if named := os.environ.get(FOLDER_VARIABLE):
-        return Path(os.path.expanduser(named)).absolute() / NAME
+def find_default_folder() -> Path | None:
+    """Return the folder that ``URDFCHECK_CACHE_DIR`` names, or the platform's cache folder; None where there is none."""
+    if folder := os.environ.get(FOLDER_VARIABLE):
+        return Path(os.path.expanduser(folder)).absolute() / NAME
     from platformdirs import user_cache_path
 
     try:
@@ -126,8 +131,8 @@ def default_folder() -> Path | None:
         return None
 
 
-def _remove(entry: Path) -> None:
-    """Delete an entry: a file, or a folder with its files."""
+def _remove_entry(entry: Path) -> None:
+    """Delete an entry, which is a file or a folder of files."""
     with contextlib.suppress(OSError):
         if not entry.is_dir():
             entry.unlink()
@@ -138,15 +143,15 @@ def _remove(entry: Path) -> None:
 
 
 @cache
-def version_of(*modules: str, library: str | None = None) -> str:
-    """A digest of the source of these modules and packages (``urdfcheck.facts.mesh``) and of the `origin_of` a library that
-    they call: a result is only reused by the code that computed it."""
-    texts = [path.read_bytes() for name in modules for path in _sources_of(name)]
-    return _hash(b"\0".join((*texts, (library or "").encode())))[:16]
+def compute_code_version(*modules: str, library: str | None = None) -> str:
+    """Return a digest of the source of modules and packages (``urdfcheck.facts.mesh``) and of the origin of a library that they
+    call (`find_library_origin`): a result is reused only by the code that computed it."""
+    texts = [path.read_bytes() for name in modules for path in _list_sources(name)]
+    return _compute_sha256(b"\0".join((*texts, (library or "").encode())))[:16]
 
 
-def _sources_of(module: str) -> list[Path]:
-    """The file of a module, or all files below a package."""
+def _list_sources(module: str) -> list[Path]:
+    """List the file of a module, or all files of a package."""
     from importlib.util import find_spec
 
     spec = find_spec(module)
@@ -157,8 +162,8 @@ def _sources_of(module: str) -> list[Path]:
 
 
 @cache
-def origin_of(library: str) -> str | None:
-    """Where a library is installed and since when, without importing it; None when it is not."""
+def find_library_origin(library: str) -> str | None:
+    """Return where and when a library was installed, without importing it; None when it is not installed."""
     from importlib.util import find_spec
 
     spec = find_spec(library)
@@ -167,25 +172,25 @@ def origin_of(library: str) -> str | None:
     return f"{spec.origin} {os.stat(spec.origin).st_mtime_ns}"
 
 
-class _Files(MutableMapping[str, "Arrays"]):
-    """An entry on disk: one file per group. Groups that were read or set stay in memory."""
+class _StoredEntry(MutableMapping[str, "Arrays"]):
+    """An entry on disk, one file per group. Groups that were read or set stay in memory."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._known: dict[str, Arrays] = {}
+        self._groups: dict[str, Arrays] = {}
 
     def __getitem__(self, name: str) -> Arrays:
-        if name not in self._known:
-            self._known[name] = self._read(name)
-        return self._known[name]
+        if name not in self._groups:
+            self._groups[name] = self._read_group(name)
+        return self._groups[name]
 
     def __setitem__(self, name: str, arrays: Arrays) -> None:
-        self._known[name] = arrays
-        _write(self._file(name), _archive(arrays))
+        self._groups[name] = arrays
+        _write_atomically(self._get_path(name), _encode_npz(arrays))
 
     def __delitem__(self, name: str) -> None:
-        self._known.pop(name, None)
-        self._file(name).unlink(missing_ok=True)
+        self._groups.pop(name, None)
+        self._get_path(name).unlink(missing_ok=True)
 
     def __iter__(self) -> Iterator[str]:
         return iter(sorted(path.stem for path in self._folder.glob("[!.]*.npz")))
@@ -193,26 +198,28 @@ class _Files(MutableMapping[str, "Arrays"]):
     def __len__(self) -> int:
         return sum(1 for _ in self)
 
-    def _file(self, name: str) -> Path:
+    def _get_path(self, name: str) -> Path:
         return self._folder / f"{name}.npz"
 
-    def _read(self, name: str) -> Arrays:
-        path = self._file(name)
+    def _read_group(self, name: str) -> Arrays:
+        path = self._get_path(name)
         try:
             with zipfile.ZipFile(path) as archive:
-                arrays = {info.filename.removesuffix(".npy"): _array(archive.read(info)) for info in archive.infolist()}
-            os.utime(path)  # used now: see trim
+                arrays = {
+                    info.filename.removesuffix(".npy"): _decode_npy(archive.read(info)) for info in archive.infolist()
+                }
+            os.utime(path)  # its last use: see trim
         except FileNotFoundError:
             raise KeyError(name) from None
-        except Exception:  # zipfile has many ways to say that a file is damaged
+        except Exception:  # zipfile raises many kinds of exceptions for a damaged file
             with contextlib.suppress(OSError):
                 path.unlink()
             raise KeyError(name) from None
         return arrays
 
 
-def _archive(arrays: Arrays) -> bytes:
-    """An npz file, as numpy.savez writes it in four times the time."""
+def _encode_npz(arrays: Arrays) -> bytes:
+    """Encode arrays as an npz file; numpy.savez takes four times as long."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
         for name, array in arrays.items():
@@ -223,11 +230,13 @@ def _archive(arrays: Arrays) -> bytes:
     return buffer.getvalue()
 
 
-def _array(data: bytes) -> NDArray[Any]:
-    """An array of an npz file, read-only. np.load takes any header, and evaluates each as Python, which takes most of the time
-    of a small one; ours are all of one form.
+def _decode_npy(data: bytes) -> NDArray[Any]:
+    """Decode an array of an npz file; it is read-only.
 
-    :raises ValueError: for any other.
+    Only headers of the form that `_encode_npz` writes are accepted. np.load accepts any and evaluates each as Python, which
+    takes most of the time for a small array.
+
+    :raises ValueError: for any other header.
     """
     import numpy as np
 
@@ -239,8 +248,8 @@ def _array(data: bytes) -> NDArray[Any]:
     return array.reshape(shape, order="F" if header.group(2) == b"True" else "C")
 
 
-def _write(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all, whoever else writes it."""
+def _write_atomically(path: Path, data: bytes) -> None:
+    """Write a file atomically, even if other processes write the same one."""
     temporary = path.with_name(f".{os.urandom(8).hex()}-{path.name}")
     try:
         try:
@@ -254,5 +263,5 @@ def _write(path: Path, data: bytes) -> None:
             temporary.unlink(missing_ok=True)
 
 
-def _hash(data: bytes) -> str:
+def _compute_sha256(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()

@@ -1,7 +1,7 @@
-"""Reading the files of strangers: regular ones only, of bounded size, and without waiting for any of them.
+"""Read untrusted files: regular ones only, of bounded size, and without blocking.
 
-A pipe never ends, a device may act on being opened, and a file can grow or be exchanged while it is looked at: what is
-opened is looked at once more, and never more is read than may be.
+A pipe never ends, opening a device may have effects, and a file can grow or be replaced between two system calls: an open
+file is examined again, and never more is read than the limit allows.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
 
-# The largest text of 366 XML files of published robots has 211 kB.
+# The largest of 366 XML files of published robots has 211 kB.
 MAX_TEXT = 64 * 1024**2
 # A binary STL of eight million triangles; the largest mesh file of a hundred published robots has 2.8 MB.
 MAX_MESH = 384 * 1024**2
-# How much is read at a time of what is longer than its own entry says, as files of /proc are.
+# Bytes read at a time from a file that is longer than its status says, such as those of /proc.
 _PIECE = 1024**2
-# Size and time of the last change, in nanoseconds; None for what was looked for and is not there.
+# Size in bytes and time of the last change in ns; None for a file that was looked for and does not exist.
 Stamp = tuple[int, int] | None
 _record: ContextVar[dict[str, Stamp] | None] = ContextVar("record", default=None)
 _overlay: ContextVar[Mapping[str, bytes] | None] = ContextVar("overlay", default=None)
@@ -30,7 +30,7 @@ _FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
 
 
 class FileTooLargeError(OSError):
-    """A file has more bytes than ``limit``; ``found`` is how many, at least, and ``message`` says so."""
+    """A file has at least ``found`` bytes, more than ``limit``; ``message`` states both."""
 
     def __init__(self, limit: int, found: int) -> None:
         self.message = f"the file has {found:,} bytes, more than {limit:,}"
@@ -41,18 +41,18 @@ class FileTooLargeError(OSError):
 
 @contextmanager
 def record_reads() -> Iterator[dict[str, Stamp]]:
-    """The files that are read or looked for inside, by absolute path, each as it was the first time."""
-    found: dict[str, Stamp] = {}
-    token = _record.set(found)
+    """Record the files that are read or looked for inside the context: the first stamp of each by its absolute path."""
+    stamps: dict[str, Stamp] = {}
+    token = _record.set(stamps)
     try:
-        yield found
+        yield stamps
     finally:
         _record.reset(token)
 
 
 @contextmanager
 def overlay_files(texts: Mapping[str, bytes]) -> Iterator[None]:
-    """Inside, files of these real paths read as if they held these bytes: how a model would look after an edit."""
+    """Read files of these real paths as if they held these bytes: the model after an edit."""
     token = _overlay.set(texts)
     try:
         yield
@@ -61,14 +61,14 @@ def overlay_files(texts: Mapping[str, bytes]) -> Iterator[None]:
 
 
 def note_lookup(path: Path, status: os.stat_result | None = None) -> None:
-    """Say that what lies at a path (``status``, if that is known) decides about the outcome."""
+    """Record that the outcome depends on the file at a path; ``status`` saves a system call where it is known."""
     record = _record.get()
     if record is not None:
         record.setdefault(os.path.abspath(path), read_stamp(path) if status is None else _make_stamp(status))
 
 
 def read_stamp(path: str | Path) -> Stamp:
-    """What tells whether a file was changed since."""
+    """Return what identifies the version of a file; None where there is no file."""
     try:
         return _make_stamp(os.stat(path))
     except (OSError, ValueError):
@@ -80,10 +80,10 @@ def _make_stamp(status: os.stat_result) -> Stamp:
 
 
 def read_regular(path: Path, limit: int = MAX_TEXT) -> bytes:
-    """The bytes of a regular file.
+    """Read the bytes of a regular file.
 
-    :raises TooLarge: when it has more than ``limit`` of them.
-    :raises OSError: for anything that is no regular file, and when it cannot be read.
+    :raises FileTooLargeError: when it has more than ``limit`` of them.
+    :raises OSError: for anything but a regular file, and when it cannot be read.
     """
     with _open_regular(path) as (file, size):
         if size > limit:
@@ -99,9 +99,9 @@ def read_regular(path: Path, limit: int = MAX_TEXT) -> bytes:
 
 
 def read_start(path: Path, count: int) -> bytes:
-    """The first ``count`` bytes of a regular file, all that it has where they are fewer.
+    """Read the first ``count`` bytes of a regular file, or all of a shorter one.
 
-    :raises OSError: for anything that is no regular file, and when it cannot be read.
+    :raises OSError: for anything but a regular file, and when it cannot be read.
     """
     with _open_regular(path) as (file, _):
         return file.read(count)
@@ -109,14 +109,14 @@ def read_start(path: Path, count: int) -> bytes:
 
 @contextmanager
 def _open_regular(path: Path) -> Iterator[tuple[BinaryIO, int]]:
-    """A regular file, opened, and its size."""
+    """Open a regular file; yields it with its size."""
     try:
         _ensure_regular(os.stat(path), path)
         descriptor = os.open(path, _FLAGS)
-    except ValueError:  # a NUL, or what the file system's encoding lacks
+    except ValueError:  # a NUL, or a character that the file system's encoding lacks
         raise OSError(errno.EINVAL, "Is no name of a file", str(path)) from None
     except OSError:
-        note_lookup(path)  # what is missing may come
+        note_lookup(path)  # a missing file may be created later
         raise
     with os.fdopen(descriptor, "rb") as file:
         status = os.fstat(descriptor)
@@ -131,9 +131,11 @@ def _open_regular(path: Path) -> Iterator[tuple[BinaryIO, int]]:
 
 
 def walk(root: Path) -> Iterator[tuple[str, list[str], list[str]]]:
-    """Each folder at and below ``root`` with the names of the folders and of everything else in it, as os.walk has them from
-    the top: which of the folders are looked into may be changed, and links are not followed. os.walk calls itself for each
-    level of a stranger's tree."""
+    """Yield each folder at and below ``root`` with the names of its folders and of its other entries, like ``os.walk``.
+
+    The caller may remove folders from the list to skip them; links are not followed. ``os.walk`` itself recurses, and an
+    untrusted tree may be deeper than Python's stack.
+    """
     below = [str(root)]
     while below:
         folder = below.pop()

@@ -1,8 +1,8 @@
-"""What a worker process gives up before it opens a stranger's file: writing, the network, other programs, memory and time.
+"""What a worker process gives up before it opens an untrusted file: writing, the network, other programs, memory and time.
 
-None of it is what the checks rely on (an expression of a model is never Python's to run, a path is looked at before it is
-opened): it is what still holds when one of them has a hole. What the platform cannot do is left out: Landlock is Linux's
-from 5.13 on, its rules about TCP from 6.7 on, the limit of memory is Linux's.
+This is the second line of defence. The checks do not rely on it (Python never runs an expression of a model, and a path is
+examined before it is opened); it holds if one of them has a vulnerability. What the platform does not support is left out:
+Landlock needs Linux 5.13, its TCP rules Linux 6.7, and the memory limit Linux.
 """
 
 from __future__ import annotations
@@ -13,17 +13,18 @@ import os
 import signal
 import sys
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from types import FrameType
 
 from urdfcheck.core.errors import ModelTimeout
 
-# Where a Python and the libraries that it loads later lie, beside its own folders.
+# Where Python and the libraries that it loads later are installed, besides its own folders.
 _SYSTEM = (
     *("/usr", "/lib", "/lib32", "/lib64", "/opt", "/nix/store", "/gnu/store"),
     *("/etc/ld.so.cache", "/etc/ld.so.conf", "/etc/ld.so.conf.d", "/etc/localtime"),
     *("/sys/devices/system/cpu", "/dev/null", "/dev/urandom"),
 )
-# Audit events of Python (PEP 578) that no check of a model has a use for.
+# Audit events of Python (PEP 578) that no check of a model needs.
 _FORBIDDEN = (
     "socket.",
     "subprocess.",
@@ -37,8 +38,8 @@ _FORBIDDEN = (
     "ftplib.",
     "urllib.",
 )
-# Events that change files or folders, or what is known of them, with the places of the paths among their arguments and of
-# the folders that these may start at. Landlock has no rule for some of them (rights, owners, times).
+# Audit events that change files, folders or their metadata, with the argument indices of their paths and of the folder
+# descriptors that the paths may be relative to. Landlock has no rule for some of them (permissions, owners, times).
 _CHANGES: Mapping[str, tuple[tuple[int, ...], tuple[int, ...]]] = {
     **dict.fromkeys(("os.chflags", "os.removexattr", "os.setxattr", "os.truncate"), ((0,), ())),
     **dict.fromkeys(("os.remove", "os.rmdir"), ((0,), (1,))),
@@ -47,45 +48,52 @@ _CHANGES: Mapping[str, tuple[tuple[int, ...], tuple[int, ...]]] = {
     **dict.fromkeys(("os.link", "os.rename"), ((0, 1), (2, 3))),
     "os.symlink": ((1,), (2,)),
 }
-# A check that does not end when it is told to is told again after so many seconds; who still goes on is killed.
+# Seconds after which a check that ignores the deadline is interrupted again, and after which it is killed.
 AGAIN, PATIENCE = 5.0, 15.0
 
-_confined = False
+
+@dataclass(slots=True)
+class _ProcessState:
+    """What this process has given up."""
+
+    confined: bool = False
+
+
+_state = _ProcessState()
 
 
 def confine(readable: Iterable[str], writable: Iterable[str], memory: int) -> None:
-    """Give up all but reading below some folders (and Python's own) and writing below others; ``memory`` in MiB.
+    """Give up everything but reading below some folders (and Python's own) and writing below others; ``memory`` in MiB.
 
-    Once for a process; it cannot be taken back.
+    Takes effect once per process and cannot be undone.
     """
-    global _confined
-    if _confined:
+    if _state.confined:
         return
-    _confined = True
-    bound_memory(memory)
+    _state.confined = True
+    limit_memory(memory)
     libraries = os.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep)
     own = (os.path.dirname(os.path.dirname(__file__)), *sys.path, sys.prefix, sys.base_prefix, *libraries)
-    seen = [path for path in dict.fromkeys((*_SYSTEM, *own, *readable)) if os.path.exists(path)]
-    if _restrict_files(seen, list(writable)):
+    visible = [path for path in dict.fromkeys((*_SYSTEM, *own, *readable)) if os.path.exists(path)]
+    if _restrict_by_landlock(visible, list(writable)):
         _watch_changes(tuple({os.path.realpath(path) for path in writable}))
     else:
-        _watch_files(seen, list(writable))
-    sys.addaudithook(_refuse)
+        _watch_files(visible, list(writable))
+    sys.addaudithook(_refuse_event)
 
 
-def _refuse(event: str, _arguments: object) -> None:
+def _refuse_event(event: str, _arguments: object) -> None:
     if event.startswith(_FORBIDDEN):
         raise PermissionError(f"the check of a model has no use for {event}")
 
 
 def _watch_files(readable: list[str], writable: list[str]) -> None:
-    """Where the kernel does not: have Python look at each path that it opens."""
+    """Check each path that Python opens, where the kernel does not."""
     import tempfile
 
     reading = tuple({os.path.realpath(path) for path in (*readable, *writable)})
     writing = tuple({os.path.realpath(path) for path in (*writable, tempfile.gettempdir())})
 
-    def refuse(event: str, arguments: tuple[object, ...]) -> None:
+    def refuse_path(event: str, arguments: tuple[object, ...]) -> None:
         if event == "open" and isinstance(arguments[0], (str, bytes)):
             flags = arguments[2] if isinstance(arguments[2], int) else 0
             changes = flags & (os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC)
@@ -93,14 +101,14 @@ def _watch_files(readable: list[str], writable: list[str]) -> None:
         elif event in {"os.listdir", "os.scandir"} and not isinstance(arguments[0], int):
             _ensure_below(arguments[0] or os.curdir, reading)
 
-    sys.addaudithook(refuse)
+    sys.addaudithook(refuse_path)
     _watch_changes(writing)
 
 
 def _watch_changes(writing: tuple[str, ...]) -> None:
-    """Have Python look at each path at which it changes something."""
+    """Check each path at which Python changes something."""
 
-    def refuse(event: str, arguments: tuple[object, ...]) -> None:
+    def refuse_change(event: str, arguments: tuple[object, ...]) -> None:
         if event in _CHANGES:
             paths, folders = _CHANGES[event]
             for place in paths:
@@ -108,30 +116,30 @@ def _watch_changes(writing: tuple[str, ...]) -> None:
             if any(arguments[place] != -1 for place in folders):
                 raise PermissionError(f"the check of a model has no use for {event} in an open folder")
 
-    sys.addaudithook(refuse)
+    sys.addaudithook(refuse_change)
 
 
 def _ensure_below(path: object, folders: tuple[str, ...]) -> None:
-    # What is open already (a number) was opened for reading, or is the parent's.
+    # A descriptor (a number) was opened for reading, or by the parent.
     real = os.path.realpath(os.fsdecode(path)) if isinstance(path, (str, bytes, os.PathLike)) else str(path)
     if not any(real == folder or real.startswith(folder.rstrip(os.sep) + os.sep) for folder in folders):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), real)
 
 
-def bound_memory(memory: int) -> None:
-    """Bound what this process may allocate, in MiB, where the platform can."""
+def limit_memory(memory: int) -> None:
+    """Limit what this process may allocate, in MiB, where the platform supports it."""
     if sys.platform == "win32":
         return
     import resource
 
-    with contextlib.suppress(ValueError, OSError):  # a stricter limit holds already
+    with contextlib.suppress(ValueError, OSError):  # a stricter limit is set already
         resource.setrlimit(resource.RLIMIT_DATA, (memory * 1024**2, memory * 1024**2))
-    with contextlib.suppress(ValueError, OSError):  # what a process held when it crashed is nobody's to keep
+    with contextlib.suppress(ValueError, OSError):  # no core dump, which would keep the contents of the memory
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def _restrict_files(readable: list[str], writable: list[str]) -> bool:
-    """Whether the kernel sees to it that nothing else is opened."""
+def _restrict_by_landlock(readable: list[str], writable: list[str]) -> bool:
+    """Restrict file access with Landlock; return whether the kernel supports it."""
     if sys.platform != "linux":
         return False
     try:
@@ -146,27 +154,27 @@ def _restrict_files(readable: list[str], writable: list[str]) -> bool:
         for path in writable:
             rules.allow_read_write(path)
         rules.apply()
-    except (LandlockError, OSError):  # a kernel without it, or with it switched off
+    except (LandlockError, OSError):  # the kernel lacks it, or it is disabled
         return False
     return True
 
 
 @contextlib.contextmanager
-def deadline(seconds: float) -> Iterator[None]:
-    """Raise `ModelTimeout` in what runs inside when so much time has passed, and again every few seconds if it goes on.
+def enforce_deadline(seconds: float) -> Iterator[None]:
+    """Raise `ModelTimeout` inside the context after so many seconds, and again every few seconds while it continues.
 
-    A loop in compiled code does not hear of it: whoever started the process kills it then, and the kernel does when that one
-    has gone (on Windows, nobody does).
+    A loop in compiled code cannot be interrupted: the parent kills the process then, or the kernel does if the parent has
+    exited (on Windows, nothing does).
     """
     if sys.platform == "win32" or not seconds:
         yield
         return
     import resource
 
-    def ring(_signal: int, _frame: FrameType | None) -> None:
+    def raise_timeout(_signal: int, _frame: FrameType | None) -> None:
         raise ModelTimeout
 
-    before = signal.signal(signal.SIGALRM, ring)
+    before = signal.signal(signal.SIGALRM, raise_timeout)
     used = resource.getrusage(resource.RUSAGE_SELF)
     soft, hard = resource.getrlimit(resource.RLIMIT_CPU)
     last = int(used.ru_utime + used.ru_stime + seconds + 2 * PATIENCE) + 1

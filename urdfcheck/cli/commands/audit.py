@@ -7,15 +7,15 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from urdfcheck.cli.options import EPILOG, Parser, add_options, ensure_paths, requested
-from urdfcheck.cli.preload import first_worker
-from urdfcheck.cli.terminal import NOTHING, OK, code_of, progress, say
+from urdfcheck.cli.options import EPILOG, CommandParser, add_options, build_request, ensure_paths
+from urdfcheck.cli.terminal import NOTHING, OK, combine_exit_code, make_progress_printer, say
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.run.preload import start_warm_worker
 
 
-def parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
     """The options of ``urdfcheck audit``."""
-    p = Parser(
+    p = CommandParser(
         prog="urdfcheck audit",
         description="Audit many models: a line of JSON for each, a summary, a page; what was finished is kept.",
         epilog=EPILOG,
@@ -42,7 +42,7 @@ def parser() -> argparse.ArgumentParser:
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    options = parser().parse_args(words)
+    options = build_parser().parse_args(words)
     ensure_paths(options)
     backend, _, address = options.backend.partition("=")
     if (
@@ -51,34 +51,34 @@ def main(words: Sequence[str]) -> int:
         or (backend == "dask" and not address)
     ):
         raise UrdfcheckError(f"--backend {options.backend}: write local, dask=ADDRESS, ray or ray=ADDRESS")
-    first = first_worker() if backend == "local" else None
+    first = start_warm_worker() if backend == "local" else None
 
     from urdfcheck import rules as catalogue
+    from urdfcheck.dataset import audit as dataset
     from urdfcheck.dataset import cluster
-    from urdfcheck.dataset import dataset_audit as dataset
-    from urdfcheck.output.shared import summary
+    from urdfcheck.output.shared.audit import summary_text
     from urdfcheck.run import pipeline as engine
     from urdfcheck.system import libraries
 
-    request, settings = requested(options)
+    request, settings = build_request(options)
     libraries.prefer_own_folders()
-    done = dataset.audit(
+    done = dataset.audit_dataset(
         request,
         options.output,
         lambda units, work: (
-            engine.stream(units, work, request.jobs, first=first)
+            engine.stream_reports(units, work, request.jobs, engine.Execution(warm_worker=first))
             if backend == "local"
-            else cluster.stream(units, work, backend, address or None)
+            else cluster.stream_on_cluster(units, work, backend, address or None)
         ),
         restart=options.restart,
-        progress=progress(),
+        progress=make_progress_printer(),
     )
     if not done.checked and not done.unchanged:
         say("nothing to check: no model, launch file or package was found there")
         return OK if options.allow_empty else NOTHING
-    sys.stdout.write(summary.render(done.summary, catalogue.load_rules()))
+    sys.stdout.write(summary_text.render_audit_summary(done.summary, catalogue.load_rules()))
     known = f"{done.unchanged:,} unchanged, " if done.unchanged else ""
     say(f"{known}{done.checked:,} checked; {options.output / dataset.LINES}, {options.output / dataset.INDEX}")
     fail_on = options.fail_on or settings.fail_on
-    codes = [code_of(False, worst, level or fail_on) for level, worst in done.worst.items()]
-    return max((code_of(bool(done.summary.failure_count), None, fail_on), *codes))
+    codes = [combine_exit_code(False, worst, level or fail_on) for level, worst in done.worst.items()]
+    return max((combine_exit_code(bool(done.summary.failure_count), None, fail_on), *codes))

@@ -8,14 +8,23 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from urdfcheck.cli.options import EPILOG, Parser, add_options, baseline_file, requested
-from urdfcheck.cli.terminal import FAILED, NOTHING, OK, exit_code, progress, say, show, write
+from urdfcheck.cli.options import EPILOG, CommandParser, add_options, build_request, read_options
+from urdfcheck.cli.terminal import (
+    FAILED,
+    NOTHING,
+    OK,
+    compute_exit_code,
+    make_progress_printer,
+    print_run,
+    say,
+    write_file,
+)
 from urdfcheck.core.errors import UrdfcheckError
 
 
-def parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
     """The options of ``urdfcheck baseline``."""
-    p = Parser(
+    p = CommandParser(
         prog="urdfcheck baseline",
         description="Write down the findings of today, so that a check shows only those that are new.",
         epilog=EPILOG,
@@ -34,27 +43,28 @@ def parser() -> argparse.ArgumentParser:
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    options = parser().parse_args(words)
+    options = build_parser().parse_args(words)
 
     from urdfcheck.policy import baseline
-    from urdfcheck.run.pipeline import run
+    from urdfcheck.run.pipeline import Execution, run
+    from urdfcheck.run.request import find_baseline_file
     from urdfcheck.source.package.finder import format_path
     from urdfcheck.system import libraries
 
-    request, settings = requested(options)
-    file = baseline_file(options, settings)
+    request, settings = build_request(options)
+    file = find_baseline_file(read_options(options, options.paths), settings)
     if options.action == "check" and options.isolated and options.baseline is None:
         raise UrdfcheckError("--isolated heeds no baseline that lies in the repository: name one with --baseline")
     if request.baseline is None and file.is_file():
-        request = replace(request, baseline=baseline.read(file, settings.root))
+        request = replace(request, baseline=baseline.read_baseline(file, settings.root))
     before = request.baseline
     if before is None and options.action != "write":
         raise UrdfcheckError(f"{format_path(file)}: there is no baseline; urdfcheck baseline write makes one")
     libraries.prefer_own_folders()
-    outcome = run(request, progress=progress())
+    outcome = run(request, Execution(on_progress=make_progress_printer()))
     if options.action == "check":
-        show(outcome, "text", "auto")
-        return exit_code(outcome, options.fail_on or settings.fail_on, allow_empty=options.allow_empty)
+        print_run(outcome, "text", "auto")
+        return compute_exit_code(outcome, options.fail_on or settings.fail_on, allow_empty=options.allow_empty)
     for failure in outcome.failures:
         say(f"urdfcheck failed: {failure}", sys.stderr)
     if outcome.partial:
@@ -62,24 +72,28 @@ def main(words: Sequence[str]) -> int:
     if not outcome.units:
         say("nothing to check: no model, launch file or package was found there")
         return OK if options.allow_empty else NOTHING
-    seen = baseline.Seen(outcome.findings, outcome.models, outcome.complete_rules, outcome.skipped, outcome.tier)
+    seen = baseline.BaselineView(
+        outcome.findings, outcome.models, outcome.complete_rules, outcome.skipped, outcome.tier
+    )
     for home, names in sorted(outcome.baseline_unit_names.items(), key=lambda item: item[0] or ("", "")):
-        own = seen.of(names)
+        own = seen.select_models(names)
         at, root = (file, settings.root) if home is None else (Path(home[0]), Path(home[1]))
-        old = before if home is None else baseline.read(at, root) if at.is_file() else None
+        old = before if home is None else baseline.read_baseline(at, root) if at.is_file() else None
         if options.action == "write":
-            after = baseline.renewed(old or baseline.Baseline(at, root), own)
-            write(baseline.render(after), at)
-            known = sum(baseline.counts(finding) for finding in own.findings)
+            after = baseline.renew_entries(old or baseline.Baseline(at, root), own)
+            write_file(baseline.render_baseline(after), at)
+            known = sum(baseline.is_baseline_candidate(finding) for finding in own.findings)
             say(f"{format_path(at)}: {known:,} {'finding is' if known == 1 else 'findings are'} known from now on")
         elif old is not None:
-            gone = baseline.stale(old, own)
-            write(baseline.render(baseline.without(old, gone)), at)
+            gone = baseline.find_stale_entries(old, own)
+            write_file(baseline.render_baseline(baseline.remove_stale_entries(old, gone)), at)
             number = sum(sum(entries.values()) for entries in gone.values())
-            done = f"took out {_entries(number, 'stale ')}" if number else "no entry is stale"
-            say(f"{format_path(at)}: {done}, {_entries(old.size - number)} remain{'s' * (old.size - number == 1)}")
+            done = f"took out {_format_entry_count(number, 'stale ')}" if number else "no entry is stale"
+            say(
+                f"{format_path(at)}: {done}, {_format_entry_count(old.size - number)} remain{'s' * (old.size - number == 1)}"
+            )
     return FAILED if outcome.failures else OK
 
 
-def _entries(number: int, kind: str = "") -> str:
+def _format_entry_count(number: int, kind: str = "") -> str:
     return f"{number:,} {kind}{'entry' if number == 1 else 'entries'}"

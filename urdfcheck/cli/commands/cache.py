@@ -5,28 +5,28 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
-from urdfcheck.cli.options import Parser
+from urdfcheck.cli.options import CommandParser
 from urdfcheck.cli.terminal import OK, say
 from urdfcheck.core.errors import UrdfcheckError
 
 
-def parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
     """The options of ``urdfcheck cache``."""
-    p = Parser(prog="urdfcheck cache", description="The measurements that are kept between runs.")
+    p = CommandParser(prog="urdfcheck cache", description="The measurements that are kept between runs.")
     p.add_argument("action", choices=("info", "clear"), help="say where they are and how large, or delete them")
     return p
 
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    options = parser().parse_args(words)
+    options = build_parser().parse_args(words)
 
-    from urdfcheck.system.array_cache import LARGEST, Cache, default_folder
+    from urdfcheck.system.array_cache import LARGEST, ArrayCache, find_default_folder
 
-    kept = Cache(default_folder())
+    kept = ArrayCache(find_default_folder())
     if kept.folder is None:
         raise UrdfcheckError("this user has no cache folder; URDFCHECK_CACHE_DIR names one")
-    files = [status.st_size for _, status in kept.files()]
+    files = [status.st_size for _, status in kept.iter_files()]
     size = f"{len(files):,} file{'s' * (len(files) != 1)}, {sum(files) / 1e6:,.2f} MB"
     if options.action == "clear":
         kept.clear()

@@ -7,28 +7,48 @@ import importlib
 import os
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from urdfcheck import __version__
-from urdfcheck.cli.commands.job_summary import append, summary_file
-from urdfcheck.cli.options import EPILOG, Parser, add_options, ensure_paths, names_folder, output_files, requested
-from urdfcheck.cli.preload import first_worker
-from urdfcheck.cli.terminal import FINDINGS, OK, exit_code, progress, say, show, show_statistics, write_report
+from urdfcheck.cli.commands.job_summary import append_summary, find_summary_file
+from urdfcheck.cli.options import (
+    EPILOG,
+    CommandParser,
+    add_options,
+    build_request,
+    ensure_paths,
+    is_folder_output,
+    parse_outputs,
+)
+from urdfcheck.cli.terminal import (
+    FINDINGS,
+    OK,
+    compute_exit_code,
+    make_progress_printer,
+    print_run,
+    print_statistics,
+    say,
+    write_report,
+)
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.output import FORMATS
+from urdfcheck.output import DRAWING_FORMATS, FORMATS
+from urdfcheck.run.preload import start_warm_worker
 
 if TYPE_CHECKING:
     from urdfcheck.core import Finding, Run
-    from urdfcheck.fix.fixer import Fixes
+    from urdfcheck.fix.fixer import FixResult
     from urdfcheck.output.text import DetailLevel
     from urdfcheck.policy.config import Config
-    from urdfcheck.run.pipeline import Request
+    from urdfcheck.run.jobs import Request
+    from urdfcheck.run.pipeline import Execution
+    from urdfcheck.system.process_pool import Worker
 
 
-def parser() -> argparse.ArgumentParser:
-    """The options of ``urdfcheck check``."""
-    p = Parser(
+def build_parser() -> argparse.ArgumentParser:
+    """Build the parser of ``urdfcheck check``."""
+    p = CommandParser(
         prog="urdfcheck",
         usage="urdfcheck [check] PATH... [options]\n"
         "       urdfcheck rule [CODE] | init [FOLDER] | config [PATH]\n"
@@ -73,14 +93,14 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument(
         "--watch", action="store_true", help="check again whenever a file is saved that matters, until Ctrl-C"
     )
-    told = p.add_mutually_exclusive_group()
-    told.add_argument(
+    detail = p.add_mutually_exclusive_group()
+    detail.add_argument(
         "-v", "--verbose", action="store_true", help="tell everything about infos too, as about the others"
     )
-    told.add_argument(
+    detail.add_argument(
         "-q", "--quiet", action="store_true", help="errors, warnings, what failed, and one line at the end"
     )
-    told.add_argument(
+    detail.add_argument(
         "--statistics", action="store_true", help="a table of how often each rule fired, not the findings"
     )
     p.add_argument(
@@ -92,8 +112,34 @@ def parser() -> argparse.ArgumentParser:
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    options = parser().parse_args(words)
+    options = build_parser().parse_args(words)
     ensure_paths(options)
+    _validate_options(options)
+    warm_worker = start_warm_worker()
+    reports = ReportPlan.from_options(options)
+
+    from urdfcheck.run.pipeline import Execution, run
+    from urdfcheck.system import libraries
+
+    request, settings = build_request(options, scene=reports.needs_scene)
+    libraries.prefer_own_folders()
+    if options.watch:
+        return _watch(options, reports, (request, settings), warm_worker)
+    execution = Execution(warm_worker=warm_worker, on_idle=reports.import_formats, on_progress=make_progress_printer())
+    if not (options.fix or options.diff):
+        return _report(run(request, execution), options, reports, settings)
+    fixes = _compute_fixes(request, execution, include_unsafe=options.unsafe_fixes)
+    if options.diff:
+        return _print_diff(fixes, allow_empty=options.allow_empty)
+    _write_fixes(fixes)
+    return _report(fixes.outcome, options, reports, settings)
+
+
+def _validate_options(options: argparse.Namespace) -> None:
+    """Reject options that contradict each other.
+
+    :raises UrdfcheckError: for the first contradiction.
+    """
     if options.unsafe_fixes and not (options.fix or options.diff):
         raise UrdfcheckError("--unsafe-fixes says which fixes are meant: add --fix or --diff")
     if options.diff and (options.format != "text" or options.output):
@@ -107,109 +153,150 @@ def main(words: Sequence[str]) -> int:
         raise UrdfcheckError(f"{option} prints text: write -o {options.format}=FILE instead of --format")
     if options.watch and not any(map(os.path.lexists, options.paths)):
         raise UrdfcheckError(f"{', '.join(options.paths)}: does not exist, so there is nothing to watch")
-    first = first_worker()
-    outputs = output_files(options.output, options.paths)
-    folders = {file for text, (_, file) in zip(options.output, outputs, strict=True) if names_folder(text)}
-    formats = {options.format, *(name for name, _ in outputs)}
-    summary = summary_file() if "github" in formats else None
-    if summary is not None:
-        formats.add("markdown")
 
-    from urdfcheck import output
-    from urdfcheck.run.pipeline import run
-    from urdfcheck.system import libraries
 
-    request, settings = requested(options, scene=bool(formats & output.DRAWING_FORMATS))
-    libraries.prefer_own_folders()
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReportPlan:
+    """Where the outcome of a run goes, decided before the run starts."""
 
-    def meanwhile() -> None:
-        for name in formats:
+    printed_format: str
+    files: tuple[tuple[str, Path], ...]
+    """Format and file of each ``--output``."""
+    page_folders: frozenset[Path]
+    """Those of `files` that are folders with a page per model."""
+    job_summary: Path | None
+    """The file of GitHub's job summary; None outside of a job."""
+
+    @classmethod
+    def from_options(cls, options: argparse.Namespace) -> ReportPlan:
+        """Read ``--format`` and ``--output``.
+
+        :raises UrdfcheckError: see `parse_outputs`.
+        """
+        files = parse_outputs(options.output, options.paths)
+        pages = {file for text, (_, file) in zip(options.output, files, strict=True) if is_folder_output(text)}
+        for_github = "github" in {options.format, *(name for name, _ in files)}
+        return cls(
+            printed_format=options.format,
+            files=tuple(files),
+            page_folders=frozenset(pages),
+            job_summary=find_summary_file() if for_github else None,
+        )
+
+    @property
+    def formats(self) -> frozenset[str]:
+        """All formats that are rendered."""
+        names = {self.printed_format, *(name for name, _ in self.files)}
+        return frozenset(names if self.job_summary is None else {*names, "markdown"})
+
+    @property
+    def needs_scene(self) -> bool:
+        """Whether a format draws the model."""
+        return bool(self.formats & DRAWING_FORMATS)
+
+    def import_formats(self) -> None:
+        """Import the modules of all formats."""
+        for name in self.formats:
             importlib.import_module(f"urdfcheck.output.{name}")
 
-    def report(outcome: Run, settings: Config) -> int:
-        fail_on = options.fail_on or settings.fail_on
-        if options.statistics:
-            show_statistics(outcome, options.color)
-        else:
-            show(outcome, options.format, options.color, _detail(options), fail_on)
-        refused = []
-        for output_format, file in outputs:
-            try:
-                write_report(outcome, output_format, file, as_pages=file in folders)
-            except UrdfcheckError as error:  # a report that cannot be written keeps no other from being written
-                refused.append(str(error))
-        if summary is not None:
-            append(outcome, [str(file) for name, file in outputs if name == "html"], summary)
-        if refused:
-            raise UrdfcheckError("; ".join(refused))
-        return exit_code(outcome, fail_on, allow_empty=options.allow_empty)
 
-    if options.watch:
-        from urdfcheck.cli.commands.watch import watch
+def _report(outcome: Run, options: argparse.Namespace, reports: ReportPlan, settings: Config) -> int:
+    """Print the outcome, write all reports, and return the exit code.
 
-        def ask() -> tuple[Request, Config]:
-            return requested(options, scene=bool(formats & output.DRAWING_FORMATS))
-
-        return watch((request, settings), ask, report, [file for _, file in outputs], first, meanwhile)
-    if options.fix or options.diff:
-        from urdfcheck.fix.fixer import fixes
-
-        try:
-            fixed = fixes(request, unsafe=options.unsafe_fixes, first=first, meanwhile=meanwhile, progress=progress())
-        except KeyboardInterrupt:
-            raise UrdfcheckError("interrupted; no file was changed") from None
-        outcome = fixed.outcome
-        if options.diff:
-            # Of the exit codes only those that are not about findings.
-            code = exit_code(replace(outcome, findings=()), "never", allow_empty=options.allow_empty)
-            return _diff(fixed, code)
-        _write(fixed)
+    :raises UrdfcheckError: when reports cannot be written; the others are written all the same.
+    """
+    fail_on = options.fail_on or settings.fail_on
+    if options.statistics:
+        print_statistics(outcome, options.color)
     else:
-        outcome = run(request, first=first, meanwhile=meanwhile, progress=progress())
-    return report(outcome, settings)
+        print_run(outcome, options.format, options.color, detail=_choose_detail(options), fail_on=fail_on)
+    errors = []
+    for output_format, file in reports.files:
+        try:
+            write_report(outcome, output_format, file, as_pages=file in reports.page_folders)
+        except UrdfcheckError as error:
+            errors.append(str(error))
+    if reports.job_summary is not None:
+        append_summary(outcome, [str(file) for name, file in reports.files if name == "html"], reports.job_summary)
+    if errors:
+        raise UrdfcheckError("; ".join(errors))
+    return compute_exit_code(outcome, fail_on, allow_empty=options.allow_empty)
 
 
-def _detail(options: argparse.Namespace) -> DetailLevel:
+def _choose_detail(options: argparse.Namespace) -> DetailLevel:
     from urdfcheck.output.text import DetailLevel
 
     return DetailLevel.FULL if options.verbose else DetailLevel.QUIET if options.quiet else DetailLevel.BRIEF
 
 
-def _write(fixed: Fixes) -> None:
-    """Change the files. What was done goes to standard error, so that a report stays what it is."""
+def _watch(
+    options: argparse.Namespace, reports: ReportPlan, asked: tuple[Request, Config], warm_worker: Worker | None
+) -> int:
+    from urdfcheck.cli.commands.watch import watch
+
+    return watch(
+        asked,
+        lambda: build_request(options, scene=reports.needs_scene),
+        lambda outcome, settings: _report(outcome, options, reports, settings),
+        written=[file for _, file in reports.files],
+        warm_worker=warm_worker,
+        on_idle=reports.import_formats,
+    )
+
+
+# -- fixes -------------------------------------------------------------------------------------------------------------
+
+
+def _compute_fixes(request: Request, execution: Execution, *, include_unsafe: bool) -> FixResult:
+    """Apply the fixes in memory and check the result.
+
+    :raises UrdfcheckError: when the user interrupts.
+    """
+    from urdfcheck.fix.fixer import compute_fixes
+
+    try:
+        return compute_fixes(request, execution, include_unsafe=include_unsafe)
+    except KeyboardInterrupt:
+        raise UrdfcheckError("interrupted; no file was changed") from None
+
+
+def _write_fixes(fixes: FixResult) -> None:
+    """Change the files. Standard error says what was done, so that standard output holds the report alone."""
     from urdfcheck.fix import patch
 
-    if fixed.outcome.partial:
+    if fixes.outcome.partial:
         say("interrupted: no file was changed", sys.stderr)
         return
-    patch.write(fixed.changes)
-    _tell("fixed", fixed)
+    patch.write_files(fixes.changes)
+    _summarise_fixes("fixed", fixes)
 
 
-def _diff(fixed: Fixes, code: int) -> int:
-    """Print what would be changed; the exit code, ``code`` where nothing would be."""
+def _print_diff(fixes: FixResult, *, allow_empty: bool) -> int:
+    """Print what would be changed; the exit code says whether there is anything, findings do not count."""
     from urdfcheck.fix import patch
 
-    for path, (before, after) in fixed.changes.items():
-        for line in patch.difference(path, before, after):
+    for path, (before, after) in fixes.changes.items():
+        for line in patch.iter_diff_lines(path, before, after):
             say(line)
     sys.stdout.flush()
-    for failure in fixed.outcome.failures:
+    for failure in fixes.outcome.failures:
         say(f"urdfcheck failed: {failure}", sys.stderr)
-    _tell("would fix", fixed)
-    return code or (FINDINGS if fixed.changes else OK)
+    _summarise_fixes("would fix", fixes)
+    code = compute_exit_code(replace(fixes.outcome, findings=()), "never", allow_empty=allow_empty)
+    return code or (FINDINGS if fixes.changes else OK)
 
 
-def _tell(done: str, fixed: Fixes) -> None:
+def _summarise_fixes(done: str, fixes: FixResult) -> None:
+    """Print the number of fixes, and each reason for which others were not made."""
     from urdfcheck.output.shared.inert import escape_one_line
 
-    alike: dict[str, list[Finding]] = {}
-    for finding, reason in fixed.refused:
-        alike.setdefault(reason, []).append(finding)
-    for reason, findings in alike.items():
+    by_reason: dict[str, list[Finding]] = {}
+    for finding, reason in fixes.refused:
+        by_reason.setdefault(reason, []).append(finding)
+    for reason, findings in by_reason.items():
         span = findings[0].location.span
         place = "" if span is None else f"{escape_one_line(span.file)}:{span.line}:{span.col} "
         others = "" if len(findings) == 1 else f" and {len(findings) - 1} more"
         say(f"not fixed: {place}{findings[0].code}{others}: {escape_one_line(reason)}", sys.stderr)
-    more = f" ({fixed.more} more with --unsafe-fixes)" if fixed.more else ""
-    say(f"{done} {len(fixed.fixed)}{more}", sys.stderr)
+    more = f" ({fixes.unsafe_count} more with --unsafe-fixes)" if fixes.unsafe_count else ""
+    say(f"{done} {len(fixes.fixed)}{more}", sys.stderr)

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from urdfcheck.cli import COMMANDS
-from urdfcheck.cli.options import Parser
+from urdfcheck.cli.options import CommandParser
 from urdfcheck.cli.terminal import OK
 
 FILES, FOLDERS = "files", "folders"
@@ -24,31 +24,31 @@ _KINDS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Argument:
+class CompletedArgument:
     """An option with its ``flags``, or without any a word of a command. ``words``: the values to choose from; ``kind``: files,
     folders, or nothing that the shell knows; ``takes``: whether an option has a value at all."""
 
     flags: tuple[str, ...]
     help: str
-    words: tuple[str, ...]
+    choices: tuple[str, ...]
     kind: str
-    takes: bool
-    meta: str
+    takes_value: bool
+    metavar: str
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class CompletedCommand:
     """A command, its options, and what it takes besides, in order."""
 
     name: str
     help: str
-    options: tuple[Argument, ...]
-    operands: tuple[Argument, ...]
+    options: tuple[CompletedArgument, ...]
+    operands: tuple[CompletedArgument, ...]
 
     @property
-    def first(self) -> tuple[str, ...]:
+    def first_words(self) -> tuple[str, ...]:
         """What its first word may be chosen from."""
-        return self.operands[0].words if self.operands else ()
+        return self.operands[0].choices if self.operands else ()
 
     @property
     def kind(self) -> str:
@@ -56,9 +56,9 @@ class Command:
         return self.operands[-1].kind if self.operands else ""
 
 
-def parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
     """The options of ``urdfcheck completion``."""
-    p = Parser(
+    p = CommandParser(
         prog="urdfcheck completion",
         description="Print a script that completes the words of this command in a shell.",
         epilog="bash:  urdfcheck completion bash > ~/.local/share/bash-completion/completions/urdfcheck\n"
@@ -72,13 +72,13 @@ def parser() -> argparse.ArgumentParser:
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    options = parser().parse_args(words)
-    for line in SHELLS[options.shell](_commands()):
+    options = build_parser().parse_args(words)
+    for line in SHELLS[options.shell](_list_commands()):
         print(line)
     return OK
 
 
-def _commands() -> list[Command]:
+def _list_commands() -> list[CompletedCommand]:
     from urdfcheck import rules as catalogue
     from urdfcheck.output import FORMATS, PICTURE_FORMAT
     from urdfcheck.policy.config import TARGETS
@@ -90,20 +90,20 @@ def _commands() -> list[Command]:
         "NAMES": tuple(TARGETS),
         "FORMAT=FILE": tuple(f"{name}=" for name in (*FORMATS, PICTURE_FORMAT)),
     }
-    return [_command(name, values) for name in COMMANDS]
+    return [_describe_command(name, values) for name in COMMANDS]
 
 
-def _command(name: str, values: dict[str, tuple[str, ...]]) -> Command:
-    made: argparse.ArgumentParser = importlib.import_module(f"urdfcheck.cli.commands.{name}").parser()
+def _describe_command(name: str, values: dict[str, tuple[str, ...]]) -> CompletedCommand:
+    made: argparse.ArgumentParser = importlib.import_module(f"urdfcheck.cli.commands.{name}").build_parser()
     arguments = []
     for action in made._actions:
         meta = str(action.metavar or action.dest)
         words = tuple(map(str, action.choices)) if action.choices else values.get(meta, ())
         kind = FILES if meta == "FORMAT=FILE" else _KINDS.get(meta, "")
         text = (action.help or "") % {"default": action.default}
-        arguments.append(Argument(tuple(action.option_strings), text, words, kind, action.nargs != 0, meta))
+        arguments.append(CompletedArgument(tuple(action.option_strings), text, words, kind, action.nargs != 0, meta))
     summary = (made.description or "").partition(". ")[0].rstrip(".")
-    return Command(
+    return CompletedCommand(
         name,
         summary,
         tuple(a for a in arguments if a.flags),
@@ -111,7 +111,7 @@ def _command(name: str, values: dict[str, tuple[str, ...]]) -> Command:
     )
 
 
-def _bash(commands: Iterable[Command]) -> Iterator[str]:
+def _iter_bash(commands: Iterable[CompletedCommand]) -> Iterator[str]:
     commands = list(commands)
     names = " ".join(c.name for c in commands)
     yield f"""\
@@ -129,12 +129,12 @@ _urdfcheck() {{
     for command in commands:
         flags = " ".join(flag for option in command.options for flag in option.flags)
         yield f"        {command.name}) options={shlex.quote(flags)} kind={command.kind or 'none'}"
-        if command.first:
-            yield f"            (( COMP_CWORD == 2 )) && words={shlex.quote(' '.join(command.first))} kind=none"
+        if command.first_words:
+            yield f"            (( COMP_CWORD == 2 )) && words={shlex.quote(' '.join(command.first_words))} kind=none"
         yield "            case $prev in"
         for option in command.options:
-            if option.takes:
-                told = f"words={shlex.quote(' '.join(option.words))} kind={option.kind or 'none'}"
+            if option.takes_value:
+                told = f"words={shlex.quote(' '.join(option.choices))} kind={option.kind or 'none'}"
                 yield f"                {'|'.join(option.flags)}) {told} options= ;;"
         yield "            esac ;;"
     yield f"""\
@@ -152,7 +152,7 @@ _urdfcheck() {{
 complete -F _urdfcheck urdfcheck"""
 
 
-def _zsh(commands: Iterable[Command]) -> Iterator[str]:
+def _iter_zsh(commands: Iterable[CompletedCommand]) -> Iterator[str]:
     commands = list(commands)
     listed = " ".join(shlex.quote(f"{c.name}:{c.help}") for c in commands)
     yield f"""\
@@ -179,12 +179,12 @@ _urdfcheck() {{
         yield f"        {command.name}) _arguments -s \\"
         for option in command.options:
             for flag in option.flags:
-                after = f":{_of_zsh(option.meta)}:{_action(option)}" if option.takes else ""
-                sign = "=" if option.takes and flag.startswith("--") else ""
-                yield f"            {shlex.quote(f'*{flag}{sign}[{_of_zsh(option.help)}]{after}')} \\"
+                after = f":{_escape_zsh(option.metavar)}:{_format_zsh_action(option)}" if option.takes_value else ""
+                sign = "=" if option.takes_value and flag.startswith("--") else ""
+                yield f"            {shlex.quote(f'*{flag}{sign}[{_escape_zsh(option.help)}]{after}')} \\"
         for number, operand in enumerate(command.operands, 1):
             place = "*" if number == len(command.operands) else str(number)
-            yield f"            {shlex.quote(f'{place}:{_of_zsh(operand.meta)}:{_action(operand)}')} \\"
+            yield f"            {shlex.quote(f'{place}:{_escape_zsh(operand.metavar)}:{_format_zsh_action(operand)}')} \\"
         yield "            && return ;;"
     yield """\
     esac
@@ -192,20 +192,20 @@ _urdfcheck() {{
 if [[ $funcstack[1] == _urdfcheck ]]; then _urdfcheck "$@"; else compdef _urdfcheck urdfcheck; fi"""
 
 
-def _action(argument: Argument) -> str:
+def _format_zsh_action(argument: CompletedArgument) -> str:
     """How zsh completes a value."""
-    if argument.words and argument.kind:
-        return f"_urdfcheck_reports {' '.join(argument.words)}"
-    if argument.words:
-        return f"({' '.join(argument.words)})"
+    if argument.choices and argument.kind:
+        return f"_urdfcheck_reports {' '.join(argument.choices)}"
+    if argument.choices:
+        return f"({' '.join(argument.choices)})"
     return {FILES: "_files", FOLDERS: "_files -/"}.get(argument.kind, " ")
 
 
-def _of_zsh(text: str) -> str:
+def _escape_zsh(text: str) -> str:
     return "".join(f"\\{c}" if c in "\\[]:" else c for c in text)
 
 
-def _fish(commands: Iterable[Command]) -> Iterator[str]:
+def _iter_fish(commands: Iterable[CompletedCommand]) -> Iterator[str]:
     commands = list(commands)
     yield f"""\
 # fish completion for urdfcheck
@@ -221,32 +221,32 @@ function __urdfcheck_at
     test (count (commandline -opc)) -eq $argv[1]
 end"""
     for command in commands:
-        yield f"complete -c urdfcheck -n '__urdfcheck_at 1' -a {command.name} -d {_of_fish(command.help)}"
+        yield f"complete -c urdfcheck -n '__urdfcheck_at 1' -a {command.name} -d {_quote_fish(command.help)}"
     for command in commands:
         here = f"complete -c urdfcheck -n '__urdfcheck_is {command.name}'"
         for option in command.options:
             flags = " ".join(f"-l {f[2:]}" if f.startswith("--") else f"-s {f[1:]}" for f in option.flags)
-            yield f"{here} {flags} -d {_of_fish(option.help)}{_values(option)}"
-        if command.first:
+            yield f"{here} {flags} -d {_quote_fish(option.help)}{_format_fish_values(option)}"
+        if command.first_words:
             place = f"'__urdfcheck_is {command.name}; and __urdfcheck_at 2'"
-            yield f"complete -c urdfcheck -n {place} -f -a {_of_fish(' '.join(command.first))}"
+            yield f"complete -c urdfcheck -n {place} -f -a {_quote_fish(' '.join(command.first_words))}"
         if not command.kind:
             yield f"{here} -f"
 
 
-def _values(option: Argument) -> str:
+def _format_fish_values(option: CompletedArgument) -> str:
     """How fish completes the value of an option."""
-    if not option.takes:
+    if not option.takes_value:
         return ""
-    words = f" -a {_of_fish(' '.join(option.words))}" if option.words else ""
+    words = f" -a {_quote_fish(' '.join(option.choices))}" if option.choices else ""
     if option.kind == FOLDERS:
         return " -x -a '(__fish_complete_directories)'"
     return f" -r -F{words}" if option.kind else f" -x{words}"
 
 
-def _of_fish(text: str) -> str:
+def _quote_fish(text: str) -> str:
     escaped = text.replace("\\", "\\\\").replace("'", "\\'")
     return f"'{escaped}'"
 
 
-SHELLS = {"bash": _bash, "zsh": _zsh, "fish": _fish}
+SHELLS = {"bash": _iter_bash, "zsh": _iter_zsh, "fish": _iter_fish}

@@ -10,14 +10,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.cli.options import EPILOG, Parser, add_options, baseline_file, configurations
-from urdfcheck.cli.terminal import OK, say, show_document
+from urdfcheck.cli.options import EPILOG, CommandParser, add_options, read_options
+from urdfcheck.cli.terminal import OK, print_document, say
 from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
     from rich.text import Text
 
-    from urdfcheck.policy.config import Config, Configurations
+    from urdfcheck.policy.config import Config, ConfigResolver
 
 DEFAULT, COMMAND_LINE = "default", "command line"
 # Columns before the place of a value; a longer value has its place on a line of its own.
@@ -46,7 +46,7 @@ class RuleSetting:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class ConfigReport:
     """All that is printed. ``selected``: the codes of the rules; ``known``: the findings that ``[[suppress]]`` knows."""
 
     path: str
@@ -59,9 +59,9 @@ class Answer:
     models: tuple[Setting, ...]
 
 
-def parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
     """The options of ``urdfcheck config``."""
-    p = Parser(
+    p = CommandParser(
         prog="urdfcheck config",
         description="Print the configuration that holds for a file or folder, and where each value comes from. It takes the "
         "options of check, which win over every file.",
@@ -76,87 +76,90 @@ def parser() -> argparse.ArgumentParser:
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    options = parser().parse_args(words)
+    options = build_parser().parse_args(words)
     path = Path(options.path)
     if not path.exists():
         raise UrdfcheckError(f"{path} does not exist")
 
-    configured = configurations(options, (path,))
-    config = configured.of(path)
-    baseline = baseline_file(options, config)
+    from urdfcheck.run.request import find_baseline_file, make_config_resolver
+
+    run_options = read_options(options, [options.path])
+    configured = make_config_resolver(run_options)
+    config = configured.for_path(path)
+    baseline = find_baseline_file(run_options, config)
     there = baseline.is_file() and not options.isolated
-    answer = _answer(configured, config, path, baseline if there or options.baseline or config.baseline else None)
+    answer = _build_report(configured, config, path, baseline if there or options.baseline or config.baseline else None)
     if options.format == "json":
         from urdfcheck.output.shared.inert import escape_for_json
 
-        show_document(escape_for_json(json.dumps(asdict(answer), indent=2, ensure_ascii=False) + "\n"))
+        print_document(escape_for_json(json.dumps(asdict(answer), indent=2, ensure_ascii=False) + "\n"))
     else:
-        _print(answer)
+        _print_report(answer)
     return OK
 
 
-def _answer(configured: Configurations, config: Config, path: Path, baseline: Path | None) -> Answer:
-    from urdfcheck.policy.config import typed
+def _build_report(configured: ConfigResolver, config: Config, path: Path, baseline: Path | None) -> ConfigReport:
+    from urdfcheck.policy.config import read_typed_table
     from urdfcheck.source.package.finder import format_path
 
-    given, holds = configured.given, configured.holds(config, path)
-    table, at = typed(config)
-    sections = [(s.key, _inner(table, s.key)) for s in config.sections_of(path)]
+    given, holds = configured.overrides, configured.resolve(config, path)
+    table, at = read_typed_table(config)
+    sections = [(s.key, _get_section(table, s.key)) for s in config.get_sections(path)]
 
-    def said(*key: str | int) -> str:
+    def get_source(*key: str | int) -> str:
         return at[key]
 
-    def last(key: str) -> str:
+    def find_last_source(key: str) -> str:
         """Where the last section stands that says something about a key."""
-        return next((said(*where, key) for where, section in reversed(sections) if key in section), DEFAULT)
+        return next((get_source(*where, key) for where, section in reversed(sections) if key in section), DEFAULT)
 
-    def words(key: str, default: str, on_command_line: frozenset[str] | None) -> Iterator[Setting]:
+    def iter_code_settings(key: str, default: str, on_command_line: frozenset[str] | None) -> Iterator[Setting]:
         if on_command_line is not None:
-            yield Setting(key, _few(sorted(on_command_line)), COMMAND_LINE)
+            yield Setting(key, _shorten_list(sorted(on_command_line)), COMMAND_LINE)
             return
-        typed_so = [Setting(key, ", ".join(s[key]), said(*where, key)) for where, s in sections if key in s]
+        typed_so = [Setting(key, ", ".join(s[key]), get_source(*where, key)) for where, s in sections if key in s]
         yield from typed_so or [Setting(key, default, DEFAULT)]
 
-    def one(key: str, value: Any, on_command_line: bool = False) -> Setting:
-        return Setting(key, value, COMMAND_LINE if on_command_line else last(key))
+    def make_setting(key: str, value: Any, on_command_line: bool = False) -> Setting:
+        return Setting(key, value, COMMAND_LINE if on_command_line else find_last_source(key))
 
-    beside = "found beside the configuration" if config.baseline is None else last("baseline")
+    beside = "found beside the configuration" if config.baseline is None else find_last_source("baseline")
     settings = [
-        *words("select", "ALL", given.select),
-        *words("ignore", "", given.ignore),
-        one("fail-on", holds.fail_on, given.fail_on is not None),
-        one("tier", holds.tier, given.tier is not None),
-        one("target", ", ".join(holds.targets), given.target is not None),
-        one("exclude", ", ".join(config.exclude)),
+        *iter_code_settings("select", "ALL", given.select),
+        *iter_code_settings("ignore", "", given.ignore),
+        make_setting("fail-on", holds.fail_on, given.fail_on is not None),
+        make_setting("tier", holds.policy.tier, given.tier is not None),
+        make_setting("target", ", ".join(holds.policy.targets), given.target is not None),
+        make_setting("exclude", ", ".join(config.exclude)),
         *(Setting("packages", f"{n} = {format_path(p)}", at["packages", n]) for n, p in config.packages.items()),
-        one("package-path", ", ".join(map(format_path, config.package_path))),
+        make_setting("package-path", ", ".join(map(format_path, config.package_path))),
         Setting("baseline", "", DEFAULT)
         if baseline is None
         else Setting("baseline", format_path(baseline), COMMAND_LINE if given.baseline is not None else beside),
     ]
     known = [
-        Setting(_few(_typed_codes(table, i)), f"{entry.subject}: {entry.reason}", at["suppress", i])
+        Setting(_shorten_list(_get_suppressed_codes(table, i)), f"{entry.subject}: {entry.reason}", at["suppress", i])
         for i, (_, entry) in enumerate(config.suppress)
-        if entry in holds.suppress
+        if entry in holds.policy.suppress
     ]
     models = [
         Setting(m.name or "no name", " ".join(f"{n}:={v}" for n, v in m.arguments.items()), at["models", i])
         for i, m in enumerate(config.models)
         if m.path.resolve() == path.resolve()
     ]
-    return Answer(
+    return ConfigReport(
         format_path(path),
         None if config.file is None else format_path(config.file),
         format_path(config.root),
         tuple(settings),
-        tuple(sorted(holds.codes)),
-        tuple(_rules(configured, config, path, sections, at)),
+        tuple(sorted(holds.policy.codes)),
+        tuple(_iter_rule_settings(configured, config, path, sections, at)),
         tuple(known),
         tuple(models),
     )
 
 
-def _inner(table: Mapping[str, Any], key: Sequence[str | int]) -> Mapping[str, Any]:
+def _get_section(table: Mapping[str, Any], key: Sequence[str | int]) -> Mapping[str, Any]:
     found: Any = table
     for part in key:
         found = found[part]
@@ -164,13 +167,13 @@ def _inner(table: Mapping[str, Any], key: Sequence[str | int]) -> Mapping[str, A
     return section
 
 
-def _typed_codes(table: Mapping[str, Any], index: int) -> list[str]:
+def _get_suppressed_codes(table: Mapping[str, Any], index: int) -> list[str]:
     words: list[str] = table["suppress"][index]["codes"]
     return words
 
 
-def _rules(
-    configured: Configurations,
+def _iter_rule_settings(
+    configured: ConfigResolver,
     config: Config,
     path: Path,
     sections: Sequence[tuple[tuple[str | int, ...], Mapping[str, Any]]],
@@ -178,7 +181,7 @@ def _rules(
 ) -> Iterator[RuleSetting]:
     from urdfcheck import rules as catalogue
 
-    holds = configured.holds(config, path)
+    holds = configured.resolve(config, path)
     severities: dict[str, str] = {}
     options: dict[tuple[str, str], str] = {}
     for where, section in sections:
@@ -191,34 +194,34 @@ def _rules(
                 place = (*where, "options", word, name)
                 options.update(dict.fromkeys(((code, name) for code in catalogue.select_rules([word])), at[place]))
     for code, rule in catalogue.load_rules().items():
-        if code in holds.codes and holds.severities.get(code, str(rule.severity)) != str(rule.severity):
-            value = holds.severities[code]
+        if code in holds.policy.codes and holds.policy.severities.get(code, str(rule.severity)) != str(rule.severity):
+            value = holds.policy.severities[code]
             yield RuleSetting(code, rule.name, None, value, str(rule.severity), severities[code])
-        for name, value in holds.options.get(code, {}).items() if code in holds.codes else ():
+        for name, value in holds.policy.options.get(code, {}).items() if code in holds.policy.codes else ():
             yield RuleSetting(code, rule.name, name, value, rule.options[name].default, options[code, name])
 
 
-def _few(words: Sequence[str]) -> str:
+def _shorten_list(words: Sequence[str]) -> str:
     return ", ".join(words) if len(words) <= 8 else f"{', '.join(words[:8])} and {len(words) - 8} more"
 
 
 # -- for a person ------------------------------------------------------------------------------------------------------
 
 
-def _print(answer: Answer) -> None:
+def _print_report(answer: ConfigReport) -> None:
     from rich.console import Console
     from rich.text import Text
 
     from urdfcheck import rules as catalogue
     from urdfcheck.output.shared.inert import escape_one_line
 
-    def row(name: str, value: str, source: str) -> Text:
+    def make_row(name: str, value: str, source: str) -> Text:
         line = Text(" " * INDENT).append(escape_one_line(name).ljust(NAMES), "" if value else "dim")
         line.append(escape_one_line(value) or "none", "" if value else "dim")
         line.pad_right(max(PLACES - line.cell_len, 2))
         return line.append(escape_one_line(source), "dim" if source == DEFAULT else "cyan")
 
-    def block(title: str, rows: Sequence[Text]) -> list[Text]:
+    def make_block(title: str, rows: Sequence[Text]) -> list[Text]:
         return [Text(), Text(f"  {title}", "bold"), *rows] if rows else []
 
     lines = [Text.assemble((escape_one_line(answer.path), "bold"))]
@@ -227,18 +230,22 @@ def _print(answer: Answer) -> None:
     )
     lines.append(Text.assemble("  models are named from ", (escape_one_line(answer.root), "")))
     lines.append(Text())
-    lines += [row(s.name, str(s.value), s.source) for s in answer.settings]
-    lines.append(row("rules", f"{len(answer.selected)} of {len(catalogue.load_rules())}", ""))
-    severities = [row(r.code, f"{r.name}: {r.default} → {r.value}", r.source) for r in answer.rules if r.option is None]
+    lines += [make_row(s.name, str(s.value), s.source) for s in answer.settings]
+    lines.append(make_row("rules", f"{len(answer.selected)} of {len(catalogue.load_rules())}", ""))
+    severities = [
+        make_row(r.code, f"{r.name}: {r.default} → {r.value}", r.source) for r in answer.rules if r.option is None
+    ]
     options = [
-        row(r.code, f"{r.name}: {r.option} = {r.value}, on the page {r.default}", r.source)
+        make_row(r.code, f"{r.name}: {r.option} = {r.value}, on the page {r.default}", r.source)
         for r in answer.rules
         if r.option is not None
     ]
-    lines += block("severities that differ from the rule's page", severities)
-    lines += block("options that differ", options)
-    lines += block("checked with these arguments", [row(m.name, str(m.value), m.source) for m in answer.models])
-    lines += block("known findings", [row(k.name, str(k.value), k.source) for k in answer.known])
+    lines += make_block("severities that differ from the rule's page", severities)
+    lines += make_block("options that differ", options)
+    lines += make_block(
+        "checked with these arguments", [make_row(m.name, str(m.value), m.source) for m in answer.models]
+    )
+    lines += make_block("known findings", [make_row(k.name, str(k.value), k.source) for k in answer.known])
     console = Console()
     for line in lines:
         if console.is_terminal:

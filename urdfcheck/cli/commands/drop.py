@@ -7,10 +7,10 @@ import importlib.util
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from urdfcheck.cli.options import Parser, add_access, add_options, output_files, requested
-from urdfcheck.cli.preload import first_worker
-from urdfcheck.cli.terminal import exit_code, progress, show, write
+from urdfcheck.cli.options import CommandParser, add_access_options, add_options, build_request, parse_outputs
+from urdfcheck.cli.terminal import compute_exit_code, make_progress_printer, print_run, write_file
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.run.preload import start_warm_worker
 
 if TYPE_CHECKING:
     from urdfcheck.core import Run
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 RULE = "DYN005"
 
 
-def parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
     """The options of ``urdfcheck drop``."""
-    p = Parser(
+    p = CommandParser(
         prog="urdfcheck drop",
         description="Set a robot on a plane in MuJoCo, let go for two seconds, and look at what comes of it.",
         epilog="exit codes: 0 nothing at or above --fail-on, 1 findings (DYN005 is a warning), 2 it could not be dropped",
@@ -37,7 +37,7 @@ def parser() -> argparse.ArgumentParser:
     p.add_argument(
         "--fail-on", choices=("error", "warning", "info", "never"), help="exit 1 from here on (default: error)"
     )
-    add_access(p)
+    add_access_options(p)
     p.add_argument(
         "--color", choices=("auto", "always", "never"), default="auto", help="colours (default: on a terminal)"
     )
@@ -47,10 +47,10 @@ def parser() -> argparse.ArgumentParser:
 def main(words: Sequence[str]) -> int:
     """Run the command."""
     # The rest is as a check has it without options.
-    check = Parser()
+    check = CommandParser()
     add_options(check)
-    options = parser().parse_args(words, check.parse_args(["--tier=full"]))
-    outputs = output_files(options.output, options.paths)
+    options = build_parser().parse_args(words, check.parse_args(["--tier=full"]))
+    outputs = parse_outputs(options.output, options.paths)
     if importlib.util.find_spec("mujoco") is None:
         raise UrdfcheckError("a drop test needs MuJoCo: pip install 'urdfcheck[engines]'")
 
@@ -59,30 +59,31 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck import output
     from urdfcheck import rules as catalogue
     from urdfcheck.core import Severity
-    from urdfcheck.run.pipeline import run
+    from urdfcheck.run.pipeline import Execution, run
     from urdfcheck.system import libraries
 
-    first = first_worker()
+    first = start_warm_worker()
     # What is wrong with the file says why there is no model.
     wanted = {RULE, *(code for code, rule in catalogue.load_rules().items() if "file" in rule.scopes)}
     formats = {options.format, *(name for name, _ in outputs)}
     if "html" not in formats:
         options.select = [",".join(sorted(wanted))]
-    request, settings = requested(options, scene="html" in formats)
+    request, settings = build_request(options, scene="html" in formats)
     libraries.prefer_own_folders()
-    outcome = run(replace(request, drop=True), first=first, progress=progress())
+    request = replace(request, options=replace(request.options, drop=True))
+    outcome = run(request, Execution(warm_worker=first, on_progress=make_progress_printer()))
     if outcome.models and not outcome.drops:
-        raise UrdfcheckError(f"{options.paths[0]}: {_why_none(outcome)}")
+        raise UrdfcheckError(f"{options.paths[0]}: {_explain_no_drop(outcome)}")
     # Whatever is written beside it, the command says the same: what the drop shows, and errors of the file.
     findings = (f for f in outcome.findings if f.code == RULE or (f.code in wanted and f.severity == Severity.ERROR))
     told = replace(outcome, findings=tuple(findings), scenes=())
-    show(outcome if options.format == "html" else told, options.format, options.color)
+    print_run(outcome if options.format == "html" else told, options.format, options.color)
     for output_format, file in outputs:
-        write(output.render(outcome if output_format == "html" else told, output_format), file)
-    return exit_code(told, options.fail_on or settings.fail_on)
+        write_file(output.render(outcome if output_format == "html" else told, output_format), file)
+    return compute_exit_code(told, options.fail_on or settings.fail_on)
 
 
-def _why_none(outcome: Run) -> str:
+def _explain_no_drop(outcome: Run) -> str:
     """Why no model could be dropped."""
     from urdfcheck.core import Severity
 

@@ -7,14 +7,13 @@ import json
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.cli.options import Parser, add_access, configuration, reading
-from urdfcheck.cli.terminal import FINDINGS, OK, show_document
+from urdfcheck.cli.options import CommandParser, add_access_options, build_access_request
+from urdfcheck.cli.terminal import FINDINGS, OK, print_document
 
 if TYPE_CHECKING:
-    from urdfcheck.simulators.comparing import Comparison, Row
+    from urdfcheck.simulators.comparison import EngineComparison, EngineRow
 
 SCHEMA = "urdfcheck-engines/1"
 # The columns, and those that are left out first where there is no room.
@@ -22,46 +21,44 @@ _HEADS = ("engine", "version", "verdict", "links", "mass kg", "max |ΔM|", "max 
 _DISPENSABLE = (1, 3, 6)
 
 
-def parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
     """The options of ``urdfcheck engines``."""
-    p = Parser(
+    p = CommandParser(
         prog="urdfcheck engines",
         description="Load a model for real in every engine that is installed, and compare what they make of it.",
         epilog="exit codes: 0 all load it that should, 1 one does not, 2 urdfcheck or its configuration failed",
     )
     p.add_argument("model", metavar="MODEL", help="a model, or whatever means exactly one")
     p.add_argument("--format", choices=("text", "json"), default="text", help="how to print it (default: text)")
-    add_access(p)
+    add_access_options(p)
     return p
 
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    options = parser().parse_args(words)
-    path = Path(options.model)
+    options = build_parser().parse_args(words)
 
     from dataclasses import replace
 
     from urdfcheck import rules as catalogue
-    from urdfcheck.simulators.comparing import compare
+    from urdfcheck.simulators.comparison import compare_engines
     from urdfcheck.system import libraries
 
     libraries.prefer_own_folders()
-    settings = configuration(path, options)
-    request = reading(options, settings, (path,), frozenset(catalogue.load_rules()))
-    done = compare(replace(request, jobs=os.cpu_count() or 1))
+    request, settings = build_access_request(options, options.model, frozenset(catalogue.load_rules()))
+    done = compare_engines(replace(request, jobs=os.cpu_count() or 1))
     if options.format == "json":
-        show_document(json.dumps(_document(done), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+        print_document(json.dumps(_build_document(done), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     else:
         from urdfcheck.output.shared.inert import escape_for_log
 
-        for line in _lines(done, _width()):
+        for line in _iter_lines(done, _get_width()):
             print(escape_for_log(line))
-    failed = any(_fails(row, settings.target) for row in done.rows)
+    failed = any(_is_unexpected_refusal(row, settings.target) for row in done.rows)
     return FINDINGS if failed else OK
 
 
-def _fails(row: Row, targets: Sequence[str]) -> bool:
+def _is_unexpected_refusal(row: EngineRow, targets: Sequence[str]) -> bool:
     """Whether an engine refuses the model that should load it: one that it is meant for, or of which no finding says so."""
     from urdfcheck.core import Verdict
 
@@ -69,16 +66,16 @@ def _fails(row: Row, targets: Sequence[str]) -> bool:
     return refused and (row.engine in targets or row.predicted is not Verdict.REFUSES)
 
 
-def _width() -> int:
+def _get_width() -> int:
     import shutil
 
     return shutil.get_terminal_size((100, 24)).columns if sys.stdout.isatty() else 100
 
 
-def _lines(done: Comparison, width: int) -> Iterator[str]:
+def _iter_lines(done: EngineComparison, width: int) -> Iterator[str]:
     import textwrap
 
-    table = [_HEADS, *(_cells(row) for row in done.rows)]
+    table = [_HEADS, *(_format_cells(row) for row in done.rows)]
     widths = [max(len(line[i]) for line in table) for i in range(len(_HEADS))]
     shown = list(range(len(_HEADS)))
     for dispensable in _DISPENSABLE:
@@ -86,7 +83,7 @@ def _lines(done: Comparison, width: int) -> Iterator[str]:
             shown.remove(dispensable)
     for place, line in enumerate(table):
         yield "  ".join(line[i].ljust(widths[i]) if i < 3 else line[i].rjust(widths[i]) for i in shown).rstrip()
-        for note in _notes(done.rows[place - 1]) if place else ():
+        for note in _iter_notes(done.rows[place - 1]) if place else ():
             yield from textwrap.wrap(note, max(width, 40), initial_indent="    ", subsequent_indent="      ")
     yield ""
     info = done.info
@@ -101,12 +98,12 @@ def _lines(done: Comparison, width: int) -> Iterator[str]:
         yield f"{name} is not installed: {command}"
 
 
-def _cells(row: Row) -> tuple[str, ...]:
+def _format_cells(row: EngineRow) -> tuple[str, ...]:
     loaded, judgement = row.outcome.loaded, row.judgement
     return (
         row.engine,
         row.version,
-        _word(row.judgement.verdict.name),
+        _format_verdict(row.judgement.verdict.name),
         "-" if loaded is None or not loaded.links else str(len(loaded.links)),
         "-" if loaded is None or not loaded.links else f"{sum(loaded.links.values()):.4g}",
         "-" if judgement.matrix is None else f"{judgement.matrix:.1e}",
@@ -114,50 +111,50 @@ def _cells(row: Row) -> tuple[str, ...]:
     )
 
 
-def _word(verdict: str) -> str:
+def _format_verdict(verdict: str) -> str:
     return "NaN" if verdict == "NAN" else verdict.lower()
 
 
-def _notes(row: Row) -> Iterator[str]:
+def _iter_notes(row: EngineRow) -> Iterator[str]:
     yield from row.judgement.reasons
-    if row.surprise and row.because:
-        yield f"{', '.join(row.because)} said that it {_word(row.predicted.name)} it"
-    elif row.surprise:
+    if row.is_surprise and row.codes:
+        yield f"{', '.join(row.codes)} said that it {_format_verdict(row.predicted.name)} it"
+    elif row.is_surprise:
         yield "no finding said so"
-    elif row.because:
-        yield f"see {', '.join(row.because)}"
+    elif row.codes:
+        yield f"see {', '.join(row.codes)}"
     said = [m for m in row.outcome.messages if not any(m in reason for reason in row.judgement.reasons)]
     if said:
         more = f" (and {len(said) - 1} more)" if len(said) > 1 else ""
         yield f"it prints: {said[0]}{more}"
 
 
-def _document(done: Comparison) -> dict[str, Any]:
+def _build_document(done: EngineComparison) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "model": {"path": done.info.path, "links": done.info.links, "mass": done.info.mass},
-        "engines": {row.engine: _entry(row) for row in done.rows},
+        "engines": {row.engine: _build_entry(row) for row in done.rows},
         "missing": dict(done.missing),
     }
 
 
-def _entry(row: Row) -> dict[str, Any]:
+def _build_entry(row: EngineRow) -> dict[str, Any]:
     loaded, judgement = row.outcome.loaded, row.judgement
     return {
         "version": row.version,
-        "verdict": _word(judgement.verdict.name),
-        "predicted": _word(row.predicted.name),
-        "because": list(row.because),
+        "verdict": _format_verdict(judgement.verdict.name),
+        "predicted": _format_verdict(row.predicted.name),
+        "because": list(row.codes),
         "reasons": list(judgement.reasons),
         "links": None if loaded is None else sorted(loaded.links),
-        "mass": None if loaded is None else _finite(sum(loaded.links.values())),
-        "matrix": _finite(judgement.matrix),
-        "torque": _finite(judgement.torque),
+        "mass": None if loaded is None else _keep_finite(sum(loaded.links.values())),
+        "matrix": _keep_finite(judgement.matrix),
+        "torque": _keep_finite(judgement.torque),
         "messages": list(row.outcome.messages),
     }
 
 
-def _finite(value: float | None) -> float | None:
+def _keep_finite(value: float | None) -> float | None:
     import math
 
     return value if value is not None and math.isfinite(value) else None

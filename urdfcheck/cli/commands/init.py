@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.cli.options import Parser
-from urdfcheck.cli.terminal import NOTHING, OK, progress, say, write
+from urdfcheck.cli.options import CommandParser
+from urdfcheck.cli.terminal import NOTHING, OK, make_progress_printer, say, write_file
 from urdfcheck.core.errors import UrdfcheckError
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ HOOKS = """\
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class SetupStep:
     """What happens to a file. ``text`` is what it holds afterwards, None where it is left as it is, and ``why`` says why;
     ``added`` is the part that is new."""
 
@@ -122,12 +122,12 @@ class Step:
     verb: str
     text: str | None = None
     added: str = ""
-    why: str = ""
+    reason: str = ""
 
 
-def parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
     """The options of ``urdfcheck init``."""
-    p = Parser(
+    p = CommandParser(
         prog="urdfcheck init",
         description="Write a configuration, a pre-commit entry and a CI job for the models of a folder. Nothing that is there is "
         "overwritten: text is added to it, or it is left as it is.",
@@ -141,50 +141,55 @@ def parser() -> argparse.ArgumentParser:
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    options = parser().parse_args(words)
+    options = build_parser().parse_args(words)
     folder = Path(options.folder)
     if not folder.is_dir():
         raise UrdfcheckError(f"{folder} is no folder")
 
-    outcome = _look(folder)
+    outcome = _expand_models(folder)
     if not outcome.models:
         say(f"no model was found in {folder}: there is nothing to set up")
         return NOTHING
-    address, revision = installed_from()
-    root = _repository(folder)
+    address, revision = find_install_origin()
+    root = _find_repository(folder)
     inside = Path(os.path.relpath(folder.resolve(), root)).as_posix()
     install = f'"git+{address}@{revision}"' if address else f"{UNKNOWN} # {_WHAT_TO_INSTALL}"
-    action = _action(address, revision)
-    needing = _needing(outcome, folder)
+    action = _format_github_action(address, revision)
+    needing = _collect_needed_arguments(outcome, folder)
     steps = [
-        _configuration(folder, needing),
-        _hooks(root / PRE_COMMIT, HOOKS.format(address=address, revision=revision) if address else LOCAL_HOOKS),
-        _job(root, install, action, inside),
+        _plan_configuration(folder, needing),
+        _plan_hooks(root / PRE_COMMIT, HOOKS.format(address=address, revision=revision) if address else LOCAL_HOOKS),
+        _plan_job(root, install, action, inside),
     ]
-    _tell_found(outcome)
+    _report_found(outcome)
     for step in steps:
-        _do(step, root, dry=options.dry_run)
-    _tell_next(steps, needing, known=bool(address), dry=options.dry_run)
+        _run_step(step, root, dry=options.dry_run)
+    _report_next_steps(steps, needing, known=bool(address), dry=options.dry_run)
     return OK
 
 
 # -- what is there -----------------------------------------------------------------------------------------------------
 
 
-def _look(folder: Path) -> Run:
+def _expand_models(folder: Path) -> Run:
     """The models of a folder, expanded to see which of them need arguments."""
-    from urdfcheck.policy.config import without_file
-    from urdfcheck.run.pipeline import Request, run
+    from urdfcheck.policy.config import make_default_config
+    from urdfcheck.policy.policy import Policy
+    from urdfcheck.run.jobs import Request
+    from urdfcheck.run.pipeline import Execution, run
     from urdfcheck.system import libraries
 
     libraries.prefer_own_folders()
     request = Request(
-        (folder,), without_file(folder).root, frozenset({"XAC010"}), tier="source", jobs=os.cpu_count() or 1
+        paths=(folder,),
+        root=make_default_config(folder).root,
+        policy=Policy(codes=frozenset({"XAC010"}), tier="source"),
+        jobs=os.cpu_count() or 1,
     )
-    return run(request, progress=progress())
+    return run(request, Execution(on_progress=make_progress_printer()))
 
 
-def _needing(outcome: Run, folder: Path) -> dict[Path, dict[str, tuple[str, ...]]]:
+def _collect_needed_arguments(outcome: Run, folder: Path) -> dict[Path, dict[str, tuple[str, ...]]]:
     """The models that cannot be expanded without arguments, with these and the values of them that their text knows."""
     from urdfcheck.source.package.finder import PackageFinder
     from urdfcheck.source.reach import FileReach
@@ -202,13 +207,13 @@ def _needing(outcome: Run, folder: Path) -> dict[Path, dict[str, tuple[str, ...]
     return found
 
 
-def _repository(folder: Path) -> Path:
+def _find_repository(folder: Path) -> Path:
     """The work tree around a folder, where CI and pre-commit look; itself where there is none."""
     real = folder.resolve()
     return next((f for f in (real, *real.parents) if (f / ".git").exists()), real)
 
 
-def installed_from() -> tuple[str, str]:
+def find_install_origin() -> tuple[str, str]:
     """The address and the commit that urdfcheck was installed from (PEP 610); empty where pip did not write them down."""
     from importlib.metadata import PackageNotFoundError, distribution
 
@@ -223,66 +228,74 @@ def installed_from() -> tuple[str, str]:
 # -- what is to be written ---------------------------------------------------------------------------------------------
 
 
-def _configuration(folder: Path, needing: Mapping[Path, Mapping[str, Sequence[str]]]) -> Step:
+def _plan_configuration(folder: Path, needing: Mapping[Path, Mapping[str, Sequence[str]]]) -> SetupStep:
     import tomli
 
     own, project = folder / "urdfcheck.toml", folder / "pyproject.toml"
     if own.exists():
-        return Step(own, "kept", why="it is there already")
+        return SetupStep(own, "kept", reason="it is there already")
     if not project.is_file():
-        text = CONFIGURATION.format(table="", prefix="") + _models(needing, folder, "")
-        return Step(own, "wrote", text, text)
-    before = _read(project)
+        text = CONFIGURATION.format(table="", prefix="") + _format_models(needing, folder, "")
+        return SetupStep(own, "wrote", text, text)
+    before = _read_text(project)
     table, prefix = "[tool.urdfcheck]\n", "tool.urdfcheck."
-    added = CONFIGURATION.format(table=table, prefix=prefix) + _models(needing, folder, prefix)
+    added = CONFIGURATION.format(table=table, prefix=prefix) + _format_models(needing, folder, prefix)
     try:
         if "urdfcheck" in tomli.loads(before).get("tool", {}):
-            return Step(project, "kept", why="it has a table [tool.urdfcheck] already")
-        text = _after(before, added)
+            return SetupStep(project, "kept", reason="it has a table [tool.urdfcheck] already")
+        text = _append_text(before, added)
         tomli.loads(text)
     except (tomli.TOMLDecodeError, AttributeError, TypeError):
-        return Step(project, "kept", why="nothing can be added to it: put what follows in urdfcheck.toml", added=added)
-    return Step(project, "extended", text, added)
+        return SetupStep(
+            project, "kept", reason="nothing can be added to it: put what follows in urdfcheck.toml", added=added
+        )
+    return SetupStep(project, "extended", text, added)
 
 
-def _models(needing: Mapping[Path, Mapping[str, Sequence[str]]], folder: Path, prefix: str) -> str:
+def _format_models(needing: Mapping[Path, Mapping[str, Sequence[str]]], folder: Path, prefix: str) -> str:
     entries = []
     for path, arguments in sorted(needing.items()):
         relative = Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
-        values = ", ".join(f"{_key(n)} = {_quoted(known[0] if known else '')}" for n, known in arguments.items())
-        notes = [f"# {_key(name)}: {', '.join(map(_quoted, known))}\n" for name, known in arguments.items() if known]
+        values = ", ".join(
+            f"{_format_toml_key(n)} = {_quote_toml(known[0] if known else '')}" for n, known in arguments.items()
+        )
+        notes = [
+            f"# {_format_toml_key(name)}: {', '.join(map(_quote_toml, known))}\n"
+            for name, known in arguments.items()
+            if known
+        ]
         entries.append(
             f"\n[[{prefix}models]]                       # it cannot be expanded without these arguments\n"
-            f"path = {_quoted(relative)}\n# arguments = {{ {values} }}\n{''.join(notes)}"
+            f"path = {_quote_toml(relative)}\n# arguments = {{ {values} }}\n{''.join(notes)}"
         )
     return "".join(entries)
 
 
-def _quoted(text: str) -> str:
+def _quote_toml(text: str) -> str:
     # A string of JSON is one of TOML, but for the character that ends ASCII.
     return json.dumps(text, ensure_ascii=True).replace("\x7f", "\\u007f")
 
 
-def _key(name: str) -> str:
-    return name if name.replace("_", "").replace("-", "").isalnum() and name.isascii() else _quoted(name)
+def _format_toml_key(name: str) -> str:
+    return name if name.replace("_", "").replace("-", "").isalnum() and name.isascii() else _quote_toml(name)
 
 
-def _hooks(path: Path, entry: str) -> Step:
+def _plan_hooks(path: Path, entry: str) -> SetupStep:
     if not path.exists():
-        text = "repos:\n" + _indented(entry, 2)
-        return Step(path, "wrote", text, text)
-    before = _read(path)
+        text = "repos:\n" + _indent_lines(entry, 2)
+        return SetupStep(path, "wrote", text, text)
+    before = _read_text(path)
     if "urdfcheck" in before:
-        return Step(path, "kept", why="it names urdfcheck already")
-    after = with_hooks(before, entry)
+        return SetupStep(path, "kept", reason="it names urdfcheck already")
+    after = add_hooks(before, entry)
     if after is None:
-        return Step(
-            path, "kept", why="its list of repos is not one that text can be added to: add what follows", added=entry
+        return SetupStep(
+            path, "kept", reason="its list of repos is not one that text can be added to: add what follows", added=entry
         )
-    return Step(path, "extended", after, entry)
+    return SetupStep(path, "extended", after, entry)
 
 
-def with_hooks(before: str, entry: str) -> str | None:
+def add_hooks(before: str, entry: str) -> str | None:
     """A pre-commit configuration with one more entry at the end of its repos, every other byte as it was; None where this does
     not give what is meant."""
     import yaml
@@ -301,7 +314,7 @@ def with_hooks(before: str, entry: str) -> str | None:
         if node.end_mark.column:
             newline = before.find("\n", end)
             end = len(before) if newline < 0 else newline + 1
-        text = _after(before[:end], _indented(entry, repos.start_mark.column), blank=False) + before[end:]
+        text = _append_text(before[:end], _indent_lines(entry, repos.start_mark.column), blank=False) + before[end:]
         meant = yaml.safe_load(before)
         meant["repos"].extend(yaml.safe_load(entry))
         return text if yaml.safe_load(text) == meant else None
@@ -309,27 +322,27 @@ def with_hooks(before: str, entry: str) -> str | None:
         return None
 
 
-def _action(address: str, revision: str) -> str:
+def _format_github_action(address: str, revision: str) -> str:
     """How a workflow of GitHub names an action of this address; empty where it is none of GitHub's."""
     found = re.fullmatch(r"https://github\.com/([\w.-]+/[\w.-]+?)(?:\.git)?/?", address)
     return "" if found is None else f"{found.group(1)}@{revision}"
 
 
-def _job(root: Path, install: str, action: str, folder: str) -> Step:
+def _plan_job(root: Path, install: str, action: str, folder: str) -> SetupStep:
     word = shlex.quote(folder)  # of the shell that runs it
     if not (root / GITLAB).exists():
         path = root / GITHUB
         if path.exists():
-            return Step(path, "kept", why="it is there already")
+            return SetupStep(path, "kept", reason="it is there already")
         steps = ACTION.format(action=action, folder=folder) if action else INSTALLED.format(install=install, path=word)
         text = JOB.format(steps=steps)
-        return Step(path, "wrote", text, text)
+        return SetupStep(path, "wrote", text, text)
     import yaml
 
     path = root / GITLAB
-    before = _read(path)
+    before = _read_text(path)
     if "urdfcheck" in before:
-        return Step(path, "kept", why="it names urdfcheck already")
+        return SetupStep(path, "kept", reason="it names urdfcheck already")
     try:
         tree = yaml.compose(before, yaml.SafeLoader)
     except yaml.YAMLError:
@@ -339,22 +352,22 @@ def _job(root: Path, install: str, action: str, folder: str) -> Step:
     stage = "" if "test" in stages or not stages else f"  stage: {stages[0]}\n"
     job = GITLAB_JOB.format(stage=stage, install=install, path=word)
     if tree is None or not isinstance(tree, yaml.MappingNode) or tree.flow_style:
-        return Step(path, "kept", why="it cannot be added to: add what follows", added=job)
-    return Step(path, "extended", _after(before, job), job)
+        return SetupStep(path, "kept", reason="it cannot be added to: add what follows", added=job)
+    return SetupStep(path, "extended", _append_text(before, job), job)
 
 
-def _after(before: str, added: str, *, blank: bool = True) -> str:
+def _append_text(before: str, added: str, *, blank: bool = True) -> str:
     """A text with another behind it, with its own ends of lines."""
     newline = "\r\n" if "\r\n" in before else "\n"
     end = "" if not before or before.endswith("\n") else newline
     return before + end + (newline if blank and before.strip() else "") + added.replace("\n", newline)
 
 
-def _indented(text: str, columns: int) -> str:
+def _indent_lines(text: str, columns: int) -> str:
     return "".join(" " * columns + line for line in text.splitlines(keepends=True))
 
 
-def _read(path: Path) -> str:
+def _read_text(path: Path) -> str:
     from urdfcheck.system.files import read_regular
 
     try:
@@ -366,7 +379,7 @@ def _read(path: Path) -> str:
 # -- writing and telling -----------------------------------------------------------------------------------------------
 
 
-def _do(step: Step, root: Path, *, dry: bool) -> None:
+def _run_step(step: SetupStep, root: Path, *, dry: bool) -> None:
     from urdfcheck.source.package.finder import format_path
 
     name = format_path(step.path)
@@ -374,22 +387,22 @@ def _do(step: Step, root: Path, *, dry: bool) -> None:
     real = Path(os.path.realpath(step.path))
     if text is not None and (step.path.is_symlink() or not real.is_relative_to(root)):
         text = None
-        step = Step(step.path, "kept", why="it is a link, or lies outside of the repository")
+        step = SetupStep(step.path, "kept", reason="it is a link, or lies outside of the repository")
     if text is None:
-        say(f"  kept      {name}: {step.why}")
+        say(f"  kept      {name}: {step.reason}")
         if step.added:
-            say(_indented(step.added, 6).rstrip())
+            say(_indent_lines(step.added, 6).rstrip())
         return
     if dry:
         say(
-            f"  {'would write' if step.verb == 'wrote' else 'would add to'} {name}:\n{_indented(step.added, 6).rstrip()}"
+            f"  {'would write' if step.verb == 'wrote' else 'would add to'} {name}:\n{_indent_lines(step.added, 6).rstrip()}"
         )
         return
-    write(text, step.path)
+    write_file(text, step.path)
     say(f"  {step.verb:<9} {name}")
 
 
-def _tell_found(outcome: Run) -> None:
+def _report_found(outcome: Run) -> None:
     number = len(outcome.models)
     needing = sum(info.status == "needs-arguments" for info in outcome.models)
     failed = sum(info.status == "failed" for info in outcome.models)
@@ -398,7 +411,7 @@ def _tell_found(outcome: Run) -> None:
     say(f"found {number} {'model' if number == 1 else 'models'}{''.join(', ' + note for note in notes)}")
 
 
-def _tell_next(steps: Sequence[Step], needing: Mapping[Path, object], *, known: bool, dry: bool) -> None:
+def _report_next_steps(steps: Sequence[SetupStep], needing: Mapping[Path, object], *, known: bool, dry: bool) -> None:
     from urdfcheck.source.package.finder import format_path
 
     if dry:
@@ -409,7 +422,9 @@ def _tell_next(steps: Sequence[Step], needing: Mapping[Path, object], *, known: 
         told.append(
             f"give {', '.join(map(format_path, sorted(needing)))} arguments in {format_path(configuration.path)}"
         )
-    if not known and (job.text is not None or (job.path.is_file() and f"pip install {UNKNOWN}" in _read(job.path))):
+    if not known and (
+        job.text is not None or (job.path.is_file() and f"pip install {UNKNOWN}" in _read_text(job.path))
+    ):
         told.append(f"write in {format_path(job.path)} how urdfcheck is installed ({UNKNOWN}): {_WHAT_TO_INSTALL}")
     if hooks.text is not None:
         told.append("pre-commit install           the hook runs at each commit")

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 LEAST = 2_000
 
 
-def summary_file() -> Path | None:
+def find_summary_file() -> Path | None:
     """Where the summary goes; None outside of a job."""
     name = os.environ.get("GITHUB_STEP_SUMMARY")
     return Path(name) if name else None
 
 
-def append(run: Run, reports: Sequence[str], file: Path) -> None:
+def append_summary(run: Run, reports: Sequence[str], file: Path) -> None:
     """Append what a run found, as much as the file has room for; ``reports``: where its HTML reports are.
 
     :raises UrdfcheckError: when the file cannot be written.

@@ -5,20 +5,20 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
-from urdfcheck.cli.options import Parser
+from urdfcheck.cli.options import CommandParser
 from urdfcheck.cli.terminal import OK, say
 
 
-def parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
     """The options of ``urdfcheck rule``."""
-    p = Parser(prog="urdfcheck rule", description="List the rules, or explain one.")
+    p = CommandParser(prog="urdfcheck rule", description="List the rules, or explain one.")
     p.add_argument("code", nargs="?", metavar="CODE", help="a code or a name")
     return p
 
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    options = parser().parse_args(words)
+    options = build_parser().parse_args(words)
 
     from urdfcheck import rules as catalogue
 

@@ -16,18 +16,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.cli.commands.check import parser
-from urdfcheck.cli.options import requested
-from urdfcheck.cli.preload import prepare
-from urdfcheck.cli.terminal import FAILED, FINDINGS, exit_code
+from urdfcheck.cli.commands.check import build_parser
+from urdfcheck.cli.options import build_request
+from urdfcheck.cli.terminal import FAILED, FINDINGS, compute_exit_code
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output.shared.inert import escape_for_log, escape_one_line
+from urdfcheck.run.preload import preload_modules
 
 if TYPE_CHECKING:
     import argparse
 
-    from urdfcheck.run.audit import Report, Unit
-    from urdfcheck.run.pipeline import Request
+    from urdfcheck.run.jobs import Request, Unit, UnitReport
     from urdfcheck.source.discover import Plan
 
 # Options of a command that prints a report, which pytest does itself.
@@ -42,7 +41,7 @@ def serve() -> None:
     asked = json.loads(sys.stdin.readline())
     os.chdir(asked["folder"])
     try:
-        for answer in _answers(asked):
+        for answer in _iter_answers(asked):
             print(json.dumps(answer), file=out, flush=True)
     except UrdfcheckError as error:
         print(json.dumps({"error": escape_for_log(str(error))}), file=out, flush=True)
@@ -50,37 +49,37 @@ def serve() -> None:
         sys.exit(FAILED)
 
 
-def _answers(asked: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    options = _options(asked["words"])
-    request, settings = requested(options)
-    from urdfcheck.run.pipeline import auditing, planned, stream
+def _iter_answers(asked: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    options = _parse_options(asked["words"])
+    request, settings = build_request(options)
+    from urdfcheck.run.pipeline import audit_session, plan_units, stream_reports
     from urdfcheck.system.process_pool import FORKS
 
-    found, units = planned(request)
+    found, units = plan_units(request)
     for path, reason in found.missing:
         raise UrdfcheckError(f"{path}: {reason}")
-    yield {"units": [_told(unit) for unit in units]}
+    yield {"units": [_describe_unit(unit) for unit in units]}
     if FORKS:
-        prepare()  # the processes for the models are copies of this one
-    with auditing(request, units, found.reach or request.reach) as held:
+        preload_modules()  # the processes for the models are copies of this one
+    with audit_session(request, units, found.reach or request.reach) as held:
         for line in sys.stdin:
             numbers = json.loads(line)
-            for place, report in stream([units[n] for n in numbers], held, request.jobs):
+            for place, report in stream_reports([units[n] for n in numbers], held, request.jobs):
                 unit = units[numbers[place]]
                 yield {
                     "unit": numbers[place],
-                    **_fared(request, found, unit, report, options.fail_on or settings.fail_on, asked),
+                    **_build_result(request, found, unit, report, options.fail_on or settings.fail_on, asked),
                 }
 
 
-def _told(unit: Unit) -> dict[str, Any]:
+def _describe_unit(unit: Unit) -> dict[str, Any]:
     """What a test needs to know of a unit: where it is, and what tells it from others of the same file."""
     _, _, arguments = unit.id.partition(f"{os.path.basename(unit.path)} ")
     return {"kind": unit.kind, "path": unit.path, "launches": unit.launches, "arguments": escape_one_line(arguments)}
 
 
-def _options(words: Sequence[str]) -> argparse.Namespace:
-    made = parser()
+def _parse_options(words: Sequence[str]) -> argparse.Namespace:
+    made = build_parser()
     options = made.parse_args(words)
     for name in _OTHERS:
         if getattr(options, name) != made.get_default(name):
@@ -88,19 +87,19 @@ def _options(words: Sequence[str]) -> argparse.Namespace:
     return options
 
 
-def _fared(
-    request: Request, found: Plan, unit: Unit, report: Report, fail_on: str, asked: dict[str, Any]
+def _build_result(
+    request: Request, found: Plan, unit: Unit, report: UnitReport, fail_on: str, asked: dict[str, Any]
 ) -> dict[str, Any]:
     """How a unit fared (passed | failed | crashed | skipped), and what there is to say about it."""
     from urdfcheck.core import Severity
     from urdfcheck.output import text
-    from urdfcheck.run.pipeline import is_nothing
-    from urdfcheck.run.summary import assemble
+    from urdfcheck.run.pipeline import is_empty_candidate
+    from urdfcheck.run.summary import build_run
 
-    if is_nothing(unit, report, found):
+    if is_empty_candidate(unit, report, found):
         return {"outcome": "skipped", "text": "it makes neither link nor joint: it is no model"}
-    run = assemble(request, replace(found, unused=(), config_errors=()), [(unit, report)], 0.0)
-    code = exit_code(run, fail_on)
+    run = build_run(request, replace(found, unused=(), config_errors=()), [(unit, report)], 0.0)
+    code = compute_exit_code(run, fail_on)
     if code not in {FAILED, FINDINGS} and report.info is not None and report.info.status == "needs-arguments":
         reason = max(report.findings, key=lambda f: f.severity).message if report.findings else "it needs arguments"
         how = '--urdfcheck-args="--arg NAME:=VALUE", or [[models]] in urdfcheck.toml'

@@ -7,31 +7,31 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from urdfcheck.cli.options import Parser, add_access, configuration, reading
-from urdfcheck.cli.terminal import NOTHING, OK, say, show_document, write
+from urdfcheck.cli.options import CommandParser, add_access_options, build_access_request
+from urdfcheck.cli.terminal import NOTHING, OK, print_document, say, write_file
 from urdfcheck.core.errors import UrdfcheckError
 
 
-def parser() -> argparse.ArgumentParser:
+def build_parser() -> argparse.ArgumentParser:
     """The options of ``urdfcheck srdf``."""
     from urdfcheck.export.link_pairs import SAMPLES, THOROUGH
 
-    p = Parser(
+    p = CommandParser(
         prog="urdfcheck srdf",
         description="Write the disable_collisions of a robot's SRDF, as MoveIt's Setup Assistant does, with the evidence.",
     )
     p.add_argument("model", metavar="MODEL", help="a model, or whatever means exactly one")
     p.add_argument("-o", "--output", type=Path, metavar="FILE", help="write to a file instead of standard output")
     p.add_argument("--thorough", action="store_true", help=f"look at {THOROUGH:,} configurations, not at {SAMPLES:,}")
-    add_access(p)
+    add_access_options(p)
     return p
 
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    from urdfcheck.export.link_pairs import SAMPLES, THOROUGH, explain_missing_pairs, has_foreign_content, render
+    from urdfcheck.export.link_pairs import SAMPLES, THOROUGH, explain_missing_pairs, has_foreign_content, render_srdf
 
-    options = parser().parse_args(words)
+    options = build_parser().parse_args(words)
     path = Path(options.model)
     if options.output is not None and has_foreign_content(options.output):
         raise UrdfcheckError(
@@ -41,29 +41,25 @@ def main(words: Sequence[str]) -> int:
     from dataclasses import replace
 
     from urdfcheck import rules as catalogue
-    from urdfcheck.run.pipeline import run_one
+    from urdfcheck.run.pipeline import audit_single_model
     from urdfcheck.system import libraries
 
     # What is wrong with the file says why there is no model.
     codes = frozenset(code for code, rule in catalogue.load_rules().items() if "file" in rule.scopes)
     libraries.prefer_own_folders()
-    report = run_one(
-        replace(
-            reading(options, configuration(path, options), (path,), codes),
-            samples=THOROUGH if options.thorough else SAMPLES,
-            pairs=True,
-        )
-    )
+    request, _ = build_access_request(options, options.model, codes)
+    audit_options = replace(request.options, samples=THOROUGH if options.thorough else SAMPLES, pairs=True)
+    report = audit_single_model(replace(request, options=audit_options))
     if report.pairs is None:
-        raise UrdfcheckError(f"{path}: {explain_missing_pairs(report)}")
+        raise UrdfcheckError(f"{path}: {explain_missing_pairs(report.failures, report.skipped, report.findings)}")
     if not report.pairs.pairs:
         say(f"urdfcheck: {path}: no two links have collision geometry that can be read", sys.stderr)
         return NOTHING
     from urdfcheck.output.shared.inert import escape_for_xml
 
-    document = escape_for_xml(render(report.pairs))
+    document = escape_for_xml(render_srdf(report.pairs))
     if options.output is not None:
-        write(document, options.output)
+        write_file(document, options.output)
     else:
-        show_document(document)
+        print_document(document)
     return OK

@@ -1,11 +1,12 @@
-"""``urdfcheck check --watch``: check once more whenever a file is saved that the findings rest on.
+"""``urdfcheck check --watch``: check again whenever a file is saved that the findings depend on.
 
-The files are looked at in turn. Notices of the system would come sooner, and not at all for folders of a network, of a
-container's host or of the other side of WSL; a robot has some hundred files, and to look at them takes a millisecond.
+The files are polled. Notifications of the system would be faster, but they do not arrive for network folders, for the
+folders of a container's host, or across the border of WSL. A robot has some hundred files; polling them takes a millisecond.
 """
 
 from __future__ import annotations
 
+import functools
 import os
 import sys
 import time
@@ -14,13 +15,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from urdfcheck.cli.preload import first_worker
-from urdfcheck.cli.terminal import FAILED, erase_progress, progress, say
+from urdfcheck.cli.terminal import FAILED, erase_progress, make_progress_printer, say
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output.shared.inert import escape_one_line
-from urdfcheck.policy.config import OWN, PROJECT
-from urdfcheck.run.pipeline import Audited, Request, audited
-from urdfcheck.source.discover import is_launch
+from urdfcheck.policy.config import OWN_FILE, PROJECT_FILE
+from urdfcheck.run.jobs import Request
+from urdfcheck.run.pipeline import AuditedRun, Execution, run_audit
+from urdfcheck.run.preload import start_warm_worker
+from urdfcheck.source.package.file_kinds import is_launch
 from urdfcheck.source.package.finder import BUILD_FOLDERS, format_path
 from urdfcheck.system.files import Stamp, read_stamp, walk
 
@@ -30,11 +32,12 @@ if TYPE_CHECKING:
     from urdfcheck.system.process_pool import Worker
 
 Stamps = Mapping[str, Stamp]
-# Seconds between two looks at least, and of the time no more than this part is spent on looking.
+# Seconds between two polls at least, and the largest share of the time that is spent polling.
 EVERY, PART = 0.25, 0.1
-# Who saves several files, or a large one, is waited for until nothing has changed for so many seconds, but not for ever.
+# After a change, wait until nothing has changed for this many seconds, so that several files or a large one are saved
+# completely; but no longer than the second number.
 QUIET, PATIENCE = 0.1, 3.0
-# So many of the files that changed are named.
+# This many of the changed files are named.
 FEW = 3
 
 
@@ -42,66 +45,70 @@ def watch(
     asked: tuple[Request, Config],
     ask: Callable[[], tuple[Request, Config]],
     report: Callable[[Run, Config], int],
+    *,
     written: Collection[Path] = (),
-    first: Worker | None = None,
-    meanwhile: Callable[[], object] | None = None,
+    warm_worker: Worker | None = None,
+    on_idle: Callable[[], object] | None = None,
 ) -> int:
-    """Check until the user interrupts; the exit code of the last check that came to its end.
+    """Check until the user interrupts; return the exit code of the last check that finished.
 
-    ``asked`` is what to check, ``ask`` says it again after a change, ``report`` tells of the outcome and returns the exit code;
-    ``written``: the files that it writes; ``first`` and ``meanwhile`` as for :func:`urdfcheck.run.pipeline.run`.
+    :param asked: what to check first.
+    :param ask: computes it again after a change.
+    :param report: prints the outcome and returns the exit code.
+    :param written: the files that ``report`` writes.
+    :param warm_worker: see :class:`urdfcheck.run.pipeline.Execution`, for ``on_idle`` as well.
     """
     code = FAILED
     request, settings = asked
-    last: Audited | None = None
+    last: AuditedRun | None = None
     known: Stamps = {}
     changed: list[str] = []
     try:
         while True:
-            seen = _stamps((*known, *_listed(request)))
-            _head(changed)
+            stamps = _read_stamps((*known, *_iter_watched_files(request)))
+            _print_heading(changed)
             try:
                 if changed:
                     request, settings = ask()
-                last = audited(request, None, first, meanwhile, progress(), _still_true(last, request))
+                execution = Execution(warm_worker=warm_worker, on_idle=on_idle, on_progress=make_progress_printer())
+                last = run_audit(request, execution, previous=_keep_valid_reports(last, request))
                 if last.outcome.partial:
                     break
                 code = report(last.outcome, settings)
-                # As they were when they were read: what was saved since is checked next.
-                seen.update((path, stamp) for r in last.reports.values() for path, stamp in r.reads.items())
+                # The stamps of the moment when each file was read: what was saved since is checked next.
+                stamps.update((path, stamp) for r in last.reports.values() for path, stamp in r.reads.items())
             except UrdfcheckError as error:
                 erase_progress()
                 say(f"urdfcheck: {error}", sys.stderr)
                 code, last = FAILED, None
-            known = _without(seen, written)
+            known = _exclude_written(stamps, written)
             say(f"watching {sum(map(bool, known.values())):,} files; Ctrl-C ends it")
             sys.stdout.flush()
-            # Until something changes it has loaded what the next check needs.
-            first = first_worker()
-            changed = _changed(known, lambda request=request: _listed(request))  # type: ignore[misc]
+            # It loads what the next check needs while nothing changes.
+            warm_worker = start_warm_worker()
+            changed = _wait_for_changes(known, functools.partial(_iter_watched_files, request))
             if any(known.get(path) is None or read_stamp(path) is None for path in changed):
-                last = None  # what is there or not there any more may matter to whoever looked for it
+                last = None  # a file that appeared or disappeared may matter to any unit that looked for it
     except KeyboardInterrupt:
         erase_progress()
     return code
 
 
-def _still_true(last: Audited | None, request: Request) -> Audited | None:
-    """What is known of the last run: the reports that rest on files that are as they were."""
+def _keep_valid_reports(last: AuditedRun | None, request: Request) -> AuditedRun | None:
+    """Return the last run with only the reports whose files are unchanged; None where the request differs."""
     if last is None or last.request != request:
         return None
-    now: dict[str, Stamp] = {}
+    now = functools.cache(read_stamp)
     reports = {
         place: report
         for place, report in last.reports.items()
-        if not report.failures
-        and all(now.setdefault(path, read_stamp(path)) == stamp for path, stamp in report.reads.items())
+        if not report.failures and all(now(path) == stamp for path, stamp in report.reads.items())
     }
     return replace(last, reports=reports)
 
 
-def _head(changed: list[str]) -> None:
-    """When and why it is checked, on an empty screen."""
+def _print_heading(changed: list[str]) -> None:
+    """Print when and why the check runs, on an empty screen."""
     if sys.stdout.isatty():
         sys.stdout.write("\x1b[2J\x1b[H")
     names = [escape_one_line(format_path(Path(path))) for path in changed[:FEW]]
@@ -111,53 +118,57 @@ def _head(changed: list[str]) -> None:
     sys.stdout.flush()
 
 
-def _changed(known: Stamps, listed: Callable[[], Iterable[str]]) -> list[str]:
-    """Wait until files differ from what is known of them, and nobody is writing any more; their paths."""
+def _wait_for_changes(known: Stamps, list_files: Callable[[], Iterable[str]]) -> list[str]:
+    """Wait until files differ from their known stamps and no file is being written any more; return their paths."""
     while True:
         began = time.monotonic()
-        now = _stamps((*known, *listed()))
-        if _differing(known, now):
+        now = _read_stamps((*known, *list_files()))
+        if _list_differing(known, now):
             until = time.monotonic() + PATIENCE
             while time.monotonic() < until:
                 time.sleep(QUIET)
-                before, now = now, _stamps((*known, *listed()))
+                before, now = now, _read_stamps((*known, *list_files()))
                 if before == now:
                     break
-            if differing := _differing(known, now):
+            if differing := _list_differing(known, now):
                 return differing
         time.sleep(max(EVERY, (time.monotonic() - began) / PART))
 
 
-def _differing(before: Stamps, after: Stamps) -> list[str]:
+def _list_differing(before: Stamps, after: Stamps) -> list[str]:
     return sorted(path for path in after if before.get(path) != after[path])
 
 
-def _stamps(paths: Iterable[str]) -> dict[str, Stamp]:
+def _read_stamps(paths: Iterable[str]) -> dict[str, Stamp]:
     return {path: read_stamp(path) for path in paths}
 
 
-def _without(stamps: dict[str, Stamp], written: Collection[Path]) -> Stamps:
-    """The stamps without what we write ourselves; the folders of that as they are now."""
-    own = {os.path.abspath(file) for file in written}
-    around = {os.path.dirname(file) for file in own} & stamps.keys()
-    return {path: stamp for path, stamp in {**stamps, **_stamps(around)}.items() if path not in own}
+def _exclude_written(stamps: dict[str, Stamp], written: Collection[Path]) -> Stamps:
+    """Return the stamps without those of our own reports; the folders of these with their stamps of now."""
+    reports = {os.path.abspath(file) for file in written}
+    folders = {os.path.dirname(file) for file in reports} & stamps.keys()
+    return {path: stamp for path, stamp in {**stamps, **_read_stamps(folders)}.items() if path not in reports}
 
 
-def _listed(request: Request) -> Iterator[str]:
-    """The files that decide about what is checked: the given ones, those of a folder that may be models, and the configurations
-    above them, which may not exist yet."""
+def _iter_watched_files(request: Request) -> Iterator[str]:
+    """Yield the files that decide what is checked: the given ones, the possible models in a given folder, and the
+    configurations above them, whether or not they exist."""
     for path in request.paths:
         start = Path(os.path.abspath(path))
         if not start.is_dir():
             yield str(start)
         for above in (start, *start.parents):
-            yield from (str(above / name) for name in (OWN, PROJECT))
+            yield from (str(above / name) for name in (OWN_FILE, PROJECT_FILE))
         for folder, below, names in walk(start):
             below[:] = [n for n in below if not n.startswith(".") and n not in BUILD_FOLDERS and n != "node_modules"]
-            yield from (os.path.join(folder, name) for name in names if _matters(Path(name)))
+            yield from (os.path.join(folder, name) for name in names if _is_relevant(Path(name)))
     if request.baseline is not None:
         yield str(request.baseline.path)
 
 
-def _matters(path: Path) -> bool:
-    return path.suffix in {".urdf", ".xacro", ".srdf"} or is_launch(path) or path.name in {"package.xml", OWN, PROJECT}
+def _is_relevant(path: Path) -> bool:
+    return (
+        path.suffix in {".urdf", ".xacro", ".srdf"}
+        or is_launch(path)
+        or path.name in {"package.xml", OWN_FILE, PROJECT_FILE}
+    )

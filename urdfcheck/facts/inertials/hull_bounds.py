@@ -1,4 +1,4 @@
-"""What the convex hull of drawn geometry says about any mass inside it, whatever its density."""
+"""Bounds that the convex hull of drawn geometry sets for any mass inside it, whatever its density."""
 
 from __future__ import annotations
 
@@ -7,27 +7,28 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array
 
-# Steps of Wolfe's algorithm; in three dimensions it is done within about ten.
+
+# Steps of Wolfe's algorithm; in three dimensions it needs about ten.
 _STEPS = 100
 
 
 def measure_extent(points: ArrayLike) -> float:
-    """The size of ``points`` (K, 3): the diameter of the least sphere about their mean that holds them.
+    """Measure the size of ``points`` (K, 3): the diameter of the least sphere about their mean that contains them.
 
-    Unlike a box round them it is the same in every frame.
+    Unlike that of a bounding box it is the same in every frame.
     """
     corners = np.asarray(points, dtype=float)
     return 2.0 * float(np.linalg.norm(corners - corners.mean(axis=0), axis=1).max())
 
 
 def measure_hull_distance(points: ArrayLike, point: ArrayLike, rel_tol: float = 1e-6) -> float:
-    """Distance from ``place`` (3,) to the convex hull of ``points`` (K, 3); 0 when it is inside.
+    """Measure the distance from ``point`` (3,) to the convex hull of ``points`` (K, 3); 0 when it is inside.
 
-    Right to ``rel_tol`` of the farthest point's distance. The nearest point of the hull is found as the one of a corner, an
+    Exact to ``rel_tol`` of the farthest point's distance. The nearest point of the hull is found as the one of a corner, an
     edge, a triangle or a tetrahedron of its points, which are exchanged until none is nearer (Wolfe, *Finding the nearest point
     in a polytope*, 1976).
     """
@@ -53,7 +54,7 @@ def measure_hull_distance(points: ArrayLike, point: ArrayLike, rel_tol: float = 
             if (best > 0.0).all():
                 weights = best
                 break
-            # Towards the best as far as all weights stay positive, and without the corner that ends the way.
+            # Move towards the best as far as all weights stay positive, and drop the corner whose weight reaches zero.
             falling = best <= 0.0
             steps = np.full(len(best), np.inf)
             steps[falling] = weights[falling] / np.maximum(weights[falling] - best[falling], 1e-300)
@@ -65,7 +66,7 @@ def measure_hull_distance(points: ArrayLike, point: ArrayLike, rel_tol: float = 
 
 
 def _solve_nearest_weights(corners: Array) -> Array:
-    """Weights (n,), summing up to 1, of the point nearest to the origin of the flat through ``corners`` (n, 3)."""
+    """Compute the weights (n,), of sum 1, of the point nearest to the origin in the flat through ``corners`` (n, 3)."""
     first = corners[0]
     weights = np.linalg.lstsq((corners[1:] - first).T, -first, rcond=None)[0]
     return np.concatenate(((1.0 - weights.sum(),), weights))
@@ -74,10 +75,10 @@ def _solve_nearest_weights(corners: Array) -> Array:
 def compute_spread_ratios(
     points: ArrayLike, com: ArrayLike, covariance: ArrayLike, margin: float = 0.0
 ) -> tuple[Array, Array]:
-    """How much farther a mass spreads than it can inside the hull of ``points`` (K, 3), and along which directions.
+    """Compute how much farther a mass spreads than it can inside the hull of ``points`` (K, 3), and along which directions.
 
     Ratios (3,) of the variance along each principal axis of ``covariance`` (3, 3), the mean of ``(x - com)(x - com)ᵀ``, to the
-    greatest that any distribution with this ``com`` (3,) within the hull has: ``(max - c)(c - min)`` (Bhatia and Davis, *A
+    greatest of any distribution with this ``com`` (3,) within the hull: ``(max - c)(c - min)`` (Bhatia and Davis, *A
     better bound on the variance*, 2000). Above 1 no mass inside has it; infinite where the COM is not between the points.
     The hull may be ``margin`` (m) larger on all sides. The directions are the columns of the (3, 3) array.
     """

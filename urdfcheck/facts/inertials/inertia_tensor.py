@@ -1,4 +1,4 @@
-"""Inertia tensors: validity, what typed digits leave open, solids with closed-form moments, equivalent bodies.
+"""Inertia tensors: validity, the effect of typed digits, solids with closed-form moments, equivalent bodies.
 
 Inertia tensors are (3, 3) in kg m² about the COM, with URDF's signs (``Ixy = -∫ xy dm``). A body's shape is described
 by its covariance, the mean of ``(x - com)(x - com)ᵀ``, which needs no density: ``I = m (tr(C) 1 - C)``.
@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array
 
 
 # Rounding of an eigenvalue solver, relative to the largest eigenvalue: a moment below it is zero.
@@ -33,34 +33,33 @@ class Solid:
     covariance: Array
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class InertiaValidity:
-    """Whether a body can have an inertia tensor. ``moments``: principal, ascending; NaN unless ``finite``.
-
-    ``excess``: see `compute_triangle_excess`. ``triangle``: whether ``I1 + I2 >= I3``, with a slack of ``rel_tol I3``; true of
-    the zero tensor of a point mass.
-    """
+    """Whether a body can have an inertia tensor."""
 
     finite: bool
+    """Whether all six numbers are finite."""
     moments: tuple[float, float, float]
+    """Principal moments, ascending (kg m²); NaN unless ``finite``."""
     positive_definite: bool
     excess: float
+    """See `compute_triangle_excess`."""
     triangle_inequality: bool
+    """Whether ``I1 + I2 >= I3``, with a slack of ``rel_tol I3``; true of the zero tensor of a point mass."""
 
 
 @dataclass(frozen=True, slots=True)
 class TensorRounding:
-    """What the digits of a typed tensor leave open.
-
-    ``excess``: `compute_triangle_excess` as typed. ``explained``: the typed tensor breaks the triangle inequality, and one that
-    rounds to the same digits keeps it. ``typed_digits``: significant digits of the largest typed moment; ``digits``:
-    how many it needs for rounding not to matter.
-    """
+    """Whether the digits of a typed tensor explain that it is impossible."""
 
     excess: float
+    """`compute_triangle_excess` of the tensor as typed."""
     explained_by_rounding: bool
+    """Whether the typed tensor violates the triangle inequality, and one that rounds to the same digits satisfies it."""
     typed_digits: int
+    """Significant digits of the largest typed moment."""
     digits: int
+    """Significant digits that this moment needs for rounding not to matter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,19 +72,19 @@ class EquivalentDensities:
 
 
 def build_inertia_tensor(components: Sequence[float]) -> Array:
-    """The (3, 3) tensor of URDF's ``ixx ixy ixz iyy iyz izz``."""
+    """Build the (3, 3) tensor of URDF's ``ixx ixy ixz iyy iyz izz``."""
     ixx, ixy, ixz, iyy, iyz, izz = components
     return np.array(((ixx, ixy, ixz), (ixy, iyy, iyz), (ixz, iyz, izz)), dtype=float)
 
 
 def list_inertia_components(inertia: Array) -> list[float]:
-    """URDF's ``ixx ixy ixz iyy iyz izz`` of a (3, 3) tensor: the inverse of `build_inertia_tensor`."""
-    six: list[float] = inertia[np.triu_indices(3)].tolist()
-    return six
+    """List URDF's ``ixx ixy ixz iyy iyz izz`` of a (3, 3) tensor: the inverse of `build_inertia_tensor`."""
+    components: list[float] = inertia[np.triu_indices(3)].tolist()
+    return components
 
 
 def compute_principal_moments(inertia: ArrayLike) -> tuple[Array, Array]:
-    """Principal moments (3,) ascending, and principal axes (3, 3) as the columns of a rotation matrix.
+    """Compute the principal moments (3,), ascending, and the principal axes (3, 3) as the columns of a rotation matrix.
 
     :raises ValueError: when the tensor is not finite.
     """
@@ -99,9 +98,10 @@ def compute_principal_moments(inertia: ArrayLike) -> tuple[Array, Array]:
 
 
 def compute_principal_frame(inertia: ArrayLike, rel_tol: float = 1e-9) -> tuple[Array, Array]:
-    """Like `compute_principal_moments`, with axes that do not depend on the machine: where moments are equal to within ``rel_tol`` of
-    the largest, one of their axes is as near as it can be to an axis of the tensor; an axis that is certain points along its
-    first component that counts.
+    """Compute the `compute_principal_moments` with axes that do not depend on the machine.
+
+    Where moments are equal to within ``rel_tol`` of the largest, one of their axes is as near as possible to an axis of the
+    tensor. Any other axis points along its first component that is not small.
 
     :raises ValueError: when the tensor is not finite.
     """
@@ -110,25 +110,25 @@ def compute_principal_frame(inertia: ArrayLike, rel_tol: float = 1e-9) -> tuple[
     low, high = moments[1] - moments[0] > slack, moments[2] - moments[1] > slack
     if not low and not high:
         return moments, np.eye(3)
-    # The axis of a moment that no other equals, and the next one round.
+    # The axis of a moment that no other equals, and the next one in cyclic order.
     place = 0 if low else 2
     first, second = _orient_axis(axes[:, place]), _orient_axis(axes[:, (place + 1) % 3])
     if not (low and high):
         nearest = np.eye(3)[int(np.abs(first.round(6)).argmin())]
         second = nearest - (nearest @ first) * first
         second /= np.linalg.norm(second)
-    found = np.column_stack((first, second, np.cross(first, second)))
-    return moments, np.roll(found, place, axis=1)
+    axes = np.column_stack((first, second, np.cross(first, second)))
+    return moments, np.roll(axes, place, axis=1)
 
 
 def _orient_axis(axis: Array) -> Array:
-    """Along or against ``axis`` (3,), so that its first component that counts is positive."""
-    pointed: Array = axis * np.sign(axis[int((np.abs(axis) > 0.1).argmax())])
-    return pointed
+    """Return ``axis`` (3,) or its opposite, so that its first component that is not small is positive."""
+    oriented: Array = axis * np.sign(axis[int((np.abs(axis) > 0.1).argmax())])
+    return oriented
 
 
 def compute_triangle_excess(inertia: ArrayLike) -> float:
-    """``(I1 + I2 - I3) / I3`` of the ascending principal moments: negative when no body has this tensor.
+    """Compute ``(I1 + I2 - I3) / I3`` of the ascending principal moments: negative when no body has this tensor.
 
     1 for a sphere, 0 for a flat plate. NaN when the largest moment is not positive.
     """
@@ -136,9 +136,15 @@ def compute_triangle_excess(inertia: ArrayLike) -> float:
 
 
 def check_inertia_validity(inertia: ArrayLike, rel_tol: float = 1e-9) -> InertiaValidity:
-    """Whether a tensor is finite, positive definite, and keeps the triangle inequality to within ``rel_tol``."""
+    """Check whether a tensor is finite, is positive definite, and satisfies the triangle inequality to within ``rel_tol``."""
     if not np.isfinite(np.asarray(inertia, dtype=float)).all():
-        return InertiaValidity(False, (math.nan,) * 3, False, math.nan, False)
+        return InertiaValidity(
+            finite=False,
+            moments=(math.nan,) * 3,
+            positive_definite=False,
+            excess=math.nan,
+            triangle_inequality=False,
+        )
     moments, _ = compute_principal_moments(inertia)
     first, second, third = moments.tolist()
     return InertiaValidity(
@@ -151,12 +157,12 @@ def check_inertia_validity(inertia: ArrayLike, rel_tol: float = 1e-9) -> Inertia
 
 
 def measure_tensor_rounding(texts: Sequence[str], rel_tol: float = 1e-9) -> TensorRounding:
-    """Whether a violated triangle inequality is only rounding, and with how many digits it would not be.
+    """Measure whether rounding explains a violated triangle inequality, and with how many digits it would not.
 
-    ``texts``: ``ixx ixy ixz iyy iyz izz`` as typed. Each stands for any number within half a unit of its last place;
-    zeros are exact. ``digits``: significant digits with which rounding costs at most ``rel_tol`` of the largest moment.
+    ``texts``: ``ixx ixy ixz iyy iyz izz`` as typed. Each means any number within half a unit of its last place; zeros are
+    exact. ``digits`` of the result: significant digits with which rounding costs at most ``rel_tol`` of the largest moment.
 
-    :raises ValueError: when a text is no finite number.
+    :raises ValueError: when a text is not a finite number.
     """
     values = [_parse_decimal(text) for text in texts]
     typed = [float(value) for value in values]
@@ -175,10 +181,10 @@ def measure_tensor_rounding(texts: Sequence[str], rel_tol: float = 1e-9) -> Tens
 
 
 def list_half_units(texts: Sequence[str]) -> list[float]:
-    """Half a unit of the last place of each number as typed: what it may differ by from the one that was rounded; zeros
-    are exact.
+    """List half a unit of the last place of each number as typed, the most that it differs from the number that was rounded;
+    zeros are exact.
 
-    :raises ValueError: when a text is no finite number.
+    :raises ValueError: when a text is not a finite number.
     """
     return [float(f"5e{_find_last_decimal_place(v) - 1}") if v else 0.0 for v in map(_parse_decimal, texts)]
 
@@ -189,7 +195,7 @@ def _can_be_valid_within(typed: Array, half: Array, rel_tol: float) -> bool:
     The inequality is ``tr(I) - 2 uᵀ I u >= 0`` for every direction u, and each of these is linear in the tensor. Linear
     programming finds the tensor with the greatest slack in the directions seen so far, the directions of its two larger
     moments join them, and so on (Kelley, *The cutting-plane method for solving convex programs*, 1960) until the
-    tensor is valid or even the directions seen rule all out.
+    tensor is valid or the directions seen so far rule all tensors out.
     """
     unit = float(half.max())
     rows: list[Array] = []
@@ -218,37 +224,37 @@ def _can_be_valid_within(typed: Array, half: Array, rel_tol: float) -> bool:
 
 
 def compute_solid_inertia(solid: Solid, mass: float) -> Array:
-    """Inertia tensor (3, 3) in kg m² about the COM of a uniform solid of this mass (kg), in the solid's axes."""
+    """Compute the inertia tensor (3, 3) in kg m² about the COM of a uniform solid of this mass (kg), in the solid's axes."""
     result: Array = mass * (np.trace(solid.covariance) * np.eye(3) - solid.covariance)
     return result
 
 
 def compute_mass_covariance(inertia: ArrayLike, mass: float) -> Array:
-    """Covariance (3, 3) in m² of a body's mass: the inverse of `compute_solid_inertia`."""
+    """Compute the covariance (3, 3) in m² of a body's mass: the inverse of `compute_solid_inertia`."""
     specific = np.asarray(inertia, dtype=float) / mass
     result: Array = 0.5 * np.trace(specific) * np.eye(3) - specific
     return result
 
 
 def make_box_solid(size: Sequence[float]) -> Solid:
-    """A box of edge lengths ``size`` (m) about its centre."""
+    """Make a box of edge lengths ``size`` (m) about its centre."""
     edges = np.asarray(size, dtype=float)
     return Solid(float(edges.prod()), np.zeros(3), np.diag(edges**2 / 12.0))
 
 
 def make_cylinder_solid(radius: float, length: float) -> Solid:
-    """A cylinder along z about its centre (m)."""
+    """Make a cylinder along z about its centre (m)."""
     across = radius**2 / 4.0
     return Solid(math.pi * radius**2 * length, np.zeros(3), np.diag((across, across, length**2 / 12.0)))
 
 
 def make_sphere_solid(radius: float) -> Solid:
-    """A sphere about its centre (m)."""
+    """Make a sphere about its centre (m)."""
     return Solid(4.0 / 3.0 * math.pi * radius**3, np.zeros(3), np.eye(3) * radius**2 / 5.0)
 
 
 def make_capsule_solid(radius: float, length: float) -> Solid:
-    """A capsule along z about its centre (m): a cylinder of this length with a half sphere on either end."""
+    """Make a capsule along z about its centre (m): a cylinder of this length with a half sphere on either end."""
     tube, caps = make_cylinder_solid(radius, length), make_sphere_solid(radius)
     volume = tube.volume + caps.volume
     across = (tube.volume * tube.covariance[0, 0] + caps.volume * caps.covariance[0, 0]) / volume
@@ -259,14 +265,14 @@ def make_capsule_solid(radius: float, length: float) -> Solid:
 
 
 def transform_solid(solid: Solid, rotation: ArrayLike, translation: ArrayLike) -> Solid:
-    """The solid in its parent's frame: ``x -> rotation x + translation``."""
+    """Return the solid in its parent's frame: ``x -> rotation x + translation``."""
     turn = np.asarray(rotation, dtype=float)
     com = turn @ solid.com + np.asarray(translation, dtype=float)
     return Solid(solid.volume, com, turn @ solid.covariance @ turn.T)
 
 
 def combine_solids(solids: Sequence[Solid]) -> Solid:
-    """One solid of several that do not overlap and share one density and frame (parallel-axis theorem).
+    """Combine solids that do not overlap and share one density and frame (parallel-axis theorem).
 
     :raises ValueError: when their volume is not positive.
     """
@@ -280,8 +286,8 @@ def combine_solids(solids: Sequence[Solid]) -> Solid:
 
 
 def fit_equivalent_box(mass: float, inertia: ArrayLike) -> tuple[float, float, float]:
-    """Edge lengths (m), descending, of the solid box with this mass and these principal moments, along the principal
-    axes in ascending order of moments. An edge is 0 where the triangle inequality leaves none."""
+    """Compute the edge lengths (m), descending, of the solid box with this mass and these principal moments, along the principal
+    axes in ascending order of moments. An edge is 0 where the triangle inequality allows none."""
     moments, _ = compute_principal_moments(inertia)
     squares = 6.0 * (moments.sum() - 2.0 * moments) / mass
     a, b, c = np.sqrt(np.maximum(squares, 0.0)).tolist()
@@ -289,11 +295,11 @@ def fit_equivalent_box(mass: float, inertia: ArrayLike) -> tuple[float, float, f
 
 
 def fit_equivalent_cylinder(mass: float, inertia: ArrayLike, rel_tol: float = 0.05) -> tuple[int | None, float, float]:
-    """Axis (index of a principal axis, moments ascending), radius and length (m) of the solid cylinder with this mass
-    and these principal moments.
+    """Compute the axis (index of a principal axis, moments ascending), radius and length (m) of the solid cylinder with this
+    mass and these principal moments.
 
-    ``(None, nan, nan)`` when no two moments agree within ``rel_tol`` or no length fits. The default is the difference
-    below which the transverse moments of published wheels lie, with bosses and spokes.
+    ``(None, nan, nan)`` when no two moments agree within ``rel_tol`` or no length fits. The transverse moments of published
+    wheels, with bosses and spokes, differ by less than the default.
     """
     moments, _ = compute_principal_moments(inertia)
     first, second, third = moments.tolist()
@@ -307,10 +313,10 @@ def fit_equivalent_cylinder(mass: float, inertia: ArrayLike, rel_tol: float = 0.
 
 
 def compute_equivalent_density(mass: float, inertia: ArrayLike) -> EquivalentDensities:
-    """Densities (kg/m³) of the equivalent solid box and cylinder.
+    """Compute the densities (kg/m³) of the equivalent solid box and cylinder.
 
-    A body's true density is matched closely by the one whose shape it has; a value within 0.3 % of a CAD system's
-    default, with no mesh at hand, says that no material was assigned.
+    The one whose shape the body has is close to its true density. Without a mesh, a value within 0.3 % of a CAD system's
+    default means that no material was assigned.
     """
     a, b, c = fit_equivalent_box(mass, inertia)
     axis, radius, length = fit_equivalent_cylinder(mass, inertia)
@@ -332,9 +338,9 @@ def _parse_decimal(text: str) -> Decimal:
         raise ValueError(f"{text!r} is no number") from None
     if not value.is_finite():
         raise ValueError(f"{text!r} is not finite")
-    return value if float(value) else Decimal(0)  # what no double tells from zero is zero to every program
+    return value if float(value) else Decimal(0)  # programs read a number too small for a double as zero
 
 
 def _find_last_decimal_place(value: Decimal) -> int:
-    """The power of ten of a finite number's last typed digit."""
+    """Return the power of ten of a finite number's last typed digit."""
     return int(value.as_tuple().exponent)

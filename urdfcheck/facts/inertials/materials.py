@@ -1,8 +1,8 @@
-"""Densities in words: which material it may be, and in which unit a mass was typed that gives none."""
+"""Densities in words: the material that one may be, and the unit in which a mass was typed that gives an impossible one."""
 
 from __future__ import annotations
 
-# kg/m³, from the least to the greatest that goes by the name, in ascending order. Elements and alloys: CRC Handbook of
+# kg/m³, the least and the greatest of each name, in ascending order. Elements and alloys: CRC Handbook of
 # Chemistry and Physics, sections 4 and 15; plastics, foams and woods: makers' data sheets.
 MATERIALS: tuple[tuple[str, float, float], ...] = (
     ("foam", 15, 120),
@@ -28,22 +28,22 @@ MATERIALS: tuple[tuple[str, float, float], ...] = (
 DENSEST = 22590.0
 AIR = 1.2
 
-# The least of what is called a material above.
+# The least density in `MATERIALS`.
 LIGHTEST = 15.0
 
 # kg in one unit that a mass is typed in by mistake.
 MASS_UNITS = {"grams": 1e-3, "milligrams": 1e-6, "pounds": 0.45359237, "tonnes": 1e3}
-# What a part as a whole has, from a housing with air in it to one of lead. With a wider range almost any mass is some unit.
+# Densities of whole parts, from a housing with air in it to one of lead. In a wider range almost any mass would fit some unit.
 _PART_DENSITIES = (600.0, 12000.0)
 
 
 def describe_density(density: float) -> str:
-    """A density (kg/m³, positive) with the material that it is, or what it lies between: ``2,700 kg/m³: aluminium``."""
+    """Describe a density (kg/m³, positive) by its material, or by those that it lies between: ``2,700 kg/m³: aluminium``."""
     return f"{format_density(density)} kg/m³: {_name_material(density)}"
 
 
 def format_density(density: float) -> str:
-    """A density as one writes it, to three digits: ``2,700``, ``0.0123``, ``1.00e+09``."""
+    """Format a density to three digits: ``2,700``, ``0.0123``, ``1.00e+09``."""
     rounded = float(f"{density:.3g}")
     if 100.0 <= rounded < 1e6:
         return f"{rounded:,.0f}"
@@ -51,8 +51,8 @@ def format_density(density: float) -> str:
 
 
 def guess_mass_unit(density: float) -> tuple[str, float] | None:
-    """The one unit of mass whose reading as kilograms explains an impossible density (kg/m³), and the density that the
-    mass then gives; None when no unit does, or several do."""
+    """Return the one unit of mass that explains an impossible density (kg/m³) if it was read as kilograms, and the density in
+    that unit; None if no unit does, or several do."""
     readings = [(unit, density * kilograms) for unit, kilograms in MASS_UNITS.items()]
     plausible = [(unit, reading) for unit, reading in readings if _PART_DENSITIES[0] <= reading <= _PART_DENSITIES[1]]
     return plausible[0] if len(plausible) == 1 else None

@@ -1,25 +1,25 @@
-"""Inertia tensors that nobody measured: the round numbers that are typed so that a program accepts the file."""
+"""Placeholder inertia tensors: the round numbers that are typed so that a program accepts the file."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 
-# First digits of what people type who need any number: the steps of a 1-2-5 series.
+# First digits of placeholders: the steps of a 1-2-5 series.
 _ROUND = (1.0, 2.0, 5.0)
-# The radius of gyration below which a tensor stands for a point (see `urdfcheck.model.rigid_bodies.POINT_RADIUS`).
+# The radius of gyration below which a tensor describes a point mass (see `urdfcheck.model.rigid_bodies.POINT_RADIUS`).
 _POINT = 1e-6
 
 
-def describe_placeholder(mass: float, six: Sequence[float]) -> str | None:
-    """What a tensor ``ixx ixy ixz iyy iyz izz`` (kg m², of a body of ``mass`` in kg) looks like when it was typed and not
-    computed; None when it does not.
+def describe_placeholder(mass: float, components: Sequence[float]) -> str | None:
+    """Describe why a tensor (``components``: ``ixx ixy ixz iyy iyz izz`` in kg m², of a body of ``mass`` in kg) looks typed
+    rather than computed; None if it does not.
 
-    That is a multiple of the identity whose factor has the single digit 1, 2 or 5, or a diagonal of powers of ten. A
+    A placeholder is a multiple of the identity whose factor has the single digit 1, 2 or 5, or a diagonal of powers of ten. A
     sphere or a cube can have the former, so the caller compares it with what is drawn. Point masses (radius of gyration up to
-    1e-6 m) are none.
+    1e-6 m) do not count.
     """
-    ixx, ixy, ixz, iyy, iyz, izz = six
+    ixx, ixy, ixz, iyy, iyz, izz = components
     moments = (ixx, iyy, izz)
     if any((ixy, ixz, iyz)) or not all(math.isfinite(m) and m > 0.0 for m in (mass, *moments)):
         return None
@@ -38,6 +38,6 @@ def is_round(value: float) -> bool:
 
 
 def _extract_significand(value: float) -> float:
-    """The significant digits of a positive number, as one from 1 to 10; what differs by rounding only is round."""
+    """Return the significand of a positive number, from 1 to 10, with float noise rounded off."""
     digits, _, _ = f"{value:.9e}".partition("e")
     return float(digits)

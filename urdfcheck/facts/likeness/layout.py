@@ -1,9 +1,9 @@
-"""Places that follow one layout (a rectangle, a ring, a row, mirror images), and the one among them that breaks it.
+"""Positions that follow one layout (a rectangle, a ring, a row, mirror images), and the one among them that breaks it.
 
-Among the groups of like joints in 63 published robots one has such a place, and it is only a frame that lies elsewhere on its
-joint's axis. One place of the 32 different groups with a layout, moved by 1 % to 15 % of the distance to its neighbour, is named
-in 87 % of 768 trials: a corner drawn out along a side that no other coordinate repeats is not. A wrong one is named three times,
-in a rover whose wheels stand 8 mm out of line as published.
+Among the groups of like joints in 63 published robots one has such a position, and it is only a frame elsewhere on its joint's
+axis. One position of the 32 different groups with a layout, moved by 1 % to 15 % of the distance to its neighbour, is named in
+87 % of 768 trials: a corner moved along a side that no other coordinate repeats is not. A wrong one is named three times, in a
+rover whose wheels are 8 mm out of line as published.
 """
 
 from __future__ import annotations
@@ -16,39 +16,41 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Vec3
 
-# Places that keep a layout keep it to within this share of its size: 0.1 mm of a car of 0.2 m typed to 0.1 mm.
+
+# Positions follow a layout to within this share of its size: 0.1 mm of a car of 0.2 m typed to 0.1 mm.
 _EXACT = 5e-4
-# One that does not is off by a thousandth of the size at least,
+# A misplaced one is off by a thousandth of the size at least,
 _LEAST = 1e-3
-# and by less than a fifth of the distance to its neighbours, beyond which it may have a place of its own.
+# and by less than a fifth of the distance to its neighbours: beyond that it may be intended.
 _NEAR = 0.2
 # Five in a row: of four, a raised middle finger is one.
 _ROW = 5
-# More like places are a field of them, which takes long to try (the fifth power of their number) and is no robot's limbs.
+# More positions are an array rather than a robot's limbs, and trying them takes long (the fifth power of their number).
 _MAX_POSITIONS = 16
-# Another place that would do, were the layout kept only to within this share of the deviation, leaves two to blame.
+# If blaming another position also works, with the layout kept only to within this share of the deviation, neither is named.
 _RIVAL = 0.25
-# Coordinates tell where the layout lies along the axes: two values each at most.
+# A layout along the axes gives its coordinates few values: two each at most.
 _STRAIGHT = 6
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class MisplacedPosition:
-    """The one place of a group that breaks the layout of the others.
-
-    ``index``: its place in the group. ``expected`` (3,): where the layout puts it (m). ``residual``: how exactly the others
-    keep the layout (m). ``partners``: how many of them tell where it belongs. ``layout``: in words.
-    """
+    """The one position of a group that breaks the layout of the others."""
 
     index: int
-    expected: Array
+    """In the group."""
+    expected: Vec3
+    """Where the layout puts it (m)."""
     residual: float
+    """How exactly the others follow the layout (m)."""
     partners: int
+    """How many of the others determine where it belongs."""
     layout: str
+    """In words."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,45 +63,43 @@ class _PositionPrediction:
 
 
 def find_misplaced_position(positions: ArrayLike) -> MisplacedPosition | None:
-    """The one of 4 to 16 places (n, 3), in m, that is a little off a layout that all others keep.
+    """Find the one of 4 to 16 positions (n, 3), in m, that is slightly off a layout that all others follow.
 
-    The layout is what mirrors across the plane between two of the others, and the shifts of a row, make of it: no
-    axes are preferred. At least two of the others must tell, independently, where the odd one belongs. A rectangle with one
-    corner drawn out along a side is also one of another length with the neighbouring corner left behind: then the one is named
-    that gives the coordinates fewer values but for their signs. None when there is none, and when it could be several.
+    A layout is defined by mirrors across the plane between two of the others, and by the shifts of a row: no axes are
+    preferred. At least two of the others must determine, independently, where the odd one belongs. A rectangle with one corner
+    moved along a side is also one of another length with the neighbouring corner left behind: then the one is named that gives
+    the coordinates fewer absolute values. None if there is no odd one, or several are possible.
     """
     place = np.asarray(positions, dtype=float)
     if not 4 <= len(place) <= _MAX_POSITIONS or not np.isfinite(place).all():
         return None
     size = float(np.linalg.norm(place[:, None] - place[None], axis=2).max())
-    found = [
+    candidates = [
         one
         for index in range(len(place))
         if (one := _locate_expected_position(index, place, _EXACT * size)) is not None
     ]
-    if not found:
+    if not candidates:
         return None
-    values = [_count_coordinate_values(place, one, _EXACT * size) for one in found]
-    best = [one for one, count in zip(found, values, strict=True) if count == min(values)]
-    if len(best) > 1 or (len(found) > 1 and min(values) > _STRAIGHT):
+    values = [_count_coordinate_values(place, one, _EXACT * size) for one in candidates]
+    simplest = [one for one, count in zip(candidates, values, strict=True) if count == min(values)]
+    if len(simplest) > 1 or (len(candidates) > 1 and min(values) > _STRAIGHT):
         return None
-    near = _RIVAL * float(np.linalg.norm(place[best[0].index] - best[0].expected))
-    named = {one.index for one in found}
+    best = simplest[0]
+    near = _RIVAL * float(np.linalg.norm(place[best.index] - best.expected))
+    named = {one.index for one in candidates}
     rivals = [
         _locate_expected_position(index, place, near, slack=2.0) for index in range(len(place)) if index not in named
     ]
-    least = _count_coordinate_values(place, best[0], near)
-    return (
-        None
-        if any(one is not None and _count_coordinate_values(place, one, near) <= least for one in rivals)
-        else best[0]
-    )
+    least = _count_coordinate_values(place, best, near)
+    has_rival = any(one is not None and _count_coordinate_values(place, one, near) <= least for one in rivals)
+    return None if has_rival else best
 
 
 def restore_position(index: int, positions: ArrayLike) -> MisplacedPosition | None:
-    """Where one of 4 to 16 places (n, 3), in m, belongs if all others are right.
+    """Compute where one of 4 to 16 positions (n, 3), in m, belongs if all others are right.
 
-    None where it keeps their layout, or they have none.
+    None if it follows their layout, or they have none.
     """
     place = np.asarray(positions, dtype=float)
     if not 4 <= len(place) <= _MAX_POSITIONS or not np.isfinite(place).all():
@@ -109,20 +109,22 @@ def restore_position(index: int, positions: ArrayLike) -> MisplacedPosition | No
 
 
 def _count_coordinate_values(place: Array, moved: MisplacedPosition, apart: float) -> int:
-    """How many absolute values, farther apart than this, the coordinates take with one place restored."""
+    """Count the absolute values, farther apart than ``apart`` (m), of the coordinates with one position restored."""
     whole = place.copy()
     whole[moved.index] = moved.expected
     return sum(1 + int(np.count_nonzero(np.diff(np.sort(np.abs(axis))) > apart)) for axis in whole.T)
 
 
-def _locate_expected_position(index: int, place: Array, exact: float, slack: float = 1.0) -> MisplacedPosition | None:
-    """Where a place belongs in the layout of the others, if these keep it to within ``exact`` (m). ``slack``: by how much more
-    and less than usual it may be off."""
+def _locate_expected_position(
+    index: int, place: Array, exact: float, *, slack: float = 1.0
+) -> MisplacedPosition | None:
+    """Compute where a position belongs in the layout of the others, if these follow it to within ``exact`` (m). ``slack``: factor
+    by which it may be off more, and less, than usual."""
     others = np.delete(place, index, axis=0)
     apart = np.linalg.norm(others[:, None] - others[None], axis=2)
     size = float(apart.max())
     near = slack * _NEAR * float((apart + np.diag(np.full(len(others), np.inf))).min())
-    if near <= exact:  # several in one place
+    if near <= exact:  # several at one position
         return None
     row = bool(np.linalg.svd(others - others.mean(axis=0), compute_uv=False)[1] < exact)
     if row and len(place) < _ROW:
@@ -139,12 +141,16 @@ def _locate_expected_position(index: int, place: Array, exact: float, slack: flo
     if residual > exact or off < max(residual / _RIVAL, _LEAST / slack * size):
         return None
     return MisplacedPosition(
-        index, expected, residual, partners, _describe_layout(np.insert(others, index, expected, axis=0), row)
+        index=index,
+        expected=expected,
+        residual=residual,
+        partners=partners,
+        layout=_describe_layout(np.insert(others, index, expected, axis=0), row),
     )
 
 
 def _iter_position_predictions(others: Array, exact: float, row: bool) -> Iterator[_PositionPrediction]:
-    """Where mirrors, and the shifts of a row, that the others keep among themselves put a place that is missing."""
+    """Predict the missing position from the mirrors and the shifts of a row that the others follow among themselves."""
     for one, other in combinations(range(len(others)), 2):
         across = others[other] - others[one]
         normal = across / np.linalg.norm(across)
@@ -164,7 +170,7 @@ def _iter_position_predictions(others: Array, exact: float, row: bool) -> Iterat
 
 
 def _describe_layout(place: Array, row: bool) -> str:
-    """The restored layout in words."""
+    """Describe the restored layout in words."""
     centred = place - place.mean(axis=0)
     reach = np.linalg.norm(centred, axis=1)
     size = 2 * float(reach.max())

@@ -17,23 +17,23 @@ import numpy as np
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+    from urdfcheck.facts.arrays import Array, Mat3, Vec3
+    from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 
-    Array = NDArray[np.float64]
 
-# What an inertial says beside its mass: the COM, and the inertia in URDF's order.
+# The numbers of an inertial besides its mass: the COM, and the inertia in URDF's order.
 NUMBERS = ("x", "y", "z", "ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-# Numbers of three digits agree to within this share of them; below the other, of the greatest, they are noise.
+# Numbers of three digits agree to within the first share of them; below the second, of the greatest, they are noise.
 _TYPED, _NOISE = 5e-3, 1e-6
 # Directions in which the reach of two hulls is compared: about 12° apart.
 _DIRECTIONS = 256
 # Pairs of points that a plane carries onto each other, of all pairs, for it to be a mirror plane of them.
 _MIRRORED_SHARE = 0.6
-# Pairs that agree about a plane along the axes do not do so by chance.
+# This many pairs do not agree on a plane along the axes by chance.
 _MIN_PAIRS = 2
-# Pairs whose own direction and midpoint are tried, so that no robot takes long.
+# Pairs whose own direction and midpoint are tried, to limit the time.
 _MAX_TRIED_PAIRS = 64
 
 
@@ -41,24 +41,24 @@ _MAX_TRIED_PAIRS = 64
 class MirrorPlane:
     """The points x with ``normal · x = offset`` (m); the normal (3,) is a unit vector."""
 
-    normal: Array
+    normal: Vec3
     offset: float
 
     @property
-    def linear(self) -> Array:
-        """(3, 3): how the mirror turns directions, ``1 - 2 n nᵀ``."""
+    def linear(self) -> Mat3:
+        """(3, 3), the reflection of directions, ``1 - 2 n nᵀ``."""
         reflection: Array = np.eye(3) - 2.0 * np.outer(self.normal, self.normal)
         return reflection
 
     def reflect_points(self, points: ArrayLike) -> Array:
-        """The mirror images of points (..., 3)."""
+        """Return the mirror images of points (..., 3)."""
         place = np.asarray(points, dtype=float)
         mirrored: Array = place @ self.linear + 2.0 * self.offset * self.normal
         return mirrored
 
-    def relate_frames(self, one: ArrayLike, other: ArrayLike) -> tuple[Array, Array]:
-        """``linear`` (3, 3) and ``shift`` (3,) that take coordinates in frame ``one`` (4, 4) to those that the mirror
-        image has in frame ``other`` (4, 4)."""
+    def relate_frames(self, one: ArrayLike, other: ArrayLike) -> tuple[Mat3, Vec3]:
+        """Compute ``linear`` (3, 3) and ``shift`` (3,), which map coordinates in frame ``one`` (4, 4) to those of the mirror
+        image in frame ``other`` (4, 4)."""
         first, second = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
         linear = second[:3, :3].T @ self.linear @ first[:3, :3]
         shift = second[:3, :3].T @ (self.reflect_points(first[:3, 3]) - second[:3, 3])
@@ -67,12 +67,14 @@ class MirrorPlane:
 
 @dataclass(frozen=True, eq=False)
 class PartOutline:
-    """What a part looks like, in its own frame: ``centroid`` (3,) and ``covariance`` (3, 3) of its surface, and ``points``
-    (K, 3) that have its convex hull."""
+    """The shape of a part, in its own frame (m)."""
 
-    centroid: Array
-    covariance: Array
+    centroid: Vec3
+    """Of the surface."""
+    covariance: Mat3
+    """Of the surface."""
     points: Array
+    """(K, 3), with the convex hull of the part."""
 
     @property
     def radius(self) -> float:
@@ -81,20 +83,20 @@ class PartOutline:
 
     @cached_property
     def reach(self) -> Array:
-        """How far (m) it reaches from the origin of its frame in each direction of `_sample_sphere_directions` (n,): it is compared with many."""
+        """Reach (n,) in m from the origin of the frame in each direction of `_sample_sphere_directions`."""
         farthest: Array = (self.points @ _sample_sphere_directions().T).max(axis=0)
         return farthest
 
 
 def find_mirror_plane(
-    ones: ArrayLike, others: ArrayLike, normals: Sequence[Array], tolerance: float
+    ones: ArrayLike, others: ArrayLike, normals: Sequence[Vec3], *, tolerance: float
 ) -> tuple[MirrorPlane, int] | None:
-    """The plane that mirrors most of the points ``ones`` (n, 3) onto ``others`` (n, 3), and how many.
+    """Find the plane that mirrors most of the points ``ones`` (n, 3) onto ``others`` (n, 3), and how many.
 
     Its normal is one of ``normals``, in the order of preference, or else the main direction of the differences, or that of one
-    of them; its offset is the median of the midpoints, or that of one of them. A pair counts when the image lies within
-    ``tolerance`` (m) and the points apart. None when fewer agree than 60 % of the pairs that lie apart, or, with one of
-    ``normals``, than two: one joint that is out of place moves all that hangs on it.
+    of them; its offset is the median of the midpoints, or that of one of them. A pair counts if its points are apart and the
+    image is within ``tolerance`` (m). None if fewer than 60 % of the pairs that are apart agree, or, with one of ``normals``,
+    fewer than two: one misplaced joint moves all its descendants.
     """
     first, second = np.asarray(ones, dtype=float), np.asarray(others, dtype=float)
     apart = np.linalg.norm(second - first, axis=1) > tolerance
@@ -127,8 +129,8 @@ def find_mirror_plane(
     return None
 
 
-def measure_outline_mismatch(one: PartOutline, other: PartOutline, linear: ArrayLike, shift: ArrayLike) -> float:
-    """How far ``one`` under ``x -> linear x + shift`` is from ``other``, relative to the size of that.
+def measure_outline_mismatch(one: PartOutline, other: PartOutline, *, linear: ArrayLike, shift: ArrayLike) -> float:
+    """Measure how far ``one`` under ``x -> linear x + shift`` is from ``other``, relative to the size of the latter.
 
     The greatest of the differences of the centroids, of the hulls' reach in any direction (both over the root mean square
     radius), and half that of the covariances (over their trace). Infinite for a part without extent.
@@ -147,12 +149,14 @@ def measure_outline_mismatch(one: PartOutline, other: PartOutline, linear: Array
 
 @dataclass(frozen=True, slots=True)
 class InertialDeviation:
-    """How far one inertial is from another in the same axes. ``mass``: relative; ``place``: distance of the COMs over the radius
-    of gyration; ``spread``: the difference of the mass covariances over twice their trace, so that all are shares of a length."""
+    """How far one inertial is from another in the same axes; all without a unit."""
 
     mass: float
+    """Relative difference of the masses."""
     com_offset: float
+    """Distance of the COMs over the radius of gyration."""
     spread: float
+    """Difference of the mass covariances over twice their trace, so that it is a share of a length."""
 
     @property
     def worst(self) -> float:
@@ -160,10 +164,10 @@ class InertialDeviation:
 
 
 def measure_deviation(actual: DeclaredInertial, expected: DeclaredInertial) -> InertialDeviation:
-    """How far ``found`` is from ``expected``; infinite for a point."""
+    """Measure how far ``actual`` is from ``expected``; infinite for a point mass."""
     size = float(np.trace(expected.inertia)) / (2.0 * expected.mass)
     if not size > 0.0:
-        return InertialDeviation(math.inf, math.inf, math.inf)
+        return InertialDeviation(mass=math.inf, com_offset=math.inf, spread=math.inf)
     spread = compute_mass_covariance(actual.inertia, actual.mass) - compute_mass_covariance(
         expected.inertia, expected.mass
     )
@@ -175,21 +179,22 @@ def measure_deviation(actual: DeclaredInertial, expected: DeclaredInertial) -> I
 
 
 def measure_principal_deviation(actual: DeclaredInertial, expected: DeclaredInertial) -> InertialDeviation:
-    """What holds of two inertials whatever axes they are in: mass and principal covariances. ``place`` is 0."""
+    """Compare two inertials independently of their axes, by mass and principal covariances. ``com_offset`` is 0."""
     size = float(np.trace(expected.inertia)) / (2.0 * expected.mass)
     if not size > 0.0:
-        return InertialDeviation(math.inf, 0.0, math.inf)
+        return InertialDeviation(mass=math.inf, com_offset=0.0, spread=math.inf)
     variances = [
         np.linalg.eigvalsh(compute_mass_covariance(numbers.inertia, numbers.mass)) for numbers in (actual, expected)
     ]
     mass = abs(actual.mass - expected.mass) / max(actual.mass, expected.mass)
-    return InertialDeviation(mass, 0.0, float(np.linalg.norm(variances[0] - variances[1])) / (2.0 * size))
+    spread = float(np.linalg.norm(variances[0] - variances[1])) / (2.0 * size)
+    return InertialDeviation(mass=mass, com_offset=0.0, spread=spread)
 
 
 def find_wrong_signs(actual: DeclaredInertial, expected: DeclaredInertial, rel_tol: float) -> tuple[str, ...]:
-    """The coordinates of the COM (``x``) and products of inertia (``ixy``) that are right but for their signs, when nothing else
-    is wrong; none otherwise. ``rel_tol``: how closely numbers agree, relative to the radius of gyration and the trace. Where one
-    of them is wrong, so are smaller ones that are each other's negative to within their digits."""
+    """Find the coordinates of the COM (``x``) and products of inertia (``ixy``) that are right except for their signs, if nothing
+    else is wrong; empty otherwise. ``rel_tol``: how closely numbers agree, relative to the radius of gyration and the trace. If
+    one of them is wrong, so are smaller ones that are each other's negative to within their digits."""
     size = math.sqrt(float(np.trace(expected.inertia)) / (2.0 * expected.mass))
     unit = np.array([size] * 3 + [expected.mass * size**2] * 6)
     typed, wanted = (np.concatenate((n.com, n.inertia[np.triu_indices(3)])) / unit for n in (actual, expected))
@@ -203,9 +208,9 @@ def find_wrong_signs(actual: DeclaredInertial, expected: DeclaredInertial, rel_t
 
 
 def mirror_range(lower: float, upper: float, along: float, *, rotates: bool) -> tuple[float, float]:
-    """The limits of the mirror image of a joint with these. ``along``: the image of its axis times the other axis.
+    """Return the limits of the mirror image of a joint. ``along``: scalar product of the image of its axis and the other axis.
 
-    An axis of rotation is a pseudovector: the image of a turn by q about a is one by -q about a's image. A slide's is not.
+    An axis of rotation is a pseudovector: the image of a turn by q about a is one by -q about a's image. That of a slide is not.
     """
     same = (along < 0.0) if rotates else (along > 0.0)
     return (lower, upper) if same else (-upper + 0.0, -lower + 0.0)
@@ -213,7 +218,7 @@ def mirror_range(lower: float, upper: float, along: float, *, rotates: bool) -> 
 
 @cache
 def _sample_sphere_directions() -> Array:
-    """Directions (n, 3) spread evenly over the sphere (the Fibonacci lattice), and the axes."""
+    """Return directions (n, 3) spread evenly over the sphere (the Fibonacci lattice), and the axes."""
     index = np.arange(_DIRECTIONS) + 0.5
     height = 1.0 - 2.0 * index / _DIRECTIONS
     turn = np.pi * (1.0 + np.sqrt(5.0)) * index

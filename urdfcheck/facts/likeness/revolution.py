@@ -1,4 +1,4 @@
-"""Bodies of revolution: the axis that a surface or a mass goes round, and how round it is."""
+"""Bodies of revolution: the axis of a surface or a mass, and how round it is."""
 
 from __future__ import annotations
 
@@ -9,27 +9,31 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Vec3
 
-# A body of revolution has one moment that stands out by this part of the largest, and two that differ by less than that:
-# for 87 of 96 wheels of published robots it tells the axis, to 0.24° for 95 % of them.
+
+# A body of revolution has one moment that differs from the others by more than the first share of the largest, and two that
+# differ by less than the second: this finds the axis of 87 of 96 wheels of published robots, to 0.24° for 95 % of them.
 _STANDS_OUT = 0.10
 _ALIKE = 0.05
-# Support is measured in so many directions; opposite ones make a diameter.
+# Directions in which the support is measured; opposite ones make a diameter.
 _DIRECTIONS = 16
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RoundOutline:
-    """Points seen along an axis: ``centre`` (3,) of their outline, at half their width; ``radius`` and ``least``: the farthest
-    and the nearest that the outline reaches from there; ``width`` along the axis (all in m)."""
+    """The outline of points seen along an axis; all in m."""
 
-    centre: Array
+    centre: Vec3
+    """Of the outline, at half the width."""
     radius: float
+    """The farthest reach of the outline from the centre."""
     inner_radius: float
+    """The least reach of the outline from the centre."""
     width: float
+    """Along the axis."""
 
     def is_round(self, min_ratio: float = 0.95) -> bool:
         """Whether the outline reaches equally far in all directions; 0.95 leaves room for a polygon of ten corners."""
@@ -37,23 +41,23 @@ class RoundOutline:
 
 
 def find_revolution_axis(covariance: ArrayLike) -> Array | None:
-    """The unit axis (3,) of the body of revolution with this covariance (3, 3) of its surface or its mass.
+    """Find the unit axis (3,) of the body of revolution with this covariance (3, 3) of its surface or its mass.
 
-    None when no moment stands out or the other two differ; its sign means nothing.
+    None when no moment stands out or the other two differ. The sign is arbitrary.
     """
     moments, axes = np.linalg.eigh(np.asarray(covariance, dtype=float))
     least, middle, largest = moments.tolist()
     if not largest > 0.0:
         return None
-    for place, one, other, own in ((0, middle, largest, least), (2, least, middle, largest)):
-        if abs(one - other) < _ALIKE * largest and abs(own - (one + other) / 2.0) > _STANDS_OUT * largest:
+    for place, one, other, along in ((0, middle, largest, least), (2, least, middle, largest)):
+        if abs(one - other) < _ALIKE * largest and abs(along - (one + other) / 2.0) > _STANDS_OUT * largest:
             axis: Array = axes[:, place]
             return axis
     return None
 
 
 def measure_outline(points: ArrayLike, axis: ArrayLike, centre: ArrayLike | None = None) -> RoundOutline:
-    """How round ``points`` (n, 3) are about a unit ``axis`` (3,): through ``centre``, or through the middle of their outline.
+    """Measure how round ``points`` (n, 3) are about a unit ``axis`` (3,) through ``centre``, or the middle of their outline.
 
     The outline is that of their convex hull, from its support in 16 directions.
     """
@@ -66,17 +70,22 @@ def measure_outline(points: ArrayLike, axis: ArrayLike, centre: ArrayLike | None
     reach = ((flat - middle) @ _sample_circle_directions().T).max(axis=0)
     radius = float(np.linalg.norm(flat - middle, axis=1).max())
     low, high = float(depth.min()), float(depth.max())
-    return RoundOutline(middle @ across + (low + high) / 2.0 * along, radius, float(reach.min()), high - low)
+    return RoundOutline(
+        centre=middle @ across + (low + high) / 2.0 * along,
+        radius=radius,
+        inner_radius=float(reach.min()),
+        width=high - low,
+    )
 
 
 def measure_line_angle(one: ArrayLike, other: ArrayLike) -> float:
-    """The angle (rad, within [0, π/2]) between two axes (3,), whatever their signs and lengths."""
+    """Measure the angle (rad, within [0, π/2]) between two axes (3,), regardless of their signs and lengths."""
     a, b = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
     return math.atan2(float(np.linalg.norm(np.cross(a, b))), abs(float(a @ b)))
 
 
 def _find_outline_centre(flat: Array) -> Array:
-    """The point (2,) from which opposite supports are equal, as nearly as least squares make them."""
+    """Find the point (2,) from which opposite supports are equal, in the sense of least squares."""
     directions = _sample_circle_directions()
     support = (flat @ directions.T).max(axis=0)
     half = _DIRECTIONS // 2

@@ -1,11 +1,11 @@
 """Sibling frames that follow one symmetry, and the one among them that breaks it.
 
-On 281 groups of two to twelve like joints in 63 published robots it raises no false alarm but one, which what carries the joints
-explains. Of the errors injected into them (offsets of 2° to 85°, also beyond quarter turns, and tilts of 0.2° to 40°; 6,993
-trials) it names 68 % in groups of four, 75 % of six, 17 % of eight and all of twelve, and shows a pair with the culprit in it, or
-one of three, in 92 % of groups of two, 60 % of three, 7 % of four, 50 % of eight and all of ten: the symmetry of hands and arms
-relates each joint to one other only. It never names a wrong member, not even where two are wrong. It stays silent where it
-cannot decide, and about turns by 90° and 180°, which are choices of frame.
+On 281 groups of two to twelve like joints in 63 published robots it raises one false alarm, which the joints' parents explain.
+Of the errors injected into them (offsets of 2° to 85°, also beyond quarter turns, and tilts of 0.2° to 40°; 6,993 trials) it
+names 68 % in groups of four, 75 % of six, 17 % of eight and all of twelve, and shows a pair with the odd frame in it, or one of
+three, in 92 % of groups of two, 60 % of three, 7 % of four, 50 % of eight and all of ten: the symmetry of hands and arms relates
+each joint to one other only. It never names a wrong member, not even where two are wrong. It reports nothing where it cannot
+decide, or for turns by 90° and 180°, which are choices of frame.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ import numpy as np
 from urdfcheck.facts.motion.kinematics import compute_axis_angle
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Mat3
 
 
-# Frames of a pattern agree with it to what rpy typed with three digits leaves (1.57 is off by 8e-4 rad).
+# Frames follow a pattern to within the error of rpy typed with three digits (1.57 is off by 8e-4 rad).
 _FRAME_TOLERANCE = 2e-3
 # Predictions made through different siblings and operations add up their typing errors.
 _PREDICTION_TOLERANCE = 1e-2
@@ -36,61 +36,65 @@ _MAX_TILT = math.pi / 4
 _AXIS_CHOICES = np.array(
     [np.diag(signs)[list(order)] for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)]
 )
-# More like joints are a field of them, which takes long to try (the third power of their number) and is no robot's limbs.
+# More joints are an array rather than a robot's limbs, and trying them takes long (the third power of their number).
 _MAX_MEMBERS = 32
 # Positions match within 0.2 mm, a careful hand measurement, or half a percent of the pattern's size.
 _PLACE_ABSOLUTE, _PLACE_RELATIVE = 2e-4, 5e-3
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class OddFrame:
-    """The one frame of a group that breaks the orientation pattern of the others.
-
-    ``index``: its place in the group. ``kind``: ``zero_offset`` when it is turned about its own joint axis, which
-    moves the joint's zero and nothing else; ``axis_tilt`` when its axis points elsewhere. ``angle`` (rad): how far it
-    is turned from the pattern, signed about the joint axis for ``zero_offset``, the tilt of the joint axis otherwise.
-    ``axis`` (3,): the unit axis of that turn in the common frame. ``expected_frame`` (3, 3): where the pattern puts
-    the frame, in the common frame. ``bad_pairs`` and ``good_pairs``: how many pairs contradict and follow the
-    pattern. ``agreement``: the fraction of predictions that give ``expected_frame``. ``rule``: the pattern in words.
-    """
+    """The one frame of a group that breaks the orientation pattern of the others."""
 
     index: int
+    """In the group."""
     kind: Literal["zero_offset", "axis_tilt"]
+    """``zero_offset`` if it is turned about its own joint axis, which only moves the joint's zero; ``axis_tilt`` if its axis has
+    another direction."""
     angle: float
+    """Turn from the pattern (rad): signed about the joint axis for ``zero_offset``, otherwise the tilt of the joint axis."""
     axis: tuple[float, float, float]
-    expected_frame: Array
+    """Unit axis of that turn in the common frame."""
+    expected_frame: Mat3
+    """Orientation by the pattern, in the common frame."""
     bad_pairs: int
+    """Number of pairs that contradict the pattern."""
     good_pairs: int
+    """Number of pairs that follow the pattern."""
     agreement: float
+    """Fraction of predictions that give ``expected_frame``."""
     pattern: str
+    """In words."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SuspectFrames:
-    """Members of a group that do not fit together, where the frames alone do not prove which one is wrong.
-
-    ``members``: the two of a pair whose frames are not related as its positions are, or the one of three that differs from
-    both others. For each: ``angles`` (rad), how far it is turned if the others are right, as in `OddFrame`, and
-    ``expected_frames`` (3, 3), where it would be then, in the common frame. ``kind`` as in `OddFrame`; ``linear`` (3, 3)
-    and ``rule``: what relates the positions, as a matrix and in words.
-    """
+    """Members of a group that do not fit together, where the frames alone do not prove which one is wrong."""
 
     members: tuple[int, ...]
+    """The two of a pair whose frames are not related as its positions are, or the one of three that differs from both others."""
     kind: Literal["zero_offset", "axis_tilt"]
+    """See `OddFrame`."""
     angles: tuple[float, ...]
-    expected_frames: tuple[Array, ...]
-    linear: Array
+    """Turn of each member if the others are right (rad), as in `OddFrame`."""
+    expected_frames: tuple[Mat3, ...]
+    """Orientation of each member if the others are right, in the common frame."""
+    linear: Mat3
+    """Relates the positions."""
     pattern: str
+    """Relation of the positions in words."""
 
 
 @dataclass(frozen=True, slots=True)
 class LinkSignature:
-    """What makes links alike whatever they are called: mass (kg), principal moments of inertia (kg m²) and principal
-    second moments of the mesh's surface (m²), both ascending; empty where unknown. Mirrored parts are alike."""
+    """What like links have in common, regardless of their names. Mirrored parts are alike."""
 
     mass: float
+    """kg."""
     moments: tuple[float, ...]
+    """Principal moments of inertia (kg m²), ascending; empty if unknown."""
     surface_moments: tuple[float, ...]
+    """Principal second moments of the mesh's surface (m²), ascending; empty if unknown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +108,7 @@ class _SymmetryOperation:
 
 @dataclass(frozen=True, slots=True)
 class _FrameRelation:
-    """How an operation turns the frame of ``source`` against that of ``target``; ``good`` when that is the signed
+    """How an operation turns the frame of ``source`` against that of ``target``; ``good`` if that is the signed
     permutation ``snapped``, one of the 48 by which frames differ that are the same but for the choice of axes."""
 
     source: int
@@ -119,7 +123,7 @@ class _FrameRelation:
 
 @dataclass(frozen=True, slots=True)
 class _FramePrediction:
-    """Where the operation ``name`` puts the culprit's frame; ``pure`` when it carries frames onto each other as is."""
+    """Where the operation ``name`` puts the odd frame; ``pure`` if it maps frames onto each other unchanged."""
 
     name: str
     pure: bool
@@ -127,15 +131,15 @@ class _FramePrediction:
 
 
 def build_link_signature(mass: float, moments: Sequence[float], surface_moments: Sequence[float] = ()) -> LinkSignature:
-    """A link's signature; the order of the moments does not matter."""
+    """Build a link's signature; the order of the moments does not matter."""
     return LinkSignature(mass, tuple(sorted(moments)), tuple(sorted(surface_moments)))
 
 
 def group_by_signature(signatures: Sequence[LinkSignature]) -> list[list[int]]:
-    """Indices of like signatures, groups and members in ascending order; every index is in exactly one group.
+    """Group the indices of like signatures, groups and members in ascending order; every index is in exactly one group.
 
-    Alike means masses within 0.5 % and moments within 5 %: three and two digits, without the boundaries that
-    rounding would put between 0.9999 and 1.0001. Likeness is handed on from neighbour to neighbour.
+    Alike means masses within 0.5 % and moments within 5 %: three and two digits, without the boundary that rounding would put
+    between 0.9999 and 1.0001. Likeness is transitive.
     """
     groups: list[list[int]] = []
     for index, one in enumerate(signatures):
@@ -146,26 +150,27 @@ def group_by_signature(signatures: Sequence[LinkSignature]) -> list[list[int]]:
 
 
 def find_odd_frame(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike) -> OddFrame | None:
-    """The one member of a group of like joints whose frame breaks the pattern of the others.
+    """Find the one member of a group of like joints whose frame breaks the pattern of the others.
 
-    ``positions`` (n, 3) in metres and ``frames`` (n, 3, 3) rotations, both in one common frame whose axes the
-    symmetry is looked for about; ``axes`` (n, 3) joint axes, each in its own joint frame. None when there is none, and
-    whenever the culprit is not certain: below three members or above 32, when the positions have no symmetry that relates the
-    frames of the others, when fewer than two of them tell where the culprit's frame should be, when several could be to blame.
+    ``positions`` (n, 3) in metres and ``frames`` (n, 3, 3) rotations, both in one common frame, about whose axes symmetries are
+    searched for; ``axes`` (n, 3) joint axes, each in its own joint frame. None if there is no such member, or it is uncertain:
+    below three members or above 32, if the positions have no symmetry that relates the frames of the others, if fewer than two
+    of them determine where the odd frame should be, or if several members are possible.
     """
     place, turn = np.asarray(positions, dtype=float), np.asarray(frames, dtype=float)
     if not 3 <= len(place) <= _MAX_MEMBERS or not (np.isfinite(place).all() and np.isfinite(turn).all()):
         return None
     related = [(op, _relate_all_pairs(op, turn)) for op in _find_operations(place)]
-    found = [_blame_member(index, related, turn, np.asarray(axes, dtype=float)[index]) for index in range(len(place))]
-    culprits = [one for one in found if one is not None]
-    return culprits[0] if len(culprits) == 1 else None
+    axis = np.asarray(axes, dtype=float)
+    blamed = [_blame_member(index, related, turn=turn, axis=axis[index]) for index in range(len(place))]
+    odd = [one for one in blamed if one is not None]
+    return odd[0] if len(odd) == 1 else None
 
 
 def find_suspect_frames(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike) -> SuspectFrames | None:
-    """The pair of a group, or the one of three, that does not fit where nobody can say for certain which one is wrong.
+    """Find the pair of a group, or the one of three, that does not fit, where it is uncertain which one is wrong.
 
-    Arguments as for `find_odd_frame`. None when all fit, and when more than one pair does not.
+    Arguments as for `find_odd_frame`. None if all fit, or if more than one pair does not.
     """
     place, turn, axis = (np.asarray(a, dtype=float) for a in (positions, frames, axes))
     if not 2 <= len(place) <= _MAX_MEMBERS or not (np.isfinite(place).all() and np.isfinite(turn).all()):
@@ -174,18 +179,22 @@ def find_suspect_frames(positions: ArrayLike, frames: ArrayLike, axes: ArrayLike
         (op, _relate_all_pairs(op, turn))
         for op in (_find_operations(place) if len(place) > 2 else _find_pair_operations(place))
     ]
-    # Of more than three, an operation that carries no frame onto another is no symmetry of the group.
+    # In a group of more than three, an operation that maps no frame onto another is not a symmetry of the group,
     related = [(op, group) for op, group in every if len(place) <= 3 or any(r.good for r in group)]
     good = {r.members for _, group in related for r in group if r.good}
     bad = {r.members for _, group in related for r in group} - good
-    found = frozenset().union(*bad) - frozenset().union(*good)
-    if not (len(place) == 3 and len(found) == 1) and not (len(found) == 2 and bad == {found}):
+    suspects = frozenset().union(*bad) - frozenset().union(*good)
+    if not (len(place) == 3 and len(suspects) == 1) and not (len(suspects) == 2 and bad == {suspects}):
         return None
-    # Unless it carries none because both suspects are wrong.
+    # unless it maps none because both suspects are wrong.
     whole = [group for _, group in every if len(frozenset().union(*(r.members for r in group))) == len(place) > 3]
-    if any(all(not r.good and r.members & found for r in group) for group in whole):
+    if any(all(not r.good and r.members & suspects for r in group) for group in whole):
         return None
-    ways = [way for op, group in related if (way := _suspect_members(sorted(found), op, group, turn, axis)) is not None]
+    ways = [
+        way
+        for op, group in related
+        if (way := _suspect_members(sorted(suspects), op, group, turn=turn, axes=axis)) is not None
+    ]
     # To a microradian: rounding must not decide between operations that say the same.
     return min(ways, key=lambda way: (way.kind == "axis_tilt", round(max(map(abs, way.angles)), 6)), default=None)
 
@@ -198,7 +207,7 @@ def is_axis_renaming(rotation: Array) -> bool:
 
 
 def measure_rotation_angle(one: Array, other: Array) -> float:
-    """Angle (rad) of the rotation from one orthogonal matrix to another: ``|A - B| = 2 sqrt(2) sin(angle / 2)``."""
+    """Measure the angle (rad) of the rotation from one orthogonal matrix to another: ``|A - B| = 2 sqrt(2) sin(angle / 2)``."""
     return 2.0 * math.asin(min(1.0, float(np.linalg.norm(one - other)) / math.sqrt(8.0)))
 
 
@@ -211,7 +220,7 @@ def _has_like_signature(one: LinkSignature, other: LinkSignature) -> bool:
 
 
 def _has_close_moments(one: Sequence[float], other: Sequence[float]) -> bool:
-    # A moment far below the largest is rounding: the long moments of a thin rod say nothing about the third.
+    # A moment far below the largest is rounding: the long moments of a thin rod do not determine the third.
     floor = 1e-3 * max(map(abs, (*one, *other)), default=0.0)
     return len(one) == len(other) and all(
         math.isclose(a, b, rel_tol=5e-2, abs_tol=floor) for a, b in zip(one, other, strict=True)
@@ -219,7 +228,7 @@ def _has_close_moments(one: Sequence[float], other: Sequence[float]) -> bool:
 
 
 def _find_operations(place: Array) -> list[_SymmetryOperation]:
-    """Mirrors and rotations about the common axes through the centroid, and shifts that occur at least twice."""
+    """Find mirrors and rotations about the common axes through the centroid, and shifts that occur at least twice."""
     tolerance = max(_PLACE_ABSOLUTE, _PLACE_RELATIVE * float(np.linalg.norm(np.ptp(place, axis=0))))
     centred = place - place.mean(axis=0)
     found = []
@@ -253,7 +262,7 @@ def _list_point_operations() -> list[tuple[str, Array]]:
 def _find_shifts(place: Array, tolerance: float) -> list[_SymmetryOperation]:
     pairs = np.array(list(combinations(range(len(place)), 2)))
     shifts = place[pairs[:, 1]] - place[pairs[:, 0]]
-    # A shift and its reverse are one operation: the first coordinate that counts is made positive.
+    # A shift and its reverse are one operation: the first coordinate that is not small is made positive.
     leading = np.take_along_axis(shifts, (np.abs(shifts) > tolerance).argmax(axis=1)[:, None], axis=1)[:, 0]
     pairs[leading < 0] = pairs[leading < 0][:, ::-1]
     shifts[leading < 0] *= -1.0
@@ -270,7 +279,7 @@ def _find_shifts(place: Array, tolerance: float) -> list[_SymmetryOperation]:
 
 
 def _find_pair_operations(place: Array) -> list[_SymmetryOperation]:
-    """What carries one of two places onto the other: mirrors and half turns about the common axes, and the shift."""
+    """Find what maps one of two positions onto the other: mirrors and half turns about the common axes, and the shift."""
     size = float(np.linalg.norm(np.ptp(place, axis=0)))
     apart = np.abs(place[1] - place[0]) > max(_PLACE_ABSOLUTE, _PLACE_RELATIVE * size)
     along = "".join(letter for letter, far in zip("xyz", apart, strict=True) if far)
@@ -288,11 +297,11 @@ def _relate_pair(operation: _SymmetryOperation, source: int, target: int, turn: 
 
 
 def _blame_member(
-    index: int, related: Sequence[tuple[_SymmetryOperation, Sequence[_FrameRelation]]], turn: Array, axis: Array
+    index: int, related: Sequence[tuple[_SymmetryOperation, Sequence[_FrameRelation]]], *, turn: Array, axis: Array
 ) -> OddFrame | None:
-    """What is wrong with a member, if nothing else is: without it the others follow a symmetry that all take part in.
+    """Find what is wrong with a member if nothing else is: the others follow a symmetry in which all take part.
 
-    An operation under which others do not fit either is no symmetry of the frames, and says nothing about this one.
+    An operation under which others do not fit either is not a symmetry of the frames, and is not evidence about this one.
     """
     clean = [(op, group) for op, group in related if _is_followed(r for r in group if index not in r.members)]
     good = {r.members for _, group in clean for r in group if r.good}
@@ -310,7 +319,15 @@ def _blame_member(
         return None
     kind, angle, about = deviation
     return OddFrame(
-        index, kind, angle, about, expected, len(bad), len(good), agreement, _describe_operations(supporting)
+        index=index,
+        kind=kind,
+        angle=angle,
+        axis=about,
+        expected_frame=expected,
+        bad_pairs=len(bad),
+        good_pairs=len(good),
+        agreement=agreement,
+        pattern=_describe_operations(supporting),
     )
 
 
@@ -320,11 +337,16 @@ def _is_followed(relations: Iterable[_FrameRelation]) -> bool:
 
 
 def _suspect_members(
-    found: Sequence[int], operation: _SymmetryOperation, group: Sequence[_FrameRelation], turn: Array, axes: Array
+    suspects: Sequence[int],
+    operation: _SymmetryOperation,
+    group: Sequence[_FrameRelation],
+    *,
+    turn: Array,
+    axes: Array,
 ) -> SuspectFrames | None:
-    """How an operation puts the suspects' frames against those of their partners."""
+    """Compare the suspects' frames with those that an operation makes of their partners'."""
     sides = []
-    for index in found:
+    for index in suspects:
         frames = [(False, p.frame) for p in _predict_frames(index, operation, group, turn)]
         if not frames:
             frames = [c for r in group if index in r.members for c in _list_axis_choices(operation, r, index, turn)]
@@ -341,13 +363,20 @@ def _suspect_members(
     if len({kind for kind, _, _ in sides}) != 1:
         return None
     kinds, angles, expected = zip(*sides, strict=True)
-    return SuspectFrames(tuple(found), kinds[0], angles, expected, operation.linear, operation.name)
+    return SuspectFrames(
+        members=tuple(suspects),
+        kind=kinds[0],
+        angles=angles,
+        expected_frames=expected,
+        linear=operation.linear,
+        pattern=operation.name,
+    )
 
 
 def _list_axis_choices(
     operation: _SymmetryOperation, relation: _FrameRelation, index: int, turn: Array
 ) -> list[tuple[bool, Array]]:
-    """Where the partner's frame can put that of ``index``, and whether its axes are renamed on the way."""
+    """List the frames of ``index`` that the partner's frame allows, and whether its axes are renamed."""
     linear, partner = operation.linear, relation.source
     if relation.source == index:
         linear, partner = linear.T, relation.target
@@ -361,7 +390,7 @@ def _list_axis_choices(
 def _predict_frames(
     index: int, operation: _SymmetryOperation, group: Sequence[_FrameRelation], turn: Array
 ) -> list[_FramePrediction]:
-    """Where the operation puts the frame of ``index``, if its good pairs agree on how it turns frames."""
+    """Predict the frame of ``index`` from an operation, if its good pairs agree on how it turns frames."""
     agreed = [r.snapped for r in group if r.good and index not in (r.source, r.target)]
     if not agreed or any((other != agreed[0]).any() for other in agreed):
         return []
@@ -373,7 +402,7 @@ def _predict_frames(
 
 
 def _find_majority_frame(predictions: Sequence[_FramePrediction]) -> tuple[Array, list[_FramePrediction]]:
-    """The frame that most predictions agree on, closest to them all, and those that do."""
+    """Find the frame that most predictions agree on, the closest to them all, and those that agree."""
     best: list[_FramePrediction] = []
     frame, least = np.eye(3), math.inf
     for one in predictions:
@@ -410,7 +439,7 @@ def _to_xyz(vector: Array) -> tuple[float, float, float]:
 
 
 def _describe_operations(supporting: Sequence[_FramePrediction]) -> str:
-    """The operations that carry the frames onto each other as they are; else the one that most predictions rest on."""
+    """Name the operations that map the frames onto each other unchanged; else the one that most predictions rest on."""
     pure = list(dict.fromkeys(p.name for p in supporting if p.pure))
     if pure:
         return " and ".join(pure)

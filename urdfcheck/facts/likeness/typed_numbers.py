@@ -1,4 +1,4 @@
-"""Numbers as they were typed: constants with digits missing, and noise where zero is meant."""
+"""Numbers as typed: constants with missing digits, and noise in place of zero."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
 
 # A deviation of 1e-9 rad displaces a point one metre away by one nanometre, and the coordinates of published robots
-# leave a gap between 1e-7 (noise) and 1e-5 (meant): below 1e-9 a number is exact, or zero.
+# leave a gap between 1e-7 (noise) and 1e-5 (intended): below 1e-9 a number is exact, or zero.
 EXACT = 1e-9
 
 # Sloppy but unmistakable spellings of the two commonest constants, such as 1.57075, lie within this relative distance.
 _SLOPPY = 6e-5
 
-# Constant -> its value, the least number of decimals that tells it from an ordinary number, and whether `_SLOPPY`
-# applies. 0.52 or 0.79 may be meant; 0.524 or 0.785 may not.
+# Constant -> its value, the least number of decimals that distinguishes it from an ordinary number, and whether `_SLOPPY`
+# applies. 0.52 or 0.79 may be intended; 0.524 or 0.785 may not.
 _CONSTANTS: tuple[tuple[str, float, int, bool], ...] = (
     ("pi", math.pi, 2, True),
     ("pi/2", math.pi / 2, 2, True),
@@ -32,25 +32,26 @@ _CONSTANTS: tuple[tuple[str, float, int, bool], ...] = (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class NearMiss:
-    """A literal that means a fraction of π and has lost digits.
-
-    ``constant`` and ``exact`` carry the literal's sign (``-pi/2``, rad), ``difference`` is typed minus exact,
-    ``expression`` is what xacro writes for it, ``decimals`` how many were typed, trailing zeros aside.
-    """
+    """A literal that means a fraction of π and has lost digits."""
 
     constant: str
+    """With the literal's sign, such as ``-pi/2``."""
     exact: float
+    """The value of the constant (rad), with the literal's sign."""
     difference: float
+    """Typed minus exact (rad)."""
     expression: str
+    """The constant in xacro."""
     decimals: int
+    """Typed decimals without trailing zeros."""
 
 
 def find_near_miss(text: str) -> NearMiss | None:
-    """The constant that the literal ``text`` is a rounded or truncated spelling of; None when there is none.
+    """Find the constant that the literal ``text`` spells rounded or truncated; None if there is none.
 
-    None for spellings within 1e-9 too: they carry all the digits that matter.
+    None also for spellings within 1e-9: they have all the digits that matter.
     """
     typed = _parse_decimal(text)
     if typed is None or not typed:
@@ -63,12 +64,18 @@ def find_near_miss(text: str) -> NearMiss | None:
         if _is_shortened(size, value, decimals) or (sloppy and abs(float(size) - value) < _SLOPPY * value):
             sign = "-" if typed < 0 else ""
             exact = math.copysign(value, typed)
-            return NearMiss(sign + name, exact, float(typed) - exact, f"${{{sign}{name}}}", decimals)
+            return NearMiss(
+                constant=sign + name,
+                exact=exact,
+                difference=float(typed) - exact,
+                expression=f"${{{sign}{name}}}",
+                decimals=decimals,
+            )
     return None
 
 
 def find_constant(angle: float) -> str | None:
-    """The constant, without its sign, that ``angle`` (rad) is to within 1e-9; None when it is none that `find_near_miss` knows."""
+    """Find the constant of `find_near_miss`, without its sign, that ``angle`` (rad) equals to within 1e-9; None if none."""
     return next((name for name, value, _, _ in _CONSTANTS if abs(abs(angle) - value) <= EXACT), None)
 
 
@@ -83,7 +90,7 @@ def is_noise_angle(radians: float) -> bool:
 
 
 def flag_noise_products(products: Sequence[float], largest_moment: float) -> tuple[bool, ...]:
-    """Which products of inertia are residue: not zero, and below 1e-9 of the largest principal moment.
+    """Flag products of inertia that are residue: not zero, and below 1e-9 of the largest principal moment.
 
     Such a product turns the principal axes by less than the relative error of any typed moment.
     """
@@ -100,7 +107,7 @@ def _parse_decimal(text: str) -> Decimal | None:
 
 
 def _count_decimals(value: Decimal) -> int:
-    """Decimals of a number, trailing zeros aside, so that ``1.570000`` counts as ``1.57``."""
+    """Count the decimals of a number without trailing zeros, so that ``1.570000`` counts as ``1.57``."""
     return max(0, -int(value.normalize().as_tuple().exponent))
 
 

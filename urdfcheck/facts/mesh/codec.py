@@ -1,10 +1,10 @@
-"""Meshes as small as a report wants them: corners on a grid, sorted so that neighbours are near, differences in planes of bytes.
+"""Meshes in few bytes, for reports: corners on a grid, sorted so that neighbours are near, differences in planes of bytes.
 
-What comes out is to be deflated: 4 to 6 bytes per triangle are left then, base64 included. All integers are little-endian.
-For each of x, y, z: the differences between consecutive corners, first all low bytes, then all high bytes. For each corner of
-the triangles (of the first one the difference to that of the triangle before, of the others that to the first): the same, with
-two bytes or three (see `needs_wide_indices`). For each edge of a hole: its two ends as six numbers of two bytes. Differences may be negative
-and are interleaved with the positive ones (0, -1, 1, -2, …).
+The result is meant to be deflated, to 4 to 6 bytes per triangle with base64. All integers are little-endian. For each of
+x, y, z: the differences between consecutive corners, first all low bytes, then all high bytes. For each corner of the triangles
+(of the first one the difference from that of the previous triangle, of the others that from the first): the same, with two
+bytes or three (see `needs_wide_indices`). For each edge of a hole: its two ends as six numbers of two bytes. Negative
+differences are interleaved with the positive ones (0, -1, 1, -2, …).
 """
 
 from __future__ import annotations
@@ -16,38 +16,40 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.int64]
+    from urdfcheck.facts.arrays import Array, Indices, Vec3
+
 
 BITS = 14
 STEPS = (1 << BITS) - 1
-# Differences between so many corners need a third byte.
+# Differences between the indices of more corners need a third byte.
 _NARROW = 1 << 15
-# Grids for meshes that are too fine: cells along the diagonal, and by how much they grow.
+# Grids for meshes that are too fine: cells along the diagonal, and the factor by which they grow.
 _FINEST, _COARSER = 500.0, 1.25
 
 
 class PackedMesh(NamedTuple):
-    """``data`` with its counts; ``low`` and ``high`` (3,): the bounds between which the grid lies, in units of the mesh."""
+    """A mesh in few bytes."""
 
     data: bytes
     n_vertices: int
     n_faces: int
     n_hole_edges: int
-    low: Array
-    high: Array
+    low: Vec3
+    """Lower bounds of the grid, in units of the mesh."""
+    high: Vec3
+    """Upper bounds of the grid, in units of the mesh."""
 
 
 def needs_wide_indices(n_vertices: int) -> bool:
-    """Whether indices of so many corners take three bytes."""
+    """Whether indices of this many corners take three bytes."""
     return n_vertices > _NARROW
 
 
-def pack_mesh(vertices: Array, faces: Indices, edges: Array, max_faces: int) -> PackedMesh:
-    """A mesh of ``vertices`` (V, 3) and ``faces`` (F, 3), with the ends (n, 2, 3) of the edges of its holes.
+def pack_mesh(vertices: Array, faces: Indices, edges: Array, *, max_faces: int) -> PackedMesh:
+    """Pack a mesh of ``vertices`` (V, 3) and ``faces`` (F, 3), with the ends (n, 2, 3) of the edges of its holes.
 
-    Corners that no triangle has are left out, those that fall together on the grid merged, triangles without area dropped.
-    More triangles than ``most`` are made fewer by merging the corners of one cell into their mean.
+    Corners without a triangle are dropped, those that coincide on the grid are merged, triangles without area are dropped.
+    More triangles than ``max_faces`` are reduced by merging the corners of one cell into their mean.
     """
     used, number = np.unique(faces, return_inverse=True)
     vertices, faces = _simplify_mesh(vertices[used], number.reshape(faces.shape), max_faces)
@@ -60,11 +62,18 @@ def pack_mesh(vertices: Array, faces: Indices, edges: Array, max_faces: int) -> 
     size = 3 if needs_wide_indices(len(points)) else 2
     planes += [_encode_byte_planes(column, size) for column in (np.diff(a, prepend=0), b - a, c - a)]
     ends = _snap_to_grid(edges.reshape(-1, 3), low, high).astype("<u2")
-    return PackedMesh(b"".join((*planes, ends.tobytes())), len(points), len(faces), len(edges), low, high)
+    return PackedMesh(
+        data=b"".join((*planes, ends.tobytes())),
+        n_vertices=len(points),
+        n_faces=len(faces),
+        n_hole_edges=len(edges),
+        low=low,
+        high=high,
+    )
 
 
 def unpack_mesh(packed: PackedMesh) -> tuple[Array, Indices, Array]:
-    """Corners (V, 3), triangles (F, 3) and the ends of the edges of holes (n, 2, 3) of what `pack_mesh` made."""
+    """Return the corners (V, 3), triangles (F, 3) and the ends of the edges of holes (n, 2, 3): the inverse of `pack_mesh`."""
     data = np.frombuffer(packed.data, dtype=np.uint8)
     size = 3 if needs_wide_indices(packed.n_vertices) else 2
     columns, at = [], 0
@@ -86,7 +95,7 @@ def _snap_to_grid(points: Array, low: Array, high: Array) -> Indices:
 
 
 def _encode_morton(grid: Indices) -> Indices:
-    """The Morton code of each point (n, 3): points that are near each other are mostly near in its order."""
+    """Return the Morton code of each point (n, 3): points that are near each other mostly have near codes."""
     code = np.zeros(len(grid), dtype=np.int64)
     for axis, column in enumerate(grid.T):
         code |= _spread_bits(column) << axis
@@ -103,7 +112,7 @@ _MASKS = (
 
 
 def _spread_bits(values: Indices) -> Indices:
-    """Two zeros between each two bits."""
+    """Insert two zeros between each two bits."""
     spread = values.astype(np.uint64)
     for shift, mask in _MASKS:
         spread = (spread | (spread << np.uint64(shift))) & np.uint64(mask)
@@ -111,7 +120,7 @@ def _spread_bits(values: Indices) -> Indices:
 
 
 def _decode_morton(codes: Indices) -> Indices:
-    """The points (n, 3) of Morton codes: the inverse of `_encode_morton`."""
+    """Return the points (n, 3) of Morton codes: the inverse of `_encode_morton`."""
     points = np.zeros((len(codes), 3), dtype=np.int64)
     for axis in range(3):
         for bit in range(BITS):
@@ -120,7 +129,7 @@ def _decode_morton(codes: Indices) -> Indices:
 
 
 def _sort_faces(faces: Indices) -> Indices:
-    """Without the triangles that repeat a corner; each begins with its lowest corner, and they are in the order of these."""
+    """Drop triangles that repeat a corner, rotate each to begin with its lowest corner, and sort them by it."""
     a, b, c = faces.T
     faces = faces[(a != b) & (b != c) & (c != a)]
     first = faces.argmin(axis=1)
@@ -144,7 +153,7 @@ def _simplify_mesh(vertices: Array, faces: Indices, most: int) -> tuple[Array, I
     diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     cells = _FINEST
     thin = vertices, faces
-    # Without a diagonal all is one point, and nothing of it is left anyhow.
+    # Without a diagonal all corners are one point, and no triangle is left.
     while len(thin[1]) > most and cells > 1.0 and diagonal > 0.0:
         keys = np.floor((vertices - low) * (cells / diagonal)).astype(np.int64)
         _, number = np.unique(_encode_morton(keys), return_inverse=True)

@@ -1,8 +1,8 @@
-"""Mesh files as raw triangles. A file that common loaders would take as silently empty is refused with the reason.
+"""Mesh files as raw triangles. A file that common loaders silently read as empty is rejected with the reason.
 
-STL, OBJ and OFF are decoded here because trimesh returns an empty or shortened mesh for broken ones without a word;
-glTF because it decodes images and would decompress; COLLADA goes through pycollada and PLY through trimesh, from memory, so
-that no other file is ever read.
+STL, OBJ and OFF are decoded here because trimesh silently returns an empty or shortened mesh for broken ones; glTF because
+trimesh decodes images and decompresses. pycollada reads COLLADA and trimesh reads PLY, from memory, so that no other file is
+ever read.
 """
 
 from __future__ import annotations
@@ -25,26 +25,27 @@ from urdfcheck.facts.mesh.number_text import BadTokenError, TokenizedText
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Indices = NDArray[np.int64]
+    from urdfcheck.facts.arrays import Array, Indices
+
 
 _STL_HEADER = 84
 _STL_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _COMMENT = re.compile(rb"#[^\r\n]*")
 _LINE_END = re.compile(rb"[\r\n]")
 _BOM = b"\xef\xbb\xbf"
-# First bytes that tell a format whatever the file is called. STL, OBJ and OFF readers would find garbage or nothing.
+# First bytes that identify a format regardless of the file name. STL, OBJ and OFF readers would find garbage or nothing.
 _SIGNATURES = {"dae": (b"<?xml", b"<COLLADA"), "ply": (b"ply\n", b"ply\r"), "glb": (b"glTF",)}
 # In UTF-16 too.
 _ENTITY = re.compile(rb"<\0?!\0?E\0?N\0?T\0?I\0?T\0?Y")
 _ZIP_END = b"PK\5\6"
-# Nobody draws in units of less than a picometre, or of more than a thousand million kilometres. Their squares are numbers.
+# No unit of a drawing is below a picometre or above a thousand million kilometres. Squares within this range are finite.
 _SMALLEST_UNIT = 1e-12
-# pycollada makes 0 of a NaN; a number too large for it stays infinite.
+# pycollada reads NaN as 0; a number too large for it stays infinite.
 _NAN = re.compile(rb"(?<=[\s>])[-+]?nan(?=[\s<])", re.IGNORECASE)
-# The XML declaration of a COLLADA file, and what must spell the same in the encoding that it names.
+# The XML declaration of a COLLADA file, and the characters that must have the same bytes in the encoding that it names.
 _DECLARED = re.compile(rb"""^<\?xml[^>]{0,300}?encoding\s{0,9}=\s{0,9}["']([A-Za-z0-9._-]{1,40})["']""")
 _ASCII = bytes(range(32, 127))
-# Where the header of a PLY file ends at the latest, and the lines in it that say how many there are.
+# The largest header of a PLY file, and the lines in it that declare the number of elements.
 _PLY_HEADER = 64 * 1024
 _PLY_ELEMENT = re.compile(rb"^element\s+(\S+)\s+(\d+)\s*$", re.MULTILINE)
 
@@ -52,25 +53,27 @@ _PLY_ELEMENT = re.compile(rb"^element\s+(\S+)\s+(\d+)\s*$", re.MULTILINE)
 Color = tuple[float, float, float, float]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class RawMesh:
-    """Triangles as a file stores them: ``vertices`` (V, 3) in file units, float32 or float64, ``faces`` (F, 3), scene
-    transforms applied. Without faces each three vertices in turn are a triangle.
-
-    ``format``: the file type, but ``stl-binary`` or ``stl-ascii``. ``solid_header``: a binary STL that begins with
-    ``solid`` as an ASCII one must. ``unit`` (metres per file unit) and ``up_axis``: COLLADA's. ``bad_unit``: what it
-    declares as its unit, if that is no length that anybody draws in; ``unit`` is None then. ``colors``: runs of faces with
-    the r g b a (0 to 1, as shown) of their material, None where that has none; empty where the format or file has none.
-    """
+    """Triangles as a file stores them, with scene transforms applied."""
 
     format: str
+    """The file type; ``stl-binary`` or ``stl-ascii`` for STL."""
     vertices: NDArray[np.floating]
-    faces: NDArray[np.int64] | None
+    """(V, 3) in file units, float32 or float64."""
+    faces: Indices | None
+    """(F, 3); None if each three vertices in turn are a triangle."""
     solid_header: bool = False
+    """Whether a binary STL begins with ``solid``, as an ASCII one must."""
     unit: float | None = None
+    """Metres per file unit, of COLLADA."""
     up_axis: str | None = None
+    """Of COLLADA."""
     bad_unit: str | None = None
+    """The declared unit if it is not a plausible length; ``unit`` is None then."""
     colors: tuple[tuple[int, Color | None], ...] = ()
+    """Runs of faces with the r g b a (0 to 1, as shown) of their material, None without one; empty if the format or file has no
+    colours."""
 
     @property
     def n_triangles(self) -> int:
@@ -78,11 +81,11 @@ class RawMesh:
 
 
 def decode_mesh(data: bytes, file_type: str) -> RawMesh:
-    """The triangles of a mesh file; ``file_type`` is its extension in lower case, without the dot.
+    """Decode the triangles of a mesh file; ``file_type`` is its extension in lower case, without the dot.
 
-    :raises MeshError: when the file gives none, or not all that it declares.
-    :raises ImportError: when the library that reads the format is not there.
-    :raises MemoryError: when there is no room for what the file holds or declares.
+    :raises MeshError: when the file has none, or fewer than it declares.
+    :raises ImportError: when the library that reads the format is not installed.
+    :raises MemoryError: when there is not enough memory for what the file contains or declares.
     """
     _refuse_impostors(data, file_type)
     try:
@@ -115,14 +118,15 @@ def _refuse_impostors(data: bytes, file_type: str) -> None:
 
 
 def _decode_stl(data: bytes) -> RawMesh:
-    # The size decides, not the word: CAD systems write binary files whose header begins with "solid".
+    # The size decides, not the first word: CAD systems write binary files whose header begins with "solid".
     declared = int.from_bytes(data[80:84], "little") if len(data) >= _STL_HEADER else 0
     expected = _STL_HEADER + declared * _STL_FACET.itemsize
     solid = data[:512].lstrip()[:5].lower() == b"solid"
     if len(data) >= _STL_HEADER and len(data) == expected:
         ensure_size_limits(declared)
         corners = np.frombuffer(data, _STL_FACET, count=declared, offset=_STL_HEADER)["corners"]
-        return RawMesh("stl-binary", np.ascontiguousarray(corners, dtype=np.float32).reshape(-1, 3), None, solid)
+        vertices = np.ascontiguousarray(corners, dtype=np.float32).reshape(-1, 3)
+        return RawMesh(format="stl-binary", vertices=vertices, faces=None, solid_header=solid)
     text = data.rstrip(b"\0")
     if solid and b"\0" not in text:
         return _decode_ascii_stl(text)
@@ -149,7 +153,7 @@ def _decode_ascii_stl(data: bytes) -> RawMesh:
     facets = int(np.count_nonzero(text.match_word(b"facet")))
     if len(ends) < facets:
         raise MeshError("truncated", f"is truncated: {facets:,} facets begin and {len(ends):,} are complete")
-    # Some writers leave "endsolid" out, of which `_strip_solid_names` keeps "end". Nothing else follows the last facet.
+    # Some writers omit "endsolid", of which `_strip_solid_names` keeps "end". Nothing else follows the last facet.
     closing = text.match_word(b"end")
     if facets and not closing[ends[-1] :].any() and not text.match_word(b"endfacet")[-1]:
         raise MeshError(
@@ -162,11 +166,12 @@ def _decode_ascii_stl(data: bytes) -> RawMesh:
     for number in np.flatnonzero(counts != 3)[:1]:
         raise MeshError("malformed", f"has {counts[number]} vertices in facet {number + 1}, where a triangle has 3")
     inside = corners[np.searchsorted(begins, corners) > np.searchsorted(ends, corners)]
-    return RawMesh("stl-ascii", _parse_numbers(text, inside[:, None] + (1, 2, 3), "stl"), None)
+    vertices = _parse_numbers(text, inside[:, None] + (1, 2, 3), "stl")
+    return RawMesh(format="stl-ascii", vertices=vertices, faces=None)
 
 
 def _strip_solid_names(data: bytes) -> bytes:
-    """Without the lines that begin and end a solid: its name may hold any word."""
+    """Drop the lines that begin and end a solid: its name may contain any word."""
     word = b"SOLID" if data[:512].lstrip().startswith(b"SOLID") else b"solid"
     parts, at = [], 0
     while (begin := data.find(word, at)) >= 0:
@@ -190,7 +195,7 @@ def _decode_obj(data: bytes) -> RawMesh:
     for line in np.flatnonzero((is_vertex | is_face) & (counts < 3))[:1]:
         raise _make_bad_line_error(text, starts[line], "obj")
     vertices = _parse_numbers(text, starts[is_vertex][:, None] + (1, 2, 3), "obj")
-    faces, line = _triangulate_fans(text, starts[is_face] + 1, counts[is_face], "obj")
+    faces, line = _triangulate_fans(text, first=starts[is_face] + 1, counts=counts[is_face], name="obj")
     # Negative indices count back from the vertices so far; there is no vertex 0.
     before = np.cumsum(is_vertex)[is_face][line][:, None]
     return _build_checked_mesh("obj", vertices, np.where(faces > 0, faces - 1, np.where(faces < 0, before + faces, -1)))
@@ -202,7 +207,7 @@ def _decode_off(data: bytes) -> RawMesh:
     header = text.get_token(0) if len(text) else b""
     if not re.fullmatch(rb"(ST)?C?N?OFF", header):
         raise MeshError("malformed", "does not begin as an off file does")
-    # The counts stand beside the header word or on a line of their own.
+    # The counts are beside the header word or on a separate line.
     beside = len(starts) == 1 or starts[1] > 1
     n_vertices, n_faces = map(int, _parse_indices(text, np.array((0, 1)) + (1 if beside else starts[1]), "off"))
     body = starts[1:] if beside else starts[2:]
@@ -220,16 +225,16 @@ def _decode_off(data: bytes) -> RawMesh:
     counts = _parse_indices(text, polygons, "off")
     for polygon in np.flatnonzero(counts < 1)[:1]:
         raise _make_bad_line_error(text, polygons[polygon], "off")
-    corners, _ = _triangulate_fans(text, polygons + 1, counts, "off")
+    corners, _ = _triangulate_fans(text, first=polygons + 1, counts=counts, name="off")
     return _build_checked_mesh("off", _parse_numbers(text, points[:, None] + (0, 1, 2), "off"), corners)
 
 
-def _triangulate_fans(text: TokenizedText, first: Indices, counts: Indices, name: str) -> tuple[Indices, Indices]:
-    """Polygons as triangles (F, 3) around their first corner, and the polygon (F,) that each is of.
+def _triangulate_fans(text: TokenizedText, *, first: Indices, counts: Indices, name: str) -> tuple[Indices, Indices]:
+    """Return polygons as triangles (F, 3) around their first corner, and the polygon (F,) of each triangle.
 
-    ``first`` and ``counts``: the token of each polygon's first corner and how many it has."""
+    ``first`` and ``counts``: the token of each polygon's first corner and how many corners it has."""
     triangles, owners = [np.empty((0, 3), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
-    # In floats, because what a file claims may be any number.
+    # In floats, because a file may declare any number.
     ensure_size_limits(float(np.minimum(np.maximum(counts - 2, 0), len(text)).sum(dtype=np.float64)))
     by_count = np.argsort(counts, kind="stable")
     for count, begin, times in zip(*np.unique(counts[by_count], return_index=True, return_counts=True), strict=True):
@@ -247,7 +252,7 @@ def _triangulate_fans(text: TokenizedText, first: Indices, counts: Indices, name
     return np.concatenate(triangles)[order], owner[order]
 
 
-def _parse_numbers(text: TokenizedText, tokens: Indices, name: str) -> NDArray[np.float64]:
+def _parse_numbers(text: TokenizedText, tokens: Indices, name: str) -> Array:
     with _locate_bad_tokens(text, tokens, name):
         return text.parse_numbers(tokens)
 
@@ -259,7 +264,7 @@ def _parse_indices(text: TokenizedText, tokens: Indices, name: str) -> Indices:
 
 @contextmanager
 def _locate_bad_tokens(text: TokenizedText, tokens: Indices, name: str) -> Iterator[None]:
-    """Name the line of a token that is no number, or the last one when the text ends too early."""
+    """Report the line of a token that is not a number, or the last one if the text ends too early."""
     if tokens.size and tokens.max() >= len(text):
         raise _make_bad_line_error(text, len(text) - 1, name)
     try:
@@ -273,9 +278,9 @@ def _make_bad_line_error(text: TokenizedText, token: int, name: str) -> MeshErro
     return MeshError("malformed", f"cannot be read as {name}: line {number} is {line!r}")
 
 
-def _build_checked_mesh(name: str, vertices: NDArray[np.float64], faces: Indices) -> RawMesh:
+def _build_checked_mesh(name: str, vertices: Array, faces: Indices) -> RawMesh:
     _refuse_bad_indices(faces, len(vertices))
-    return RawMesh(name, vertices, faces)
+    return RawMesh(format=name, vertices=vertices, faces=faces)
 
 
 def _refuse_bad_indices(faces: Indices, n_vertices: int) -> None:
@@ -288,15 +293,15 @@ def _decode_dae(data: bytes) -> RawMesh:
     from collada import Collada
     from collada.common import DaeError
 
-    if _ZIP_END in data:  # pycollada would unpack it, whatever its size
+    if _ZIP_END in data:  # pycollada would unpack it, regardless of its size
         raise MeshError("malformed", "is a zip archive, not a COLLADA document")
     _refuse_encoding(data)
     if _ENTITY.search(data):
         raise MeshError("entities", "declares XML entities, which no exporter writes and no loader should expand")
-    # A broken material or light is no concern here, and other loaders pass over it.
+    # A broken material or light does not matter here, and other loaders ignore it.
     with _silence_logger("collada"):
         document = Collada(io.BytesIO(_NAN.sub(b"1e999", data) if b"nan" in data.lower() else data), ignore=[DaeError])
-    parts: list[tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]] = []
+    parts: list[tuple[Array, Indices, Array]] = []
     colors: list[tuple[int, Color | None]] = []
     if document.scene is not None:
         _refuse_bomb(document.scene.nodes)
@@ -321,7 +326,7 @@ def _decode_dae(data: bytes) -> RawMesh:
 
 
 def _get_diffuse_color(material: Any) -> Color | None:
-    """The diffuse colour of pycollada's material; None without one, and for a texture, which is another file."""
+    """Return the diffuse colour of pycollada's material; None without one, and for a texture, which is another file."""
     color = getattr(getattr(material, "effect", None), "diffuse", None)
     if not isinstance(color, tuple) or len(color) < 3 or not all(0.0 <= part <= 1.0 for part in color[:3]):
         return None
@@ -330,7 +335,7 @@ def _get_diffuse_color(material: Any) -> Color | None:
 
 
 def _refuse_encoding(data: bytes) -> None:
-    """Refuse text in which the declaration of an entity could be spelled in other bytes than those that are looked for."""
+    """Reject text in which other bytes than `_ENTITY` could declare an entity."""
     start = data[:400].removeprefix(_BOM).lstrip()
     declared = _DECLARED.match(start)
     encoding = "utf-8" if declared is None else declared[1].decode("ascii")
@@ -340,17 +345,17 @@ def _refuse_encoding(data: bytes) -> None:
         )
     except (LookupError, UnicodeError):
         spells = False
-    # UTF-16 is looked for by its zero bytes; four bytes for each letter are not.
+    # `_ENTITY` allows for the zero bytes of UTF-16, not for those of UTF-32.
     utf_16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE, b"<\0", b"\0<"))
     if data.startswith((codecs.BOM_UTF32_LE, b"\0\0", b"<\0\0")) or not (utf_16 or (spells and start.startswith(b"<"))):
         raise MeshError("unsupported", f"is text in an encoding ({encoding[:40]!r} or another) that is not read")
 
 
 def _refuse_bomb(nodes: list[Any]) -> None:
-    """Refuse nodes of pycollada that place too much, or geometry that is not all there, before anything is expanded."""
-    known: dict[int, NDArray[np.float64]] = {}  # geometries and triangles that a node places
+    """Reject nodes of pycollada that place too much, or truncated geometry, before anything is expanded."""
+    known: dict[int, Array] = {}  # geometries and triangles that a node places
 
-    def count_placed(node: Any) -> NDArray[np.float64]:
+    def count_placed(node: Any) -> Array:
         if id(node) not in known:
             total = np.zeros(2)
             if hasattr(node, "geometry"):
@@ -365,9 +370,9 @@ def _refuse_bomb(nodes: list[Any]) -> None:
 
 
 def _count_triangles(primitive: Any) -> int:
-    """About how many triangles a primitive has.
+    """Estimate how many triangles a primitive has.
 
-    :raises MeshError: when it declares more polygons than there are.
+    :raises MeshError: when it declares more polygons than it has.
     """
     present = getattr(primitive, "ntriangles", getattr(primitive, "npolygons", None))
     if present is None:
@@ -379,7 +384,7 @@ def _count_triangles(primitive: Any) -> int:
 
 
 def _parse_unit_length(text: str) -> float | None:
-    """The number that a text is, if that can be the length of a unit in metres."""
+    """Parse the length of a unit in metres; None if the text is not a plausible one."""
     try:
         value = float(text)
     except ValueError:
@@ -389,7 +394,7 @@ def _parse_unit_length(text: str) -> float | None:
 
 @contextmanager
 def _silence_logger(library: str) -> Iterator[None]:
-    """Keep from stderr what a library logs about a stranger's file: tracebacks, among others."""
+    """Keep what a library logs about an untrusted file, such as tracebacks, from stderr."""
     logger, handler = logging.getLogger(library), logging.NullHandler()
     before = logger.propagate
     logger.addHandler(handler)
@@ -415,14 +420,14 @@ def _decode_ply(data: bytes) -> RawMesh:
         raise MeshError("malformed", "cannot be read as ply: its header does not end")
     declared = {name.lower(): int(count) for name, count in _PLY_ELEMENT.findall(header)}
     present = len(data) - len(header) - len(end)
-    if sum(declared.values()) > present:  # each takes a byte at least
+    if sum(declared.values()) > present:  # each takes at least one byte
         claims = " and ".join(f"{count:,} {name[:20].decode(errors='replace')}" for name, count in declared.items())
         raise MeshError("truncated", f"is truncated: it declares {claims}, and has {present:,} bytes of them")
     ensure_size_limits(declared.get(b"face", 0))
-    import trimesh  # half a second: only where a format needs it
+    import trimesh  # takes half a second: only for formats that need it
 
     with _silence_logger("trimesh"):
-        # Without materials: an image is decoded by another library.
+        # Without materials: another library would decode images.
         part = trimesh.load_mesh(io.BytesIO(data), file_type="ply", process=False, skip_materials=True)
     faces = np.asarray(getattr(part, "faces", ()), dtype=np.int64).reshape(-1, 3)
     mesh = _build_checked_mesh("ply", np.asarray(part.vertices, dtype=np.float64), faces)
@@ -436,18 +441,18 @@ def _decode_ply(data: bytes) -> RawMesh:
 
 def _join_parts(
     name: str,
-    parts: list[tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]],
+    parts: list[tuple[Array, Indices, Array]],
 ) -> RawMesh:
-    """One mesh of a scene's parts: placed vertices, faces, and the (4, 4) matrix that placed them."""
+    """Join a scene's parts into one mesh: placed vertices, faces, and the (4, 4) matrix that placed them."""
     vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
     for points, corners, matrix in parts:
         _refuse_bad_indices(corners, len(points))
-        # A mirroring node turns triangles inside out; their order is reversed to keep the outside outside.
+        # A mirroring node turns triangles inside out: their corners are reversed.
         outward = corners[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0.0 else corners
         vertices.append(points)
         faces.append(outward + count)
         count += len(points)
-    return RawMesh(name, np.concatenate(vertices), np.concatenate(faces))
+    return RawMesh(format=name, vertices=np.concatenate(vertices), faces=np.concatenate(faces))
 
 
 _DECODERS: dict[str, Callable[[bytes], RawMesh]] = {

@@ -1,19 +1,19 @@
-"""Why a mesh file gives no triangles, and how much of it is too much."""
+"""The reasons why a mesh file gives no triangles, and the limits of its size."""
 
 from __future__ import annotations
 
-# A triangle of a closed binary STL took 140 bytes of memory on its way from the file to its topology and hull: so many fit into
-# 3 GB. Loose ones took up to 730: of those the limit of memory stops the most. MuJoCo loads 200,000 from an STL file; the
+# A triangle of a closed binary STL took 140 bytes of memory on its way from the file to its topology and hull: this many fit
+# into 3 GB. Loose ones took up to 730: the memory limit stops most of those. MuJoCo loads 200,000 from an STL file; the
 # largest mesh file of a hundred published robots has 2.8 MB.
 MOST_TRIANGLES = 8_000_000
-# A scene of a few kilobytes can place its geometry a billion times.
+# Without a limit, a scene of a few kilobytes can place its geometry a billion times.
 MOST_PLACED = 100_000
 # Levels of nodes of a scene; exporters nest them ten deep.
 MOST_NESTED = 256
 
 
 class MeshError(Exception):
-    """A mesh file that gives no triangles. The text completes "the mesh …" for a person.
+    """A mesh file that gives no triangles. The message completes the sentence "the mesh …".
 
     ``reason_id``: empty | lfs-pointer | html | unsupported | truncated | wrong-size | external-buffer | malformed |
     entities | no-triangles | too-large.
@@ -29,9 +29,9 @@ class MeshError(Exception):
 
 
 def ensure_size_limits(triangles: float, placements: float = 0) -> None:
-    """Refuse what would take too much memory, before any of it is taken.
+    """Reject what would take too much memory, before any is allocated.
 
-    :raises MeshError: for more triangles, or geometry placed more often, than is read.
+    :raises MeshError: for more than `MOST_TRIANGLES` triangles or `MOST_PLACED` placements.
     """
     if placements > MOST_PLACED:
         raise MeshError("too-large", f"places its geometry {placements:,.0f} times, more than {MOST_PLACED:,}")

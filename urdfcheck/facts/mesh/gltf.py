@@ -1,5 +1,5 @@
 """glTF 2.0, as text and binary (GLB): the triangles that its default scene places. Materials, images, animations and skins
-are passed over, nothing is decompressed, and no other file is opened.
+are ignored, nothing is decompressed, and no other file is opened.
 
 Khronos Group, *glTF 2.0 Specification*, sections 3.5 (scenes), 3.6 (accessors), 3.7 (primitives) and 4.4 (GLB).
 """
@@ -19,8 +19,8 @@ from urdfcheck.facts.mesh.decode_limits import MOST_NESTED, MOST_PLACED, MeshErr
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.int64]
+    from urdfcheck.facts.arrays import Array, Indices, Mat4
+
     Json = Mapping[str, Any]
 
 _COMPRESSED = {"KHR_draco_mesh_compression": "Draco", "EXT_meshopt_compression": "meshopt"}
@@ -30,15 +30,15 @@ _GLB_HEADER, _CHUNK_HEADER = 12, 8
 
 
 def read_gltf_parts(data: bytes) -> list[tuple[Array, Indices, Array]]:
-    """Placed vertices (V, 3), faces (F, 3) and the matrix (4, 4) that placed them, for each primitive of each node.
+    """Read the placed vertices (V, 3), the faces (F, 3) and the matrix (4, 4) that placed them, for each primitive of each node.
 
-    :raises MeshError: when the geometry is elsewhere, compressed, cut off, or more than is read.
+    :raises MeshError: when the geometry is in another file, compressed, truncated, or above the limits.
     """
     return _GltfDocument(json.loads(data), b"").read_parts()
 
 
 def read_glb_parts(data: bytes) -> list[tuple[Array, Indices, Array]]:
-    """As :func:`read_gltf_parts`, of the binary form."""
+    """Read the parts as :func:`read_gltf_parts` does, from the binary form."""
     version = int.from_bytes(data[4:8], "little")
     if version != 2:
         raise MeshError("unsupported", f"is glTF {version}, and only glTF 2 is read")
@@ -59,7 +59,7 @@ def read_glb_parts(data: bytes) -> list[tuple[Array, Indices, Array]]:
 
 
 class _GltfDocument:
-    """One document; ``binary`` is the buffer that it holds beside its JSON."""
+    """One document; ``binary`` is the buffer beside its JSON."""
 
     def __init__(self, document: Json, binary: bytes) -> None:
         self.document = document
@@ -72,11 +72,11 @@ class _GltfDocument:
         primitives = ((p, matrix) for mesh, matrix in placed for p in self.document["meshes"][mesh]["primitives"])
         drawn = list(islice((pair for pair in primitives if _get_primitive_mode(pair[0]) in _DRAWN), MOST_PLACED + 1))
         ensure_size_limits(sum(self.count_triangles(p) for p, _ in drawn), max(len(placed), len(drawn)))
-        found = []
+        parts = []
         for primitive, matrix in drawn:
             points = self.read_accessor(primitive["attributes"]["POSITION"], "VEC3")
-            found.append((points @ matrix[:3, :3].T + matrix[:3, 3], self.read_faces(primitive), matrix))
-        return found
+            parts.append((points @ matrix[:3, :3].T + matrix[:3, 3], self.read_faces(primitive), matrix))
+        return parts
 
     def refuse_unread(self) -> None:
         outside = [b["uri"] for b in self.document.get("buffers", ()) if not b.get("uri", "data:").startswith("data:")]
@@ -89,27 +89,27 @@ class _GltfDocument:
                 raise MeshError("unsupported", f"is compressed with {name} ({extension}), which is not read")
 
     def iter_placed_meshes(self) -> Iterator[tuple[int, Array]]:
-        """Each mesh of the default scene with its matrix (4, 4), in document order."""
+        """Iterate over the meshes of the default scene with their matrices (4, 4), in document order."""
         scenes, nodes = self.document.get("scenes", ()), self.document.get("nodes", ())
         if not scenes:
             raise MeshError("no-triangles", "has no scene that places its geometry")
         roots = scenes[_parse_index(self.document.get("scene", 0))].get("nodes", ())
-        seen: set[int] = set()
+        visited: set[int] = set()
         stack = [(_parse_index(root), np.eye(4), 1) for root in reversed(roots)]
         while stack:
-            index, around, level = stack.pop()
-            if index in seen or level > MOST_NESTED:  # a node has one parent: so no circle, and no bomb
-                why = "has more than one parent" if index in seen else f"is nested more than {MOST_NESTED} deep"
+            index, outer, level = stack.pop()
+            if index in visited or level > MOST_NESTED:  # a node has one parent, which excludes cycles and bombs
+                why = "has more than one parent" if index in visited else f"is nested more than {MOST_NESTED} deep"
                 raise MeshError("malformed", f"cannot be read as glTF: node {index} {why}")
-            seen.add(index)
+            visited.add(index)
             node = nodes[index]
-            matrix = around @ _compute_node_matrix(node)
+            matrix = outer @ _compute_node_matrix(node)
             if "mesh" in node:
                 yield _parse_index(node["mesh"]), matrix
             stack.extend((_parse_index(child), matrix, level + 1) for child in reversed(node.get("children", ())))
 
     def count_triangles(self, primitive: Json) -> int:
-        """How many it declares, before any is read."""
+        """Count the triangles that a primitive declares, before any is read."""
         accessor = primitive.get("indices", primitive["attributes"]["POSITION"])
         count = _parse_index(self.document["accessors"][_parse_index(accessor)]["count"])
         return count // 3 if _get_primitive_mode(primitive) == _TRIANGLES else max(count - 2, 0)
@@ -129,7 +129,7 @@ class _GltfDocument:
         return np.stack((first, np.where(odd, third, second), np.where(odd, second, third)), axis=1)
 
     def read_accessor(self, accessor: Any, kind: str, *, whole: bool = False) -> NDArray[Any]:
-        """The numbers (count, width) of an accessor: float64, or as stored where they are ``whole``."""
+        """Read the numbers (count, width) of an accessor: as float64, or as stored if they are ``whole``."""
         entry = self.document["accessors"][_parse_index(accessor)]
         if entry["type"] != kind:
             raise MeshError("malformed", f"cannot be read as glTF: an accessor is {entry['type']!r:.40}, not {kind}")
@@ -149,10 +149,12 @@ class _GltfDocument:
             raise MeshError(
                 "truncated", f"is truncated: it declares {count:,} rows of numbers, which its buffer does not hold"
             )
-        found: NDArray[Any] = np.ndarray((count, width), numbers, buffer, begin + within, (stride, numbers.itemsize))
+        stored: NDArray[Any] = np.ndarray(
+            (count, width), numbers, buffer, offset=begin + within, strides=(stride, numbers.itemsize)
+        )
         if whole:
-            return found
-        values = found.astype(np.float64)
+            return stored
+        values = stored.astype(np.float64)
         if entry.get("normalized") and numbers.kind != "f":
             values = np.maximum(values / np.iinfo(numbers).max, -1.0)
         return values
@@ -166,21 +168,21 @@ class _GltfDocument:
 
 
 def _get_primitive_mode(primitive: Json) -> Any:
-    """What its corners make; triangles where it does not say."""
+    """Return the mode of a primitive; triangles if it has none."""
     return primitive.get("mode", _TRIANGLES)
 
 
 def _parse_index(value: Any) -> int:
-    """A whole number from 0 on; a negative one would count from the end of a list."""
+    """Return a whole number from 0 up; a negative one would count from the end of a list."""
     if not isinstance(value, int) or value < 0:
         raise ValueError(f"{str(value)[:40]!r} is no count and no index")
     return value
 
 
-def _compute_node_matrix(node: Json) -> Array:
-    """The matrix (4, 4) of a node: its own, stored by columns, or that of its translation, rotation and scale."""
+def _compute_node_matrix(node: Json) -> Mat4:
+    """Compute the matrix (4, 4) of a node: its own, stored by columns, or that of its translation, rotation and scale."""
     if "matrix" in node:
-        by_columns: Array = np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
+        by_columns: Mat4 = np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
         return by_columns
     matrix = np.eye(4)
     turn = np.array(node.get("rotation", (0, 0, 0, 1)), dtype=np.float64)

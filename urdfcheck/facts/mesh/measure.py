@@ -1,7 +1,7 @@
-"""What a mesh file is, from its bytes: size, mass properties, topology. Lengths are in file units throughout.
+"""Size, mass properties and topology of a mesh file, from its bytes. Lengths are in file units throughout.
 
-Loaders built on trimesh or Assimp as Pinocchio and coal use them ignore COLLADA's ``<unit>`` and ``<up_axis>``; so do
-these numbers, and ``MeshFacts.unit`` and ``up_axis`` say what the file declares.
+Loaders built on trimesh or Assimp, as in Pinocchio and coal, ignore COLLADA's ``<unit>`` and ``<up_axis>``; so do these numbers.
+``MeshFacts.unit`` and ``up_axis`` hold what the file declares.
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ from urdfcheck.facts.mesh.topology import (
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Indices, Mat3, Vec3
+
     Parts = MutableMapping[str, Mapping[str, NDArray[Any]]]
 
 __all__ = [
@@ -52,100 +53,102 @@ __all__ = [
     "restore_mesh_facts",
 ]
 
-# Exporters write one corner of several triangles with different float noise. The least of these, as fractions of the
-# diagonal, that leaves the fewest edges open is taken: residue of zero, one float32 rounding, and up to five micrometres on
+# Exporters write one corner of several triangles with different float noise. The least of these fractions of the diagonal
+# that leaves the fewest edges open is the weld distance: residue of zero, one float32 rounding, and up to five micrometres on
 # a metre where transforms came between (a part of 0.1 m that was placed 1 m from the origin when single precision rounded
 # its corners: 1.2e-6), which is still far below any feature of a part.
 _NOISE = (1e-9, 6e-8, 1e-6, 5e-6)
-# Single precision ends at 3.4028e38: what lies beyond is infinite to every program that loads meshes in it.
+# Single precision ends at 3.4028e38: programs that load meshes in it read anything beyond as infinite.
 _INFINITE = 3.4e38
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeshHull:
-    """A convex hull: corners ``vertices`` (K, 3), triangles ``faces`` (F, 3) of them that face outwards, ``volume``, ``area``.
-
-    Of a flat or straight mesh it is the bounding box, which contains it, with the volume 0."""
+    """A convex hull; for a flat or straight mesh its bounding box, with the volume 0."""
 
     vertices: Array
-    faces: NDArray[np.int64]
+    """(K, 3), the corners."""
+    faces: Indices
+    """(F, 3), triangles that face outwards."""
     volume: float
     area: float
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class MeshFacts:
-    """A mesh, measured. Arrays are read-only; lengths are in file units.
+    """A mesh with its measurements. Arrays are read-only; lengths are in file units.
 
-    ``vertices`` (V, 3) and ``faces`` (F, 3): equal corners merged whatever their normals and texture coordinates,
-    triangles with a corner that is not finite (or beyond 3.4e38) or repeated dropped. Where edges have more than two
-    triangles or two that run the same way, triangles with the corners of an earlier one are dropped too, unless the
-    surface is closed with them and not open without. If merging the corners of open edges with those within
-    ``weld_distance``, at most 5e-6 of the diagonal, leaves fewer edges open, they are merged; else ``weld_distance`` is
-    0.
-
-    ``n_triangles``: as stored in the file; the counts ``degenerate_faces`` (a repeated corner or no area),
-    ``duplicate_faces`` (the same corners as an earlier face, either way round) and ``non_finite_vertices`` (as stored)
-    refer to that too.
-
-    ``open_edges`` belong to one face and make the ``boundaries``, longest first; ``non_manifold_edges`` to three or
-    more. ``watertight``: every edge belongs to two faces. ``winding_consistent``: each two faces that share an edge run
-    along it in opposite directions. ``closed``: every edge is run along equally often either way; unlike ``watertight``
-    it holds for closed bodies that touch along an edge, and it is what the volume integrals need.
-    ``inside_out``: closed, with negative volume.
-
-    ``volume`` (signed), ``com`` (3,) and ``covariance`` (3, 3) about the COM: exact integrals over the solid at uniform
-    density; NaN for the latter two without volume. They mean something when ``closed``. ``area``, ``surface_centroid`` (3,)
-    and ``surface_covariance`` (3, 3): the same of the surface as a thin shell; they always mean something.
-
-    ``unit``: metres per unit as COLLADA declares it, None where it or another format does not. ``up_axis``: COLLADA's
-    ``X_UP``, ``Y_UP`` (where it declares none) or ``Z_UP``; None in other formats. ``bad_unit``: COLLADA's unit as written
-    where that is no length that anybody draws in. ``format`` and ``solid_header``:
-    see `urdfcheck.facts.mesh.decode.RawMesh`.
-
-    ``colors``: for each face its place in a list of colours, -1 for none, and that list (n, 4), r g b a from 0 to 1; None where
-    the file has no colours, or a format of which they are not read (all but COLLADA).
-
-    ``parts`` holds the arrays, and what is computed when it is first asked for: hull, components, duplicate faces. Where
-    they are kept elsewhere some may be lost: ``again`` measures the file once more.
+    Equal corners are merged regardless of their normals and texture coordinates, and triangles with a repeated corner, or one
+    that is not finite (or beyond 3.4e38), are dropped. If edges have more than two triangles, or two with the same direction,
+    triangles with the corners of an earlier one are dropped too, unless the surface is closed with them and not open without.
     """
 
     format: str
+    """See `urdfcheck.facts.mesh.decode.RawMesh`."""
     solid_header: bool
+    """See `urdfcheck.facts.mesh.decode.RawMesh`."""
     unit: float | None
+    """Metres per unit as COLLADA declares it; None where it or another format does not."""
     up_axis: str | None
+    """COLLADA's ``X_UP``, ``Y_UP`` (also if it declares none) or ``Z_UP``; None in other formats."""
     bad_unit: str | None
+    """COLLADA's unit as written if that is not a plausible length."""
     n_triangles: int
+    """As stored in the file."""
     n_vertices: int
+    """After merging."""
     bounds: Array
+    """(2, 3), lowest and highest coordinates."""
     volume: float
-    com: Array
-    covariance: Array
+    """Signed exact integral over the solid; meaningful if ``closed``."""
+    com: Vec3
+    """Of the solid at uniform density, NaN without volume; meaningful if ``closed``."""
+    covariance: Mat3
+    """Of the solid at uniform density about the COM, NaN without volume; meaningful if ``closed``."""
     area: float
-    surface_centroid: Array
-    surface_covariance: Array
+    """Of the surface."""
+    surface_centroid: Vec3
+    """Of the surface as a thin shell; always meaningful."""
+    surface_covariance: Mat3
+    """Of the surface as a thin shell about its centroid; always meaningful."""
     watertight: bool
+    """Whether every edge belongs to two faces."""
     winding_consistent: bool
+    """Whether each two faces that share an edge have opposite directions along it."""
     closed: bool
+    """Whether the faces of every edge have either direction equally often. Unlike ``watertight`` it is true of closed bodies
+    that touch along an edge; the volume integrals require it."""
     open_edges: int
+    """Edges of one face."""
     non_manifold_edges: int
+    """Edges of three or more faces."""
     degenerate_faces: int
+    """Stored triangles with a repeated corner or no area."""
     dropped_duplicates: int
+    """Stored triangles that were dropped for having the corners of an earlier one."""
     non_finite_vertices: int
+    """Stored vertices that are not finite."""
     weld_distance: float
+    """The corners of open edges are merged with those within this distance, at most 5e-6 of the diagonal; 0 if that does not
+    leave fewer edges open."""
     parts: Parts
+    """The arrays, and what is computed on first use: hull, components, duplicate faces."""
     remeasure: Callable[[], object] | None = None
+    """Measures the file again, for parts that were lost where they are stored."""
 
     @property
     def inside_out(self) -> bool:
+        """Whether the mesh is closed, with negative volume."""
         return self.closed and self.volume < 0.0
 
     @cached_property
     def vertices(self) -> Array:
+        """(V, 3)"""
         return _freeze_array(self._surface["vertices"].astype(np.float64))
 
     @cached_property
-    def faces(self) -> NDArray[np.int64]:
+    def faces(self) -> Indices:
+        """(F, 3)"""
         return _freeze_array(self._surface["faces"].astype(np.int64))
 
     @property
@@ -155,7 +158,9 @@ class MeshFacts:
         return self.parts["surface"]
 
     @property
-    def colors(self) -> tuple[NDArray[np.int64], Array] | None:
+    def colors(self) -> tuple[Indices, Array] | None:
+        """Index (F,) of each face's colour in a list, -1 for none, and that list (n, 4), r g b a from 0 to 1; None if the file
+        has no colours, or a format whose colours are not read (all but COLLADA)."""
         if "colors" not in self.parts:
             return None
         part = self.parts["colors"]
@@ -163,6 +168,7 @@ class MeshFacts:
 
     @cached_property
     def boundaries(self) -> tuple[Boundary, ...]:
+        """The boundaries that the open edges form, longest first."""
         return find_boundaries(self.vertices, self._edges.open) if self.open_edges else ()
 
     @cached_property
@@ -177,7 +183,7 @@ class MeshFacts:
 
     @cached_property
     def flipped_lines(self) -> Array:
-        """Ends (n, 2, 3) of the edges along which their two faces run the same way."""
+        """Ends (n, 2, 3) of the edges along which both faces have the same direction."""
         return _freeze_array(self.vertices[self._edges.flipped])
 
     @cached_property
@@ -186,14 +192,16 @@ class MeshFacts:
 
     @property
     def duplicate_faces(self) -> int:
+        """Number of stored triangles with the corners of an earlier one, in either order."""
+
         def count_repeated() -> Mapping[str, NDArray[Any]]:
             return {"count": find_repeated_faces(self.faces).sum()}
 
         return self.dropped_duplicates + int(self._get_part("duplicates", count_repeated)["count"])
 
     @property
-    def components(self) -> NDArray[np.int64]:
-        """Number of faces of each piece that hangs together by vertices, largest first."""
+    def components(self) -> Indices:
+        """Number of faces of each piece that is connected by vertices, largest first."""
         return self._get_part("components", lambda: {"sizes": count_component_faces(self.faces, self.n_vertices)})[
             "sizes"
         ]
@@ -206,7 +214,7 @@ class MeshFacts:
 
         part = self._get_part("hull", compute_hull)
         volume, area = map(float, part["sizes"])
-        return MeshHull(part["vertices"], part["faces"], volume, area)
+        return MeshHull(vertices=part["vertices"], faces=part["faces"], volume=volume, area=area)
 
     def _get_part(self, name: str, compute: Callable[[], Mapping[str, NDArray[Any]]]) -> Mapping[str, NDArray[Any]]:
         if name not in self.parts:
@@ -217,14 +225,14 @@ class MeshFacts:
 def measure_mesh(data: bytes, file_type: str, parts: Parts | None = None) -> MeshFacts:
     """Measure the mesh file ``data``; ``file_type`` is its extension in lower case, without the dot.
 
-    What is found is put into ``parts``, from which `restore_mesh_facts` gives it back.
+    The results are stored in ``parts``, from which `restore_mesh_facts` restores them.
 
-    :raises MeshError: when it is no complete mesh file, or holds no triangle with finite corners.
-    :raises ImportError, MemoryError: see `urdfcheck.facts.mesh.decode.decode_mesh`; nothing is put into ``parts``.
+    :raises MeshError: when it is not a complete mesh file, or has no triangle with finite corners.
+    :raises ImportError, MemoryError: see `urdfcheck.facts.mesh.decode.decode_mesh`; nothing is stored in ``parts``.
     """
     parts = {} if parts is None else parts
     try:
-        with np.errstate(all="ignore"):  # numbers without sense are a finding, not a warning on stderr
+        with np.errstate(all="ignore"):  # meaningless numbers are a finding, not a warning on stderr
             return _measure_raw_mesh(decode_mesh(data, file_type), parts)
     except MeshError as error:
         parts["error"] = {"text": _encode_json([error.reason_id, error.message])}
@@ -232,10 +240,10 @@ def measure_mesh(data: bytes, file_type: str, parts: Parts | None = None) -> Mes
 
 
 def restore_mesh_facts(parts: Parts, remeasure: Callable[[], object] | None = None) -> MeshFacts | None:
-    """The facts that an earlier `measure_mesh` put into ``parts``; None when there are none. ``again`` puts them there once
-    more, should some have been lost.
+    """Restore the facts that an earlier `measure_mesh` stored in ``parts``; None if there are none. ``remeasure`` stores them
+    again if some were lost.
 
-    :raises MeshError: the one that it raised.
+    :raises MeshError: the one that `measure_mesh` raised.
     """
     if "error" in parts:
         raise MeshError(*_decode_json(parts["error"]["text"]))
@@ -291,17 +299,17 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
     }
     frozen: dict[str, Any] = {k: _freeze_array(v) if isinstance(v, np.ndarray) else v for k, v in fields.items()}
     facts = MeshFacts(**frozen, parts=parts)
-    # In memory already, and as precise as they were measured.
+    # These are in memory already, and more precise than those in ``parts``.
     facts.__dict__.update(vertices=_freeze_array(vertices), faces=_freeze_array(faces), _edges=edges)
     return facts
 
 
-# So many colours of one file are told apart.
+# The most colours of one file that are distinguished.
 _MOST_COLORS = 100
 
 
 def _collect_face_colors(raw: RawMesh, surface: Surface) -> dict[str, NDArray[Any]]:
-    """See `MeshFacts.colors`."""
+    """Collect what `MeshFacts.colors` returns."""
     assert raw.faces is not None
     rgba = list(dict.fromkeys(color for _, color in raw.colors if color is not None))[:_MOST_COLORS]
     place = {color: i for i, color in enumerate(rgba)}
@@ -314,7 +322,7 @@ def _collect_face_colors(raw: RawMesh, surface: Surface) -> dict[str, NDArray[An
 
 
 def _weld_finite_triangles(raw: RawMesh) -> tuple[Surface, int]:
-    """The surface of the triangles with finite corners, equal corners merged, and how many corners are not finite."""
+    """Return the surface of the triangles with finite corners, equal corners merged, and how many corners are not finite."""
     finite = np.abs(raw.vertices) < _INFINITE
     if finite.all():
         points, faces, non_finite = raw.vertices, raw.faces, 0
@@ -334,7 +342,7 @@ def _weld_finite_triangles(raw: RawMesh) -> tuple[Surface, int]:
 
 
 def _weld_open_edges(surface: Surface, edges: Edges) -> tuple[Surface, Edges, float]:
-    """Without repeated faces; and with float noise merged, and by how much, if that leaves fewer edges open."""
+    """Drop repeated faces, merge float noise if that leaves fewer edges open, and return the distance of merging."""
     surface, edges = _deduplicate_faces(surface, edges)
     best = surface, edges, 0.0
     diagonal = float(np.linalg.norm(np.ptp(compute_bounds(surface.vertices), axis=0)))
@@ -346,7 +354,7 @@ def _weld_open_edges(surface: Surface, edges: Edges) -> tuple[Surface, Edges, fl
         if welded is not None and len(welded.faces):
             welded, met = _deduplicate_faces(welded, classify_edges(welded.faces, len(welded.vertices)))
             closed = len(best[1].open) - len(met.open)
-            # What has become a point was no crack: the edges that are gone were longer than that.
+            # An edge that shrinks to a point does not close a crack: the closed edges must be longer than that.
             if (
                 closed > 0
                 and _measure_open_length(*best[:2]) - _measure_open_length(welded, met) > 4.0 * distance * closed
@@ -356,16 +364,16 @@ def _weld_open_edges(surface: Surface, edges: Edges) -> tuple[Surface, Edges, fl
 
 
 def _measure_open_length(surface: Surface, edges: Edges) -> float:
-    """Of all open edges."""
+    """Measure the length of all open edges."""
     starts, ends = surface.vertices[edges.open[:, 0]], surface.vertices[edges.open[:, 1]]
     return float(np.linalg.norm(ends - starts, axis=1).sum())
 
 
 def _deduplicate_faces(surface: Surface, edges: Edges) -> tuple[Surface, Edges]:
-    """Without repeated faces. Bodies that share a face keep both copies, which each needs to be closed; of a sheet with two
-    sides one is enough, and it is open."""
+    """Drop repeated faces. Bodies that share a face keep both copies, which each needs to be closed; a sheet with two sides keeps
+    one, and is open."""
     if not len(edges.non_manifold) and not len(edges.flipped):
-        return surface, edges  # two faces with the same corners would share all three edges with nothing else
+        return surface, edges  # two faces with the same corners would share all three edges with no other face
     single = drop_repeated_faces(surface)
     if single is surface:
         return surface, edges
@@ -374,7 +382,7 @@ def _deduplicate_faces(surface: Surface, edges: Edges) -> tuple[Surface, Edges]:
 
 
 def compute_convex_hull(points: Array) -> MeshHull:
-    """The convex hull of ``points`` (n, 3)."""
+    """Compute the convex hull of ``points`` (n, 3)."""
     from scipy.spatial import ConvexHull, QhullError
 
     try:
@@ -383,7 +391,8 @@ def compute_convex_hull(points: Array) -> MeshHull:
         corners = np.array(list(product(*zip(points.min(axis=0), points.max(axis=0), strict=True))))
         quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
         faces = np.array([(a, b, c) for a, b, c, _ in quads] + [(a, c, d) for a, _, c, d in quads])
-        return MeshHull(corners, faces, 0.0, float(compute_mesh_moments(corners, faces).area))
+        area = float(compute_mesh_moments(corners, faces).area)
+        return MeshHull(vertices=corners, faces=faces, volume=0.0, area=area)
     number = np.zeros(len(points), dtype=np.int64)
     number[hull.vertices] = np.arange(len(hull.vertices))
     faces = number[hull.simplices]
@@ -391,14 +400,14 @@ def compute_convex_hull(points: Array) -> MeshHull:
     a, b, c = (vertices[column] for column in faces.T)
     inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0.0
     faces[inward] = faces[inward][:, ::-1]
-    return MeshHull(vertices, faces, float(hull.volume), float(hull.area))
+    return MeshHull(vertices=vertices, faces=faces, volume=float(hull.volume), area=float(hull.area))
 
 
 def compute_mesh_solid(facts: MeshFacts, scale: Sequence[float], rotation: ArrayLike, translation: ArrayLike) -> Solid:
-    """The solid that a URDF ``<mesh scale>`` under an ``<origin>`` fills: ``x -> rotation (scale * x) + translation``.
+    """Compute the solid of a URDF ``<mesh scale>`` under an ``<origin>``: ``x -> rotation (scale * x) + translation``.
 
-    ``scale`` (3,) in metres per file unit, mirrored where negative; the volume is positive all the same, and for a mesh
-    that is inside out. Meaningful for ``closed`` meshes.
+    ``scale`` (3,) in metres per file unit, mirrored where negative. The volume is positive, also if the mesh is mirrored or
+    inside out. Meaningful for ``closed`` meshes.
     """
     factors = np.asarray(scale, dtype=float)
     volume = abs(facts.volume * float(factors.prod()))
@@ -407,7 +416,7 @@ def compute_mesh_solid(facts: MeshFacts, scale: Sequence[float], rotation: Array
 
 
 def _encode_json(value: object) -> NDArray[np.uint8]:
-    """Plain values as bytes; floats survive to the last bit."""
+    """Encode plain values as bytes; floats stay exact."""
     return np.frombuffer(json.dumps(value).encode(), dtype=np.uint8)
 
 

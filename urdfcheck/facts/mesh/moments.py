@@ -1,7 +1,7 @@
-"""Exact integrals over triangles: of the solid that they bound, and of the thin shell that they are.
+"""Exact integrals over triangles: of the solid that they bound, and of the thin shell that they form.
 
 The solid is summed over signed tetrahedra (Tonon, *Explicit exact formulas for the 3-D tetrahedron inertia tensor*, 2004),
-each between a triangle and a reference point near the mesh: far from the origin that keeps the digits.
+each between a triangle and a reference point near the mesh, which keeps the digits far from the origin.
 """
 
 from __future__ import annotations
@@ -14,10 +14,8 @@ import numpy as np
 from urdfcheck.facts.mesh.topology import compute_bounds
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array, Indices, Mat3, Vec3
 
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.int64]
 
 # Triangles worked on at a time: their temporaries stay in the processor's cache.
 _CHUNK = 8192
@@ -25,23 +23,28 @@ _CHUNK = 8192
 _FLAT = 1e-14
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class MeshMoments:
-    """``volume`` (signed), ``com`` (3,), ``covariance`` (3, 3) about the COM, of the solid at uniform density; NaN for the
-    latter two without volume. ``area``, ``surface_centroid``, ``surface_covariance``: the same of the shell.
-    ``flat``: triangles without area. Units: those of the vertices."""
+    """Moments of a mesh, in the units of its vertices."""
 
     volume: float
-    com: Array
-    covariance: Array
+    """Signed, of the solid."""
+    com: Vec3
+    """Of the solid at uniform density; NaN without volume."""
+    covariance: Mat3
+    """Of the solid at uniform density, about the COM; NaN without volume."""
     area: float
-    surface_centroid: Array
-    surface_covariance: Array
+    """Of the surface."""
+    surface_centroid: Vec3
+    """Of the surface as a thin shell."""
+    surface_covariance: Mat3
+    """Of the surface as a thin shell, about its centroid."""
     flat_faces: int
+    """Number of triangles without area."""
 
 
 def compute_mesh_moments(vertices: Array, faces: Indices) -> MeshMoments:
-    """Integrals over the triangles ``faces`` (F, 3), at least one, of ``vertices`` (V, 3)."""
+    """Integrate over the triangles ``faces`` (F, 3), at least one, of ``vertices`` (V, 3)."""
     low, high = compute_bounds(vertices)
     reference, size = (low + high) / 2.0, float((high - low).max())
     # Per column x, y, z: contiguous, and every step below is one pass over numbers in the cache.
@@ -86,9 +89,17 @@ def compute_mesh_moments(vertices: Array, faces: Indices) -> MeshMoments:
     centroid, shell = np.zeros(3), np.zeros((3, 3))
     if area > 0.0:
         centroid, shell = _compute_central_moments(sums[1, 1:4] / 6.0 / area, sums[1, 4:] / 24.0 / area)
-    return MeshMoments(float(volume), com + reference, covariance, float(area), centroid + reference, shell, flat)
+    return MeshMoments(
+        volume=float(volume),
+        com=com + reference,
+        covariance=covariance,
+        area=float(area),
+        surface_centroid=centroid + reference,
+        surface_covariance=shell,
+        flat_faces=flat,
+    )
 
 
-def _compute_central_moments(mean: Array, six: Array) -> tuple[Array, Array]:
-    xx, xy, xz, yy, yz, zz = six
+def _compute_central_moments(mean: Vec3, second_moments: Array) -> tuple[Vec3, Mat3]:
+    xx, xy, xz, yy, yz, zz = second_moments
     return mean, np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))) - np.outer(mean, mean)

@@ -1,9 +1,9 @@
 """Numbers of text formats, many at a time.
 
-A token's digits are read eight at a time as one 64-bit word and added up inside it (Lemire, *Quickly parsing eight digits*,
-2022), for all tokens at once. A number of up to 15 digits and a power of ten up to 22 is rounded as ``float`` rounds it
-(Clinger, *How to read floating point numbers accurately*, 1990), others to within two units in the last place; what is
-written in no usual way is left to ``float`` itself.
+A token's digits are read eight at a time as one 64-bit word and summed inside it (Lemire, *Quickly parsing eight digits*,
+2022), for all tokens together. A number of up to 15 digits and a power of ten up to 22 is rounded as ``float`` rounds it
+(Clinger, *How to read floating point numbers accurately*, 1990), others to within two units in the last place; ``float``
+itself reads unusual spellings.
 """
 
 from __future__ import annotations
@@ -16,10 +16,11 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Indices = NDArray[np.int64]
+    from urdfcheck.facts.arrays import Array, Bools, Indices
+
     Words = NDArray[np.uint64]
 
-_PAD = 24  # so that as many bytes before any token's end can be read
+_PAD = 24  # allows to read as many bytes before any token's end
 _CHUNK = 16384  # tokens worked on at a time: their temporaries stay in the processor's cache
 _TENS = np.array([float(f"1e{power}") for power in range(309)])
 _WHOLE_TENS = np.array([10**power for power in range(20)], dtype=np.uint64)
@@ -39,8 +40,8 @@ class BadTokenError(Exception):
 
 
 class TokenizedText:
-    """The bytes of a text file and its tokens: runs of bytes above the blank. ``starts`` and ``ends`` (n,) are positions in
-    ``bytes``, which holds the file between blanks."""
+    """The bytes of a text file and its tokens, which are runs of bytes above the blank. ``starts`` and ``ends`` (n,) are
+    positions in ``bytes``, which holds the file between blanks."""
 
     def __init__(self, data: bytes) -> None:
         self._data = b" " * _PAD + data + b" " * 8
@@ -55,7 +56,7 @@ class TokenizedText:
         return len(self.starts)
 
     def find_line_starts(self) -> Indices:
-        """The index of the first token of each line that has one."""
+        """Find the index of the first token of each line that has one."""
         newlines = np.flatnonzero((self.bytes == 10) | (self.bytes == 13))
         index = np.concatenate(((0,), np.searchsorted(self.starts, newlines)))
         index = index[np.diff(index, prepend=-1) > 0]
@@ -64,21 +65,21 @@ class TokenizedText:
     def get_token(self, index: int) -> bytes:
         return self._data[self.starts[index] : self.ends[index]]
 
-    def match_word(self, word: bytes) -> NDArray[np.bool_]:
-        """Which tokens are this word of up to eight lower case letters, in whatever case."""
+    def match_word(self, word: bytes) -> Bools:
+        """Return which tokens (n,) are this word of up to eight lower case letters, in any case."""
         mask = np.uint64(2 ** (8 * len(word)) - 1)
         wanted = np.uint64(int.from_bytes(word, "little"))
-        found: NDArray[np.bool_] = (self._heads & mask == wanted) & (self.ends - self.starts == len(word))
-        return found
+        matches: Bools = (self._heads & mask == wanted) & (self.ends - self.starts == len(word))
+        return matches
 
     @cached_property
     def _heads(self) -> Words:
-        """The first eight bytes of each token, its letters made small."""
+        """The first eight bytes of each token, in lower case."""
         heads: Words = self._words[self.starts] | np.uint64(0x2020202020202020)
         return heads
 
     def locate_token(self, index: int) -> tuple[int, str]:
-        """The number of a token's line, from 1, and the start of its text, for a message."""
+        """Return the number of a token's line, from 1, and the start of its text, for a message."""
         start = int(self.starts[index])
         before = self._data[:start]
         line = (
@@ -87,10 +88,10 @@ class TokenizedText:
         number = before.replace(b"\r\n", b"\n").replace(b"\r", b"\n").count(b"\n") + 1
         return number, line.decode(errors="replace").strip()[:80]
 
-    def parse_numbers(self, tokens: Indices) -> NDArray[np.float64]:
-        """The values of tokens; of the shape of ``tokens``.
+    def parse_numbers(self, tokens: Indices) -> Array:
+        """Return the values of tokens, in the shape of ``tokens``.
 
-        :raises BadToken: when one is no number.
+        :raises BadTokenError: when one is not a number.
         """
         flat = tokens.ravel()
         values = np.empty(len(flat))
@@ -99,7 +100,7 @@ class TokenizedText:
                 values[at : at + _CHUNK] = self._parse_number_chunk(flat[at : at + _CHUNK])
         return values.reshape(tokens.shape)
 
-    def _parse_number_chunk(self, tokens: Indices) -> NDArray[np.float64]:
+    def _parse_number_chunk(self, tokens: Indices) -> Array:
         start, end = np.take(self.starts, tokens), np.take(self.ends, tokens)
         lead = np.take(self.bytes, start)
         begin = start + ((lead == 43) | (lead == 45))
@@ -120,7 +121,7 @@ class TokenizedText:
         size = np.abs(power)
         usual &= size < len(_TENS)
         tens = np.take(_TENS, size, mode="clip")
-        values: NDArray[np.float64] = digits.astype(np.float64)
+        values: Array = digits.astype(np.float64)
         values = np.where(power < 0, values / tens, values * tens)
         np.negative(values, out=values, where=lead == 45)
         index: int
@@ -132,9 +133,9 @@ class TokenizedText:
         return values
 
     def parse_indices(self, tokens: Indices) -> Indices:
-        """The whole numbers that tokens begin with, up to their first slash; of the shape of ``tokens``.
+        """Return the whole numbers with which tokens begin, up to their first slash, in the shape of ``tokens``.
 
-        :raises BadToken: when one begins with none.
+        :raises BadTokenError: when one does not begin with a whole number.
         """
         start, end = np.take(self.starts, tokens).ravel(), np.take(self.ends, tokens).ravel()
         lead = np.take(self.bytes, start)
@@ -149,23 +150,23 @@ class TokenizedText:
             good &= fine
         if not good.all():
             raise BadTokenError(int(tokens.ravel()[np.argmin(good)]))
-        found = values.view(np.int64)
-        np.negative(found, out=found, where=lead == 45)
-        return found.reshape(tokens.shape)
+        indices = values.view(np.int64)
+        np.negative(indices, out=indices, where=lead == 45)
+        return indices.reshape(tokens.shape)
 
     def _find_byte(self, byte: int, begin: Indices, end: Indices) -> Indices:
-        """The first place of a byte in each span, or its end."""
+        """Find the first position of a byte in each span, or the span's end."""
         if byte not in self._places:
             self._places[byte] = np.flatnonzero(self.bytes == byte)
         places = self._places[byte]
         if not len(places):
             return end
-        found = np.take(places, np.searchsorted(places, begin), mode="clip")
-        return np.where((found >= begin) & (found < end), found, end)
+        following = np.take(places, np.searchsorted(places, begin), mode="clip")
+        return np.where((following >= begin) & (following < end), following, end)
 
     def _parse_exponents(self, begin: Indices, end: Indices) -> tuple[Indices, Indices]:
-        """The power of ten that each token ends with, and where the digits before it stop. Of up to three digits: what is
-        longer stays, and is no digit."""
+        """Return the power of ten with which each token ends, and where the digits before it stop. Powers have up to three
+        digits; longer ones stay in the token, which is then not a number."""
         power, stop = np.zeros(len(end), dtype=np.int64), end.copy()
         for back in (5, 4, 3, 2):
             here = np.flatnonzero((np.take(self.bytes, end - back) | 32 == 101) & (end - back > begin))
@@ -180,13 +181,13 @@ class TokenizedText:
             stop[here[good]] = mark[good]
         return power, stop
 
-    def _parse_digits(self, end: Indices, count: Indices) -> tuple[Words, NDArray[np.bool_]]:
-        """The number that the ``count`` (0 to 8) bytes before ``end`` spell, and whether all of them are digits."""
+    def _parse_digits(self, end: Indices, count: Indices) -> tuple[Words, Bools]:
+        """Return the number that the ``count`` (0 to 8) bytes before ``end`` spell, and whether all of them are digits."""
         word = self._words[end - 8]
         word ^= _ZEROS
         word &= np.take(_LAST, count)
         good = ((word + _PAST_NINE) | word) & _HIGH_BITS == 0
-        # Pairs of digits, then fours, then all eight, each in the place of the first of them.
+        # Pairs of digits, then fours, then all eight, each at the position of the first of them.
         word = word * np.uint64(10) + (word >> np.uint64(8))
         pairs = np.uint64(0x000000FF000000FF)
         upper = (word & pairs) * np.uint64(100 + (1_000_000 << 32))

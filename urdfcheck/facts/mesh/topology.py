@@ -1,8 +1,8 @@
-"""Triangles as a surface: merged corners, edges, and the boundaries of what is open.
+"""Triangles as a surface: merged corners, edges, and boundaries.
 
-Corners, edges and faces are grouped by hashing, vectorised: every item writes its index into a slot of a table, reads back
-who got there first, and those who find a stranger try another table. That is a few passes over memory, where sorting takes
-twenty.
+Corners, edges and faces are grouped by vectorised hashing: every item writes its index into a slot of a table and reads back
+which item was first; those that find an unequal one try another table. That takes a few passes over memory, where sorting
+takes twenty.
 """
 
 from __future__ import annotations
@@ -17,66 +17,73 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
-    Indices = NDArray[np.int64]
+    from urdfcheck.facts.arrays import Array, Bools, Indices, Vec3
+
 
 # Odd multipliers without structure: digits of the golden ratio, of pi and of e.
 _MIX = tuple(np.uint64(factor) for factor in (0x9E3779B97F4A7C15, 0x243F6A8885A308D3, 0xB7E151628AED2A6B))
-# Tables that are tried before what is left is sorted. Chance leaves nothing after three or four.
+# Tables that are tried before the rest is sorted. Usually nothing is left after three or four.
 _ROUNDS = 8
 # Grids that are half a cell apart.
 _SHIFTS = tuple(np.array(shift) for shift in product((0.0, 0.5), repeat=3))
-# Items worked on at a time: their temporaries stay in the processor's cache.
+# Items processed at a time: their temporaries stay in the processor's cache.
 _CHUNK = 16384
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Boundary:
-    """A run of edges that belong to one triangle only: the rim of a hole when ``closed``.
-
-    ``points`` (k, 3), the first not repeated at the end of a closed one; ``length``; ``centre`` (3,) of the line.
-    """
+    """A run of edges that belong to one triangle only."""
 
     points: Array
+    """(k, 3); the first is not repeated at the end of a closed one."""
     closed: bool
+    """Whether it is the rim of a hole."""
     length: float
-    centre: Array
+    centre: Vec3
+    """Of the line."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
-    """Triangles ``faces`` (F, 3) over ``vertices`` (V, 3), all of them used, and how many were dropped for a repeated corner
-    (``collapsed``) or for having the corners of an earlier one (``repeated``)."""
+    """Triangles over vertices, all of which are used."""
 
     vertices: Array
+    """(V, 3)"""
     faces: Indices
+    """(F, 3)"""
     collapsed: int = 0
+    """Number of triangles that were dropped for a repeated corner."""
     repeated: int = 0
+    """Number of triangles that were dropped for having the corners of an earlier one."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Edges:
-    """How faces meet; see `urdfcheck.facts.mesh.measure.MeshFacts`. ``open`` (n, 2): the vertices of each edge that belongs to
-    one face, in the direction in which that face runs along it. ``non_manifold`` and ``flipped`` (n, 2): the vertices of
-    edges of three or more faces, and of edges along which their two faces run the same way."""
+    """How faces meet."""
 
     open: Indices
+    """(n, 2), vertices of each edge that belongs to one face, in the direction of that face."""
     non_manifold: Indices
+    """(n, 2), vertices of edges of three or more faces."""
     flipped: Indices
+    """(n, 2), vertices of edges along which both faces have the same direction."""
     watertight: bool
+    """See `urdfcheck.facts.mesh.measure.MeshFacts`."""
     winding_consistent: bool
+    """See `urdfcheck.facts.mesh.measure.MeshFacts`."""
     closed: bool
+    """See `urdfcheck.facts.mesh.measure.MeshFacts`."""
 
 
 def compute_bounds(points: Array) -> Array:
-    """Lowest and highest coordinates (2, 3). A column at a time: numpy takes twenty times as long for all at once."""
+    """Compute the lowest and highest coordinates (2, 3), by columns: numpy takes twenty times as long for the whole array."""
     return np.array([[column.min() for column in points.T], [column.max() for column in points.T]])
 
 
 def weld_exact(points: NDArray[Any], faces: Indices | None) -> Surface:
-    """Merge equal ``points`` (n, 3), float32 or float64; each three in turn are a triangle where ``faces`` is None.
+    """Merge equal ``points`` (n, 3), float32 or float64; without ``faces`` each three in turn are a triangle.
 
-    Vertices stay in the order in which they first occur; those that no face uses are left out.
+    Vertices stay in the order in which they first occur; those that no face uses are dropped.
     """
     if faces is not None:
         points, faces = _drop_unused_points(points, faces)
@@ -91,9 +98,9 @@ def weld_exact(points: NDArray[Any], faces: Indices | None) -> Surface:
 
 
 def _find_first_equal_rows(rows: NDArray[Any], slots: int) -> Indices:
-    """Index of the first row that equals each row of ``rows`` (n, 3), any numbers of 4 or 8 bytes without -0.
+    """Find the index of the first row that equals each row of ``rows`` (n, 3), any numbers of 4 or 8 bytes without -0.
 
-    Rows are told apart by a hash; should two share it, they are sorted instead. ``slots``: about how large the table is.
+    Rows are distinguished by a hash; if two unequal rows share it, all are sorted instead. ``slots``: about the table's size.
     """
     keys = _hash_rows(rows)
     bits = max(4, slots.bit_length())
@@ -117,7 +124,7 @@ def _hash_rows(rows: NDArray[Any]) -> NDArray[np.uint64]:
 
 
 def _find_first_equal_keys(keys: NDArray[np.uint64], slot: Indices, size: int) -> Indices:
-    """Index of the first of ``keys`` (n,) that equals each one. ``slot`` (n,), below ``size``: where equal keys meet."""
+    """Find the index of the first of ``keys`` (n,) that equals each one. ``slot`` (n,), below ``size``: equal for equal keys."""
     indices = np.arange(len(keys))
     first = _find_first_in_slots(slot, size, indices)
     left = np.flatnonzero(np.take(keys, first) != keys)
@@ -135,7 +142,7 @@ def _find_first_equal_keys(keys: NDArray[np.uint64], slot: Indices, size: int) -
 
 
 def _find_first_in_slots(slot: Indices, size: int, indices: Indices) -> Indices:
-    """The lowest of the ``indices``, which rise, that has the same slot as each one."""
+    """Find the lowest of the ascending ``indices`` that has the same slot as each one."""
     table = np.empty(size, dtype=np.int32 if indices[-1] < 2**31 else np.int64)
     table[slot[::-1]] = indices[::-1]  # the last to write, which is the first in order, stays
     return np.take(table, slot).astype(np.int64)
@@ -151,7 +158,7 @@ def _find_equal_rows_by_sorting(rows: NDArray[Any]) -> Indices:
 
 
 def _drop_unused_points(points: NDArray[Any], faces: Indices) -> tuple[NDArray[Any], Indices]:
-    """Without the points that no face uses."""
+    """Drop the points that no face uses."""
     used = np.zeros(len(points), dtype=bool)
     used[faces] = True
     if used.all():
@@ -160,7 +167,7 @@ def _drop_unused_points(points: NDArray[Any], faces: Indices) -> tuple[NDArray[A
 
 
 def drop_collapsed_faces(surface: Surface) -> Surface:
-    """Without the faces that have a repeated corner."""
+    """Drop the faces that have a repeated corner."""
     a, b, c = surface.faces.T
     collapsed = (a == b) | (b == c) | (c == a)
     count = int(collapsed.sum())
@@ -171,7 +178,7 @@ def drop_collapsed_faces(surface: Surface) -> Surface:
 
 
 def drop_repeated_faces(surface: Surface) -> Surface:
-    """Without the faces that have the corners of an earlier one, either way round."""
+    """Drop the faces that have the corners of an earlier one, in either order."""
     again = find_repeated_faces(surface.faces)
     if not again.any():
         return surface
@@ -179,15 +186,15 @@ def drop_repeated_faces(surface: Surface) -> Surface:
     return Surface(surface.vertices, surface.faces[~again], surface.collapsed, count)
 
 
-def find_repeated_faces(faces: Indices) -> NDArray[np.bool_]:
-    """Which of the faces (F, 3) have the corners of an earlier one, either way round."""
-    again: NDArray[np.bool_] = _find_first_equal_rows(np.sort(faces, axis=1), 4 * len(faces)) != np.arange(len(faces))
+def find_repeated_faces(faces: Indices) -> Bools:
+    """Return which of the faces (F, 3) have the corners of an earlier one, in either order."""
+    again: Bools = _find_first_equal_rows(np.sort(faces, axis=1), 4 * len(faces)) != np.arange(len(faces))
     return again
 
 
 def find_face_origins(points: NDArray[Any], faces: Indices, surface: Surface) -> Indices:
-    """Which of the triangles ``faces`` (F, 3) over ``points`` each face of the surface made of them was; F for a face of which
-    a corner was moved."""
+    """Find which of the triangles ``faces`` (F, 3) over ``points`` each face of the surface made of them was; F for a face with a
+    moved corner."""
     count, total = len(surface.vertices), len(faces)
     number = _find_first_equal_rows(
         np.concatenate((surface.vertices, points.astype(np.float64))) + 0.0, 4 * (count + len(points))
@@ -198,10 +205,10 @@ def find_face_origins(points: NDArray[Any], faces: Indices, surface: Surface) ->
 
 
 def find_points_near_rim(surface: Surface, rim: Indices, distance: float) -> Indices:
-    """Indices of all vertices that lie within ``distance`` of one of the open edges ``rim`` (n, 2), and of few others.
+    """Find the indices of all vertices within ``distance`` of one of the open edges ``rim`` (n, 2), and of few others.
 
     Two points within half a cell of each other along every axis share a cell in one of eight grids, each shifted by half a
-    cell along some of the axes: no pair is missed because a cell's border runs between its points.
+    cell along some of the axes: no pair is missed because a cell's border is between its points.
     """
     points = _scale_to_cells(surface.vertices, distance)
     some, near = np.unique(rim), np.zeros(len(points), dtype=bool)
@@ -211,8 +218,8 @@ def find_points_near_rim(surface: Surface, rim: Indices, distance: float) -> Ind
 
 
 def weld_near(surface: Surface, candidates: Indices, distance: float) -> Surface | None:
-    """Merge those of ``some`` vertices that lie within ``distance`` of each other, or in one cell of twice that size (see
-    `find_points_near_rim`). None where there is nothing to merge."""
+    """Merge those of the ``candidates`` that are within ``distance`` of each other, or in one cell of twice that size (see
+    `find_points_near_rim`). None if there is nothing to merge."""
     points = _scale_to_cells(surface.vertices[candidates], distance)
     label, changed = np.arange(len(points)), True
     while changed:
@@ -232,29 +239,29 @@ def weld_near(surface: Surface, candidates: Indices, distance: float) -> Surface
 
 
 def _scale_to_cells(points: Array, distance: float) -> Array:
-    """Coordinates from the lowest corner on, in cells of twice the distance."""
+    """Return coordinates from the lowest corner, in cells of twice the distance."""
     cells: Array = (points - compute_bounds(points)[0]) / (2.0 * distance)
     return cells
 
 
-def _match_cells(cells: NDArray[Any], some: Indices) -> NDArray[np.bool_]:
-    """Which rows of ``cells`` (n, 3) may equal one of ``some`` of them: all that do, and few others."""
+def _match_cells(cells: NDArray[Any], some: Indices) -> Bools:
+    """Return which rows of ``cells`` (n, 3) may equal one of ``some`` of them: all that do, and few others."""
     keys = _hash_rows(cells)
     bits = max(16, (16 * len(some)).bit_length())
     slot = (keys >> np.uint64(64 - bits)).view(np.int64)
     taken = np.zeros(1 << bits, dtype=bool)
     taken[slot[some]] = True
-    found: NDArray[np.bool_] = np.take(taken, slot)
-    return found
+    matches: Bools = np.take(taken, slot)
+    return matches
 
 
 def classify_edges(faces: Indices, n_vertices: int) -> Edges:
-    """How the faces (F, 3), at least one, meet."""
+    """Classify the edges where the faces (F, 3), at least one, meet."""
     keys, slot, backward = _build_half_edges(faces, n_vertices)
     first = _find_first_equal_keys(keys, slot, n_vertices << 2)
     if _is_closed_manifold(first, backward):
         none = np.empty((0, 2), dtype=np.int64)
-        return Edges(none, none, none, True, True, True)
+        return Edges(open=none, non_manifold=none, flipped=none, watertight=True, winding_consistent=True, closed=True)
     count = np.bincount(first)
     balance = np.bincount(first, weights=np.where(backward, -1.0, 1.0))
     edge = np.flatnonzero(count)
@@ -272,9 +279,9 @@ def classify_edges(faces: Indices, n_vertices: int) -> Edges:
     )
 
 
-def _build_half_edges(faces: Indices, n_vertices: int) -> tuple[NDArray[np.uint64], Indices, NDArray[np.bool_]]:
-    """Each face's three edges (all first ones, all second, all third) as ``low * n_vertices + high``; a slot for each that
-    lies near those of its neighbours, so that memory is read where it was read before; and whether it runs from high to low."""
+def _build_half_edges(faces: Indices, n_vertices: int) -> tuple[NDArray[np.uint64], Indices, Bools]:
+    """Return each face's three edges (all first ones, all second, all third) as ``low * n_vertices + high``; a slot for each that
+    is near those of its neighbours, for locality of memory; and whether it goes from high to low."""
     corners = np.ascontiguousarray(faces.T)
     keys = np.empty((3, len(faces)), dtype=np.uint64)
     slot = np.empty((3, len(faces)), dtype=np.int64)
@@ -291,8 +298,8 @@ def _build_half_edges(faces: Indices, n_vertices: int) -> tuple[NDArray[np.uint6
     return keys.reshape(-1), slot.reshape(-1), backward.reshape(-1)
 
 
-def _is_closed_manifold(first: Indices, backward: NDArray[np.bool_]) -> bool:
-    """Whether every edge belongs to two faces that run along it in opposite directions."""
+def _is_closed_manifold(first: Indices, backward: Bools) -> bool:
+    """Whether every edge belongs to two faces with opposite directions along it."""
     second = np.flatnonzero(first != np.arange(len(first)))
     if 2 * len(second) != len(first):
         return False
@@ -305,13 +312,13 @@ def _is_closed_manifold(first: Indices, backward: NDArray[np.bool_]) -> bool:
 
 
 def count_component_faces(faces: Indices, n_vertices: int) -> Indices:
-    """Number of faces of each piece that hangs together by vertices, largest first."""
+    """Count the faces of each piece that is connected by vertices, largest first."""
     sizes: Indices = np.sort(np.bincount(label_components(faces, n_vertices)))[::-1]
     return sizes
 
 
 def label_components(faces: Indices, n_vertices: int) -> Indices:
-    """To which piece that hangs together by vertices each face belongs: numbers from 0, one per face."""
+    """Number the pieces that are connected by vertices, from 0, and return that of each face."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -319,29 +326,28 @@ def label_components(faces: Indices, n_vertices: int) -> Indices:
     start, end = np.concatenate((a, b)), np.concatenate((b, c))
     graph = coo_array((np.ones(len(start), dtype=bool), (start, end)), shape=(n_vertices, n_vertices))
     _, label = connected_components(graph, directed=False)
-    # Vertices that no face has are pieces of their own there: number those that faces have.
+    # Vertices without a face are separate pieces in this graph: renumber those with faces.
     _, numbers = np.unique(label[a], return_inverse=True)
     labels: Indices = numbers.astype(np.int64)
     return labels
 
 
 def find_boundaries(vertices: Array, open_edges: Indices) -> tuple[Boundary, ...]:
-    """The boundaries (longest first) that the edges (n, 2) of one face form."""
-    found = [_build_boundary(vertices, path, closed) for path, closed in _iter_boundary_paths(open_edges.tolist())]
-    return tuple(sorted(found, key=lambda boundary: (-boundary.length, boundary.centre.tolist())))
+    """Find the boundaries (longest first) that the edges (n, 2) of one face form."""
+    boundaries = [_build_boundary(vertices, path, closed) for path, closed in _iter_boundary_paths(open_edges.tolist())]
+    return tuple(sorted(boundaries, key=lambda boundary: (-boundary.length, boundary.centre.tolist())))
 
 
 def _iter_boundary_paths(open_edges: list[list[int]]) -> Iterator[tuple[list[int], bool]]:
-    """Split a graph's edges into simple loops, and paths where odd vertices leave none.
+    """Split a graph's edges into simple loops, and into paths where odd vertices prevent loops.
 
-    A walk that comes back to a vertex it has passed gives off the loop in between, so that holes which touch in one
-    vertex come out apart.
+    A walk that returns to a vertex yields the loop in between, so that holes that touch in one vertex are separate.
     """
     neighbours: dict[int, set[int]] = {}
     for a, b in open_edges:
         neighbours.setdefault(a, set()).add(b)
         neighbours.setdefault(b, set()).add(a)
-    # Paths end at odd vertices: starting there leaves loops only for the rest.
+    # Paths end at odd vertices: starting there leaves only loops.
     for start in sorted(neighbours, key=lambda vertex: (len(neighbours[vertex]) % 2 == 0, vertex)):
         while neighbours[start]:
             path, place = [start], {start: 0}

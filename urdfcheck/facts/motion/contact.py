@@ -10,56 +10,59 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Indices, Vec3
 
-# A tilt that nobody sees, 0.5°: what it brings to the ground touches (a wheel that hangs 2 mm high, 0.25 m from the COM).
+
+# An invisible tilt, 0.5°: what it brings to the ground counts as touching (a wheel 2 mm high, 0.25 m from the COM).
 SLACK = math.radians(0.5)
-# How flat a sole is, in parts of the whole body: points of a link that are less above its lowest touch with it.
+# How flat a sole is, as a fraction of the body's size: points of a link this little above its lowest point touch with it.
 _SOLE_FLATNESS = 1e-5
-# Every turn onto another edge lowers the COM, so that none comes twice; a smooth body of many corners has many edges.
+# Every turn onto another edge lowers the COM, so that no edge occurs twice; a smooth body of many corners has many edges.
 _MAX_TURNS = 500
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class GroundSupport:
-    """A body on a plane.
+    """A body on a plane."""
 
-    ``touching`` (n,): places of the points that touch; ``polygon`` (k, 3): corners of the support polygon, in order, counted
-    anticlockwise from above; ``margin`` (m): from the COM's plumb line to the nearest edge, negative outside; ``nearest`` (3,)
-    on that edge, and ``outwards`` (3,) the unit vector across it, in the plane; ``height`` (m) of the COM above the plane.
-    """
-
-    touching: NDArray[np.int64]
+    touching: Indices
+    """(n,), indices of the points that touch."""
     polygon: Array
+    """(k, 3), corners of the support polygon, anticlockwise from above."""
     margin: float
-    nearest: Array
-    outwards: Array
+    """Distance from the COM's plumb line to the nearest edge (m), negative outside."""
+    nearest: Vec3
+    """The point of that edge nearest to the plumb line."""
+    outwards: Vec3
+    """Unit vector across that edge, in the plane."""
     height: float
+    """Of the COM above the plane (m)."""
 
     @property
     def tip_angle(self) -> float:
-        """By how much (rad) the plane can be tilted before the body tips over; negative when it does on a level one."""
+        """Angle (rad) by which the plane can be tilted before the body tips over; negative if it tips over on level ground."""
         return math.atan2(self.margin, self.height)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TipOver:
-    """A body let go on a plane. ``tilt`` (rad): how far from upright it comes to rest, infinite where it never does;
-    ``touched``: the place of the point that touches last, None where it rests as it was put."""
+    """How a body that is released on a plane comes to rest."""
 
     tilt: float
+    """Angle from upright (rad); infinite if it does not come to rest."""
     last_contact: int | None
+    """Index of the point that touches last; None if it rests as it was placed."""
 
 
 def compute_ground_support(
     points: ArrayLike, parts: ArrayLike, com: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)
 ) -> GroundSupport:
-    """How a body of corners ``points`` (n, 3), put down upright, touches a plane across ``up`` (unit vector).
+    """Compute how a body of corners ``points`` (n, 3), placed upright, touches a plane across ``up`` (unit vector).
 
-    It is made of rigid parts, ``parts`` (n,) the number of each point's, from 0. A part touches with its lowest points when
-    they are the lowest of all, or a tilt by `SLACK` about the COM's plumb line makes them so.
+    The body consists of rigid parts; ``parts`` (n,) is the number of each point's part, from 0. A part touches with its lowest
+    points if they are the lowest of all, or a tilt by `SLACK` about the COM's plumb line makes them so.
     """
     corners, centre, vertical = (np.asarray(a, dtype=float) for a in (points, com, up))
     owners = np.asarray(parts)
@@ -88,10 +91,10 @@ def compute_ground_support(
 
 
 def simulate_tipping(points: ArrayLike, parts: ArrayLike, com: ArrayLike, limit: float = math.pi / 2) -> TipOver:
-    """Where a body as in `compute_ground_support` comes to rest when it is put down upright (z up) and rolls from edge to edge.
+    """Simulate how a body as in `compute_ground_support` is placed upright (z up) and rolls from edge to edge until it rests.
 
-    It rests where its tip angle is no more negative than `SLACK`, within what typed numbers leave open, and is given up
-    (``tilt`` infinite) beyond ``limit`` (rad).
+    It rests where its tip angle is not more negative than `SLACK`, the accuracy of typed numbers. Beyond ``limit`` (rad) the
+    simulation stops, with an infinite ``tilt``.
     """
     corners, centre = np.asarray(points, dtype=float), np.asarray(com, dtype=float)
     up = np.array((0.0, 0.0, 1.0))
@@ -115,10 +118,10 @@ def simulate_tipping(points: ArrayLike, parts: ArrayLike, com: ArrayLike, limit:
 
 
 def compute_rocking_gaps(contacts: ArrayLike) -> Array | None:
-    """How high (n,) each of some contacts (n, 3) hangs above the plane on which the others stand, z up.
+    """Compute how high (n,) each contact (n, 3) hangs above the plane on which the others stand, z up.
 
-    Of the planes that three contacts can stand on, with none below, the one on which the highest hangs least. None when all
-    contacts are on one line.
+    Of the planes through three contacts with none below, the one where the highest contact hangs least. None if all contacts
+    are on one line.
     """
     places = np.asarray(contacts, dtype=float)
     size = float(np.ptp(places, axis=0).max())
@@ -136,16 +139,16 @@ def compute_rocking_gaps(contacts: ArrayLike) -> Array | None:
 
 
 def _build_plane_axes(up: Array) -> Array:
-    """Two unit vectors (2, 3) that make a right-handed frame with ``up``."""
+    """Return two unit vectors (2, 3) that make a right-handed frame with ``up``."""
     first = np.cross(up, np.eye(3)[int(np.abs(up).argmin())])
     first /= np.linalg.norm(first)
     return np.array((first, np.cross(up, first)))
 
 
 def _compute_planar_hull(flat: Array) -> list[int]:
-    """Corners of the convex hull of ``flat`` (n, 2), anticlockwise (Andrew, *Another efficient algorithm for convex hulls in
-    two dimensions*, 1979)."""
-    # Corners that differ by rounding only are one: the turns between them mean nothing.
+    """Compute the corners of the convex hull of ``flat`` (n, 2), anticlockwise (Andrew, *Another efficient algorithm for convex
+    hulls in two dimensions*, 1979)."""
+    # Corners that differ only by rounding count as one: the turns between them are noise.
     grain = max(1e-9 * float(np.ptp(flat, axis=0).max()), 1e-300)
     _, distinct = np.unique(np.round(flat / grain), axis=0, return_index=True)
     order = [int(i) for i in distinct]
@@ -167,8 +170,8 @@ def _compute_turn(a: Array, b: Array, c: Array) -> float:
 
 
 def _compute_support_margin(outline: Array, place: Array) -> tuple[float, Array, Array]:
-    """Distance from ``place`` (2,) to the nearest edge of a convex polygon, negative outside, the nearest point on it, and the
-    unit vector from there away from the polygon."""
+    """Compute the distance from ``place`` (2,) to the nearest edge of a convex polygon, negative outside, the nearest point, and
+    the unit vector from there away from the polygon."""
     starts, ends = outline, np.roll(outline, -1, axis=0)
     along = ends - starts
     squared = np.maximum((along**2).sum(axis=1), 1e-300)

@@ -1,8 +1,8 @@
-"""Statics and dynamics of a tree in sampled configurations, by Pinocchio: what its joints hold, and how easily they move.
+"""Statics and dynamics of a tree in sampled configurations, by Pinocchio: joint loads and effective inertias.
 
-``model`` is a ``pinocchio.Model`` with a fixed root whose z points up, ``data`` its scratch memory (to make it takes longer
-than to use it); configurations are rows (N, nq) of its own coordinates. Every number follows from the masses, tensors and
-places in the file: a motor's rotor, which URDF cannot say, is not in them.
+``model`` is a ``pinocchio.Model`` with a fixed root whose z points up, ``data`` its scratch memory (creating it takes longer
+than using it); configurations are rows (N, nq) of Pinocchio's coordinates. Every number follows from the masses, tensors and
+placements in the file: the rotor of a motor, which URDF cannot describe, is not included.
 """
 
 from __future__ import annotations
@@ -16,59 +16,65 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Bools
 
-# What a body adds to the inertia that its joint moves, for the mass matrix to be well conditioned.
+
+# The share that a body adds to the inertia that its joint moves in a well conditioned mass matrix.
 ADDED_INERTIA_SHARE = 0.01
-# How often all joints are moved to find where one of them holds most; more changes less than a thousandth.
+# Rounds over all joints in the search for the largest load of one; more rounds change it by less than a thousandth.
 _ROUNDS = 4
 _THIRDS = 2.0 * np.pi / 3.0 * np.arange(3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointCoordinates:
-    """``neutral`` (nq,): the neutral configuration. ``position`` (J,): each joint's place in it, ``turns`` (J,): whether it is
-    continuous and has two, the cosine and the sine of its angle; ``velocity`` (J,): its place among the velocities."""
+    """Where joints with one degree of freedom are among Pinocchio's coordinates."""
 
     neutral: Array
+    """(nq,), the neutral configuration."""
     position: NDArray[np.intp]
-    continuous: NDArray[np.bool_]
+    """(J,), index of each joint in it."""
+    continuous: Bools
+    """(J,), whether a joint is continuous and has two coordinates, the cosine and the sine of its angle."""
     velocity: NDArray[np.intp]
+    """(J,), index of each joint among the velocities."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Conditioning:
-    """``number``: the median condition number, that of configuration ``index``; infinite for a singular matrix.
-    ``direction`` (V,): the unit combination of scaled joint velocities that moves least inertia there."""
+    """How well the mass matrices of several configurations are conditioned."""
 
     number: float
+    """The median condition number; infinite for a singular matrix."""
     index: int
+    """The configuration with this number."""
     direction: Array
+    """(V,), the unit combination of scaled joint velocities that moves the least inertia there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointLoad:
-    """The largest ``torque`` (N·m or N, positive) that a joint was found to hold, at ``values`` (J,) of all joints."""
+    """The largest ``torque`` (N·m or N, positive) that a joint must hold, at ``values`` (J,) of all joints."""
 
     torque: float
     values: Array
 
 
 def locate_joint_coordinates(model: Any, names: Sequence[str]) -> JointCoordinates:
-    """Where joints with one degree of freedom are among Pinocchio's coordinates and velocities."""
+    """Locate joints with one degree of freedom among Pinocchio's coordinates and velocities."""
     import pinocchio
 
     joints = [model.joints[model.getJointId(name)] for name in names]
     return JointCoordinates(
-        np.asarray(pinocchio.neutral(model), dtype=float),
-        np.array([joint.idx_q for joint in joints], dtype=np.intp),
-        np.array([joint.nq == 2 for joint in joints], dtype=bool),
-        np.array([joint.idx_v for joint in joints], dtype=np.intp),
+        neutral=np.asarray(pinocchio.neutral(model), dtype=float),
+        position=np.array([joint.idx_q for joint in joints], dtype=np.intp),
+        continuous=np.array([joint.nq == 2 for joint in joints], dtype=bool),
+        velocity=np.array([joint.idx_v for joint in joints], dtype=np.intp),
     )
 
 
 def build_configurations(coordinates: JointCoordinates, values: ArrayLike) -> Array:
-    """Pinocchio's coordinates (N, nq) of joint ``values`` (N, J), rad or m; other joints stay neutral."""
+    """Build Pinocchio's coordinates (N, nq) of joint ``values`` (N, J), rad or m; other joints stay neutral."""
     positions = np.asarray(values, dtype=float)
     q = np.tile(coordinates.neutral, (len(positions), 1))
     q[:, coordinates.position] = np.where(coordinates.continuous, np.cos(positions), positions)
@@ -77,41 +83,41 @@ def build_configurations(coordinates: JointCoordinates, values: ArrayLike) -> Ar
 
 
 def compute_gravity_torques(model: Any, data: Any, q: Array) -> Array:
-    """Generalised forces (N, nv) that hold the tree still against gravity, N·m or N."""
+    """Compute the generalised forces (N, nv) that hold the tree still against gravity, N·m or N."""
     import pinocchio
 
-    found = np.empty((len(q), model.nv))
-    for row, configuration in zip(found, q, strict=True):
+    torques = np.empty((len(q), model.nv))
+    for row, configuration in zip(torques, q, strict=True):
         row[:] = pinocchio.computeGeneralizedGravity(model, data, configuration)
-    return found
+    return torques
 
 
 def compute_mass_matrices(model: Any, data: Any, q: Array) -> Array:
-    """Joint-space inertia matrices (N, nv, nv), by the composite-rigid-body algorithm."""
+    """Compute the joint-space inertia matrices (N, nv, nv), by the composite-rigid-body algorithm."""
     import pinocchio
 
-    found = np.empty((len(q), model.nv, model.nv))
-    for matrix, configuration in zip(found, q, strict=True):
+    matrices = np.empty((len(q), model.nv, model.nv))
+    for matrix, configuration in zip(matrices, q, strict=True):
         matrix[:] = pinocchio.crba(model, data, configuration)
-    return found
+    return matrices
 
 
 def compute_inverse_mass_matrices(model: Any, data: Any, q: Array) -> Array:
-    """Inverses (N, nv, nv) of :func:`compute_mass_matrices`, by the articulated-body algorithm: a quarter of the time that
-    inverting takes for a humanoid. They mean nothing where the mass matrix is singular."""
+    """Compute the inverses (N, nv, nv) of :func:`compute_mass_matrices`, by the articulated-body algorithm: a quarter of the
+    time that inverting takes for a humanoid. They are meaningless where the mass matrix is singular."""
     import pinocchio
 
-    found = np.empty((len(q), model.nv, model.nv))
-    for matrix, configuration in zip(found, q, strict=True):
+    inverses = np.empty((len(q), model.nv, model.nv))
+    for matrix, configuration in zip(inverses, q, strict=True):
         matrix[:] = pinocchio.computeMinverse(model, data, configuration)
-    return found
+    return inverses
 
 
 def scale_to_unit_diagonal(matrices: Array) -> Array:
-    """Symmetric matrices (N, V, V) with positive diagonals, scaled to ones on it: ``D^-½ M D^-½``.
+    """Scale symmetric matrices (N, V, V) with positive diagonals to a diagonal of ones: ``D^-½ M D^-½``.
 
-    Jacobi's scaling is within a factor V of the best diagonal one (van der Sluis, 1969). It takes away the units of the
-    joints and the mere size of what they move, which make the plain condition number of sound robots 1e7.
+    Jacobi's scaling is within a factor V of the best diagonal one (van der Sluis, 1969). It removes the units of the joints
+    and the mere size of what they move, which make the plain condition number of sound robots 1e7.
     """
     diagonal = np.sqrt(np.einsum("nii->ni", matrices))
     shaped: Array = matrices / diagonal[:, :, None] / diagonal[:, None, :]
@@ -119,9 +125,9 @@ def scale_to_unit_diagonal(matrices: Array) -> Array:
 
 
 def measure_conditioning(matrices: Array) -> Conditioning:
-    """The median condition number of :func:`scale_to_unit_diagonal` ``matrices`` (N, V, V) with positive diagonals.
+    """Measure the median condition number of ``matrices`` (N, V, V), after :func:`scale_to_unit_diagonal`.
 
-    Not the largest: two axes of a sound wrist or shoulder move the same inertia in the poses in which they meet.
+    Not the largest: two axes of a sound wrist or shoulder move the same inertia in poses where they coincide.
     """
     shaped = scale_to_unit_diagonal(matrices)
     values = np.linalg.eigvalsh(shaped)
@@ -132,10 +138,10 @@ def measure_conditioning(matrices: Array) -> Conditioning:
 
 
 def measure_relieved_conditioning(matrices: Array, joints: Sequence[int]) -> float:
-    """The :func:`measure_conditioning` number if each of some joints moved a hundredth more inertia than it does.
+    """Measure the :func:`measure_conditioning` number with a hundredth more inertia on each of some joints.
 
-    It falls to some 400 where those joints are the cause. In a long chain, where every joint moves nearly
-    what its neighbours do, it hardly changes: by a factor of 2.7 at most for 4 to 24 equal links, straight or folded.
+    It falls to some 400 if those joints are the cause. In a long chain, where every joint moves nearly the same as its
+    neighbours, it hardly changes: by a factor of 2.7 at most for 4 to 24 equal links, straight or folded.
     """
     changed = matrices.copy()
     for joint in joints:
@@ -144,13 +150,13 @@ def measure_relieved_conditioning(matrices: Array, joints: Sequence[int]) -> flo
 
 
 def compute_effective_inertias(inverses: Array) -> Array:
-    """What each joint feels of the tree (N, V) when all other joints move freely, kg m² or kg: ``1 / (M^-1)_ii``."""
-    felt: Array = 1.0 / np.einsum("nii->ni", inverses)
-    return felt
+    """Compute the inertia at each joint (N, V) when all other joints move freely, kg m² or kg: ``1 / (M^-1)_ii``."""
+    effective: Array = 1.0 / np.einsum("nii->ni", inverses)
+    return effective
 
 
 def compute_own_inertia(model: Any, name: str, q: Array) -> float:
-    """What of the inertia that a joint moves (kg m² or kg) is that of its own body, at the configuration ``q`` (nq,)."""
+    """Compute the share of a joint's inertia (kg m² or kg) that its own body has, at the configuration ``q`` (nq,)."""
     import pinocchio
 
     alone, place = model.copy(), model.getJointId(name)
@@ -162,7 +168,7 @@ def compute_own_inertia(model: Any, name: str, q: Array) -> float:
 
 
 def compute_damping_rate(inverse: ArrayLike, damping: ArrayLike) -> float:
-    """The fastest decay (1/s) of joint velocities under viscous ``damping`` (V,): the largest eigenvalue of ``M^-1 D``.
+    """Compute the fastest decay (1/s) of joint velocities under viscous ``damping`` (V,): the largest eigenvalue of ``M^-1 D``.
 
     An integrator that takes damping from the velocity before the step (explicit Euler) is stable below ``2 / rate``.
     A single joint's ``d_i (M^-1)_ii`` is a Rayleigh quotient of it, so the rate is at least the largest of those.
@@ -172,13 +178,13 @@ def compute_damping_rate(inverse: ArrayLike, damping: ArrayLike) -> float:
 
 
 def find_largest_load(
-    torque: Callable[[Array], Array], start: Array, ranges: ArrayLike, coupling: ArrayLike, joints: Sequence[int]
+    torque: Callable[[Array], Array], start: Array, *, ranges: ArrayLike, coupling: ArrayLike, joints: Sequence[int]
 ) -> JointLoad:
     """Climb from the joint values ``start`` (J,) to where a joint holds most, moving one of the ``joints`` at a time.
 
-    ``torque`` maps values (N, J) to the joint's torques (N,); ``ranges`` (J, 2) are the limits; column i of ``moved`` (J, J)
-    says how all joints move with joint i. Along a slide the torque is a line, along an angle ``a + b cos q + c sin q``: three
-    values tell where its tops are. A joint with followers is looked at in five places besides.
+    ``torque`` maps values (N, J) to the joint's torques (N,); ``ranges`` (J, 2) are the limits; column i of ``coupling`` (J, J)
+    is the motion of all joints with joint i. Along a slide the torque is linear, along an angle ``a + b cos q + c sin q``:
+    three values determine its maxima. Five more places are tried because of joints with followers.
     """
     bounds, shares = np.asarray(ranges, dtype=float), np.asarray(coupling, dtype=float)
     values = np.array(start, dtype=float)
@@ -191,9 +197,9 @@ def find_largest_load(
             low, high = bounds[i]
             tried = np.concatenate((np.linspace(low, high, 5), top[(low < top) & (top < high)]))
             rows = values + (tried - values[i])[:, None] * shares[:, i]
-            found = np.abs(torque(rows))
-            if found.max() > best:
-                best, values = float(found.max()), rows[int(found.argmax())]
+            torques = np.abs(torque(rows))
+            if torques.max() > best:
+                best, values = float(torques.max()), rows[int(torques.argmax())]
         if best <= before * 1.001:
             break
     return JointLoad(best, values)

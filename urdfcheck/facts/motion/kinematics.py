@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Mat3, Mat4, Vec3
 
 
 # Below this cosine of the pitch, roll and yaw turn about the same axis and only their sum is determined. sqrt(eps):
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 _GIMBAL = 1e-8
 
 
-def rpy_to_matrix(rpy: Sequence[float]) -> Array:
-    """URDF's fixed-axis roll, pitch, yaw (rad) as a (3, 3) rotation: ``Rz(yaw) Ry(pitch) Rx(roll)``."""
+def rpy_to_matrix(rpy: Sequence[float]) -> Mat3:
+    """Convert URDF's fixed-axis roll, pitch, yaw (rad) to a (3, 3) rotation: ``Rz(yaw) Ry(pitch) Rx(roll)``."""
     roll, pitch, yaw = rpy
     cr, sr = math.cos(roll), math.sin(roll)
     cp, sp = math.cos(pitch), math.sin(pitch)
@@ -35,7 +35,7 @@ def rpy_to_matrix(rpy: Sequence[float]) -> Array:
 
 
 def matrix_to_rpy(rotation: ArrayLike) -> tuple[float, float, float]:
-    """The roll, pitch, yaw (rad) of a (3, 3) rotation; pitch within ±π/2, roll 0 where pitch is ±π/2."""
+    """Convert a (3, 3) rotation to roll, pitch, yaw (rad); pitch within ±π/2, roll 0 where pitch is ±π/2."""
     r = np.asarray(rotation, dtype=float)
     cos_pitch = math.hypot(r[0, 0], r[1, 0])
     pitch = math.atan2(-r[2, 0], cos_pitch)
@@ -44,8 +44,8 @@ def matrix_to_rpy(rotation: ArrayLike) -> tuple[float, float, float]:
     return math.atan2(r[2, 1], r[2, 2]), pitch, math.atan2(r[1, 0], r[0, 0])
 
 
-def quaternion_to_matrix(xyzw: Sequence[float]) -> Array:
-    """The (3, 3) rotation of a quaternion ``x y z w`` of any length.
+def quaternion_to_matrix(xyzw: Sequence[float]) -> Mat3:
+    """Convert a quaternion ``x y z w`` of any length to a (3, 3) rotation.
 
     :raises ValueError: when its length is zero or not finite.
     """
@@ -62,16 +62,16 @@ def quaternion_to_matrix(xyzw: Sequence[float]) -> Array:
     )
 
 
-def build_origin_transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
-    """The (4, 4) homogeneous placement of a URDF ``<origin>`` (m, rad) in its parent's frame."""
+def build_origin_transform(xyz: Sequence[float], rpy: Sequence[float]) -> Mat4:
+    """Build the (4, 4) homogeneous transform of a URDF ``<origin>`` (m, rad) in its parent's frame."""
     placement = np.eye(4)
     placement[:3, :3] = rpy_to_matrix(rpy)
     placement[:3, 3] = xyz
     return placement
 
 
-def compute_axis_angle(rotation: ArrayLike) -> tuple[Array, float]:
-    """The unit axis (3,) and angle (rad, within [0, π]) of a (3, 3) rotation; axis x where the angle is 0.
+def compute_axis_angle(rotation: ArrayLike) -> tuple[Vec3, float]:
+    """Compute the unit axis (3,) and angle (rad, within [0, π]) of a (3, 3) rotation; axis x if the angle is 0.
 
     Goes through the quaternion's largest component (Shepperd, *Quaternion from rotation matrix*, 1978), which keeps
     full precision both near 0, where the arc cosine of the trace loses it, and near π, where the skew part does.
@@ -98,7 +98,7 @@ def compute_axis_angle(rotation: ArrayLike) -> tuple[Array, float]:
 
 
 def compute_forward_kinematics(parents: Sequence[int], placements: ArrayLike) -> Array:
-    """World placements (n, 4, 4) of a tree's frames at the neutral pose.
+    """Compute the world placements (n, 4, 4) of a tree's frames at the neutral pose.
 
     ``parents[i]`` is the index of frame i's parent, lower than i, or -1 for a root; ``placements`` (n, 4, 4) are
     given in the parent's frame.
@@ -115,18 +115,18 @@ def compute_forward_kinematics(parents: Sequence[int], placements: ArrayLike) ->
 
 
 def compute_joint_motions(axis: ArrayLike, values: ArrayLike, *, rotates: bool) -> Array:
-    """Placements (N, 4, 4) that a joint with the unit ``axis`` (3,) adds at each of its ``values`` (N,), rad or m.
+    """Compute the transforms (N, 4, 4) of a joint with the unit ``axis`` (3,) at each of its ``values`` (N,), rad or m.
 
     Rotations by Rodrigues' formula.
     """
     direction, amounts = np.asarray(axis, dtype=float), np.asarray(values, dtype=float)
-    found = np.zeros((len(amounts), 4, 4))
-    found[:] = np.eye(4)
+    motions = np.zeros((len(amounts), 4, 4))
+    motions[:] = np.eye(4)
     if rotates:
         x, y, z = direction
         skew = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
-        found[:, :3, :3] += np.sin(amounts)[:, None, None] * skew
-        found[:, :3, :3] += (1.0 - np.cos(amounts))[:, None, None] * (skew @ skew)
+        motions[:, :3, :3] += np.sin(amounts)[:, None, None] * skew
+        motions[:, :3, :3] += (1.0 - np.cos(amounts))[:, None, None] * (skew @ skew)
     else:
-        found[:, :3, 3] = amounts[:, None] * direction
-    return found
+        motions[:, :3, 3] = amounts[:, None] * direction
+    return motions

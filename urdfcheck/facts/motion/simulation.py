@@ -1,4 +1,4 @@
-"""A mechanism that is let go on a plane, by MuJoCo: what moves, what touches, and what becomes of its energy.
+"""A mechanism that is released on a plane, by MuJoCo: what moves, what touches, and how its energy changes.
 
 MuJoCo steps rigid bodies in joint coordinates; contacts and limits are soft constraints (Todorov, *Convex and
 analytically-invertible dynamics with contacts and constraints in MuJoCo*, 2014). Bodies touch the plane only, not each other.
@@ -19,72 +19,85 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Mat3, Mat4, Vec3
+
 
 GRAVITY = 9.81
-# s between two looks at a moving mechanism: a fall of half a millimetre.
+# s between two samples of a moving mechanism: a fall of half a millimetre.
 SAMPLING_INTERVAL = 0.01
-# s at the end over which speeds and loads are taken.
+# s at the end over which speeds and loads are averaged.
 AVERAGING_WINDOW = 0.25
 # rad/s: the frequency of a held joint. At a step of 1 ms it takes 31 steps to swing once, far below the 2/step at which an
-# explicit spring becomes unstable, and a leg that carries thirty times its own inertia still stands straight.
+# explicit spring becomes unstable, and a leg that carries thirty times its own inertia stays straight.
 STIFFNESS = 200.0
 # MuJoCo's default for contacts and limits: time constant (s), damping ratio, and impedance where they just touch.
 SOFTNESS, DAMPING_RATIO, IMPEDANCE = 0.02, 1.0, 0.9
 
 
 class SimulationRefusedError(Exception):
-    """MuJoCo does not take the mechanism; its reason, and the ``element`` that it names (b3: the body in place 3)."""
+    """MuJoCo rejects the mechanism; its reason, and the ``element`` that it names (b3: the body at index 3)."""
 
     def __init__(self, reason: str, element: str) -> None:
         super().__init__(reason)
         self.element = element
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Geom:
-    """A shape of body ``body`` (-1: of the ground that everything is fixed to) at ``pose`` (4, 4) in its frame. ``kind``: box |
-    cylinder | sphere | capsule | hull; ``size`` in m as URDF gives it; ``points`` (K, 3) of a hull."""
+    """A shape of a body."""
 
     body: int
+    """Index of the body; -1 for the ground that everything is fixed to."""
     kind: str
+    """box, cylinder, sphere, capsule or hull."""
     size: tuple[float, ...]
-    pose: Array
+    """In m, as in URDF."""
+    pose: Mat4
+    """In the body's frame."""
     points: Array | None = None
+    """(K, 3) of a hull."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class SimulatedJoint:
-    """How a body moves against its parent. ``kind``: hinge | slide | floating | planar; ``axis`` (3,) a unit vector;
-    ``range`` (rad or m), None without limits; viscous ``damping`` and Coulomb ``friction`` in N·m(·s/rad) or N(·s/m);
-    ``value`` (rad or m): where it is let go; ``effort`` (N·m or N): with which it can be held, infinite without limit, None when
-    it is not driven at all."""
+    """How a body moves against its parent."""
 
     kind: str
-    axis: Array
+    """hinge, slide, floating or planar."""
+    axis: Vec3
+    """Unit vector."""
     range: tuple[float, float] | None = None
+    """rad or m; None without limits."""
     damping: float = 0.0
+    """Viscous, N·m·s/rad or N·s/m."""
     friction: float = 0.0
+    """Coulomb, N·m or N."""
     start_value: float = 0.0
+    """Value at which the joint is released, rad or m."""
     effort: float | None = None
+    """What the joint can hold, N·m or N; infinite without a limit; None if it is not driven."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class RigidBody:
-    """A rigid body that hangs on body ``parent`` (-1: the ground) by ``hinge``, at ``pose`` (4, 4) in the parent's frame where
-    the joint is at 0. ``mass`` in kg, ``com`` (3,) in m and ``inertia`` (3, 3) in kg m² about it, in its own frame."""
+    """A rigid body that a joint connects to another, or to the ground."""
 
     parent: int
-    pose: Array
+    """Index of the other body; -1 for the ground."""
+    pose: Mat4
+    """In the parent's frame with the joint at 0."""
     joint: SimulatedJoint
     mass: float
-    com: Array
-    inertia: Array
+    """kg."""
+    com: Vec3
+    """In m, in the body's frame."""
+    inertia: Mat3
+    """In kg m² about the COM, in the body's frame."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Follower:
-    """The joint of body ``body`` is at ``multiplier`` times that of body ``leader`` plus ``offset``."""
+    """The joint of body ``body`` follows that of body ``leader``: ``multiplier`` times its value, plus ``offset``."""
 
     body: int
     leader: int
@@ -102,58 +115,64 @@ class Mechanism:
     grounded: bool
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class MotionTrace:
-    """What came of two seconds, or of the time until something burst.
-
-    ``time`` (s), ``energy`` (J, kinetic and potential), ``speed`` (m/s) (N,): that of the fastest body, the root mean square
-    over its mass. ``burst``: when (s) the simulator gave up, None if it did not. ``fastest``: the fastest body of all,
-    ``moving``: that of the last quarter of a second.
-
-    ``root`` (4, 4): the root's frame at the end; ``tilt`` (rad): of its z axis against that at the beginning; NaN if it burst.
-    ``touching``: what touches the plane at the end. ``saturated``: bodies whose joints are held with all their effort then;
-    ``off``: how far (rad or m) each body's joint is from where it was let go (0 where it has not one degree of freedom).
-    """
+    """The outcome of a simulation, or of the time until it diverged."""
 
     time: Array
+    """(N,), s."""
     energy: Array
+    """(N,), J, kinetic and potential."""
     speed: Array
+    """(N,), m/s, of the fastest body: the root mean square over its mass."""
     burst_time: float | None
+    """When the simulation diverged (s); None if it did not."""
     fastest_body: int
+    """The fastest body of all times."""
     last_fastest_body: int
-    root_pose: Array
+    """The fastest body within the last `AVERAGING_WINDOW`."""
+    root_pose: Mat4
+    """The root's frame at the end."""
     tilt: float
+    """Angle of the root's z axis from that at the beginning (rad); NaN if the simulation diverged."""
     touching: Sequence[PlaneContact]
+    """The contacts with the plane at the end."""
     saturated: Sequence[int]
+    """Bodies whose joints need all their effort at the end."""
     joint_offsets: Array
+    """How far each body's joint is from where it was released (rad or m); 0 for other than one degree of freedom."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class PlaneContact:
-    """A geom on the plane. ``points``: of how many contacts; ``place`` (3,): their middle on the geom's surface, in the root's
-    frame, and ``lowest`` the least z of them there; ``depth`` (m): the deepest below the plane; ``load`` (N): the normal force
-    on all, averaged over the last quarter of a second."""
+    """A geom on the plane."""
 
     geom: int
+    """Index of the geom."""
     points: int
-    place: Array
+    """Number of contact points."""
+    place: Vec3
+    """Middle of the contact points on the geom's surface (m), in the root's frame."""
     lowest: float
+    """Least z of the contact points (m), in the root's frame."""
     depth: float
+    """Of the deepest below the plane (m)."""
     load: float
+    """Normal force on all (N), averaged over the last `AVERAGING_WINDOW`."""
 
 
 def compute_rest_depth(gravity: float = GRAVITY) -> float:
-    """How deep (m) MuJoCo lets a body at rest into the plane, with the default softness.
+    """Compute how deep (m) a body at rest is in the plane, with MuJoCo's default softness.
 
     A constraint's acceleration is ``(1 - d) a0 + d (-b v - k r)`` (MuJoCo's documentation, *Computation*), zero at rest, where
-    a0 = -g is what would be without it and ``k = 1 / (d_max² t² ζ²)``: ``r = (1 - d)/d · g · (d_max t ζ)²``, 0.39 mm whatever
-    the mass.
+    a0 = -g is the acceleration without it and ``k = 1 / (d_max² t² ζ²)``: ``r = (1 - d)/d · g · (d_max t ζ)²``, 0.39 mm for
+    any mass.
     """
     return (1 - IMPEDANCE) / IMPEDANCE * gravity * (0.95 * SOFTNESS * DAMPING_RATIO) ** 2
 
 
 def compute_lowest_height(geom: Geom, pose: Array) -> float:
-    """The least z (m) of a geom whose body is at ``pose`` (4, 4)."""
+    """Compute the least z (m) of a geom whose body is at ``pose`` (4, 4)."""
     placed = pose @ geom.pose
     up, height = placed[2, :3], float(placed[2, 3])
     if geom.points is not None:
@@ -168,10 +187,10 @@ def compute_lowest_height(geom: Geom, pose: Array) -> float:
 
 
 class Simulation:
-    """A mechanism in MuJoCo, with a plane below it at the height ``ground`` (m) in the root's frame as it is let go.
+    """A mechanism in MuJoCo, with a plane below it at the height ``ground`` (m) in the root's frame when it is released.
 
     :raises ImportError: when MuJoCo is not installed.
-    :raises Refused: when MuJoCo does not take it.
+    :raises SimulationRefusedError: when MuJoCo rejects it.
     """
 
     def __init__(self, mechanism: Mechanism, ground: float) -> None:
@@ -188,26 +207,28 @@ class Simulation:
 
     @cached_property
     def weight(self) -> float:
-        """N."""
+        """Weight of all bodies in N."""
         return GRAVITY * sum(body.mass for body in self.mechanism.bodies)
 
     @property
     def version(self) -> str:
-        """MuJoCo's."""
+        """Version of MuJoCo."""
         version: str = self._mujoco.__version__
         return version
 
     def run(self, seconds: float, step: float, *, hold_joints: bool, implicit_damping: bool = True) -> MotionTrace:
-        """Let go; ``held``: with torques that hold the joints where they are, else with none. ``implicit``: whether damping is
-        computed from the velocity after a step (MuJoCo, Drake) or before it (Bullet).
+        """Release the mechanism and simulate it for so many ``seconds`` with this time ``step`` (s).
 
-        :raises Refused: when MuJoCo cannot go on, for want of memory.
+        ``hold_joints``: with torques that hold the joints where they are; without torques otherwise. ``implicit_damping``:
+        whether damping is computed from the velocity after a step (MuJoCo, Drake) or before it (Bullet).
+
+        :raises SimulationRefusedError: when MuJoCo cannot continue, for lack of memory.
         """
         mujoco, model, data = self._mujoco, self._model, self._data
         off, kinds = mujoco.mjtDisableBit, mujoco.mjtIntegrator
         model.opt.timestep = step
         model.opt.integrator = int(kinds.mjINT_IMPLICITFAST if implicit_damping else kinds.mjINT_EULER)
-        # It would put back to the beginning what bursts.
+        # Otherwise MuJoCo resets the state when a simulation diverges.
         model.opt.disableflags = int(off.mjDSBL_AUTORESET | off.mjDSBL_EULERDAMP)
         if not hold_joints:
             model.opt.disableflags |= int(off.mjDSBL_ACTUATION)
@@ -238,17 +259,17 @@ class Simulation:
                     moving = int(speeds.argmax())
         root = self._get_root_pose()
         return MotionTrace(
-            time,
-            energy,
-            speed,
-            burst,
-            fastest,
-            moving,
-            root,
-            math.acos(max(-1.0, min(1.0, float(begin[:3, 2] @ root[:3, 2])))) if burst is None else math.nan,
-            [] if burst is not None else self._collect_plane_contacts(loads, root),
-            [] if burst is not None or not hold_joints else self._list_saturated_bodies(),
-            self._measure_joint_offsets(),
+            time=time,
+            energy=energy,
+            speed=speed,
+            burst_time=burst,
+            fastest_body=fastest,
+            last_fastest_body=moving,
+            root_pose=root,
+            tilt=math.acos(max(-1.0, min(1.0, float(begin[:3, 2] @ root[:3, 2])))) if burst is None else math.nan,
+            touching=[] if burst is not None else self._collect_plane_contacts(loads, root),
+            saturated=[] if burst is not None or not hold_joints else self._list_saturated_bodies(),
+            joint_offsets=self._measure_joint_offsets(),
         )
 
     def _step_model(self, count: int) -> None:
@@ -270,17 +291,17 @@ class Simulation:
         mujoco.mj_forward(model, data)
 
     def _set_motor_gains(self) -> None:
-        """Set the gains of the motors: critically damped springs, and the torque of gravity where they begin."""
+        """Set the gains of the motors: critically damped springs, and the torque of gravity at the beginning."""
         model, data = self._model, self._data
         if not model.nu:
             return
         inertia = np.zeros((model.nv, model.nv))
         self._mujoco.mj_fullM(model, data, inertia)
-        felt = 1.0 / np.maximum(np.diag(np.linalg.inv(inertia)), 1e-300)
+        effective = 1.0 / np.maximum(np.diag(np.linalg.inv(inertia)), 1e-300)
         for motor in range(model.nu):
             joint = model.actuator_trnid[motor, 0]
             place = model.jnt_dofadr[joint]
-            stiffness = float(felt[place]) * STIFFNESS**2
+            stiffness = float(effective[place]) * STIFFNESS**2
             model.actuator_gainprm[motor, 0] = stiffness
             gravity = float(data.qfrc_bias[place])
             model.actuator_biasprm[motor, :3] = gravity, -stiffness, -2.0 * stiffness / STIFFNESS
@@ -303,7 +324,7 @@ class Simulation:
         return any(self._data.warning[int(kind)].number for kind in kinds)
 
     def _compute_body_speeds(self) -> Array:
-        """The root mean square speed (m/s) of the mass of each body."""
+        """Compute the root mean square speed (m/s) of the mass of each body."""
         model, data = self._model, self._data
         own = self._body_ids
         turn, move = data.cvel[own, :3], data.cvel[own, 3:]
@@ -315,28 +336,33 @@ class Simulation:
         return speeds
 
     def _compute_contact_loads(self) -> Array:
-        """The normal force (N) on each geom."""
-        found = np.zeros(len(self.mechanism.geoms))
+        """Compute the normal force (N) on each geom."""
+        loads = np.zeros(len(self.mechanism.geoms))
         force = np.zeros(6)
         for i in range(self._data.ncon):
             self._mujoco.mj_contactForce(self._model, self._data, i, force)
-            found[self._find_contact_geom(i)] += force[0]
-        return found
+            loads[self._find_contact_geom(i)] += force[0]
+        return loads
 
     def _collect_plane_contacts(self, loads: Array, root: Array) -> list[PlaneContact]:
-        contacts: dict[int, list[int]] = {}
+        rows_of: dict[int, list[int]] = {}
         for i in range(self._data.ncon):
-            contacts.setdefault(self._find_contact_geom(i), []).append(i)
-        found = []
-        for geom, rows in sorted(contacts.items()):
+            rows_of.setdefault(self._find_contact_geom(i), []).append(i)
+        contacts = []
+        for geom, rows in sorted(rows_of.items()):
             places, depths = self._data.contact.pos[rows].copy(), self._data.contact.dist[rows]
             places[:, 2] += depths / 2  # from the middle between the surfaces to the geom's own
             local = (places - root[:3, 3]) @ root[:3, :3]
-            depth = max(0.0, -float(depths.min()))
-            found.append(
-                PlaneContact(geom, len(rows), local.mean(axis=0), float(local[:, 2].min()), depth, float(loads[geom]))
+            contact = PlaneContact(
+                geom=geom,
+                points=len(rows),
+                place=local.mean(axis=0),
+                lowest=float(local[:, 2].min()),
+                depth=max(0.0, -float(depths.min())),
+                load=float(loads[geom]),
             )
-        return found
+            contacts.append(contact)
+        return contacts
 
     def _find_contact_geom(self, contact: int) -> int:
         return self._geoms[int(self._data.contact.geom[contact].max())]
@@ -356,19 +382,19 @@ class Simulation:
         return [int(model.actuator(int(i)).name[1:]) for i in np.flatnonzero(full)]
 
     def _measure_joint_offsets(self) -> Array:
-        found = np.zeros(len(self.mechanism.bodies))
+        offsets = np.zeros(len(self.mechanism.bodies))
         for place, body in enumerate(self.mechanism.bodies):
             if body.joint.kind in {"hinge", "slide"}:
-                found[place] = self._data.qpos[self._find_joint_address(place)] - body.joint.start_value
-        return found
+                offsets[place] = self._data.qpos[self._find_joint_address(place)] - body.joint.start_value
+        return offsets
 
 
 def _import_mujoco() -> Any:
-    # It would look for a screen, with a program of its own, to draw on.
+    # Otherwise MuJoCo starts a program that searches for a display.
     os.environ["MUJOCO_GL"] = "disable"
     import mujoco
 
-    mujoco.set_mju_user_warning(lambda _: None)  # else it writes a file into the working directory
+    mujoco.set_mju_user_warning(lambda _: None)  # otherwise it writes a file into the working directory
     return mujoco
 
 
@@ -381,18 +407,19 @@ def _build_spec(mujoco: Any, mechanism: Mechanism, ground: float) -> Any:
     spec.option.enableflags = int(mujoco.mjtEnableBit.mjENBL_ENERGY)
     plane = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[1, 1, 1], pos=[0, 0, ground])
     plane.contype, plane.conaffinity = 1, 0
-    made = [spec.worldbody]
+    bodies = [spec.worldbody]
     for place, body in enumerate(mechanism.bodies):
         position, quaternion = _split_pose(mujoco, body.pose)
-        one = made[body.parent + 1].add_body(name=f"b{place}", pos=position, quat=quaternion)
-        one.mass, one.ipos, one.explicitinertial = body.mass, body.com, True
+        added = bodies[body.parent + 1].add_body(name=f"b{place}", pos=position, quat=quaternion)
+        added.mass, added.ipos, added.explicitinertial = body.mass, body.com, True
         i = body.inertia
-        one.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
-        _add_joints(mujoco, one, place, body, {follower.body for follower in mechanism.followers})
-        made.append(one)
-        _add_motor(mujoco, spec, place, body.joint)
+        added.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
+        is_follower = any(follower.body == place for follower in mechanism.followers)
+        _add_joints(mujoco, added, place=place, body=body, is_follower=is_follower)
+        bodies.append(added)
+        _add_motor(mujoco, spec, place=place, joint=body.joint)
     for place, geom in enumerate(mechanism.geoms):
-        _add_geom(mujoco, spec, made[geom.body + 1], place, geom)
+        _add_geom(mujoco, spec, bodies[geom.body + 1], place=place, geom=geom)
     for follower in mechanism.followers:
         equal = spec.add_equality(type=mujoco.mjtEq.mjEQ_JOINT, objtype=mujoco.mjtObj.mjOBJ_JOINT)
         equal.name1, equal.name2 = f"j{follower.body}", f"j{follower.leader}"
@@ -400,52 +427,52 @@ def _build_spec(mujoco: Any, mechanism: Mechanism, ground: float) -> Any:
     return spec
 
 
-def _add_joints(mujoco: Any, body: Any, place: int, own: RigidBody, followers: set[int]) -> None:
-    kinds, hinge = mujoco.mjtJoint, own.joint
-    if hinge.kind == "floating" and own.parent < 0:
-        body.add_freejoint(name=f"j{place}")
-    elif hinge.kind == "floating":
+def _add_joints(mujoco: Any, mj_body: Any, *, place: int, body: RigidBody, is_follower: bool) -> None:
+    kinds, joint = mujoco.mjtJoint, body.joint
+    if joint.kind == "floating" and body.parent < 0:
+        mj_body.add_freejoint(name=f"j{place}")
+    elif joint.kind == "floating":
         for axis in np.eye(3):
-            body.add_joint(type=kinds.mjJNT_SLIDE, axis=axis)
-        body.add_joint(name=f"j{place}", type=kinds.mjJNT_BALL)
-    elif hinge.kind == "planar":  # along both directions across its axis, and about it
-        first = np.cross(hinge.axis, np.eye(3)[int(np.abs(hinge.axis).argmin())])
-        for axis in (first, np.cross(hinge.axis, first)):
-            body.add_joint(type=kinds.mjJNT_SLIDE, axis=axis)
-        body.add_joint(name=f"j{place}", type=kinds.mjJNT_HINGE, axis=hinge.axis)
+            mj_body.add_joint(type=kinds.mjJNT_SLIDE, axis=axis)
+        mj_body.add_joint(name=f"j{place}", type=kinds.mjJNT_BALL)
+    elif joint.kind == "planar":  # along both directions across its axis, and about it
+        first = np.cross(joint.axis, np.eye(3)[int(np.abs(joint.axis).argmin())])
+        for axis in (first, np.cross(joint.axis, first)):
+            mj_body.add_joint(type=kinds.mjJNT_SLIDE, axis=axis)
+        mj_body.add_joint(name=f"j{place}", type=kinds.mjJNT_HINGE, axis=joint.axis)
     else:
-        kind = kinds.mjJNT_HINGE if hinge.kind == "hinge" else kinds.mjJNT_SLIDE
-        joint = body.add_joint(name=f"j{place}", type=kind, axis=hinge.axis, frictionloss=hinge.friction)
-        joint.damping = [hinge.damping, 0.0, 0.0]
-        joint.limited = int(hinge.range is not None and place not in followers)
-        joint.range = hinge.range or (0.0, 0.0)
+        kind = kinds.mjJNT_HINGE if joint.kind == "hinge" else kinds.mjJNT_SLIDE
+        mj_joint = mj_body.add_joint(name=f"j{place}", type=kind, axis=joint.axis, frictionloss=joint.friction)
+        mj_joint.damping = [joint.damping, 0.0, 0.0]
+        mj_joint.limited = int(joint.range is not None and not is_follower)
+        mj_joint.range = joint.range or (0.0, 0.0)
 
 
-def _add_motor(mujoco: Any, spec: Any, place: int, hinge: SimulatedJoint) -> None:
-    if hinge.effort is None:
+def _add_motor(mujoco: Any, spec: Any, *, place: int, joint: SimulatedJoint) -> None:
+    if joint.effort is None:
         return
     motor = spec.add_actuator(name=f"m{place}", target=f"j{place}", trntype=mujoco.mjtTrn.mjTRN_JOINT)
     motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE
-    motor.forcelimited = int(math.isfinite(hinge.effort))
-    if math.isfinite(hinge.effort):
-        motor.forcerange = [-hinge.effort, hinge.effort]
+    motor.forcelimited = int(math.isfinite(joint.effort))
+    if math.isfinite(joint.effort):
+        motor.forcerange = [-joint.effort, joint.effort]
 
 
-def _add_geom(mujoco: Any, spec: Any, body: Any, place: int, geom: Geom) -> None:
+def _add_geom(mujoco: Any, spec: Any, mj_body: Any, *, place: int, geom: Geom) -> None:
     kinds = mujoco.mjtGeom
     position, quaternion = _split_pose(mujoco, geom.pose)
-    made = body.add_geom(name=f"g{place}", pos=position, quat=quaternion, mass=0.0, contype=0, conaffinity=1)
+    mj_geom = mj_body.add_geom(name=f"g{place}", pos=position, quat=quaternion, mass=0.0, contype=0, conaffinity=1)
     if geom.points is not None:
         points, mesh = geom.points, spec.add_mesh(name=f"s{place}", inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX)
         mesh.uservert = points.ravel()
-        made.type, made.meshname = kinds.mjGEOM_MESH, f"s{place}"
+        mj_geom.type, mj_geom.meshname = kinds.mjGEOM_MESH, f"s{place}"
     elif geom.kind == "box":
-        made.type, made.size = kinds.mjGEOM_BOX, [edge / 2 for edge in geom.size]
+        mj_geom.type, mj_geom.size = kinds.mjGEOM_BOX, [edge / 2 for edge in geom.size]
     elif geom.kind == "sphere":
-        made.type, made.size = kinds.mjGEOM_SPHERE, [geom.size[0], 0.0, 0.0]
+        mj_geom.type, mj_geom.size = kinds.mjGEOM_SPHERE, [geom.size[0], 0.0, 0.0]
     else:
-        made.type = kinds.mjGEOM_CYLINDER if geom.kind == "cylinder" else kinds.mjGEOM_CAPSULE
-        made.size = [geom.size[0], geom.size[1] / 2, 0.0]
+        mj_geom.type = kinds.mjGEOM_CYLINDER if geom.kind == "cylinder" else kinds.mjGEOM_CAPSULE
+        mj_geom.size = [geom.size[0], geom.size[1] / 2, 0.0]
 
 
 def _split_pose(mujoco: Any, pose: Array) -> tuple[Array, Array]:

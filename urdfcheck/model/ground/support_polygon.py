@@ -1,4 +1,4 @@
-"""The robot set down on the ground upright, all joints at zero: where it can touch, and where its mass is."""
+"""The robot on the ground, upright, all joints at zero: where it can touch, and where its mass is."""
 
 from __future__ import annotations
 
@@ -10,49 +10,48 @@ import numpy as np
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.motion.contact import GroundSupport
-from urdfcheck.model.ground.wheels import CASTER_NAME, Wheel, collect_shape_corners, rolling_wheels
-from urdfcheck.model.parts import Link
+from urdfcheck.model.ground.wheels import CASTER_NAME, Wheel, rolling_wheels
+from urdfcheck.model.parts import GROUND_NAMES, Link
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
+from urdfcheck.model.shapes.corners import collect_shape_corners
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array, Indices
 
 
 LEG = re.compile(r"leg|foot|feet|hip|knee|ankle|thigh|calf|shank|tibia|toe", re.IGNORECASE)
-# A root of these names is the ground itself, and what is fixed to it cannot fall.
-_GROUND = frozenset({"world", "map"})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinkMass:
-    """What a link weighs: ``mass`` in kg and its ``com`` (3,) in root coordinates."""
+    """What a link weighs."""
 
     link: Link
     mass: float
+    """kg"""
     com: Array
+    """(3,), in root coordinates."""
 
 
 def is_free_standing(model: Model) -> bool:
     """Whether the robot has wheels or legs and is not fixed to the ground.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    return model.tree.root not in _GROUND and bool(
+    return model.tree.root not in GROUND_NAMES and bool(
         rolling_wheels(model) or any(LEG.search(link.name) for link in model.links)
     )
 
 
 def list_link_masses(model: Model) -> tuple[LinkMass, ...]:
-    """The links that have mass.
+    """Return the links that have mass.
 
-    :raises Unavailable: when the tree is broken, or a mass or an origin is malformed or negative.
+    :raises FactUnavailableError: when the tree is broken, or a mass or an origin is malformed or negative.
     """
-    found = []
+    masses = []
     for link in model.links:
         inertial = link.inertial
         if inertial is None:
@@ -61,22 +60,22 @@ def list_link_masses(model: Model) -> tuple[LinkMass, ...]:
         if inertial.mass is None or pose is None or inertial.mass < 0:
             raise FactUnavailableError(f"the mass or the centre of mass of link {link.name!r} is not known")
         if inertial.mass > 0:
-            found.append(LinkMass(link, inertial.mass, (model.frames[link.name] @ pose)[:3, 3]))
-    return tuple(found)
+            masses.append(LinkMass(link, inertial.mass, (model.frames[link.name] @ pose)[:3, 3]))
+    return tuple(masses)
 
 
-def collect_robot_corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Array, NDArray[np.int64]]:
-    """Points (n, 3) in root coordinates whose hull is that of the robot, and the place (n,) of each point's link in the tree's
-    order.
+def collect_robot_corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Array, Indices]:
+    """Collect points (n, 3) in root coordinates whose hull is that of the robot, and the index (n,) of each point's link in
+    the tree's order.
 
-    Collision shapes count where a link has them, what it draws otherwise; tokens do not, unless they are casters. ``wheels`` by
-    link add the two lowest points of their treads, between which the corners of a mesh may hang in the air.
+    Collision shapes count where a link has them, what it draws otherwise; dummy shapes do not, unless they are casters.
+    ``wheels`` by link add the two lowest points of their treads, between which the corners of a mesh may hang in the air.
 
-    :raises Unavailable: when the tree is broken, or a shape is not known.
+    :raises FactUnavailableError: when the tree is broken, or a shape is not known.
     """
     parts: list[Array] = []
     owners: list[int] = []
-    for place, name in enumerate(model.tree.order):
+    for index, name in enumerate(model.tree.order):
         frame = model.frames[name]
         link = model.link_by_name[name]
         shapes = [s for s in link.collisions or link.visuals if CASTER_NAME.search(name) or not is_dummy_shape(s)]
@@ -89,13 +88,14 @@ def collect_robot_corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Ar
             side = wheel.width / 2 * wheel.axis
             placed = np.concatenate((placed, [wheel.contact - side, wheel.contact + side]))
         parts.append(placed)
-        owners += [place] * len(placed)
+        owners += [index] * len(placed)
     return np.concatenate(parts), np.array(owners, dtype=np.int64)
 
 
-def compute_contact_points(
-    model: Model, points: Array, owners: NDArray[np.int64], stand: GroundSupport
-) -> dict[str, Array]:
-    """The middle (3,) of the points with which each link touches the ground, in root coordinates; arrays as of `collect_robot_corners`."""
-    places, links = points[stand.touching], owners[stand.touching]
-    return {model.tree.order[i]: places[links == i].mean(axis=0) for i in sorted(set(links.tolist()))}
+def compute_contact_points(model: Model, points: Array, owners: Indices, support: GroundSupport) -> dict[str, Array]:
+    """Compute the middle (3,) of the points with which each link touches the ground, in root coordinates.
+
+    ``points`` and ``owners`` as of `collect_robot_corners`.
+    """
+    touching, links = points[support.touching], owners[support.touching]
+    return {model.tree.order[i]: touching[links == i].mean(axis=0) for i in sorted(set(links.tolist()))}

@@ -1,10 +1,9 @@
-"""How the wheels of a robot stand on one plane, and the one of them that does not."""
+"""How the wheels of a robot touch one plane, and the one of them that does not."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,25 +11,21 @@ from urdfcheck.facts.motion.contact import compute_rocking_gaps
 from urdfcheck.model.ground.wheels import Wheel, is_suspended, rolling_wheels
 from urdfcheck.model.robot import Model
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
-
-# A wheel whose lowest point is farther from the others' than this part of a radius was not typed wrongly but stands on nothing.
+# A wheel whose lowest point is farther from the others' than this share of a radius does not stand on the ground; no typo.
 _AWAY = 0.2
-# What differs by less than this part of the gap does not make it.
+# A difference below this share of the gap does not cause it.
 _EXPLAINED = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OddWheel:
-    """The one wheel that is off: by its ``rise`` (m) its lowest point is above the others', and its radius by ``smaller`` (m)
-    below theirs, 0 where they differ among themselves."""
+    """The one wheel that is off."""
 
     wheel: Wheel
     rise: float
+    """Metres: how far its lowest point is above the others'."""
     radius_deficit: float
+    """Metres: how far its radius is below theirs; 0 where they differ among themselves."""
 
     @property
     def is_caused_by_radius(self) -> bool:
@@ -40,50 +35,52 @@ class OddWheel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UnevenWheels:
-    """Four and more ``wheels`` that do not touch one plane: whichever three the robot stands on, another hangs ``gap`` (m) in
-    the air. ``odd``: the one that is the reason, None when several are off."""
+    """Four and more wheels that do not touch one plane."""
 
     wheels: Sequence[Wheel]
     gap: float
+    """Metres: whichever three wheels the robot stands on, another hangs this far in the air."""
     odd_wheel: OddWheel | None
+    """The wheel that is the reason; None when several are off."""
 
 
 def find_uneven_wheels(model: Model, *, rel_tol: float, abs_tol: float) -> UnevenWheels | None:
-    """The wheels that rock by more than ``spread`` (parts of the least radius) and ``least`` (m); None when they do not, or one
-    of them is suspended.
+    """Find the wheels that rock by more than ``rel_tol`` (of the least radius) and ``abs_tol`` (m).
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    None when they do not, or one of them is suspended.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    found = rolling_wheels(model)
-    if len(found) < 4 or any(is_suspended(model, wheel.joint.child) for wheel in found):
+    wheels = rolling_wheels(model)
+    if len(wheels) < 4 or any(is_suspended(model, wheel.joint.child) for wheel in wheels):
         return None
-    found = _select_grounded_wheels(found)
-    if len(found) < 4:
+    wheels = _select_grounded_wheels(wheels)
+    if len(wheels) < 4:
         return None
-    gaps = compute_rocking_gaps(np.array([wheel.contact for wheel in found]))
-    if gaps is None or gaps.max() <= max(rel_tol * min(wheel.radius for wheel in found), abs_tol):
+    gaps = compute_rocking_gaps(np.array([wheel.contact for wheel in wheels]))
+    if gaps is None or gaps.max() <= max(rel_tol * min(wheel.radius for wheel in wheels), abs_tol):
         return None
     gap = float(gaps.max())
-    return UnevenWheels(found, gap, _find_odd_wheel(found, gap))
+    return UnevenWheels(wheels, gap, _find_odd_wheel(wheels, gap))
 
 
-def _select_grounded_wheels(found: Sequence[Wheel]) -> tuple[Wheel, ...]:
-    """The wheels without those that stand on nothing: two or more whose lowest points are elsewhere, or one of another size."""
-    usual = float(np.median([wheel.radius for wheel in found]))
-    ground = float(np.median([wheel.contact[2] for wheel in found]))
-    away = [wheel for wheel in found if abs(wheel.contact[2] - ground) > _AWAY * usual]
+def _select_grounded_wheels(wheels: Sequence[Wheel]) -> tuple[Wheel, ...]:
+    """Drop the wheels that do not stand on the ground: two or more whose lowest points are elsewhere, or one of another size."""
+    usual = float(np.median([wheel.radius for wheel in wheels]))
+    ground = float(np.median([wheel.contact[2] for wheel in wheels]))
+    away = [wheel for wheel in wheels if abs(wheel.contact[2] - ground) > _AWAY * usual]
     alike = len(away) == 1 and abs(away[0].radius - usual) < _AWAY * usual
-    return tuple(wheel for wheel in found if alike or wheel not in away)
+    return tuple(wheel for wheel in wheels if alike or wheel not in away)
 
 
-def _find_odd_wheel(found: Sequence[Wheel], gap: float) -> OddWheel | None:
-    """The only wheel whose lowest point is at another height than those of all others; None when several are off."""
-    heights = np.array([wheel.contact[2] for wheel in found])
+def _find_odd_wheel(wheels: Sequence[Wheel], gap: float) -> OddWheel | None:
+    """Find the only wheel whose lowest point is at another height than those of all others; None when several are off."""
+    heights = np.array([wheel.contact[2] for wheel in wheels])
     usual = float(np.median(heights))
     off = np.flatnonzero(np.abs(heights - usual) > _EXPLAINED * gap)
     if len(off) != 1:
         return None
-    wheel = found[int(off[0])]
-    radii = [other.radius for other in found if other is not wheel]
+    wheel = wheels[int(off[0])]
+    radii = [other.radius for other in wheels if other is not wheel]
     smaller = max(radii) - wheel.radius if max(radii) - min(radii) < _EXPLAINED * gap else 0.0
     return OddWheel(wheel, float(heights[off[0]]) - usual, smaller)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,35 +12,38 @@ import numpy as np
 
 from urdfcheck.facts.likeness.revolution import measure_outline
 from urdfcheck.model.fact import fact
-from urdfcheck.model.parts import Joint, Link, Shape
+from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.visual_solid import compute_shape_corners
+from urdfcheck.model.shapes.corners import collect_shape_corners, compute_shape_corners
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
-# A wheel's axis is level to within its camber, and parallel axes are parallel to within its toe: 6°.
+# A wheel's axis is level to within its camber, and parallel to another to within its toe: 6°.
 LEVEL = 0.1
 WHEEL_NAME = re.compile(r"wheel|tyre|tire", re.IGNORECASE)
 CASTER_NAME = re.compile(r"cast[eo]r", re.IGNORECASE)
-# Wheels that turn freely or in another sense, or do not stand on the ground.
+# Wheels that turn freely, or are not wheels of a vehicle, or do not touch the ground.
 NOT_DRIVEN_NAME = re.compile(r"caster|castor|roller|steer|swivel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
 _NOT_WHEEL_NAME = re.compile(r"roller|steering_?wheel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Wheel:
-    """``centre`` (3,), in the middle of the wheel's width, and unit ``axis`` (3,) in root coordinates; ``radius`` in m, the
-    farthest point from the axis, and ``width``; ``bottom``: height of the lowest drawn point in root coordinates."""
+    """A wheel that can stand on the ground; vectors in root coordinates."""
 
     joint: Joint
     centre: Array
+    """(3,), in the middle of the wheel's width."""
     axis: Array
+    """Unit vector (3,)."""
     radius: float
+    """Metres: the farthest point from the axis."""
     width: float
+    """Metres."""
     bottom: float
+    """The height of the lowest drawn point."""
 
     @property
     def contact(self) -> Array:
@@ -52,18 +55,19 @@ class Wheel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DrivenWheel:
-    """A wheel of which only the ``joint`` and its unit ``axis`` (3,) in root coordinates matter."""
+    """A wheel of which only joint and axis matter."""
 
     joint: Joint
     axis: Array
+    """Unit vector (3,) in root coordinates."""
 
 
 def find_driven_wheels(model: Model) -> tuple[DrivenWheel, ...]:
-    """The wheels on which the robot stands and that no joint steers, when all joints are at zero and z is up.
+    """Find the wheels on which the robot stands and that no joint steers, when all joints are at zero and z is up.
 
-    One whose shapes are not known is taken for a wheel when it is called one.
+    A link whose shapes are not known counts as a wheel when its name says so.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     known = rolling_wheels(model)
     driven = [
@@ -78,23 +82,23 @@ def find_driven_wheels(model: Model) -> tuple[DrivenWheel, ...]:
 
 @fact
 def rolling_wheels(model: Model) -> tuple[Wheel, ...]:
-    """All wheels that can stand on the ground, driven, steered or free.
+    """Find all wheels that can stand on the ground, driven, steered or free.
 
-    A wheel is the child of a continuous joint with a level axis, drawn round about it; it is called one or a caster, or is as
-    low as anything of the robot.
+    A wheel is the child of a continuous joint with a level axis, drawn round about it; its name says wheel or caster, or it
+    reaches as low as anything of the robot.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    found = [wheel for joint in model.joints if (wheel := _measure_wheel(model, joint)) is not None]
+    wheels = [wheel for joint in model.joints if (wheel := _measure_wheel(model, joint)) is not None]
     named = [
-        w
-        for w in found
-        if WHEEL_NAME.search(_join_joint_names(w.joint)) or CASTER_NAME.search(_join_joint_names(w.joint))
+        wheel
+        for wheel in wheels
+        if WHEEL_NAME.search(_join_joint_names(wheel.joint)) or CASTER_NAME.search(_join_joint_names(wheel.joint))
     ]
-    if len(named) == len(found):
+    if len(named) == len(wheels):
         return tuple(named)
     ground = min(_find_lowest_z(model, link) for link in model.links)
-    return tuple(w for w in found if w in named or w.bottom - ground < 0.1 * w.radius)
+    return tuple(wheel for wheel in wheels if wheel in named or wheel.bottom - ground < 0.1 * wheel.radius)
 
 
 def is_suspended(model: Model, link: str) -> bool:
@@ -102,15 +106,6 @@ def is_suspended(model: Model, link: str) -> bool:
     before = [joint for joint in model.tree.find_path_to(link)[:-1] if joint.is_movable]
     axes = [model.axes.get(joint.name) if joint.type in {"revolute", "continuous"} else None for joint in before]
     return any(axis is None or abs(float(axis[2])) < 1 - LEVEL for axis in axes)
-
-
-def collect_shape_corners(model: Model, shapes: Iterable[Shape]) -> Array | None:
-    """Points (n, 3) on these shapes, in their link's frame, whose hull is theirs; None when one of them is not known."""
-    parts = [compute_shape_corners(model, shape, circumscribed=False) for shape in shapes]
-    known = [part for part in parts if part is not None]
-    if len(known) != len(parts):
-        return None
-    return np.concatenate(known) if known else np.zeros((0, 3))
 
 
 def _measure_wheel(model: Model, joint: Joint) -> Wheel | None:
@@ -124,15 +119,22 @@ def _measure_wheel(model: Model, joint: Joint) -> Wheel | None:
         return None
     link = model.link_by_name[joint.child]
     frame = model.frames[link.name]
-    # What collides with the ground, where that is round: some collide as boxes.
+    # The collision shapes, where they are round: some wheels collide as boxes.
     for shapes in (link.collisions, link.visuals):
         points = collect_shape_corners(model, shapes)
         if points is None or not len(points):
             continue
         placed = points @ frame[:3, :3].T + frame[:3, 3]
-        seen = measure_outline(placed, axis, frame[:3, 3])
-        if seen.is_round() and seen.width <= 4 * seen.radius:
-            return Wheel(joint, seen.centre, axis, seen.radius, seen.width, float(placed[:, 2].min()))
+        outline = measure_outline(placed, axis, frame[:3, 3])
+        if outline.is_round() and outline.width <= 4 * outline.radius:
+            return Wheel(
+                joint=joint,
+                centre=outline.centre,
+                axis=axis,
+                radius=outline.radius,
+                width=outline.width,
+                bottom=float(placed[:, 2].min()),
+            )
     return None
 
 
@@ -159,7 +161,7 @@ def _is_steered(model: Model, joint: Joint, axis: Array) -> bool:
         other for other in model.tree.find_path_to(joint.child)[:-1] if other.is_movable and other.type != "prismatic"
     ]
     axes = [model.axes.get(other.name) for other in before]
-    return any(own is None or abs(float(own @ axis)) < 1 - LEVEL for own in axes)
+    return any(other is None or abs(float(other @ axis)) < 1 - LEVEL for other in axes)
 
 
 def _join_joint_names(joint: Joint) -> str:

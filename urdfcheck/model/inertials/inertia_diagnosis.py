@@ -1,4 +1,4 @@
-"""What is wrong with the inertial of each link, judged by what it draws and by the links that are its mirror image or like it."""
+"""What is wrong with the inertial of each link, judged by what it draws and by the links that mirror or copy it."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
-from urdfcheck.facts.inertials.diagnosis import EXACT, DeclaredInertial, Diagnosis, VisualGeometry, diagnose_inertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
+from urdfcheck.facts.inertials.diagnosis import EXACT, Diagnosis, diagnose_inertial
 from urdfcheck.model.fact import fact
-from urdfcheck.model.likeness import identical_parts as copies
-from urdfcheck.model.likeness.mirror_pairs import estimate_from_twin, mirror_pairs, read_declared_inertial
+from urdfcheck.model.likeness.declared_inertials import estimate_from_twin, read_declared_inertial
+from urdfcheck.model.likeness.identical_parts import estimate_from_copies
+from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.parts import Joint, Link, Pose
 from urdfcheck.model.robot import Model
@@ -26,59 +28,63 @@ from urdfcheck.model.shapes.visual_solid import (
     merge_geometry,
     split_visual_bodies,
 )
-from urdfcheck.system.array_cache import version_of
+from urdfcheck.system.array_cache import compute_code_version
 
 if TYPE_CHECKING:
     from urdfcheck.system.array_cache import Arrays
 
-# What a verdict depends on beside the numbers and the drawing.
+# The modules and packages that decide a verdict, besides the numbers and the drawing.
 _CODE_MODULES = (
     "urdfcheck.facts.inertials",
-    "urdfcheck.facts.likeness.mirror",
+    "urdfcheck.facts.likeness",
     "urdfcheck.facts.motion.kinematics",
+    "urdfcheck.model.ground.wheels",
     "urdfcheck.model.inertials.inertia_diagnosis",
-    "urdfcheck.model.likeness.identical_parts",
-    "urdfcheck.model.likeness.mirror_pairs",
+    "urdfcheck.model.likeness",
     "urdfcheck.model.parts",
     "urdfcheck.model.shapes",
     *MEASURING_MODULES,
 )
 
-# A COM that is so near the mesh's, in radii of gyration, is that of a part of uniform density.
+# A COM this near the mesh's, in radii of gyration, is that of a part of uniform density.
 _NEAR_COM = 0.05
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InertialReference:
-    """What other links say that the numbers of one should be, in its frame; ``trusted`` where several agree."""
+    """What other links say that the numbers of one should be."""
 
     numbers: DeclaredInertial
+    """In the link's frame."""
     links: tuple[str, ...]
+    """The names of the links that say so."""
     trusted: bool
+    """Whether several agree."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DiagnosedInertial:
-    """A link's inertial as declared, what is wrong with it, and the links (by name) whose inertials say so, if any."""
+    """A link's inertial as declared, and what is wrong with it."""
 
     declared: DeclaredInertial
     diagnosis: Diagnosis
     twins: tuple[str, ...]
+    """The links (by name) whose inertials say so, if any."""
 
 
 @fact
 def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
-    """The verdict on every link that has a mass and a tensor, and draws something or has a twin, by name.
+    """Diagnose every link that has a mass and a tensor, and draws something or has a twin; by name.
 
-    A link whose numbers and drawing are those of an earlier run is not judged again.
+    A link whose numbers and drawing are those of an earlier run is not diagnosed again.
     """
     numbers = {name: d for name, link in model.link_by_name.items() if (d := read_declared_inertial(link)) is not None}
-    named = f"{model.source.path}\0{model.name}\0{version_of(*_CODE_MODULES)}"
-    here = hashlib.sha256(named.encode(errors="surrogatepass")).hexdigest()  # a file name may be no text
-    entry = model.cache.entry("diagnosis", here)
+    text = f"{model.source.path}\0{model.name}\0{compute_code_version(*_CODE_MODULES)}"
+    key = hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()  # a file name may not be valid text
+    entry = model.cache.entry("diagnosis", key)
     known = _read_entry(entry)
-    others = [*(f"{name} {_format_numbers(own)}" for name, own in numbers.items()), *map(_format_joint, model.joints)]
-    whole = _hash_drawing(model, model.links, others)
+    others = [f"{name} {_format_numbers(declared)}" for name, declared in numbers.items()]
+    whole = _hash_drawing(model, model.links, [*others, *map(_format_joint, model.joints)])
     if known["whole"] != whole:
         known = {"whole": whole, **_diagnose_all(model, numbers, known["verdicts"])}
         _write_entry(entry, known)
@@ -89,80 +95,87 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
 
 
 def _diagnose_all(model: Model, numbers: Mapping[str, DeclaredInertial], known: Mapping[str, Any]) -> dict[str, Any]:
-    """``links``: name to the key of its verdict and its twins; ``verdicts`` by key, from ``known`` where it is there."""
+    """Return ``links``, name to the key of its verdict and its twins, and ``verdicts`` by key, from ``known`` where possible."""
     links: dict[str, Any] = {}
     verdicts: dict[str, Any] = {}
-    witnesses = _collect_references(model)
-    for name, own in numbers.items():
-        link, witness = model.link_by_name[name], witnesses.get(name)
-        if witness is None and not has_drawn_shape(link):
+    references = _collect_references(model)
+    for name, declared in numbers.items():
+        link, reference = model.link_by_name[name], references.get(name)
+        if reference is None and not has_drawn_shape(link):
             continue
-        key = _compute_cache_key(model, link, own, witness)
+        key = _compute_cache_key(model, link, declared=declared, reference=reference)
         if key in known:
             verdicts[key] = known[key]
         else:
-            verdict = _diagnose_link(model, link, own, witness)
-            if verdict is None:
+            diagnosis = _diagnose_link(model, link, declared=declared, reference=reference)
+            if diagnosis is None:
                 continue
-            verdicts[key] = _encode_diagnosis(verdict)
-        links[name] = key, () if witness is None else witness.links
+            verdicts[key] = _encode_diagnosis(diagnosis)
+        links[name] = key, () if reference is None else reference.links
     return {"links": links, "verdicts": verdicts}
 
 
 def _diagnose_link(
-    model: Model, link: Link, own: DeclaredInertial, witness: InertialReference | None
+    model: Model, link: Link, *, declared: DeclaredInertial, reference: InertialReference | None
 ) -> Diagnosis | None:
-    """None where nothing can be said: what is drawn is not known, or it is known in two ways that lead to different causes."""
-    twin, trusted = (None, False) if witness is None else (witness.numbers, witness.trusted)
-    found: list[Diagnosis] = []
+    """Diagnose one link.
+
+    None where what is drawn is not known, or where two ways to read it lead to different causes.
+    """
+    twin, trusted = (None, False) if reference is None else (reference.numbers, reference.trusted)
+    diagnoses: list[Diagnosis] = []
     for reading in _list_geometry_readings(model, link):
-        told = diagnose_inertial(own, reading, twin, trusted=trusted)
-        found += [] if told is None else [told]
-        if told is not None and told.sound:
+        diagnosis = diagnose_inertial(declared, reading, twin, trusted=trusted)
+        diagnoses += [] if diagnosis is None else [diagnosis]
+        if diagnosis is not None and diagnosis.sound:
             break
     drawn = measure_link_geometry(model, link)
     if drawn is None:
-        return diagnose_inertial(own, None, twin, trusted=trusted)
-    if not found or (not found[-1].sound and len({d.cause for d in found}) > 1):
+        return diagnose_inertial(declared, None, twin, trusted=trusted)
+    if not diagnoses or (not diagnoses[-1].sound and len({d.cause for d in diagnoses}) > 1):
         return None
-    first = found[-1] if found[-1].sound else found[0]
+    best = diagnoses[-1] if diagnoses[-1].sound else diagnoses[0]
     # Whether the tensors of an assembly's parts were added shows only when its mesh is taken apart.
-    explained = first.sound if first.com_mismatch > _NEAR_COM else first.tensor_mismatch < EXACT
-    parts = () if explained or (first.cause is not None and first.unique) else split_visual_bodies(model, link)
-    apart = diagnose_inertial(own, replace(drawn, pieces=parts), twin, trusted=trusted) if len(parts) > 1 else None
-    return apart if apart is not None and apart.cause is not None else first
+    explained = best.sound if best.com_mismatch > _NEAR_COM else best.tensor_mismatch < EXACT
+    if explained or (best.cause is not None and best.unique):
+        return best
+    parts = split_visual_bodies(model, link)
+    if len(parts) < 2:
+        return best
+    taken_apart = diagnose_inertial(declared, replace(drawn, pieces=parts), twin, trusted=trusted)
+    return taken_apart if taken_apart is not None and taken_apart.cause is not None else best
 
 
 def _list_geometry_readings(model: Model, link: Link) -> Iterator[VisualGeometry]:
-    """What a link may be meant to draw: its own shapes, without COLLADA's ``<unit>`` and with its ``<up_axis>`` where that
-    matters, and together with those of links that are fixed to it and have no mass of their own, such as covers."""
-    own = measure_link_geometry(model, link)
-    if own is None:
+    """Yield what a link may be meant to draw.
+
+    Its own shapes, without COLLADA's ``<unit>`` and with its ``<up_axis>`` where that matters, and together with those of links
+    that are fixed to it and have no mass of their own, such as covers.
+    """
+    as_drawn = measure_link_geometry(model, link)
+    if as_drawn is None:
         return
-    yield own
-    if (
-        has_unit_ambiguity(model, [link.name])
-        and (other := measure_link_geometry(model, link, apply_unit=False)) is not None
-    ):
-        yield other
-    if (
-        has_up_axis_ambiguity(model, [link.name])
-        and (stood := measure_link_geometry(model, link, apply_up_axis=True)) is not None
-    ):
-        yield stood
+    yield as_drawn
+    if has_unit_ambiguity(model, [link.name]):
+        unscaled = measure_link_geometry(model, link, apply_unit=False)
+        if unscaled is not None:
+            yield unscaled
+    if has_up_axis_ambiguity(model, [link.name]):
+        upright = measure_link_geometry(model, link, apply_up_axis=True)
+        if upright is not None:
+            yield upright
     covers = _list_massless_covers(model, link)
-    if covers and (whole := merge_geometry(model, link, covers)) is not None:
-        yield whole
+    if covers and (with_covers := merge_geometry(model, link, covers)) is not None:
+        yield with_covers
 
 
 def _list_massless_covers(model: Model, link: Link) -> list[Link]:
-    """The links that are fixed to one, have no inertial of their own, and draw something. None where it is not known where they
-    are."""
+    """Return the links that are fixed to one, have no inertial, and draw something; none where their placement is not known."""
     try:
         tree, _ = model.tree, model.frames
     except FactUnavailableError:
         return []
-    found = []
+    covers = []
     queue = [link.name]
     while queue:
         for joint in tree.child_joints[queue.pop()]:
@@ -170,38 +183,46 @@ def _list_massless_covers(model: Model, link: Link) -> list[Link]:
             if joint.type == "fixed" and child.inertial is None:
                 queue.append(child.name)
                 if has_drawn_shape(child):
-                    found.append(child)
-    return found
+                    covers.append(child)
+    return covers
 
 
 def _collect_references(model: Model) -> dict[str, InertialReference]:
-    """What other links say that one's numbers should be, by name: those that draw the same part, else that on the other side."""
+    """Return what other links say that one's numbers should be, by name.
+
+    The others are those that draw the same part, else that on the other side.
+    """
     try:
-        known = mirror_pairs(model)
-        copied = copies.estimate_from_copies(model, excluded={frozenset((pair.one, pair.other)) for pair in known})
+        pairs = mirror_pairs(model)
+        copied = estimate_from_copies(model, excluded={frozenset((pair.one, pair.other)) for pair in pairs})
     except FactUnavailableError:
         return {}
-    found = {
-        name: InertialReference(told.expected, tuple(link.name for link in told.by), len(told.by) > 1)
-        for name, told in copied.items()
+    references = {
+        name: InertialReference(copy.expected, tuple(link.name for link in copy.by), trusted=len(copy.by) > 1)
+        for name, copy in copied.items()
     }
-    for pair in known:
+    for pair in pairs:
         for name, other in ((pair.one, pair.other), (pair.other, pair.one)):
-            if name not in found and (twin := estimate_from_twin(model, model.link_by_name[name], [pair])) is not None:
-                found[name] = InertialReference(twin, (other,), trusted=False)
-    return found
+            if name in references:
+                continue
+            twin = estimate_from_twin(model, model.link_by_name[name], [pair])
+            if twin is not None:
+                references[name] = InertialReference(twin, (other,), trusted=False)
+    return references
 
 
-def _compute_cache_key(model: Model, link: Link, own: DeclaredInertial, witness: InertialReference | None) -> str:
-    """What the verdict on a link depends on."""
+def _compute_cache_key(
+    model: Model, link: Link, *, declared: DeclaredInertial, reference: InertialReference | None
+) -> str:
+    """Return a digest of what the verdict on a link depends on."""
     covers = _list_massless_covers(model, link)
     places = [repr((np.linalg.inv(model.frames[link.name]) @ model.frames[one.name]).tolist()) for one in covers]
-    told = () if witness is None else (_format_numbers(witness.numbers), str(witness.trusted))
-    return _hash_drawing(model, [link, *covers], [*places, _format_numbers(own), *told])
+    expected = () if reference is None else (_format_numbers(reference.numbers), str(reference.trusted))
+    return _hash_drawing(model, [link, *covers], [*places, _format_numbers(declared), *expected])
 
 
 def _hash_drawing(model: Model, links: Iterable[Link], others: Iterable[str]) -> str:
-    """Of what some links draw, and of ``others``."""
+    """Return a digest of what some links draw, and of ``others``."""
     parts = list(others)
     for link in links:
         parts.append("link")
@@ -231,7 +252,7 @@ def _format_numbers(numbers: DeclaredInertial) -> str:
 
 
 def _read_entry(entry: MutableMapping[str, Arrays]) -> dict[str, Any]:
-    """What is known; nothing where that is damaged."""
+    """Return what is known; nothing where that is damaged."""
     try:
         known = json.loads(entry["links"]["text"].tobytes())
         return {"whole": known["whole"], "links": dict(known["links"]), "verdicts": dict(known["verdicts"])}
@@ -244,16 +265,17 @@ def _write_entry(entry: MutableMapping[str, Arrays], known: Mapping[str, Any]) -
 
 
 def _encode_diagnosis(diagnosis: Diagnosis) -> dict[str, Any]:
-    """A diagnosis as plain values."""
-    found = {name: getattr(diagnosis, name) for name in Diagnosis.__slots__}
+    """Return a diagnosis as plain values."""
+    plain = {name: getattr(diagnosis, name) for name in Diagnosis.__slots__}
     mended = diagnosis.mended
     if mended is not None:
-        found["mended"] = [mended.mass, mended.com.tolist(), mended.tensor.tolist(), mended.rotation.tolist()]
-    return found
+        plain["mended"] = [mended.mass, mended.com.tolist(), mended.tensor.tolist(), mended.rotation.tolist()]
+    return plain
 
 
 def _decode_diagnosis(plain: Mapping[str, Any]) -> Diagnosis:
     mended = plain["mended"]
     if mended is not None:
-        mended = DeclaredInertial(mended[0], *(np.array(part) for part in mended[1:]))
+        mass, com, tensor, rotation = mended
+        mended = DeclaredInertial(mass=mass, com=np.array(com), tensor=np.array(tensor), rotation=np.array(rotation))
     return Diagnosis(**{**plain, "mended": mended, "ruled_out": tuple(plain["ruled_out"])})

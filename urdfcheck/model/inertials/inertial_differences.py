@@ -8,26 +8,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import Located
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import list_inertia_components
 from urdfcheck.facts.likeness.mirror import InertialDeviation, find_wrong_signs
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from urdfcheck.facts.arrays import Array
 
 
 def describe_differences(
     actual: DeclaredInertial, expected: DeclaredInertial, deviation: InertialDeviation, threshold: float
 ) -> Iterator[str]:
-    """What differs by more than the share ``note``: the mass, the COM, the signs of products, or the principal moments."""
+    """Yield what differs by more than ``threshold``: the mass, the COM, the signs of products, or the principal moments."""
     if deviation.mass > threshold:
         yield f"mass {actual.mass:.4g} kg instead of {expected.mass:.4g} kg (× {actual.mass / expected.mass:.4g})"
     if deviation.com_offset > threshold:
         distance = float(np.linalg.norm(actual.com - expected.com))
-        yield f"centre of mass {_format_millimetres(actual.com)} instead of {_format_millimetres(expected.com)}, {distance * 1e3:.3g} mm away"
+        declared_com, expected_com = _format_millimetres(actual.com), _format_millimetres(expected.com)
+        yield f"centre of mass {declared_com} instead of {expected_com}, {distance * 1e3:.3g} mm away"
     if deviation.spread > threshold:
         signs = [name for name in find_wrong_signs(actual, expected, threshold) if name in TENSOR_NAMES]
         for name, one, other in zip(
@@ -45,7 +44,7 @@ def describe_differences(
 
 
 def locate_difference(inertial: Inertial, deviation: InertialDeviation, threshold: float) -> Located:
-    """The narrowest text that holds what differs."""
+    """Return the narrowest text that holds what differs."""
     places: tuple[tuple[Located | None, float], ...] = (
         (inertial.mass_attribute, deviation.mass),
         (inertial.origin.get_attribute("xyz"), deviation.com_offset),

@@ -1,4 +1,4 @@
-"""Inertials with all that is drawn round them, by the link itself and by those that are fixed to it."""
+"""Inertials with all geometry around them, of the link itself and of those that are fixed to it."""
 
 from __future__ import annotations
 
@@ -13,41 +13,40 @@ from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_rigid_bodies
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.visual_solid import (
-    collect_body_corners,
-    has_drawn_shape,
-    has_unit_ambiguity,
-    has_up_axis_ambiguity,
-)
+from urdfcheck.model.shapes.corners import collect_body_corners
+from urdfcheck.model.shapes.visual_solid import has_drawn_shape, has_unit_ambiguity, has_up_axis_ambiguity
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
-# A link lighter than this that draws nothing is a frame: its mass is there for a program that wants one.
+# A link lighter than this (kg) that draws nothing is a frame: its mass is there for a program that wants one.
 FRAME_MASS = 1e-3
-# Below this part of its body's mass or moments a link decides nothing about how the body moves.
+# Below this share of its body's mass or moments a link does not affect how the body moves.
 NEGLIGIBLE_SHARE = 0.05
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class EnclosedInertial:
-    """An inertial and what is drawn round it. ``com`` (3,) and ``covariance`` (3, 3) in the axes of the root link (m, m²);
-    ``readings``: the corners (K, 3) of all that the link and the links fixed to it draw or collide with, likewise: as RViz
-    draws it, and without COLLADA's ``<unit>`` and with its ``<up_axis>`` where that makes a difference. ``alone``: no other
-    link is fixed to this one. ``mass_share`` and ``moment_share``: what the link has of its body's mass and largest
-    principal moment."""
+    """An inertial and all geometry around it; vectors in the axes of the root link."""
 
     link: Link
     inertial: Inertial
     mass: float
     com: Array
+    """(3,), metres."""
     covariance: Array
+    """(3, 3), m²."""
     readings: tuple[Array, ...]
+    """The corners (K, 3) of all that the link and the links fixed to it draw or collide with: as RViz draws it, and without
+    COLLADA's ``<unit>`` and with its ``<up_axis>`` where that makes a difference.
+    """
     is_single_link: bool
+    """Whether no other link is fixed to this one."""
     mass_share: float
+    """The link's share of its body's mass."""
     moment_share: float
+    """The link's share of its body's largest principal moment."""
 
     @property
     def geometry_phrase(self) -> str:
@@ -78,15 +77,27 @@ def _generate_enclosed_inertials(model: Model) -> Iterator[EnclosedInertial]:
             if is_massless_frame(link):
                 continue
             pose = inertial.origin.matrix
-            assert pose is not None
+            if pose is None:
+                continue
             turn = frame[:3, :3]
             com = turn @ pose[:3, 3] + frame[:3, 3]
             covariance = turn @ compute_mass_covariance(inertial.tensor_in_link, inertial.mass) @ turn.T
-            alone = len(body.links) == 1
-            yield EnclosedInertial(link, inertial, inertial.mass, com, covariance, readings, alone, *shares[name])
+            mass_share, moment_share = shares[name]
+            yield EnclosedInertial(
+                link=link,
+                inertial=inertial,
+                mass=inertial.mass,
+                com=com,
+                covariance=covariance,
+                readings=readings,
+                is_single_link=len(body.links) == 1,
+                mass_share=mass_share,
+                moment_share=moment_share,
+            )
 
 
 def _list_corner_readings(model: Model, links: tuple[str, ...]) -> Iterator[Array]:
+    """Yield the corners (K, 3) of some links in each way that programs read COLLADA's unit and up axis."""
     for unit in (True, False) if has_unit_ambiguity(model, links) else (True,):
         for upright in (False, True) if has_up_axis_ambiguity(model, links) else (False,):
             points = collect_body_corners(model, links, apply_unit=unit, apply_up_axis=upright)
@@ -101,10 +112,12 @@ def is_massless_frame(link: Link) -> bool:
 
 
 def compute_body_shares(model: Model, links: tuple[str, ...]) -> dict[str, tuple[float, float]]:
-    """What each of the ``links`` of a body with a positive mass and a tensor has of the body's mass and of its largest principal
-    moment, which may be more than all of it where others are negative; all of it where that of the body is not known.
+    """Compute the share that each link of a body with a positive mass and a tensor has of the body's mass and largest
+    moment.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    More than 1 is possible where other shares are negative; 1 where the values of the body are not known.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     known = {}
     for name in links:
@@ -120,4 +133,4 @@ def compute_body_shares(model: Model, links: tuple[str, ...]) -> dict[str, tuple
     if len(known) == 1 or not mass or tensor is None:
         return dict.fromkeys(known, (1.0, 1.0))
     largest = max(float(np.linalg.eigvalsh(tensor)[-1]), 1e-300)
-    return {name: (own / mass, moment / largest) for name, (own, moment) in known.items()}
+    return {name: (link_mass / mass, moment / largest) for name, (link_mass, moment) in known.items()}

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial, diagnose_inertial, measure_inertial_mismatch
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, list_inertia_components
+from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
@@ -19,67 +21,72 @@ from urdfcheck.facts.likeness.mirror import (
     measure_deviation,
     measure_principal_deviation,
 )
+from urdfcheck.model.likeness.declared_inertials import copy_inertial, mirror_inertial, read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import (
     MirrorPair,
-    copy_inertial,
-    mirror_inertial,
+    list_alike_links_elsewhere,
     mirror_pairs,
-    read_declared_inertial,
 )
+from urdfcheck.model.likeness.shape_comparison import DIFFERENT
 from urdfcheck.model.parts import TENSOR_NAMES, Link
 from urdfcheck.model.repairs.edits import AttributeChange
 from urdfcheck.model.rigid_bodies import is_point_mass
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.shape_signature import DIFFERENT
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
-# Causes that only the drawings of both sides together tell.
+# Causes that only the drawings of both sides together reveal.
 CONTRADICTIONS = frozenset({"copied", "mirrored"})
-# A mirror turns over two of them, and no part has all three in another sign than its image.
+# A mirror changes the signs of two of them; no part differs from its image in all three.
 PRODUCTS = ("ixy", "ixz", "iyz")
 # Numbers that were copied agree to within what rounding to three digits leaves.
 COPIED = 0.005
-# What the mesh says of one side is not outweighed by a COM or a tensor that fits it worse by so much.
+# The mesh of one side decides unless the twin's COM or tensor fits it worse by this much.
 WORSE_FIT = 0.1
-# So many like parts elsewhere that agree with one side, and none with the other, say which one is wrong.
+# This many like parts elsewhere that agree with one side, and none with the other, decide which one is wrong.
 VOTES = 2
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class PairSide:
-    """A link of a pair: what its inertial says, and what it should say if its ``twin`` is right: ``expected``, ``apart`` from
-    what it says. ``image``: the twin's inertial mirrored; ``refused``: copies of it that the drawings do not allow."""
+    """A link of a pair: what its inertial says, and what it should say if its twin is right."""
 
     link: Link
     twin: Link
     actual: DeclaredInertial
     expected: DeclaredInertial
+    """Of mirror image and copies of the twin's inertial that the drawings allow, that which is nearest to ``actual``."""
     image: DeclaredInertial
+    """The twin's inertial mirrored."""
     disallowed: tuple[DeclaredInertial, ...]
+    """Copies of the twin's inertial that the drawings do not allow."""
 
     @property
     def deviation(self) -> InertialDeviation:
+        """How far ``actual`` is from ``expected``."""
         return measure_deviation(self.actual, self.expected)
 
 
 def compare_sides(model: Model, pair: MirrorPair) -> tuple[PairSide, PairSide] | None:
-    """Both sides of a pair whose drawings are related; None when they are not, or an inertial is not to be compared."""
+    """Compare both sides of a pair whose drawings are related; None when they are not, or an inertial is not comparable."""
     one, other = (model.link_by_name[name] for name in (pair.one, pair.other))
     first, second = get_comparable_inertial(one), get_comparable_inertial(other)
     if first is None or second is None or pair.drawn_as not in {"mirrored", "both", "copied"}:
         return None
-    return _make_side(pair, one, other, first, second, back=True), _make_side(
-        pair, other, one, second, first, back=False
+    return (
+        _make_side(pair, link=one, twin=other, actual=first, twin_numbers=second, inverse=True),
+        _make_side(pair, link=other, twin=one, actual=second, twin_numbers=first, inverse=False),
     )
 
 
 def get_comparable_inertial(link: Link) -> DeclaredInertial | None:
-    """An inertial that a body can have and that somebody computed: what is not is told by the rules about one link."""
+    """Return an inertial that a body can have and that somebody computed; None for any other.
+
+    The rules about one link report what is not.
+    """
     inertial, numbers = link.inertial, read_declared_inertial(link)
     if inertial is None or inertial.inertia_components is None or numbers is None or is_point_mass(inertial):
         return None
@@ -89,27 +96,41 @@ def get_comparable_inertial(link: Link) -> DeclaredInertial | None:
 
 
 def _make_side(
-    pair: MirrorPair, link: Link, twin: Link, found: DeclaredInertial, numbers: DeclaredInertial, *, back: bool
+    pair: MirrorPair,
+    *,
+    link: Link,
+    twin: Link,
+    actual: DeclaredInertial,
+    twin_numbers: DeclaredInertial,
+    inverse: bool,
 ) -> PairSide:
-    """``expected``: of what the drawings allow, mirror image and copies, that which is nearest to what the link has."""
-    image = mirror_inertial(numbers, pair, inverse=back)
-    copies = [(copy_inertial(numbers, copy, inverse=back), copy.mismatch < DIFFERENT) for copy in pair.copy_transforms]
-    allowed, refused = ([made for made, allowed in copies if allowed is which] for which in (True, False))
+    """Make one side; of mirror image and copies that the drawings allow, it expects that which is nearest to its numbers."""
+    image = mirror_inertial(twin_numbers, pair, inverse=inverse)
+    copies = [
+        (copy_inertial(twin_numbers, copy, inverse=inverse), copy.mismatch < DIFFERENT) for copy in pair.copy_transforms
+    ]
+    allowed, disallowed = ([copy for copy, fits in copies if fits is wanted] for wanted in (True, False))
     choices = allowed if pair.drawn_as == "copied" else [image, *allowed]
-    nearest = min(choices, key=lambda choice: measure_deviation(found, choice).worst)
-    return PairSide(link, twin, found, nearest, image, tuple(refused))
+    nearest = min(choices, key=lambda choice: measure_deviation(actual, choice).worst)
+    return PairSide(link=link, twin=twin, actual=actual, expected=nearest, image=image, disallowed=tuple(disallowed))
 
 
 def find_wrong_side(
     model: Model, pair: MirrorPair, both: Sequence[PairSide], threshold: float
 ) -> tuple[PairSide, tuple[str, ...]] | None:
-    """The side that is wrong: like parts elsewhere, with their names, have its twin's numbers and none has its own; or where they
-    do not decide, what it draws fits its twin's numbers much better. None where nothing decides."""
+    """Find the side that is wrong; None where nothing decides.
+
+    Like parts elsewhere, whose names are returned, have its twin's numbers and none has its own. Where they do not decide,
+    its drawing fits its twin's numbers much better.
+    """
     numbers = [
-        (n, found) for n in pair.alike_links if (found := get_comparable_inertial(model.link_by_name[n])) is not None
+        (name, declared)
+        for name in list_alike_links_elsewhere(model, pair)
+        if (declared := get_comparable_inertial(model.link_by_name[name])) is not None
     ]
     one, other = (
-        tuple(n for n, d in numbers if measure_principal_deviation(d, s.actual).worst <= threshold) for s in both
+        tuple(name for name, n in numbers if measure_principal_deviation(n, side.actual).worst <= threshold)
+        for side in both
     )
     if not one and len(other) >= VOTES:
         return both[0], other
@@ -124,23 +145,22 @@ def _is_misfit(model: Model, side: PairSide) -> bool:
     drawn = measure_link_geometry(model, side.link)
     if drawn is None:
         return False
-    verdict, right = diagnose_inertial(side.actual, drawn, side.expected), diagnose_inertial(side.expected, drawn)
-    if (
-        verdict is None
-        or right is None
-        or verdict.by != "twin"
-        or not (verdict.cause and verdict.decided and right.sound)
-    ):
+    actual, expected = diagnose_inertial(side.actual, drawn, side.expected), diagnose_inertial(side.expected, drawn)
+    if actual is None or expected is None or actual.judged_by != "twin":
+        return False
+    if not (actual.cause and actual.at_fault and expected.sound):
         return False
     fits = [measure_inertial_mismatch(n, drawn.solid.com, drawn.solid.covariance) for n in (side.actual, side.expected)]
-    return all(expected <= found + WORSE_FIT for found, expected in zip(*fits, strict=True))
+    return all(twin_fit <= own_fit + WORSE_FIT for own_fit, twin_fit in zip(*fits, strict=True))
 
 
 def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None:
-    """Why two inertials are not related as the drawings are: ``copied`` or ``mirrored`` where the drawings were not, the numbers
-    are right but for the signs of all products (``products_sign``) or other ``signs``; None where none of it explains all."""
-    apart = side.deviation
-    if apart.mass > threshold:
+    """Find why two inertials are not related as the drawings are; None where nothing explains all differences.
+
+    ``copied`` or ``mirrored`` where the drawings were not; ``products_sign`` where the numbers are right but for the signs
+    of all products; ``signs`` for other signs.
+    """
+    if side.deviation.mass > threshold:
         return None
     if any(_is_derived_from(side, copy, threshold) for copy in side.disallowed):
         return "copied"
@@ -151,54 +171,56 @@ def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None
 
 
 def find_contradicted_links(model: Model, threshold: float = 0.01) -> frozenset[str]:
-    """The links of pairs whose inertials were ``copied`` while the drawings are mirrored, or ``mirrored`` while they are copies;
-    none where the tree is broken."""
-    found: set[str] = set()
+    """Find the links of pairs whose inertials were ``copied`` while the drawings are mirrored, or the reverse.
+
+    None where the tree is broken.
+    """
+    links: set[str] = set()
     try:
-        known = mirror_pairs(model)
+        pairs = mirror_pairs(model)
     except FactUnavailableError:
         return frozenset()
-    for pair in known:
+    for pair in pairs:
         both = compare_sides(model, pair)
         if (
             both is not None
             and both[1].deviation.worst > threshold
             and find_cause(pair, both[1], threshold) in CONTRADICTIONS
         ):
-            found |= {pair.one, pair.other}
-    return frozenset(found)
+            links |= {pair.one, pair.other}
+    return frozenset(links)
 
 
-def _is_derived_from(side: PairSide, made: DeclaredInertial, threshold: float) -> bool:
-    """Whether the parts of an inertial that are wrong are those of ``made``."""
-    apart, same = side.deviation, measure_deviation(side.actual, made)
-    parts = ((apart.com_offset, same.com_offset), (apart.spread, same.spread))
+def _is_derived_from(side: PairSide, source: DeclaredInertial, threshold: float) -> bool:
+    """Whether the parts of an inertial that are wrong are those of ``source``."""
+    expected, same = side.deviation, measure_deviation(side.actual, source)
+    parts = ((expected.com_offset, same.com_offset), (expected.spread, same.spread))
     return all(share <= COPIED for wrong, share in parts if wrong > threshold)
 
 
 def list_inertial_changes(side: PairSide) -> list[AttributeChange]:
-    """What changes in the text of the side's inertial if its twin is right."""
+    """List what changes in the text of the side's inertial if its twin is right."""
     inertial, turn = side.link.inertial, side.actual.rotation
-    assert inertial is not None
-    tensor = turn.T @ side.expected.inertia @ turn
-    wanted = [_clear_rounding(side.expected.com), _clear_rounding(np.array(list_inertia_components(tensor)))]
-    found = [side.actual.com.tolist(), list_inertia_components(side.actual.tensor)]
-    made: list[AttributeChange] = []
+    if inertial is None:
+        return []
+    changes: list[AttributeChange] = []
     if not _is_same_number(side.actual.mass, side.expected.mass):
-        made.append(AttributeChange(inertial.mass_attribute, "mass", f"{side.expected.mass:.10g}"))
-    if not all(map(_is_same_number, found[0], wanted[0])):
-        made.append(
-            AttributeChange(inertial.origin.get_attribute("xyz"), "xyz", " ".join(f"{v:.10g}" for v in wanted[0]))
-        )
-    for name, old, new in zip(TENSOR_NAMES, found[1], wanted[1], strict=True):
+        changes.append(AttributeChange(inertial.mass_attribute, "mass", f"{side.expected.mass:.10g}"))
+    com = _clear_rounding(side.expected.com)
+    if not all(map(_is_same_number, side.actual.com.tolist(), com)):
+        text = " ".join(f"{v:.10g}" for v in com)
+        changes.append(AttributeChange(inertial.origin.get_attribute("xyz"), "xyz", text))
+    tensor = _clear_rounding(np.array(list_inertia_components(turn.T @ side.expected.inertia @ turn)))
+    element = inertial.tensor_element
+    for name, old, new in zip(TENSOR_NAMES, list_inertia_components(side.actual.tensor), tensor, strict=True):
         if not _is_same_number(old, new):
-            element = inertial.tensor_element
-            made.append(AttributeChange(None if element is None else element.attributes.get(name), name, f"{new:.10g}"))
-    return made
+            attribute = None if element is None else element.attributes.get(name)
+            changes.append(AttributeChange(attribute, name, f"{new:.10g}"))
+    return changes
 
 
 def _clear_rounding(values: Array) -> list[float]:
-    """Without what products of rotation matrices leave of a zero."""
+    """Return values without what products of rotation matrices leave of a zero."""
     largest = float(np.abs(values).max())
     return [0.0 if abs(v) <= 1e-9 * largest else v for v in values.tolist()]
 

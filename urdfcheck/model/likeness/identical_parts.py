@@ -1,4 +1,4 @@
-"""Links that draw one and the same part, and what the others say that each one's inertial should be."""
+"""Links that draw one and the same part, and what the others say about each one's inertial."""
 
 from __future__ import annotations
 
@@ -11,28 +11,27 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.inertials.diagnosis import DeclaredInertial
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.likeness.mirror import InertialDeviation, PartOutline, measure_deviation, measure_outline_mismatch
 from urdfcheck.facts.likeness.revolution import find_revolution_axis
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
 from urdfcheck.model.fact import fact
 from urdfcheck.model.ground.wheels import NOT_DRIVEN_NAME
-from urdfcheck.model.likeness.mirror_pairs import read_declared_inertial
+from urdfcheck.model.likeness.declared_inertials import read_declared_inertial, turn_inertial
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
-# Inertials are one when they differ by less than this share: what three typed digits leave, and a screw.
+# Inertials are equal when they differ by less than this share: what three typed digits leave, and a screw.
 NOTABLE_SHARE = 0.01
-# Shapes of a link are arranged like another link's when they are to within this share of the distances between them.
+# Shapes of two links are arranged alike when their placements agree to within this share of the distances between them.
 _ARRANGEMENT_TOLERANCE = 1e-4
-# So many members of a group are asked which others agree with them.
+# This many members of a group are compared with all others.
 _MAX_CANDIDATES = 16
 # A part is symmetric when its image under the symmetry differs by less than this share of its size.
 _SYMMETRY_TOLERANCE = 0.02
@@ -40,47 +39,52 @@ _SYMMETRY_TOLERANCE = 0.02
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartCopy:
-    """One of several links that draw a part: ``linear x + shift`` is where a point x of the part is in the link's frame (m).
-
-    ``linear`` (3, 3) is orthogonal, and improper where a negative scale mirrors the part."""
+    """One of several links that draw a part: ``linear x + shift`` is where a point x of the part is in the link's frame (m)."""
 
     link: Link
     numbers: DeclaredInertial
     linear: Array
+    """(3, 3), orthogonal; improper where a negative scale mirrors the part."""
     shift: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class CopyComparison:
-    """What like links say about one: ``wanted``, what its inertial should be, in its frame, and in that image under a symmetry of
-    the part in which the fewest quantities differ; ``apart``: how far it is from that. ``by``: the links that agree on it."""
+    """What like links say about one."""
 
     link: Link
     actual: DeclaredInertial
     expected: DeclaredInertial
+    """What its inertial should be, in its frame, and in that image under a symmetry of the part in which the fewest
+    quantities differ.
+    """
     deviation: InertialDeviation
+    """How far it is from that."""
     by: tuple[Link, ...]
+    """The links that agree on it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Symmetry:
-    """What leaves a part as it is, in a link's frame: reflections and half turns ``linear`` (k, 3, 3) about ``centre`` (3,),
-    the identity first, and all turns about ``axis`` (3,) where it is a body of revolution."""
+    """What maps a part onto itself, in a link's frame."""
 
     centre: Array
+    """(3,)"""
     linear: tuple[Array, ...]
+    """Reflections and half turns (k, 3, 3) about ``centre``, the identity first."""
     axis: Array | None
+    """(3,): all turns about it, where the part is a body of revolution."""
 
 
 @fact
 def part_copies(model: Model) -> tuple[tuple[PartCopy, ...], ...]:
-    """Groups of two and more links that draw one part, wherever in their frames, with inertials that can be compared.
+    """Group two and more links that draw one part, wherever in their frames, with inertials that can be compared.
 
     A part is the same meshes (by content, in one scale but for signs) and primitives in one arrangement. Its links hang on
-    joints of one type with equally many moving joints before them; wheels that roll freely are no copies of those that
-    are driven. Primitives alone say less: links that draw nothing else are copies where four and more hang on moving joints.
+    joints of one type with equally many moving joints before them; wheels that roll freely are not copies of those that are
+    driven. Primitives alone say less: links that draw nothing else are copies where four and more hang on moving joints.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     tree = model.tree
     kinds: dict[object, list[list[tuple[PartCopy, tuple[Array, ...]]]]] = {}
@@ -103,14 +107,14 @@ def part_copies(model: Model) -> tuple[tuple[PartCopy, ...], ...]:
 
 
 def find_odd_copies(model: Model, threshold: float = NOTABLE_SHARE) -> tuple[CopyComparison, ...]:
-    """What the majority of each group of three and more says about those that differ from it by more than the share ``note``
-    and more than typed digits leave open.
+    """Compare each group of three and more with its majority, and return those that differ.
 
-    At most one in four may differ (one of three): more are another kind of part.
+    They differ by more than the share ``threshold``, and by more than typed digits leave open. At most one in four may
+    differ (one of three): more are another kind of part.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
-    found: list[CopyComparison] = []
+    odd_copies: list[CopyComparison] = []
     for group in part_copies(model):
         if len(group) < 3:
             continue
@@ -119,34 +123,40 @@ def find_odd_copies(model: Model, threshold: float = NOTABLE_SHARE) -> tuple[Cop
         odd = [i for i in range(len(group)) if i not in most]
         if odd and len(odd) <= max(1, len(group) // 4):
             by = tuple(group[i].link for i in most)
-            found += [replace(members.compare_members(i, most[0]), by=by) for i in odd]
-    return tuple(found)
+            odd_copies += [replace(members.compare_members(i, most[0]), by=by) for i in odd]
+    return tuple(odd_copies)
 
 
 def find_differing_pairs(
     model: Model, threshold: float = NOTABLE_SHARE, *, excluded: Collection[frozenset[str]] = ()
 ) -> tuple[tuple[CopyComparison, CopyComparison], ...]:
-    """Groups of two whose inertials differ, as `find_odd_copies`: what each says about the other. ``but``: links to leave out, by name.
+    """Find the groups of two whose inertials differ, as `find_odd_copies`, with what each says about the other.
 
-    :raises Unavailable: when the tree is broken.
+    ``excluded``: pairs of links to leave out, by name.
+
+    :raises FactUnavailableError: when the tree is broken.
     """
-    found = []
+    differing = []
     for group in part_copies(model):
         if len(group) == 2 and frozenset(copy.link.name for copy in group) not in excluded:
             members = _GroupComparison(model, group, threshold)
             both = members.compare_members(0, 1), members.compare_members(1, 0)
-            if all(threshold < opinion.deviation.worst < math.inf for opinion in both):  # infinite for what is no body
-                found.append(both)
-    return tuple(found)
+            if all(
+                threshold < opinion.deviation.worst < math.inf for opinion in both
+            ):  # infinite where one is not a possible body
+                differing.append(both)
+    return tuple(differing)
 
 
 def estimate_from_copies(model: Model, *, excluded: Collection[frozenset[str]] = ()) -> Mapping[str, CopyComparison]:
-    """For every link with copies what these say that its inertial should be, by name: the majority of a group of three and more,
-    the other one of two. Several links in ``by`` agree among themselves. ``but``: groups of two to leave out, by name.
+    """Return what the copies of each link say that its inertial should be, by name.
 
-    :raises Unavailable: when the tree is broken.
+    Of a group of three and more the majority says it, of two the other one. Several links in ``by`` agree among themselves.
+    ``excluded``: groups of two to leave out, by name.
+
+    :raises FactUnavailableError: when the tree is broken.
     """
-    found: dict[str, CopyComparison] = {}
+    estimates: dict[str, CopyComparison] = {}
     for group in part_copies(model):
         if frozenset(copy.link.name for copy in group) in excluded:
             continue
@@ -158,22 +168,21 @@ def estimate_from_copies(model: Model, *, excluded: Collection[frozenset[str]] =
             by = [k for k in most if k != i]
             opinion = members.compare_members(i, by[0])
             if opinion.deviation.worst < math.inf:
-                found[copy.link.name] = replace(opinion, by=tuple(group[k].link for k in by))
-    return found
+                estimates[copy.link.name] = replace(opinion, by=tuple(group[k].link for k in by))
+    return estimates
 
 
 class _GroupComparison:
-    """The members of a group, compared when asked for."""
+    """The members of a group, compared when needed."""
 
     def __init__(self, model: Model, group: Sequence[PartCopy], threshold: float) -> None:
-        self._model, self._group, self._note = model, group, threshold
-        self._symmetries: dict[int, _Symmetry | None] = {}
+        self._model, self._group, self._threshold = model, group, threshold
 
     def find_majority(self) -> list[int]:
-        """The most members that agree; those of a majority are found whichever of them is asked first."""
+        """Return the most members that agree; those of a majority are found whichever of them is compared first."""
         count = len(self._group)
         best: list[int] = []
-        # One in a few of a majority belongs to it: of hundreds of links not every one need be compared with every other.
+        # Among a few members one of the majority is found: of hundreds of links not all need be compared with all.
         for index in range(0, count, -(-count // _MAX_CANDIDATES)):
             if index not in best:
                 best = max(best, self.find_agreeing(index), key=len)
@@ -182,47 +191,57 @@ class _GroupComparison:
         return best
 
     def find_agreeing(self, index: int) -> list[int]:
-        """The members that have one's inertial, itself first."""
-        own = self._group[index].numbers.mass
-        # A tenth of the mass apart, no digits and no symmetry make them agree.
-        alike = [math.isclose(copy.numbers.mass, own, rel_tol=0.1) for copy in self._group]
+        """Return the members that have one's inertial, itself first."""
+        mass = self._group[index].numbers.mass
+        # With masses a tenth apart, neither digits nor symmetry make them agree.
+        alike = [math.isclose(copy.numbers.mass, mass, rel_tol=0.1) for copy in self._group]
         others = (i for i in range(len(self._group)) if i != index and alike[i])
-        return [index, *(i for i in others if self.compare_members(i, index).deviation.worst <= self._note)]
+        return [index, *(i for i in others if self.compare_members(i, index).deviation.worst <= self._threshold)]
 
     def compare_members(self, index: int, by: int) -> CopyComparison:
-        own, other = self._group[index], self._group[by]
-        wanted = _transform_to_copy(other, own)
-        apart = _measure_beyond_rounding(own, other, wanted)
-        if apart.worst > self._note:  # symmetries cost time, and most groups agree
+        """Compare the inertial of one member with what that of another says it should be."""
+        member, other = self._group[index], self._group[by]
+        expected = _transform_to_copy(other, member)
+        deviation = _measure_beyond_rounding(member, other, expected)
+        if deviation.worst > self._threshold:  # symmetries cost time, and most groups agree without
+            as_drawn = (deviation, expected)
             images = (
-                (_measure_beyond_rounding(own, other, image), image) for image in self._generate_images(index, wanted)
+                (_measure_beyond_rounding(member, other, image), image)
+                for image in self._generate_images(index, expected)
             )
             # The image that leaves the fewest quantities to differ; the part as it is drawn when that is as good.
-            apart, wanted = min(
-                [(apart, wanted), *images], key=lambda one: (self._count_differences(one[0]), one[1] is not wanted)
+            deviation, expected = min(
+                [as_drawn, *images],
+                key=lambda choice: (self._count_differences(choice[0]), choice[1] is not as_drawn[1]),
             )
-        return CopyComparison(own.link, own.numbers, _rotate_to_axes_of(own.numbers, wanted), apart, (other.link,))
+        return CopyComparison(
+            link=member.link,
+            actual=member.numbers,
+            expected=_rotate_to_axes_of(member.numbers, expected),
+            deviation=deviation,
+            by=(other.link,),
+        )
 
-    def _count_differences(self, apart: InertialDeviation) -> int:
-        return sum(share > self._note for share in (apart.mass, apart.com_offset, apart.spread))
+    def _count_differences(self, deviation: InertialDeviation) -> int:
+        return sum(share > self._threshold for share in (deviation.mass, deviation.com_offset, deviation.spread))
 
-    def _generate_images(self, index: int, wanted: DeclaredInertial) -> Iterator[DeclaredInertial]:
-        if index not in self._symmetries:
-            self._symmetries[index] = _find_symmetry(self._model, self._group[index].link)
-        symmetry = self._symmetries[index]
+    def _generate_images(self, index: int, expected: DeclaredInertial) -> Iterator[DeclaredInertial]:
+        """Yield the images of an inertial under the symmetries of the part."""
+        member = self._group[index]
+        symmetry = _find_symmetry(self._model, member.link)
         if symmetry is None:
             return
         for linear in symmetry.linear:
-            image = _transform_inertial(wanted, linear, symmetry.centre)
+            image = _transform_about(expected, linear, symmetry.centre)
             yield image
             if symmetry.axis is not None:
-                for angle in _propose_angles(self._group[index].numbers, image, symmetry.axis, symmetry.centre):
+                for angle in _propose_angles(member.numbers, image, axis=symmetry.axis, centre=symmetry.centre):
                     turn = compute_joint_motions(symmetry.axis, [angle], rotates=True)[0, :3, :3]
-                    yield _transform_inertial(image, turn, symmetry.centre)
+                    yield _transform_about(image, turn, symmetry.centre)
 
 
 def _make_part_copy(model: Model, link: Link) -> tuple[PartCopy, tuple[object, ...], tuple[Array, ...]] | None:
-    """A link as a copy of what it draws, what that is, and how its shapes lie about the first one (4, 4)."""
+    """Make a link a copy of what it draws; return also what that is, and how its shapes lie relative to the first one (4, 4)."""
     numbers = read_declared_inertial(link)
     shapes = next((s for s in (_drop_dummy_shapes(link.visuals), _drop_dummy_shapes(link.collisions)) if s), ())
     known = [(_identify_shape(model, shape), shape) for shape in shapes]
@@ -233,7 +252,7 @@ def _make_part_copy(model: Model, link: Link) -> tuple[PartCopy, tuple[object, .
     if len(whole) != len(placed):
         return None
     first = whole[0]
-    copy = PartCopy(link, numbers, first[:3, :3], first[:3, 3])
+    copy = PartCopy(link=link, numbers=numbers, linear=first[:3, :3], shift=first[:3, 3])
     return copy, tuple(what for what, _ in known), tuple(np.linalg.inv(first) @ other for other in whole[1:])
 
 
@@ -246,7 +265,7 @@ def _drop_dummy_shapes(shapes: Sequence[Shape]) -> tuple[Shape, ...]:
 
 
 def _identify_shape(model: Model, shape: Shape) -> tuple[object, ...] | None:
-    """The content and size of a shape; None when they are not known."""
+    """Return the content and size of a shape; None when they are not known."""
     size = shape.size
     if size is None or shape.kind is None or not all(size):
         return None
@@ -258,7 +277,7 @@ def _identify_shape(model: Model, shape: Shape) -> tuple[object, ...] | None:
 
 
 def _compute_placement(shape: Shape) -> Array | None:
-    """(4, 4): from the shape, unscaled but for the signs of a mesh's scale, to the link's frame."""
+    """Compute (4, 4): from the shape, unscaled but for the signs of a mesh's scale, to the link's frame."""
     pose, size = shape.origin.matrix, shape.size
     if pose is None or size is None:
         return None
@@ -274,56 +293,52 @@ def _is_same_arrangement(one: Sequence[Array], other: Sequence[Array]) -> bool:
 
 
 def _transform_to_copy(source: PartCopy, target: PartCopy) -> DeclaredInertial:
-    """The inertial of one copy as that of another, in the other's frame."""
+    """Return the inertial of one copy as that of another, in the other's frame."""
     linear = target.linear @ source.linear.T
-    numbers = source.numbers
-    com = linear @ (numbers.com - source.shift) + target.shift
-    return DeclaredInertial(numbers.mass, com, numbers.tensor, _make_proper_rotation(linear) @ numbers.rotation)
+    return turn_inertial(source.numbers, linear, com=linear @ (source.numbers.com - source.shift) + target.shift)
 
 
-def _transform_inertial(numbers: DeclaredInertial, linear: Array, centre: Array) -> DeclaredInertial:
-    com = linear @ (numbers.com - centre) + centre
-    return DeclaredInertial(numbers.mass, com, numbers.tensor, _make_proper_rotation(linear) @ numbers.rotation)
+def _transform_about(numbers: DeclaredInertial, linear: Array, centre: Array) -> DeclaredInertial:
+    """Turn or mirror an inertial about a point of its link's frame."""
+    return turn_inertial(numbers, linear, com=linear @ (numbers.com - centre) + centre)
 
 
-def _make_proper_rotation(linear: Array) -> Array:
-    """-1 turns an improper rotation into a proper one, and leaves every tensor as it is."""
-    return linear if np.linalg.det(linear) > 0 else -linear
+def _rotate_to_axes_of(declared: DeclaredInertial, expected: DeclaredInertial) -> DeclaredInertial:
+    """Return the expected inertial with its tensor in the axes that the link's author chose."""
+    rotation = declared.rotation
+    return DeclaredInertial(
+        mass=expected.mass, com=expected.com, tensor=rotation.T @ expected.inertia @ rotation, rotation=rotation
+    )
 
 
-def _rotate_to_axes_of(own: DeclaredInertial, wanted: DeclaredInertial) -> DeclaredInertial:
-    """The same inertial with its tensor in the axes that the link's author chose."""
-    return DeclaredInertial(wanted.mass, wanted.com, own.rotation.T @ wanted.inertia @ own.rotation, own.rotation)
-
-
-def _measure_beyond_rounding(own: PartCopy, other: PartCopy, wanted: DeclaredInertial) -> InertialDeviation:
-    """How far a copy is from what another wants; what rounding one to the digits of the other explains counts as nothing."""
-    apart = measure_deviation(own.numbers, wanted)
-    halves = [_compute_inertial_rounding(copy.link.inertial) for copy in (own, other) if copy.link.inertial is not None]
+def _measure_beyond_rounding(copy: PartCopy, other: PartCopy, expected: DeclaredInertial) -> InertialDeviation:
+    """Measure how far a copy is from what another expects; zero where rounding one to the digits of the other explains it."""
+    deviation = measure_deviation(copy.numbers, expected)
+    halves = [_compute_inertial_rounding(c.link.inertial) for c in (copy, other) if c.link.inertial is not None]
     mass, place, spread = (max(half[i] for half in halves) for i in range(3))
     return InertialDeviation(
-        mass=0.0 if abs(own.numbers.mass - wanted.mass) <= mass else apart.mass,
-        com_offset=0.0 if np.linalg.norm(own.numbers.com - wanted.com) <= place else apart.com_offset,
-        spread=0.0 if np.linalg.norm(own.numbers.inertia - wanted.inertia) <= spread else apart.spread,
+        mass=0.0 if abs(copy.numbers.mass - expected.mass) <= mass else deviation.mass,
+        com_offset=0.0 if np.linalg.norm(copy.numbers.com - expected.com) <= place else deviation.com_offset,
+        spread=0.0 if np.linalg.norm(copy.numbers.inertia - expected.inertia) <= spread else deviation.spread,
     )
 
 
 def _compute_inertial_rounding(inertial: Inertial) -> tuple[float, float, float]:
-    """Half a unit of the last typed places: of the mass (kg), the COM (m) and the tensor (kg m², Frobenius norm)."""
+    """Compute half a unit of the last typed digits: of the mass (kg), the COM (m) and the tensor (kg m², Frobenius norm)."""
     mass, xyz = inertial.mass_attribute, inertial.origin.get_attribute("xyz")
     place = [_compute_number_rounding(word) for word in (xyz.value.split() if xyz is not None else ())]
     element = inertial.tensor_element
-    six = {name: _compute_number_rounding(element.get(name) if element is not None else "") for name in TENSOR_NAMES}
-    twice = math.sqrt(2.0)  # products stand in the tensor twice
+    tensor = {name: _compute_number_rounding(element.get(name) if element is not None else "") for name in TENSOR_NAMES}
+    twice = math.sqrt(2.0)  # each product is in the tensor twice
     return (
         _compute_number_rounding(mass.value if mass is not None else ""),
         math.hypot(*place),
-        math.hypot(*(half if name in {"ixx", "iyy", "izz"} else twice * half for name, half in six.items())),
+        math.hypot(*(half if name in {"ixx", "iyy", "izz"} else twice * half for name, half in tensor.items())),
     )
 
 
 def _compute_number_rounding(text: str) -> float:
-    """Half a unit of a number's last typed place; 0 of zeros, which are exact."""
+    """Compute half a unit of a number's last typed digit; 0 for zeros, which are exact."""
     try:
         value = Decimal(text.strip())
     except InvalidOperation:
@@ -332,8 +347,9 @@ def _compute_number_rounding(text: str) -> float:
     return 0.5 * 10.0**exponent if value and isinstance(exponent, int) and exponent < 0 else 0.0
 
 
+@fact
 def _find_symmetry(model: Model, link: Link) -> _Symmetry | None:
-    """None when the part is not known, or has no extent."""
+    """Find the symmetry of what a link draws; None when it is not known, or has no extent."""
     drawn = measure_link_geometry(model, link)
     if drawn is None:
         return None
@@ -343,7 +359,8 @@ def _find_symmetry(model: Model, link: Link) -> _Symmetry | None:
         return None
 
     def is_symmetry(linear: Array) -> bool:
-        return measure_outline_mismatch(outline, outline, linear, solid.com - linear @ solid.com) < _SYMMETRY_TOLERANCE
+        shift = solid.com - linear @ solid.com
+        return measure_outline_mismatch(outline, outline, linear=linear, shift=shift) < _SYMMETRY_TOLERANCE
 
     _, axes = np.linalg.eigh(solid.covariance)
     flips = (axes @ np.diag(signs) @ axes.T for signs in product((1.0, -1.0), repeat=3))
@@ -355,8 +372,11 @@ def _find_symmetry(model: Model, link: Link) -> _Symmetry | None:
     return _Symmetry(solid.com, tuple(flip for flip in flips if is_symmetry(flip)), axis)
 
 
-def _propose_angles(own: DeclaredInertial, image: DeclaredInertial, axis: Array, centre: Array) -> Iterator[float]:
-    """Turns about an axis of revolution that may carry an inertial onto another: COM onto COM, and main axis onto main axis."""
+def _propose_angles(own: DeclaredInertial, image: DeclaredInertial, *, axis: Array, centre: Array) -> Iterator[float]:
+    """Propose turns about an axis of revolution that may carry an inertial onto another.
+
+    They carry COM onto COM, and main axis onto main axis.
+    """
     across = np.linalg.svd(axis[None])[2][1:]
     across[1] = np.cross(axis, across[0])
     places = [across @ (numbers.com - centre) for numbers in (own, image)]

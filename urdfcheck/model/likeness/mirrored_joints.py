@@ -10,16 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.facts.likeness.mirror import mirror_range
-from urdfcheck.model.likeness.mirror_pairs import MirrorPair
+from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_alike_links_elsewhere
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
-# So many like joints elsewhere that agree with one side, and none with the other, say which one is wrong.
+# This many like joints elsewhere that agree with one side, and none with the other, decide which one is wrong.
 VOTES = 2
 # Angles that 1.57 for π/2 leaves add up to 0.2°; beyond 10° the joint is arranged otherwise.
 STRAIGHT, ARRANGED = math.radians(0.25), math.radians(10)
@@ -29,24 +28,23 @@ PLACE, APART = 1e-3, 0.25
 WITNESSES = 2
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class MismatchedLimit:
-    """A joint whose ``<limit>`` is not what that of its ``twin`` says it is: ``wanted`` holds what it should be, by attribute.
-
-    ``copied``: it has the twin's range as it stands. ``like``: joints elsewhere that have the twin's limits, when enough do
-    and none has this joint's.
-    """
+    """A joint whose ``<limit>`` is not what that of its twin says it should be."""
 
     pair: MirrorPair
     joint: Joint
     twin: Joint
     expected: Mapping[str, float]
+    """What it should be, by attribute."""
     copied: bool
+    """Whether it has the twin's range as it is."""
     agreeing_joints: tuple[str, ...]
+    """Joints elsewhere that have the twin's limits, when enough do and none has this joint's."""
 
     @property
     def max_difference(self) -> float:
-        """The greatest difference: of the range over its length, of effort and velocity over the greater one."""
+        """The greatest difference: of the range relative to its length, of effort and velocity to the greater one."""
         found = {name: value for name in self.expected if (value := self.joint.get_limit_value(name)) is not None}
         bounds = [*_get_bounds(self.joint), *_get_bounds(self.twin)]
         length = max(bounds[1] - bounds[0], bounds[3] - bounds[2])
@@ -57,22 +55,24 @@ class MismatchedLimit:
         )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class MisplacedJoint:
-    """A joint that is not where the mirror puts it: ``distance`` (m) away, with the ``places`` (3,) that the first and the second
-    joint have in their parents' frames if the other one is right; or, in its place, with an axis off by ``angle`` (rad), because
-    its frame is ``turned`` or the axis in it."""
+    """A joint that is not where, or not directed as, the mirror image of its twin is."""
 
     joint: Joint
     twin: Joint
     distance: float
+    """Metres from there; 0 where only the direction is wrong."""
     angle: float
+    """Radians between its axis and the image; 0 where the place is wrong."""
     turned: bool
+    """Whether its frame is turned, and not the axis in it."""
     places: tuple[Array, Array]
+    """(3,) each: where the first and the second joint would be in their parents' frames if the other one is right."""
 
 
 def find_pair_joints(model: Model, pair: MirrorPair) -> tuple[Joint, Joint] | None:
-    """The joints that move the two links, when both are of one type and neither follows another joint."""
+    """Return the joints that move the two links, when both are of one type and neither follows another joint."""
     one, other = (model.tree.parent_joint.get(name) for name in (pair.one, pair.other))
     if one is None or other is None or one.type != other.type or not one.has_axis:
         return None
@@ -84,23 +84,30 @@ def find_pair_joints(model: Model, pair: MirrorPair) -> tuple[Joint, Joint] | No
 def find_mismatched_limit(
     model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair], threshold: float
 ) -> MismatchedLimit | None:
-    """The joint of a pair whose limits are not those of the other's mirror image; the second where nothing says which."""
+    """Find the joint of a pair whose limits are not those of the other's mirror image; the second where nothing decides."""
     joints = find_pair_joints(model, pair)
     if joints is None or joints[0].limit is None or joints[1].limit is None:
         return None
-    if not _compute_expected_limit(model, pair, known_pairs, joints, threshold):
+    if not _compute_expected_limit(model, pair, known_pairs, joints=joints, threshold=threshold):
         return None
-    like = [_list_agreeing_joints(model, pair, joint, threshold) for joint in joints]
+    like = [_list_agreeing_joints(model, pair, joint, threshold=threshold) for joint in joints]
     first_is_wrong = not like[0] and len(like[1]) >= VOTES
     decided = first_is_wrong or (not like[1] and len(like[0]) >= VOTES)
     twin, joint = joints[::-1] if first_is_wrong else joints
-    wanted = _compute_expected_limit(model, pair, known_pairs, (twin, joint), threshold)
-    copied = bool({"lower", "upper"} & wanted.keys()) and _get_bounds(twin) == _get_bounds(joint)
-    return MismatchedLimit(pair, joint, twin, wanted, copied, like[first_is_wrong] if decided else ())
+    expected = _compute_expected_limit(model, pair, known_pairs, joints=(twin, joint), threshold=threshold)
+    copied = bool({"lower", "upper"} & expected.keys()) and _get_bounds(twin) == _get_bounds(joint)
+    return MismatchedLimit(
+        pair=pair,
+        joint=joint,
+        twin=twin,
+        expected=expected,
+        copied=copied,
+        agreeing_joints=like[first_is_wrong] if decided else (),
+    )
 
 
 def group_by_chain(mismatches: Iterable[MismatchedLimit]) -> list[list[MismatchedLimit]]:
-    """Limits that are wrong, those of joints that hang on each other together."""
+    """Group wrong limits by chain: those of joints that hang on each other."""
     made: list[list[MismatchedLimit]] = []
     for one in mismatches:
         chain = next((c for c in made if one.pair.is_attached_to(c[0].pair)), None)
@@ -123,8 +130,10 @@ def is_shifted(model: Model, chain: Sequence[MismatchedLimit], threshold: float)
 
 
 def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]) -> MisplacedJoint | None:
-    """The second joint of a pair where it is out of the place, or the direction, in which the mirror puts it, while all joints
-    before it are in theirs."""
+    """Find the second joint of a pair where it is out of the place, or the direction, of the mirror image.
+
+    All joints before it have to be in theirs.
+    """
     joints = find_pair_joints(model, pair)
     if joints is None or pair.agreeing_pairs < WITNESSES or not pair.is_named:
         return None
@@ -145,28 +154,49 @@ def find_misplaced_joint(model: Model, pair: MirrorPair, known_pairs: Sequence[M
     above = (p for p in known_pairs if p is not pair and pair.is_attached_to(p))
     if not (displaced_by or tilted_by) or not all(_is_mirrored_in_pose(p) for p in above):
         return None
-    places = _compute_image_place(model, pair, one, pair.other), _compute_image_place(model, pair, other, pair.one)
-    return MisplacedJoint(other, one, displaced_by, tilted_by, not _is_axis_aligned(pair.linear), places)
+    return MisplacedJoint(
+        joint=other,
+        twin=one,
+        distance=displaced_by,
+        angle=tilted_by,
+        turned=not _is_axis_aligned(pair.linear),
+        places=(
+            _compute_image_place(model, pair, joint=one, source=pair.other),
+            _compute_image_place(model, pair, joint=other, source=pair.one),
+        ),
+    )
 
 
 def _compute_expected_limit(
-    model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair], joints: tuple[Joint, Joint], threshold: float
+    model: Model,
+    pair: MirrorPair,
+    known_pairs: Sequence[MirrorPair],
+    *,
+    joints: tuple[Joint, Joint],
+    threshold: float,
 ) -> dict[str, float]:
-    """The attributes that the second joint's limit should have if the first is right, but has not."""
+    """Compute the attributes that the second joint's limit should have if the first is right, but does not."""
     one, other = joints
-    wanted = _compute_expected_range(model, pair, known_pairs, joints, threshold)
+    expected = _compute_expected_range(model, pair, known_pairs, joints=joints, threshold=threshold)
     for name in ("effort", "velocity"):
         a, b = one.get_limit_value(name), other.get_limit_value(name)
         if a is not None and b is not None and min(a, b) > 0 and abs(a - b) > threshold * max(a, b):
-            wanted[name] = a
-    return wanted
+            expected[name] = a
+    return expected
 
 
 def _compute_expected_range(
-    model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair], joints: tuple[Joint, Joint], threshold: float
+    model: Model,
+    pair: MirrorPair,
+    known_pairs: Sequence[MirrorPair],
+    *,
+    joints: tuple[Joint, Joint],
+    threshold: float,
 ) -> dict[str, float]:
-    """The limits that the second joint should have but has not; none where the drawings do not tell that sides and zeros are
-    mirrored."""
+    """Compute the limits that the second joint should have but does not.
+
+    Empty where the drawings do not show that sides and zeros are mirrored.
+    """
     one, other = joints
     (a, b), (c, d) = _get_bounds(one), _get_bounds(other)
     if one.type not in {"revolute", "prismatic"} or pair.drawn_as in {"neither", "copied"} or not (a < b and c < d):
@@ -187,14 +217,18 @@ def _compute_expected_range(
 
 
 def _get_bounds(joint: Joint) -> tuple[float, float]:
-    """Lower and upper limit, NaN where there is none."""
+    """Return the lower and the upper limit, NaN where there is none."""
     lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
     return math.nan if lower is None else lower, math.nan if upper is None else upper
 
 
-def _list_agreeing_joints(model: Model, pair: MirrorPair, joint: Joint, threshold: float) -> tuple[str, ...]:
-    """Joints outside the pair that carry parts like the pair's and have a joint's limits, mirrored or not."""
-    others = [model.tree.parent_joint[name] for name in pair.alike_links if name in model.tree.parent_joint]
+def _list_agreeing_joints(model: Model, pair: MirrorPair, joint: Joint, *, threshold: float) -> tuple[str, ...]:
+    """Return the joints outside the pair that carry parts like the pair's and have a joint's limits, mirrored or not."""
+    others = [
+        model.tree.parent_joint[name]
+        for name in list_alike_links_elsewhere(model, pair)
+        if name in model.tree.parent_joint
+    ]
     return tuple(
         other.name for other in others if other.type == joint.type and _has_same_limits(other, joint, threshold)
     )
@@ -212,7 +246,7 @@ def _has_same_limits(one: Joint, other: Joint, threshold: float) -> bool:
 
 
 def _find_previous_joint(model: Model, joint: Joint) -> Joint | None:
-    """The moving joint before another."""
+    """Return the moving joint before another."""
     path = [j for j in model.tree.find_path_to(joint.child) if j.is_movable]
     return path[-2] if len(path) > 1 else None
 
@@ -228,15 +262,15 @@ def _is_axis_aligned(linear: Array) -> bool:
     return bool(np.abs(np.rint(linear) - linear).max() < 2e-3)
 
 
-def _compute_image_place(model: Model, pair: MirrorPair, joint: Joint, source: str) -> Array:
-    """Where the mirror image of a link's frame lies in the frame of a joint's parent."""
+def _compute_image_place(model: Model, pair: MirrorPair, *, joint: Joint, source: str) -> Array:
+    """Compute where the mirror image of a link's frame lies in the frame of a joint's parent."""
     parent = model.frames[joint.parent]
     place: Array = parent[:3, :3].T @ (pair.plane.reflect_points(model.frames[source][:3, 3]) - parent[:3, 3])
     return place
 
 
 def _is_at_one_place(joints: tuple[Joint, Joint]) -> bool:
-    """Whether both joints stand at one place in the frames of two parents, as in copies of one part."""
+    """Whether both joints have one origin in the frames of two parents, as in copies of one part."""
     one, other = (joint.origin.matrix for joint in joints)
     same = one is not None and other is not None and float(np.abs(one - other).max()) < 1e-6
     return same and joints[0].parent != joints[1].parent

@@ -11,42 +11,46 @@ from urdfcheck.source.text.values import parse_number
 
 # Angles closer than this are one angle: 1.57 is off by 8e-4.
 _LIKE = 1e-3
-# Of three blocks, two against one are no majority.
+# With three blocks, two against one are not a majority.
 _MAJORITY = 4
 
 
 @dataclass(frozen=True, slots=True)
 class NumberColumn:
-    """One number of an attribute, over all blocks. ``leads``: it is a coordinate of a place, and tells blocks apart by itself."""
+    """One number of an attribute, over all blocks."""
 
     name: str
     words: tuple[str, ...]
+    """Its text in each block."""
     is_coordinate: bool
+    """Whether it is a coordinate of a place, which distinguishes blocks by itself."""
     is_angle: bool
 
 
 @dataclass(frozen=True, slots=True)
 class Variation:
-    """``parameters``: the columns that need one, with the first block's word. ``derived``: name and xacro expression of
-    columns that follow from a parameter. ``lone``: columns in which one block alone differs, its place, and the others' word."""
+    """What varies between blocks."""
 
     parameters: tuple[NumberColumn, ...]
+    """The columns that need a parameter."""
     derived: tuple[tuple[str, str], ...]
+    """Name and xacro expression of columns that follow from a parameter."""
     outliers: tuple[tuple[NumberColumn, int, str], ...]
+    """Columns in which one block alone differs, its index, and the others' word."""
 
 
 def classify_columns(columns: Sequence[NumberColumn]) -> Variation:
-    """What of some columns has to be a parameter of the blocks' macro, in the order given."""
+    """Sort columns into parameters of the blocks' macro, derived numbers and single exceptions, in the order given."""
     parameters: list[NumberColumn] = []
     followers: list[NumberColumn] = []
-    lone: list[tuple[NumberColumn, int, str]] = []
+    outliers: list[tuple[NumberColumn, int, str]] = []
     for column in columns:
         classes = _group_equal_blocks(column)
         if len(classes) == 1:
             continue
-        single = _find_single_exception(column, classes)
-        if single is not None:
-            lone.append((column, single, next(column.words[c[0]] for c in classes if single not in c)))
+        exception = _find_single_exception(column, classes)
+        if exception is not None:
+            outliers.append((column, exception, next(column.words[c[0]] for c in classes if exception not in c)))
         elif column.is_coordinate or not _is_split_in_groups(classes):
             parameters.append(column)
         else:
@@ -58,11 +62,11 @@ def classify_columns(columns: Sequence[NumberColumn]) -> Variation:
             parameters.append(column)
         else:
             derived.append((column.name, expression))
-    return Variation(tuple(parameters), tuple(derived), tuple(lone))
+    return Variation(tuple(parameters), tuple(derived), tuple(outliers))
 
 
 def _group_equal_blocks(column: NumberColumn) -> list[list[int]]:
-    """The blocks that have one value, as their places."""
+    """Group the blocks that have one value, by their indices."""
     classes: list[list[int]] = []
     for place, word in enumerate(column.words):
         known = next((c for c in classes if _is_equal(column, column.words[c[0]], word)), None)
@@ -81,7 +85,7 @@ def _is_equal(column: NumberColumn, one: str, other: str) -> bool:
 
 
 def _find_single_exception(column: NumberColumn, classes: Sequence[Sequence[int]]) -> int | None:
-    """The block whose number differs from that of all others; a mirrored one is no exception but the other side."""
+    """Return the block whose number differs from that of all others; a mirrored one is the other side, and not an exception."""
     if len(classes) != 2 or len(column.words) < _MAJORITY:
         return None
     few, many = sorted(classes, key=len)
@@ -92,12 +96,12 @@ def _find_single_exception(column: NumberColumn, classes: Sequence[Sequence[int]
 
 
 def _is_split_in_groups(classes: Sequence[Sequence[int]]) -> bool:
-    """Two groups of at least two blocks: that a parameter splits the blocks alike is then no coincidence."""
+    """Whether there are two groups of at least two blocks: a parameter that splits them alike is then no coincidence."""
     return len(classes) == 2 and all(len(c) > 1 for c in classes)
 
 
 def _derive_expression(parameter: NumberColumn, column: NumberColumn) -> str | None:
-    """``${0 if y > 0 else pi}`` where the sign of a parameter decides which of two values a column has."""
+    """Derive ``${0 if y > 0 else pi}`` where the sign of a parameter decides which of two values a column has."""
     values = [parse_number(word) for word in parameter.words]
     above, below = ([i for i, v in enumerate(values) if v is not None and v * sign > 0] for sign in (1, -1))
     if len(above) + len(below) != len(values) or sorted(map(sorted, _group_equal_blocks(column))) != sorted(
@@ -109,6 +113,6 @@ def _derive_expression(parameter: NumberColumn, column: NumberColumn) -> str | N
 
 
 def _format_expression(words: Sequence[str]) -> str:
-    """One value as an expression writes it: a fraction of π by name where one block rounds it."""
+    """Write one value as an expression does: a fraction of π by name where one block rounds it."""
     near = next((miss for word in words if (miss := find_near_miss(word)) is not None), None)
     return min(words, key=len) if near is None else near.expression.removeprefix("${").removesuffix("}")

@@ -12,33 +12,34 @@ from urdfcheck.model.robot import Model
 
 
 @fact
-def sibling_joints(model: Model) -> list[tuple[Joint, ...]]:
-    """Groups of moving joints that have the same type, the same number of moving joints before them, and like children.
+def sibling_joints(model: Model) -> tuple[tuple[Joint, ...], ...]:
+    """Group moving joints that have the same type, the same number of moving joints before them, and like children.
 
-    Children are alike in mass, principal moments and the shape of what they draw, whatever they are called and however
-    their frames are turned. A child with neither an inertial nor a mesh is in no group.
+    Children are alike in mass, principal moments and the shape of what they draw, whatever their names and however their
+    frames are turned. A child with neither an inertial nor a mesh is in no group.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     tree = model.tree
     kinds: dict[tuple[str, int], list[tuple[Joint, LinkSignature]]] = {}
     for name in tree.order[1:]:
         joint = tree.parent_joint[name]
-        found = _compute_signature(model, model.link_by_name[name]) if joint.has_axis else None
-        if found is not None:
+        signature = _compute_signature(model, model.link_by_name[name]) if joint.has_axis else None
+        if signature is not None:
             depth = sum(j.is_movable for j in tree.find_path_to(name))
-            kinds.setdefault((joint.type, depth), []).append((joint, found))
+            kinds.setdefault((joint.type, depth), []).append((joint, signature))
     groups = []
     for members in kinds.values():
         for indices in group_by_signature([s for _, s in members]):
             groups.append(tuple(members[i][0] for i in indices))
-    return [group for group in groups if len(group) > 1]
+    return tuple(group for group in groups if len(group) > 1)
 
 
 def find_common_base(model: Model, group: Sequence[Joint]) -> str:
-    """The last link that all joints of a group hang on: in its axes their places and frames were thought of.
+    """Return the last link on which all joints of a group hang: in its axes their author thought of their places and
+    frames.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     paths = [[joint.parent for joint in model.tree.find_path_to(one.child)] for one in group]
     shared: list[str] = [names[0] for names in zip(*paths, strict=False) if len(set(names)) == 1]
@@ -46,9 +47,10 @@ def find_common_base(model: Model, group: Sequence[Joint]) -> str:
 
 
 def trace_fixed_chain(model: Model, joint: Joint, base: str) -> tuple[Joint, ...]:
-    """The fixed joints between the link ``base``, or the moving joint before this one, and this one, and this one last.
+    """Return the fixed joints between the link ``base``, or the moving joint before this one, and this one, with this one
+    last.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     chain = [joint]
     before = model.tree.parent_joint.get(joint.parent)
@@ -69,7 +71,7 @@ def _compute_signature(model: Model, link: Link) -> LinkSignature | None:
 
 
 def _compute_surface_moments(model: Model, link: Link) -> Sequence[float]:
-    """Principal second moments (m²) of the surface of the first mesh that the link draws; empty when there is none.
+    """Compute the principal second moments (m²) of the surface of the first mesh that the link draws; empty without a mesh.
 
     A surface has them whether or not it is closed.
     """

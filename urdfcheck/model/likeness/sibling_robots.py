@@ -1,7 +1,7 @@
-"""Names that the model lacks and another robot of its package, or another variant of it, may have.
+"""Names that the model lacks, and that another robot of its package, or another variant of the model, may have.
 
 A file beside a model (a controller configuration, a semantic description) often serves several robots of one package, or a
-xacro with every choice of its arguments. A name is nowhere only where no file of the package can make it.
+xacro with every choice of its arguments. A name counts as unknown only where no file of the package can make it.
 """
 
 from __future__ import annotations
@@ -11,42 +11,44 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
 from urdfcheck.source.package.finder import BUILD_FOLDERS, format_path
 from urdfcheck.system.files import read_regular, walk
 
 _SUFFIXES = frozenset({".urdf", ".xacro"})
-# Of a hundred published packages none has more files of robots; a larger file is an expanded model among many.
+# Of a hundred published packages none has more robot files than this; a larger file is one of many expanded models.
 _MOST_FILES = 200
 _LARGEST = 1_000_000
 _NAMED = re.compile(r"""<(joint|link)\s[^<>]*?\bname\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
 _QUOTED = re.compile(r""""([^"<>]*)"|'([^'<>]*)'""")
 _EXPRESSION = re.compile(r"\$[({][^)}]*[)}]")
 _PIECE = re.compile(r"[^\W_]+")
-# More expressions in one name are not taken apart: it may become anything.
+# A name with more expressions than this may become anything.
 _MOST_EXPRESSIONS = 3
 _LONGEST = 200
 
 
 @dataclass(frozen=True, eq=False)
 class PackageNames:
-    """What the files of a model and of its package call links and joints."""
+    """The names of links and joints in the files of a model and of its package."""
 
     model: Model
 
     def can_package_have(self, kind: str, name: str) -> bool:
-        """Whether a ``kind`` (link or joint) of this name stands in one of the files, spelled out or with expressions whose
-        values are words of the files."""
+        """Whether a ``kind`` (link or joint) of this name is in one of the files, spelled out or by expressions of known
+        words.
+        """
         return self._can_files_have(kind, name, self._all_names)
 
     def can_variants_have(self, kind: str, name: str) -> bool:
-        """Whether the files that the model is made of can make the name with any arguments."""
+        """Whether the files of the model can make the name with any arguments."""
         files = self._model_names
         spelled = name in files.literal[kind] or any(p.fullmatch(name) for p in files.patterns[kind])
         return spelled or bool(files.anything[kind])
 
     def can_others_have(self, kind: str, name: str) -> bool:
-        """The same for the files that the model itself does not use."""
+        """Whether the files that the model itself does not use can make the name."""
         return self._can_files_have(kind, name, self._other_names)
 
     def _can_files_have(self, kind: str, name: str, files: _DeclaredNames) -> bool:
@@ -74,7 +76,7 @@ class PackageNames:
 
     @cached_property
     def _quoted_words(self) -> frozenset[str]:
-        """The words of everything that stands in quotes."""
+        """The words of everything in quotes."""
         texts = [file.text for file in self.model.source.files.values()] + self._other_texts
         quoted = (found for text in texts for match in _QUOTED.finditer(text) for found in match.groups("") if found)
         return frozenset(piece for found in quoted for piece in _PIECE.findall(_EXPRESSION.sub(" ", found)))
@@ -105,13 +107,22 @@ class PackageNames:
         return texts
 
 
+@fact
+def package_names(model: Model) -> PackageNames:
+    """Return the names in the files of a model and of its package, each file read once."""
+    return PackageNames(model)
+
+
 class _DeclaredNames:
-    """The names in some texts: ``literal`` ones, ``patterns`` of those with expressions, and whether one may be ``anything``."""
+    """The names in some texts, by kind (link or joint)."""
 
     def __init__(self, texts: list[str]) -> None:
         self.literal: dict[str, set[str]] = {"joint": set(), "link": set()}
+        """Spelled out."""
         self.patterns: dict[str, set[re.Pattern[str]]] = {"joint": set(), "link": set()}
+        """With expressions, one group for each."""
         self.anything: dict[str, set[str]] = {"joint": set(), "link": set()}
+        """Those that may become any name."""
         for text in texts:
             for match in _NAMED.finditer(text):
                 kind, name = match.group(1), match.group(2) or match.group(3) or ""

@@ -7,20 +7,14 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import numpy as np
 
 from urdfcheck.core import Located
-from urdfcheck.facts.likeness.revolution import measure_outline
-from urdfcheck.model.ground.wheels import collect_shape_corners
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.robot import Model
-from urdfcheck.source.discover import CONFIG_FOLDERS
 from urdfcheck.source.launch.launch_file import Launch
+from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.ros.controllers import (
-    Controller,
     ControllerConfig,
     find_bringup_configs,
     list_yaml_files,
@@ -29,12 +23,6 @@ from urdfcheck.source.ros.controllers import (
 from urdfcheck.source.ros.srdf import is_about_model, list_srdf_folders
 from urdfcheck.source.text.tokens import find_content_span
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.text.yaml import YamlValue
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 _CONTROL_PLUGIN = re.compile(r"ros2?_control")
 _FIND = re.compile(r"\$\((?:find|find-pkg-share)\s+([^\s()]+)\s*\)")
@@ -42,45 +30,52 @@ _FIND = re.compile(r"\$\((?:find|find-pkg-share)\s+([^\s()]+)\s*\)")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AssociatedConfiguration:
-    """A configuration and what says that it is the model's: ``named`` is where the model (or a launch file that loads the
-    model) names it, None where it lies beside the model and most of its joints are the model's."""
+    """A controller configuration and what makes it the model's."""
 
     configuration: ControllerConfig
     named_at: Located | None
+    """Where the model, or a launch file that loads the model, names it; None where it lies beside the model and most of its
+    joints are the model's.
+    """
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class ParameterFile:
-    """The ``<parameters>`` of a control plugin in the model. ``text`` is the path; ``path`` the file, None where it is not
-    known which, and ``missing`` says that there is none in the package that it names."""
+    """The ``<parameters>`` of a control plugin in the model."""
 
     element: Element
     text: str
+    """The path as it is written, expanded."""
     path: Path | None
+    """The file; None where it is not known which."""
     missing: bool = False
+    """Whether the package that it names has no such file."""
     literal: bool = False
+    """Whether the author typed the path as it is, without an expression."""
 
 
 def find_controller_configs(model: Model) -> list[AssociatedConfiguration]:
-    """The controller configurations of a model: those that it names, and of those in its package, in its MoveIt configuration
-    and in packages that bring it up the ones that fit it."""
-    finder, found = model.source.finder, dict[str, AssociatedConfiguration]()
+    """Find the controller configurations of a model.
+
+    Those that it names; and those that fit it in its package, in its MoveIt configuration and in packages that bring it up.
+    """
+    finder, configs = model.source.finder, dict[str, AssociatedConfiguration]()
     for parameters in list_parameter_files(model):
         if parameters.path is not None:
-            _add_configuration(found, parameters.path, finder, parameters.element)
+            _add_configuration(configs, parameters.path, finder, named_at=parameters.element)
     known = frozenset(model.joint_by_name)
     package = model.package
     srdfs = [srdf for srdf in semantic_descriptions(model) if is_about_model(srdf, model.source)]
     folders = [] if package is None else [package.path / folder for folder in CONFIG_FOLDERS]
     for path in (*list_yaml_files([*folders, *list_srdf_folders(srdfs)]), *find_bringup_configs(model.source)):
-        if os.path.realpath(path) not in found:
-            _add_configuration(found, path, finder, None, known)
-    return list(found.values())
+        if os.path.realpath(path) not in configs:
+            _add_configuration(configs, path, finder, named_at=None, known=known)
+    return list(configs.values())
 
 
 def find_launched_configs(launch: Launch, model: Model) -> list[AssociatedConfiguration]:
-    """The configurations that a launch file loads beside its one robot and that fit it."""
-    found: dict[str, AssociatedConfiguration] = {}
+    """Find the configurations that a launch file loads beside its one robot and that fit the robot."""
+    configs: dict[str, AssociatedConfiguration] = {}
     if launch.root is None or len({description.path for description in launch.descriptions}) != 1:
         return []
     for element in launch.root.walk():
@@ -88,15 +83,16 @@ def find_launched_configs(launch: Launch, model: Model) -> list[AssociatedConfig
         attribute = element.attributes.get(name)
         path = None if attribute is None else _resolve_launch_path(attribute.value, launch)
         if attribute is not None and path is not None:
-            _add_configuration(found, path, launch.finder, attribute, frozenset(model.joint_by_name))
-    return list(found.values())
+            _add_configuration(configs, path, launch.finder, named_at=attribute, known=frozenset(model.joint_by_name))
+    return list(configs.values())
 
 
 def _add_configuration(
-    found: dict[str, AssociatedConfiguration],
+    configs: dict[str, AssociatedConfiguration],
     path: Path,
     finder: PackageFinder,
-    named: Located | None,
+    *,
+    named_at: Located | None,
     known: frozenset[str] | None = None,
 ) -> None:
     """Read a configuration; where ``known`` is given, at least half of the joints it names must be among these."""
@@ -105,11 +101,11 @@ def _add_configuration(
         return
     names = configuration.joint_names
     if known is None or 2 * len(names & known) >= len(names):
-        found[os.path.realpath(path)] = AssociatedConfiguration(configuration, named)
+        configs[os.path.realpath(path)] = AssociatedConfiguration(configuration, named_at)
 
 
 def list_parameter_files(model: Model) -> Iterator[ParameterFile]:
-    """What the control plugins of the model name as their parameters."""
+    """Yield what the control plugins of the model name as their parameters."""
     for block in model.robot.find_children("gazebo"):
         for plugin in block.find_children("plugin"):
             if not _CONTROL_PLUGIN.search(plugin.get("filename")):
@@ -126,21 +122,21 @@ def _resolve_parameter_file(model: Model, element: Element, text: str) -> Parame
     path = Path(text)
     own = source.package
     if not path.is_absolute():
-        return ParameterFile(element, text, None, literal=literal)
+        return ParameterFile(element=element, text=text, path=None, literal=literal)
     if literal:
-        # A path of the author's machine: of its own package the file is known all the same.
+        # A path on the author's machine: a file of the model's own package is known all the same.
         tail = None if own is None else text.rpartition(f"/{own.name}/")[2]
         inside = None if own is None or tail is None or tail == text else own.path / tail
         known = inside if inside is not None and source.finder.can_open(inside) and os.path.isfile(inside) else None
-        return ParameterFile(element, text, known, literal=True)
+        return ParameterFile(element=element, text=text, path=known, literal=True)
     if not source.finder.can_open(path):
-        return ParameterFile(element, text, None)
-    exists = os.path.isfile(path)  # of a name too long pathlib raises
-    return ParameterFile(element, text, path if exists else None, missing=not exists)
+        return ParameterFile(element=element, text=text, path=None)
+    exists = os.path.isfile(path)  # pathlib raises for a name that is too long
+    return ParameterFile(element=element, text=text, path=path if exists else None, missing=not exists)
 
 
 def _resolve_launch_path(text: str, launch: Launch) -> Path | None:
-    """A path in a launch file, None where its arguments decide."""
+    """Resolve a path in a launch file; None where its arguments decide."""
     match = _FIND.match(text.strip())
     folder = None if match is None else launch.finder.find(match.group(1))
     rest = "" if match is None else text.strip()[match.end() :]
@@ -154,7 +150,7 @@ def _resolve_launch_path(text: str, launch: Launch) -> Path | None:
 
 
 def collect_command_interfaces(model: Model) -> dict[str, set[str]] | None:
-    """The command interfaces of each joint in the model's ``<ros2_control>`` blocks; None where it has none of them."""
+    """Collect the command interfaces of each joint in the model's ``<ros2_control>`` blocks; None where it has no such block."""
     blocks = model.robot.find_children("ros2_control")
     if not blocks:
         return None
@@ -164,66 +160,3 @@ def collect_command_interfaces(model: Model) -> dict[str, set[str]] | None:
             names = {element.get("name") for element in component.find_children("command_interface")}
             offered.setdefault(component.get("name"), set()).update(names)
     return offered
-
-
-# -- wheels of a differential drive -------------------------------------------------------------------------------------
-
-
-def list_drive_wheels(controller: Controller) -> tuple[list[YamlValue], list[YamlValue]]:
-    """The wheel joints that a differential drive names on its left and on its right."""
-    kinds = ("left_wheel", "left_wheel_names"), ("right_wheel", "right_wheel_names")
-    left, right = ([j for name in kind if (j := controller.parameters.get(name)) is not None] for kind in kinds)
-    return [j for value in left for j in value.items or (value,)], [
-        j for value in right for j in value.items or (value,)
-    ]
-
-
-def measure_wheel_radii(model: Model, joint: str) -> list[float]:
-    """The radii (m) about its axis of what the joint's child collides as and draws, where these are round and known.
-
-    :raises Unavailable: when the tree is broken or an origin is malformed.
-    """
-    axis = model.axes.get(joint)
-    if axis is None:
-        return []
-    link = model.link_by_name[model.joint_by_name[joint].child]
-    return [
-        float(seen.radius)
-        for placed in _place_link_points(model, link.name)
-        if (seen := measure_outline(placed, axis, _locate_joint(model, joint))).is_round()
-    ]
-
-
-def measure_wheel_separations(model: Model, left: str, right: str) -> list[float]:
-    """The distances (m) along their common axis between two wheels: of the joints, and of the middles of what is known of
-    the wheels; none where the axes are not parallel.
-
-    :raises Unavailable: when the tree is broken or an origin is malformed.
-    """
-    axes = model.axes
-    if left not in axes or right not in axes or abs(float(axes[left] @ axes[right])) < 0.99:
-        return []
-    axis = axes[left]
-    found = [abs(float((_locate_joint(model, left) - _locate_joint(model, right)) @ axis))]
-    one, other = _compute_wheel_middles(model, left, axis), _compute_wheel_middles(model, right, axis)
-    return [*found, *(abs(a - b) for a, b in zip(one, other, strict=False))]
-
-
-def _compute_wheel_middles(model: Model, joint: str, axis: Array) -> list[float]:
-    placed = _place_link_points(model, model.joint_by_name[joint].child)
-    return [float(along.min() + along.max()) / 2 for points in placed for along in (points @ axis,)]
-
-
-def _place_link_points(model: Model, name: str) -> Iterator[Array]:
-    """Points in root coordinates on what a link collides as, and on what it draws."""
-    link, frame = model.link_by_name[name], model.frames[name]
-    for shapes in (link.collisions, link.visuals):
-        points = collect_shape_corners(model, shapes)
-        if points is not None and len(points):
-            yield points @ frame[:3, :3].T + frame[:3, 3]
-
-
-def _locate_joint(model: Model, joint: str) -> Array:
-    """Where a joint is (3,), in root coordinates."""
-    at: Array = model.frames[model.joint_by_name[joint].child][:3, 3]
-    return at

@@ -19,27 +19,27 @@ from urdfcheck.model.parts import Joint
 from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.source.text.values import read_attribute_number
-from urdfcheck.system.array_cache import origin_of, version_of
+from urdfcheck.system.array_cache import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from urdfcheck.facts.arrays import Array, Bools
     from urdfcheck.system.array_cache import Arrays
 
-    Array = NDArray[np.float64]
 
 # Eigenvalues of all mass matrices would cost more than everything else, and a median settles soon.
 _MATRIX_SAMPLES = 32
-# Tops are climbed from so many of the worst samples: from twelve, five robots got none that is higher.
+# A maximum is climbed to from this many of the worst samples: from twelve, no maximum of five robots was higher.
 _CLIMB_STARTS = 3
-# A top is climbed for so many joints, times all joints that are moved for it: for all of a robot with 101, the most in
-# published ones, and of one with 250 for the worst 42. What was sampled is told of the others.
+# Maxima are climbed to for this many joints, times all joints that are moved for it: for all of a robot with 101, the most in
+# published ones, and for the worst 42 of one with 250. Of the others the largest sample is reported.
 _MOST_CLIMBED = 10_500
-# Configurations whose mass matrices are held at once.
+# Configurations whose mass matrices are in memory together.
 _BATCH_SIZE = 500
-# A single link is to blame for a condition number that a hundredth more inertia behind its joint makes ten times smaller.
+# A link is the cause of a condition number that a hundredth more inertia behind its joint makes ten times smaller.
 _RELIEF = 10.0
-# Links of one mass on different branches are one part that was used several times.
+# Links whose masses differ by less than this share, on different branches, are one part that was used several times.
 _ALIKE = 1e-3
 _ROLLING = re.compile(r"wheel|tyre|cast[eo]r", re.IGNORECASE)
 _AFLOAT = re.compile(r"buoyan|hydrodynam|underwater", re.IGNORECASE)
@@ -53,45 +53,45 @@ _CODE_MODULES = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Overload:
-    """A joint that holds more than its effort limit in some configuration.
-
-    ``torque`` (N·m or N, positive): the most that was found, at ``pose``, the values (rad or m) of the joints that it
-    depends on; ``count``: in how many of the sampled configurations the limit is too small.
-    """
+    """A joint that holds more than its effort limit in some configuration."""
 
     joint: Joint
     torque: float
+    """The most that was computed, N·m or N, positive."""
     joint_values: Mapping[str, float]
+    """Where: the values (rad or m) of the joints that it depends on, by name."""
     count: int
+    """The number of sampled configurations in which the limit is too small."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class MassMatrixSummary:
-    """How easily the joints move.
-
-    ``number``: the median condition number of the scaled mass matrix. ``light``: the joint behind which too little
-    inertia is the cause of it, None where there is no single one; it moves ``moved`` kg m² (kg) in the median
-    configuration, of which ``own`` are its own body's.
-
-    ``felt``: the least inertia that each joint feels in any configuration while the others move freely. ``rate`` (1/s): the
-    fastest decay of velocities under the damping of all joints that are integrated explicitly, in the configuration in
-    which one joint's own decay is the fastest.
-    """
+    """How easily the joints move."""
 
     condition_number: float
+    """The median condition number of the scaled mass matrix."""
     light_joint: Joint | None
+    """The joint behind which too little inertia causes it; None where there is no single one."""
     own_inertia: float
+    """What the light joint's own body has of ``moved_inertia``."""
     moved_inertia: float
+    """What the light joint moves in the median configuration, kg m² (kg)."""
     effective_inertias: Mapping[str, float]
+    """The least inertia that each joint feels in any configuration while the others move freely."""
     decay_rate: float
+    """1/s. The fastest decay of velocities under the damping of all joints that are integrated explicitly, in the
+    configuration in which one joint's own decay is the fastest.
+    """
 
 
 def find_overloads(model: Model) -> tuple[Overload, ...]:
-    """The driven joints that cannot hold the robot against gravity wherever their limits allow, root fixed and upright.
+    """Find the driven joints that cannot hold the robot against gravity wherever their limits allow, root fixed and
+    upright.
 
-    The torque on a follower counts for its leader, times the multiplier. Joints that are :func:`find_supported_joints` are left out.
+    The torque on a follower counts for its leader, times the multiplier. The joints of :func:`find_supported_joints` are
+    left out.
 
-    :raises Unavailable: when Pinocchio has no model, or a mass is negative.
+    :raises FactUnavailableError: when Pinocchio has no model, or a mass is negative.
     """
     for link in model.links:
         if link.inertial is not None and (link.inertial.mass or 0.0) < 0:
@@ -99,56 +99,61 @@ def find_overloads(model: Model) -> tuple[Overload, ...]:
     poses = sample_configurations(model, model.samples)
     if not poses.joints:
         return ()
-    found = _recall_or_compute(model, "statics", lambda: _compute_statics(model, poses))
-    moved = _compute_joint_coupling(poses)
+    arrays = _recall_or_compute(model, "statics", lambda: _compute_statics(model, poses))
+    coupling = _compute_joint_coupling(poses)
 
-    def select_joint_values(place: int, values: Array) -> dict[str, float]:
-        near = _find_involved_joints(model, poses, moved, place)
-        return {joint.name: float(v) for joint, v, n in zip(poses.joints, values, near, strict=True) if n}
+    def select_joint_values(index: int, values: Array) -> dict[str, float]:
+        involved = _find_involved_joints(model, poses, coupling=coupling, index=index)
+        return {j.name: float(v) for j, v, counts in zip(poses.joints, values, involved, strict=True) if counts}
 
-    where = zip(found["joint"], found["torque"], found["values"], found["count"], strict=True)
+    rows = zip(arrays["joint"], arrays["torque"], arrays["values"], arrays["count"], strict=True)
     return tuple(
-        Overload(poses.joints[i], float(torque), select_joint_values(i, values), int(count))
-        for i, torque, values, count in where
+        Overload(
+            joint=poses.joints[i],
+            torque=float(torque),
+            joint_values=select_joint_values(i, values),
+            count=int(count),
+        )
+        for i, torque, values, count in rows
     )
 
 
 def summarize_mass_matrix(model: Model) -> MassMatrixSummary | None:
-    """How the joint-space inertia is spread, with every joint free, followers too; None where no joint moves.
+    """Summarize how the joint-space inertia is spread, with every joint free, followers too; None where no joint moves.
 
-    :raises Unavailable: when Pinocchio has no model, or a body that moves has no mass or no inertia.
+    :raises FactUnavailableError: when Pinocchio has no model, or a body that moves has no mass or no inertia.
     """
     poses = sample_configurations(model, model.samples)
     if not poses.joints:
         return None
     _ensure_inertias(model)
-    found = _recall_or_compute(model, "mobility", lambda: _measure_mass_matrix(model, poses))
-    number, light, own, moved, rate = found["summary"].tolist()
+    arrays = _recall_or_compute(model, "mobility", lambda: _measure_mass_matrix(model, poses))
+    number, light, own, moved, rate = arrays["summary"].tolist()
     return MassMatrixSummary(
-        number,
-        None if light < 0 else poses.joints[int(light)],
-        own,
-        moved,
-        {joint.name: float(value) for joint, value in zip(poses.joints, found["felt"], strict=True)},
-        rate,
+        condition_number=number,
+        light_joint=None if light < 0 else poses.joints[int(light)],
+        own_inertia=own,
+        moved_inertia=moved,
+        effective_inertias={j.name: float(value) for j, value in zip(poses.joints, arrays["felt"], strict=True)},
+        decay_rate=rate,
     )
 
 
 def read_damping(joint: Joint) -> float:
-    """Viscous damping in N·m·s/rad or N·s/m; 0 where none is given."""
+    """Read the viscous damping in N·m·s/rad or N·s/m; 0 where none is given."""
     return max(read_attribute_number(joint.element.find_child("dynamics"), "damping") or 0.0, 0.0)
 
 
 def list_implicit_joints(model: Model) -> frozenset[str]:
-    """The joints for which the file asks Gazebo to integrate the damping implicitly."""
+    """Return the joints for which the file asks Gazebo to integrate the damping implicitly."""
     return frozenset(_find_gazebo_references(model, {"implicitSpringDamper", "cfmDamping"}, {"true", "1"}))
 
 
 def find_supported_joints(model: Model) -> frozenset[str]:
-    """The joints whose load the tree does not tell, because something else than their motor takes a part of it.
+    """Return the joints whose load the tree does not show, because something other than their motor takes a part of it.
 
-    The robot is afloat, something behind them stands on the ground, has its gravity turned off or belongs to a loop that
-    Gazebo closes, or a spring turns them.
+    The robot is afloat; or something behind the joint is on the ground, has its gravity turned off or belongs to a loop
+    that Gazebo closes; or a spring turns the joint.
     """
     tree = model.tree
     plugins = [plugin for gazebo in model.robot.find_children("gazebo") for plugin in gazebo.find_children("plugin")]
@@ -158,18 +163,20 @@ def find_supported_joints(model: Model) -> frozenset[str]:
     weightless = _find_gazebo_references(model, {"turnGravityOff"}, {"true", "1"}) | _find_gazebo_references(
         model, {"gravity"}, {"false", "0"}
     )
-    found = {joint.name for name in (on_the_ground | weightless) & set(tree.order) for joint in tree.find_path_to(name)}
+    supported = {
+        joint.name for name in (on_the_ground | weightless) & set(tree.order) for joint in tree.find_path_to(name)
+    }
     for loop in (joint for gazebo in model.robot.find_children("gazebo") for joint in gazebo.find_children("joint")):
         ends = [element.text.strip() for tag in ("parent", "child") if (element := loop.find_child(tag)) is not None]
         paths = [{joint.name for joint in tree.find_path_to(name)} for name in ends if name in tree.order]
-        found |= paths[0] ^ paths[1] if len(paths) == 2 else set().union(*paths)
+        supported |= paths[0] ^ paths[1] if len(paths) == 2 else set().union(*paths)
     return frozenset(
-        found | {g.get("reference") for g in model.robot.find_children("gazebo") if g.find_child("springStiffness")}
+        supported | {g.get("reference") for g in model.robot.find_children("gazebo") if g.find_child("springStiffness")}
     )
 
 
 def _find_gazebo_references(model: Model, tags: set[str], answers: set[str]) -> set[str]:
-    """The links and joints to which a ``<gazebo reference>`` gives one of these tags with one of these words."""
+    """Return the links and joints to which a ``<gazebo reference>`` gives one of these tags with one of these words."""
     return {
         gazebo.get("reference")
         for gazebo in model.robot.find_children("gazebo")
@@ -179,13 +186,13 @@ def _find_gazebo_references(model: Model, tags: set[str], answers: set[str]) -> 
 
 
 def _recall_or_compute(model: Model, group: str, compute: Callable[[], Arrays]) -> Arrays:
-    """The arrays of a group, from the cache where the same model was looked at in the same way."""
-    asked = (" ".join(sorted(names)) for names in (find_supported_joints(model), list_implicit_joints(model)))
+    """Return the arrays of a group, from the cache where it holds them for the same model and settings."""
+    excepted = (" ".join(sorted(names)) for names in (find_supported_joints(model), list_implicit_joints(model)))
     parts = (
-        version_of(*_CODE_MODULES, library=origin_of("pinocchio")),
-        write_without_geometry(model.robot),
+        compute_code_version(*_CODE_MODULES, library=find_library_origin("pinocchio")),
+        write_without_geometry(model),
         str(model.samples),
-        *asked,
+        *excepted,
     )
     entry = model.cache.entry("dynamics", hashlib.sha256("\0".join(parts).encode()).hexdigest())
     if group not in entry:
@@ -201,22 +208,24 @@ def _get_pinocchio_model(model: Model) -> Any:
 
 
 def _compute_statics(model: Model, poses: JointConfigurations) -> Arrays:
-    """Of each joint that holds more than its effort: ``joint`` (K,) its place in ``poses``, ``torque`` (K,), ``values``
-    (K, J) where, and ``count`` (K,) of configurations."""
+    """Compute the joints that hold more than their effort.
+
+    ``joint`` (K,) their indices in ``poses``, ``torque`` (K,), ``values`` (K, J) where, and ``count`` (K,) of configurations.
+    """
     built = _get_pinocchio_model(model)
     data = built.createData()
     places = dynamics.locate_joint_coordinates(built, [joint.name for joint in poses.joints])
-    moved = _compute_joint_coupling(poses)
+    coupling = _compute_joint_coupling(poses)
 
     def compute_torques(of: int | slice, values: Array) -> Array:
         every = dynamics.compute_gravity_torques(built, data, dynamics.build_configurations(places, values))
-        held: Array = every[:, places.velocity] @ moved[:, of]
-        return held
+        torques: Array = every[:, places.velocity] @ coupling[:, of]
+        return torques
 
     size = np.abs(compute_torques(slice(None), poses.values))
-    excused = find_supported_joints(model)
+    supported = find_supported_joints(model)
     efforts = np.array([_get_effort_limit(joint) for joint in poses.joints])
-    efforts[moved.T @ [joint.name in excused for joint in poses.joints] != 0] = np.inf
+    efforts[coupling.T @ [joint.name in supported for joint in poses.joints] != 0] = np.inf
     count = (size > efforts).sum(axis=0)
     ranges = np.array([get_sampling_range(joint) for joint in poses.joints])
     over = np.flatnonzero(count)
@@ -228,11 +237,12 @@ def _compute_statics(model: Model, poses: JointConfigurations) -> Arrays:
             worst = int(size[:, i].argmax())
             loads.append(dynamics.JointLoad(float(size[worst, i]), poses.values[worst]))
             continue
-        near = _find_involved_joints(model, poses, moved, int(i))
-        tried = np.flatnonzero(moved[near].any(axis=0)).tolist()
+        involved = _find_involved_joints(model, poses, coupling=coupling, index=int(i))
+        tried = np.flatnonzero(coupling[involved].any(axis=0)).tolist()
         starts = poses.values[np.argsort(-size[:, i], kind="stable")[:_CLIMB_STARTS]]
+        compute = partial(compute_torques, int(i))
         tops = [
-            dynamics.find_largest_load(partial(compute_torques, int(i)), start, ranges, moved, tried)
+            dynamics.find_largest_load(compute, start=start, ranges=ranges, coupling=coupling, joints=tried)
             for start in starts
         ]
         loads.append(max(tops, key=lambda top: top.torque))
@@ -246,7 +256,11 @@ def _compute_statics(model: Model, poses: JointConfigurations) -> Arrays:
 
 
 def _measure_mass_matrix(model: Model, poses: JointConfigurations) -> Arrays:
-    """``summary`` (5,): number, place of the light joint in ``poses`` or -1, own, moved, rate; ``felt`` (J,)."""
+    """Measure the mass matrices.
+
+    ``summary`` (5,): condition number, index of the light joint in ``poses`` or -1, its own and its moved inertia, decay rate;
+    ``felt`` (J,): the effective inertias.
+    """
     built = _get_pinocchio_model(model)
     data = built.createData()
     places = dynamics.locate_joint_coordinates(built, [joint.name for joint in poses.joints])
@@ -263,15 +277,16 @@ def _measure_mass_matrix(model: Model, poses: JointConfigurations) -> Arrays:
     )[:, columns]
     worst = dynamics.measure_conditioning(matrices)
     light, own, moved = -1, 0.0, 0.0
-    for i in _find_limiting_joints(model, poses.joints, matrices, columns, worst):
-        mine = dynamics.compute_own_inertia(built, poses.joints[i].name, q[worst.index])
-        all_of_it = float(matrices[worst.index, columns[i], columns[i]])
-        if mine < all_of_it * dynamics.ADDED_INERTIA_SHARE:
-            light, own, moved = i, mine, all_of_it
+    limiting = _find_limiting_joints(model, poses.joints, matrices=matrices, columns=columns, worst=worst)
+    for i in limiting:
+        own_inertia = dynamics.compute_own_inertia(built, poses.joints[i].name, q[worst.index])
+        moved_inertia = float(matrices[worst.index, columns[i], columns[i]])
+        if own_inertia < moved_inertia * dynamics.ADDED_INERTIA_SHARE:
+            light, own, moved = i, own_inertia, moved_inertia
             break
     dampings = np.zeros(built.nv)
-    asked = list_implicit_joints(model)
-    dampings[columns] = [0.0 if joint.name in asked else read_damping(joint) for joint in poses.joints]
+    implicit = list_implicit_joints(model)
+    dampings[columns] = [0.0 if joint.name in implicit else read_damping(joint) for joint in poses.joints]
     fastest = int((dampings[columns] / felt).max(axis=1).argmax())
     (inverse,) = dynamics.compute_inverse_mass_matrices(built, data, q[[fastest]])
     rate = dynamics.compute_damping_rate(inverse, dampings) if dampings.any() else 0.0
@@ -280,12 +295,18 @@ def _measure_mass_matrix(model: Model, poses: JointConfigurations) -> Arrays:
 
 
 def _find_limiting_joints(
-    model: Model, joints: Sequence[Joint], matrices: Array, columns: NDArray[np.intp], worst: dynamics.Conditioning
+    model: Model,
+    joints: Sequence[Joint],
+    *,
+    matrices: Array,
+    columns: NDArray[np.intp],
+    worst: dynamics.Conditioning,
 ) -> Iterator[int]:
-    """The joints behind which more inertia would mend the condition number by itself, or with their twins."""
-    if (
-        worst.number * dynamics.ADDED_INERTIA_SHARE < 1
-    ):  # no body is that light: two joints alone would make it 4 / SHARE
+    """Yield the joints behind which more inertia would repair the condition number, alone or with their like on other
+    branches.
+    """
+    # With a body as light as that, two joints alone would make the number 4 / SHARE.
+    if worst.number * dynamics.ADDED_INERTIA_SHARE < 1:
         return
     for i in np.argsort(-np.abs(worst.direction[columns]), kind="stable")[:3].tolist():
         alike = columns[[i, *_find_equal_mass_joints(model, joints, i)]]
@@ -293,19 +314,19 @@ def _find_limiting_joints(
             yield i
 
 
-def _find_equal_mass_joints(model: Model, joints: Sequence[Joint], place: int) -> list[int]:
-    """The joints on other branches that move a body of the same mass."""
+def _find_equal_mass_joints(model: Model, joints: Sequence[Joint], index: int) -> list[int]:
+    """Return the joints on other branches that move a body of the same mass."""
     masses = [compute_body_mass(model, model.tree.list_body_links(joint.child)) or 0.0 for joint in joints]
-    chain = _collect_chain_names(model, joints[place])
+    chain = _collect_chain_names(model, joints[index])
     return [
         k
         for k, joint in enumerate(joints)
-        if joint.name not in chain and abs(masses[k] - masses[place]) <= _ALIKE * masses[place]
+        if joint.name not in chain and abs(masses[k] - masses[index]) <= _ALIKE * masses[index]
     ]
 
 
 def _collect_chain_names(model: Model, joint: Joint) -> frozenset[str]:
-    """The names of a joint, of those before it and of those behind it."""
+    """Return the names of a joint, of those before it and of those behind it."""
     tree = model.tree
     behind = [joint]
     for other in behind:
@@ -313,15 +334,15 @@ def _collect_chain_names(model: Model, joint: Joint) -> frozenset[str]:
     return frozenset(other.name for other in (*tree.find_path_to(joint.parent), *behind))
 
 
-def _find_involved_joints(model: Model, poses: JointConfigurations, moved: Array, place: int) -> NDArray[np.bool_]:
-    """(J,): which joints decide what a joint holds, with all that follow it."""
+def _find_involved_joints(model: Model, poses: JointConfigurations, *, coupling: Array, index: int) -> Bools:
+    """Return (J,) which joints decide what a joint holds, with all that follow it."""
     names = [joint.name for joint in poses.joints]
-    chains = [_collect_chain_names(model, poses.joints[k]) for k in np.flatnonzero(moved[:, place])]
+    chains = [_collect_chain_names(model, poses.joints[k]) for k in np.flatnonzero(coupling[:, index])]
     return np.array([any(name in chain for chain in chains) for name in names])
 
 
 def _compute_joint_coupling(poses: JointConfigurations) -> Array:
-    """(J, J): column i is how all joints move with joint i; empty for a follower, which moves with its leader."""
+    """Compute (J, J): column i is how all joints move with joint i; empty for a follower, which moves with its leader."""
     count = len(poses.joints)
     still, single = (
         apply_mimics(JointConfigurations(poses.joints, v)).values for v in (np.zeros((1, count)), np.eye(count))
@@ -331,13 +352,16 @@ def _compute_joint_coupling(poses: JointConfigurations) -> Array:
 
 
 def _get_effort_limit(joint: Joint) -> float:
-    """The effort limit of a driven joint; infinite where there is none to compare with (JNT007 reports zero)."""
+    """Return the effort limit of a driven joint; infinite where there is none to compare with (JNT007 reports zero)."""
     effort = joint.get_limit_value("effort")
     return effort if joint.is_driven and effort is not None and effort > 0 else np.inf
 
 
 def _ensure_inertias(model: Model) -> None:
-    """:raises Unavailable: when a body that moves has no mass, or its tensor is not that of a body."""
+    """Refuse bodies that move and have no proper inertia.
+
+    :raises FactUnavailableError: when a body that moves has no mass, or its tensor is not that of a body.
+    """
     for body in list_rigid_bodies(model):
         if not body.is_movable:
             continue

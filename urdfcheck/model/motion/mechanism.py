@@ -1,4 +1,4 @@
-"""A robot as a mechanism that can be let go on a plane."""
+"""A robot as a mechanism that a simulator can release on a plane."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.facts.arrays import Array
 from urdfcheck.facts.motion.simulation import (
     Follower,
     Geom,
@@ -20,80 +20,81 @@ from urdfcheck.facts.motion.simulation import (
 )
 from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.joint_loads import read_damping
-from urdfcheck.model.parts import MOVING_TYPES, Joint, Link, Shape
+from urdfcheck.model.parts import GROUND_NAMES, MOVING_TYPES, Joint, Link, Shape
 from urdfcheck.model.rigid_bodies import compute_body_inertia, compute_body_mass, is_point_mass, list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
-from urdfcheck.model.shapes.solids import compute_drawn_scale
+from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
 from urdfcheck.source.text.values import read_attribute_number
 
-Array = NDArray[np.float64]
-
-# Shapes that are simulated. Published robots have up to a few hundred.
+# Published robots have up to a few hundred shapes that may touch the ground.
 MOST_SHAPES = 2_000
-# A flat mesh becomes a plate that extends so far (m) to either side.
+# A flat mesh becomes a plate that extends this far (m) to either side.
 _THIN = 1e-4
-# A root of these names is the ground itself.
-GROUND = frozenset({"world", "map"})
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class StandingRobot:
-    """``mechanism``; ``heads``: the first link of each of its bodies, and the ``joints`` on which they hang (None for a free
-    root); ``links`` of its geoms; ``fixed``: why the root cannot move, empty if it can; ``drawn``: whether the geoms are what
-    the robot draws, because it collides with nothing; ``ground`` (m): the lowest point in the root's frame; ``size`` (m): the
-    diagonal of the box round the geoms."""
+    """A robot on a plane at its lowest point, ready to be released in a simulator."""
 
     mechanism: Mechanism
     heads: tuple[str, ...]
+    """The first link of each of its bodies."""
     joints: tuple[Joint | None, ...]
+    """The joint on which each body hangs; None for a free root."""
     links: tuple[str, ...]
+    """The link of each geom."""
     fixed_reason: str
+    """Why the root cannot move; empty if it can."""
     uses_visuals: bool
+    """Whether the geoms are what the robot draws, because it has no collision shapes."""
     ground: float
+    """Metres: the lowest point in the root's frame."""
     size: float
+    """Metres: the diagonal of the box around the geoms."""
 
 
 def build_standing_robot(model: Model) -> StandingRobot:
-    """The robot at its neutral pose (every joint at zero, or at the limit nearest to it).
+    """Build the robot at its neutral pose (every joint at zero, or at the limit nearest to it).
 
-    :raises Unavailable: when the tree is broken, a body that moves has no mass or no inertia, a shape is not known, or the
-        robot is too large.
+    :raises FactUnavailableError: when the tree is broken, a body that moves has no mass or no inertia, a shape is not
+        known, or the robot is too large.
     """
     tree = model.tree
     neutral = poses.make_neutral_configuration(model)
     poses.ensure_few_joints(neutral.joints)
-    placed = {name: frame[0] for name, frame in poses.compute_frames(model, neutral).items()}
-    fixed = _explain_fixed_root(model)
-    wholes = [body for body in list_rigid_bodies(model) if body.is_movable or not fixed]
-    if not wholes or (fixed and not any(body.is_movable for body in wholes)):
+    frames = {name: frame[0] for name, frame in poses.compute_frames(model, neutral).items()}
+    fixed_reason = _explain_fixed_root(model)
+    bodies = [body for body in list_rigid_bodies(model) if body.is_movable or not fixed_reason]
+    if not bodies or (fixed_reason and not any(body.is_movable for body in bodies)):
         raise FactUnavailableError("nothing of the robot can move")
-    heads = tuple(body.links[0] for body in wholes)
-    member = {name: place for place, body in enumerate(wholes) for name in body.links}
+    heads = tuple(body.links[0] for body in bodies)
+    member = {name: index for index, body in enumerate(bodies) for name in body.links}
     joints = tuple(tree.parent_joint.get(head) for head in heads)
-    shapes, drawn = _collect_contact_shapes(model)
-    geoms = tuple(_make_geom(model, link, shape, member, heads) for link, shape in shapes)
-    where = [placed[heads[geom.body]] if geom.body >= 0 else np.eye(4) for geom in geoms]
+    shapes, uses_visuals = _collect_contact_shapes(model)
+    geoms = tuple(_make_geom(model, link, shape, member=member, heads=heads) for link, shape in shapes)
+    placements = [frames[heads[geom.body]] if geom.body >= 0 else np.eye(4) for geom in geoms]
+    values = neutral.to_values_by_name(0)
     return StandingRobot(
-        Mechanism(
-            tuple(_make_body(model, body.links, member, heads, neutral.to_values_by_name(0)) for body in wholes),
-            geoms,
-            tuple(_list_followers(joints)),
-            bool(fixed),
+        mechanism=Mechanism(
+            bodies=tuple(_make_body(model, body.links, member=member, heads=heads, values=values) for body in bodies),
+            geoms=geoms,
+            followers=tuple(_list_followers(joints)),
+            grounded=bool(fixed_reason),
         ),
-        heads,
-        joints,
-        tuple(link.name for link, _ in shapes),
-        fixed,
-        drawn,
-        min(compute_lowest_height(geom, at) for geom, at in zip(geoms, where, strict=True)),
-        _compute_diagonal(geoms, where),
+        heads=heads,
+        joints=joints,
+        links=tuple(link.name for link, _ in shapes),
+        fixed_reason=fixed_reason,
+        uses_visuals=uses_visuals,
+        ground=min(compute_lowest_height(geom, at) for geom, at in zip(geoms, placements, strict=True)),
+        size=_compute_diagonal(geoms, placements),
     )
 
 
 def _explain_fixed_root(model: Model) -> str:
     root = model.tree.root
-    if root in GROUND:
+    if root in GROUND_NAMES:
         return f"its root is {root}"
     mass = compute_body_mass(model, model.tree.list_body_links(root))
     if mass is None:
@@ -104,13 +105,18 @@ def _explain_fixed_root(model: Model) -> str:
 
 
 def _make_body(
-    model: Model, links: tuple[str, ...], member: Mapping[str, int], heads: Sequence[str], values: Mapping[str, float]
+    model: Model,
+    links: tuple[str, ...],
+    *,
+    member: Mapping[str, int],
+    heads: Sequence[str],
+    values: Mapping[str, float],
 ) -> RigidBody:
     joint = model.tree.parent_joint.get(links[0])
-    whole = compute_body_inertia(model, links)
-    if whole is None or not whole[0] > 0:
+    inertia = compute_body_inertia(model, links)
+    if inertia is None or not inertia[0] > 0:
         raise FactUnavailableError(f"link {links[0]!r} moves and has no mass (INR001, INR002)")
-    mass, com, tensor = whole
+    mass, com, tensor = inertia
     if len(links) == 1 and (inertial := model.link_by_name[links[0]].inertial) is not None and is_point_mass(inertial):
         raise FactUnavailableError(f"link {links[0]!r} moves and has no inertia (INR004)")
     frame = model.frames[links[0]]
@@ -118,52 +124,52 @@ def _make_body(
     parent = -1 if joint is None else member.get(joint.parent, -1)
     above = model.frames[heads[parent]] if parent >= 0 else np.eye(4)
     return RigidBody(
-        parent,
-        np.linalg.inv(above) @ frame,
-        _make_hinge(joint, values),
-        mass,
-        turn.T @ (com - frame[:3, 3]),
-        turn.T @ tensor @ turn,
+        parent=parent,
+        pose=np.linalg.inv(above) @ frame,
+        joint=_make_simulated_joint(joint, values),
+        mass=mass,
+        com=turn.T @ (com - frame[:3, 3]),
+        inertia=turn.T @ tensor @ turn,
     )
 
 
-def _make_geom(model: Model, link: Link, shape: Shape, member: Mapping[str, int], heads: Sequence[str]) -> Geom:
+def _make_geom(model: Model, link: Link, shape: Shape, *, member: Mapping[str, int], heads: Sequence[str]) -> Geom:
     body, pose = member.get(link.name, -1), shape.origin.matrix
-    assert pose is not None
-    own = model.frames[heads[body]] if body >= 0 else np.eye(4)
-    kind = "hull" if shape.kind == "mesh" else shape.kind or ""
+    assert pose is not None  # see _collect_contact_shapes
+    head_frame = model.frames[heads[body]] if body >= 0 else np.eye(4)
     return Geom(
-        body,
-        kind,
-        shape.size or (),
-        np.linalg.inv(own) @ model.frames[link.name] @ pose,
-        _compute_hull_points(model, shape),
+        body=body,
+        kind="hull" if shape.kind == "mesh" else shape.kind or "",
+        size=shape.size or (),
+        pose=np.linalg.inv(head_frame) @ model.frames[link.name] @ pose,
+        points=_compute_hull_points(model, shape),
     )
 
 
-def _make_hinge(joint: Joint | None, values: Mapping[str, float]) -> SimulatedJoint:
+def _make_simulated_joint(joint: Joint | None, values: Mapping[str, float]) -> SimulatedJoint:
     if joint is None or joint.type == "floating":
-        return SimulatedJoint("floating", np.array((0.0, 0.0, 1.0)))
+        return SimulatedJoint(kind="floating", axis=np.array((0.0, 0.0, 1.0)))
     if joint.type not in MOVING_TYPES:
         raise FactUnavailableError(f"the type of joint {joint.name!r} is not known (KIN009)")
     if joint.axis is None or not any(joint.axis):
         raise FactUnavailableError(f"the axis of joint {joint.name!r} is zero or malformed (JNT001, XML007)")
-    axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
+    axis = poses.normalize_axis(joint)
     if joint.type == "planar":
-        return SimulatedJoint("planar", axis)
+        return SimulatedJoint(kind="planar", axis=axis)
+    friction = read_attribute_number(joint.element.find_child("dynamics"), "friction") or 0.0
     return SimulatedJoint(
-        "slide" if joint.type == "prismatic" else "hinge",
-        axis,
-        _read_joint_range(joint),
-        read_damping(joint),
-        max(read_attribute_number(joint.element.find_child("dynamics"), "friction") or 0.0, 0.0),
-        values[joint.name],
-        _get_holding_effort(joint),
+        kind="slide" if joint.type == "prismatic" else "hinge",
+        axis=axis,
+        range=_read_joint_range(joint),
+        damping=read_damping(joint),
+        friction=max(friction, 0.0),
+        start_value=values[joint.name],
+        effort=_get_holding_effort(joint),
     )
 
 
 def _read_joint_range(joint: Joint) -> tuple[float, float] | None:
-    """The limits as typed; None where there are none, or they are no range."""
+    """Read the limits as typed; None where there are none, or where they are not a range."""
     lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
     if joint.type == "continuous" or lower is None or upper is None or not lower < upper:
         return None
@@ -171,7 +177,7 @@ def _read_joint_range(joint: Joint) -> tuple[float, float] | None:
 
 
 def _get_holding_effort(joint: Joint) -> float | None:
-    """What holds a joint: its effort limit, infinite where that is zero (JNT007), None where it is not driven."""
+    """Return the effort that holds a joint: its limit, infinite where that is zero (JNT007), None where it is not driven."""
     if not joint.is_driven:
         return None
     effort = joint.get_limit_value("effort")
@@ -180,44 +186,38 @@ def _get_holding_effort(joint: Joint) -> float | None:
 
 def _list_followers(joints: Sequence[Joint | None]) -> Iterator[Follower]:
     known = [(i, j) for i, j in enumerate(joints) if j is not None and j.type in poses.ONE_DEGREE_OF_FREEDOM]
-    places = {joint.name: place for place, joint in known}
-    for place, joint in known:
-        leader = None if joint.mimic is None else places.get(joint.mimic.get("joint"))
-        if leader is not None and leader != place:
+    indices = {joint.name: index for index, joint in known}
+    for index, joint in known:
+        leader = None if joint.mimic is None else indices.get(joint.mimic.get("joint"))
+        if leader is not None and leader != index:
             multiplier, offset = (read_attribute_number(joint.mimic, word) for word in ("multiplier", "offset"))
-            yield Follower(place, leader, 1.0 if multiplier is None else multiplier, offset or 0.0)
+            factor = 1.0 if multiplier is None else multiplier
+            yield Follower(body=index, leader=leader, multiplier=factor, offset=offset or 0.0)
 
 
 def _collect_contact_shapes(model: Model) -> tuple[list[tuple[Link, Shape]], bool]:
-    """What touches the plane: all collision shapes, or what is drawn where there are none; and whether it is that."""
+    """Collect what touches the plane, and whether that is what is drawn, for lack of any collision shape."""
     links = [model.link_by_name[name] for name in model.tree.order]
-    found = [(link, shape) for link in links for shape in link.collisions]
-    drawn = not found
-    if drawn:
-        found = [(link, shape) for link in links for shape in link.visuals if not is_dummy_shape(shape)]
-    if not found:
+    shapes = [(link, shape) for link in links for shape in link.collisions]
+    uses_visuals = not shapes
+    if uses_visuals:
+        shapes = [(link, shape) for link in links for shape in link.visuals if not is_dummy_shape(shape)]
+    if not shapes:
         raise FactUnavailableError("the robot has no shape that could touch the ground")
-    if len(found) > MOST_SHAPES:
+    if len(shapes) > MOST_SHAPES:
         raise FactUnavailableError(
-            f"{len(found):,} shapes may touch the ground, and {MOST_SHAPES:,} are simulated at most"
+            f"{len(shapes):,} shapes may touch the ground, and {MOST_SHAPES:,} are simulated at most"
         )
-    for link, shape in found:
-        if not _is_usable_shape(model, shape):
+    for link, shape in shapes:
+        if not is_usable_shape(model, shape):
             raise FactUnavailableError(
                 f"a {shape.role} shape of link {link.name!r} could not be read, and nothing else would hold it up"
             )
-    return found, drawn
-
-
-def _is_usable_shape(model: Model, shape: Shape) -> bool:
-    size = compute_drawn_scale(model, shape) if shape.kind == "mesh" else shape.size
-    if shape.kind is None or size is None or shape.origin.matrix is None:
-        return False
-    return all(size) if shape.kind == "mesh" else min(size) > 0
+    return shapes, uses_visuals
 
 
 def _compute_hull_points(model: Model, shape: Shape) -> Array | None:
-    """The corners (K, 3) of a mesh's convex hull, in m; of a flat one a plate."""
+    """Compute the corners (K, 3) of a mesh's convex hull, in m; of a flat one those of a plate."""
     facts, scale = model.meshes.get_facts(shape), compute_drawn_scale(model, shape)
     if facts is None or scale is None:
         return None
@@ -230,7 +230,7 @@ def _compute_hull_points(model: Model, shape: Shape) -> Array | None:
 
 
 def _compute_diagonal(geoms: Sequence[Geom], where: Sequence[Array]) -> float:
-    """The diagonal (m) of the box round the geoms."""
+    """Compute the diagonal (m) of the box around the geoms."""
     sides = []
     for axis in np.eye(3):
         ends = []

@@ -1,4 +1,4 @@
-"""How MoveIt looks at a robot's self-collisions: which pairs of links its Setup Assistant disables, and why."""
+"""How MoveIt treats a robot's self-collisions: which pairs of links its Setup Assistant disables, and why."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from urdfcheck.model.motion import poses
-from urdfcheck.model.motion.collisions import CollisionPair, self_collisions
+from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, self_collisions
 from urdfcheck.model.motion.poses import JointConfigurations
 from urdfcheck.model.robot import Model
 from urdfcheck.source.ros.srdf import Srdf
 from urdfcheck.source.text.xml import Element
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Bools
 
 Reason = Literal["Adjacent", "Default", "Always", "Never"]
 
@@ -27,37 +27,40 @@ ALWAYS_SHARE = 0.95
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SetupAssistantPair:
-    """A ``pair`` of links and why Setup Assistant disables it, None where it does not; ``by_default``: whether the two
-    meet in MoveIt's default state."""
+    """A pair of links and what Setup Assistant does about it."""
 
     pair: CollisionPair
     reason: Reason | None
+    """Why it disables the pair; None where it does not."""
     meets_at_default: bool
+    """Whether the two meet in MoveIt's default state."""
 
     @property
     def is_always_for_moveit(self) -> bool:
-        """Whether they collide so often that Setup Assistant says always."""
+        """Whether they collide so often that Setup Assistant calls it always."""
         return self.pair.hit_share > ALWAYS_SHARE
 
 
 def classify_link_pairs(model: Model) -> tuple[SetupAssistantPair, ...]:
-    """Every pair of links with collision geometry, as MoveIt's Setup Assistant would judge it.
+    """Classify every pair of links with collision geometry as MoveIt's Setup Assistant would.
 
-    :raises Unavailable: when the collisions are not known.
+    :raises FactUnavailableError: when the collisions are not known.
     """
     adjacent = find_adjacent_links(model)
     pairs = zip(self_collisions(model).pairs, _find_default_hits(model).tolist(), strict=True)
     return tuple(
-        SetupAssistantPair(pair, _choose_reason(pair, frozenset(pair.links) in adjacent, met), met)
+        SetupAssistantPair(pair, _choose_reason(pair, adjacent=frozenset(pair.links) in adjacent, at_default=met), met)
         for pair, met in pairs
     )
 
 
 def compute_default_state(model: Model) -> JointConfigurations:
-    """The one configuration that MoveIt begins with: every joint at zero, or in the middle of a range without zero
-    (getVariableDefaultPositions of its joint models); followers where ``<mimic>`` puts them.
+    """Compute the one configuration in which MoveIt begins.
 
-    :raises Unavailable: when the tree is broken.
+    Every joint is at zero, or in the middle of a range without zero (getVariableDefaultPositions of its joint models);
+    followers are where ``<mimic>`` puts them.
+
+    :raises FactUnavailableError: when the tree is broken.
     """
     joints = poses.make_neutral_configuration(model).joints
     bounds = [poses.get_sampling_range(joint) for joint in joints]
@@ -66,39 +69,41 @@ def compute_default_state(model: Model) -> JointConfigurations:
 
 
 def measure_default_depth(model: Model, pair: CollisionPair) -> float:
-    """How deep (m) two links that meet in MoveIt's default state overlap there; 0 where they just touch.
+    """Measure how deep (m) two links that meet in MoveIt's default state overlap there; 0 where they just touch.
 
-    :raises Unavailable: when the collisions are not known.
+    :raises FactUnavailableError: when the collisions are not known.
     """
-    bench = self_collisions(model).setup
-    place = {link.name: i for i, link in enumerate(bench.links)}
-    found = bench.colliders.find_deepest_overlap(
-        bench.compute_placements(compute_default_state(model))[0], *(place[name] for name in pair.links)
+    setup = self_collisions(model).setup
+    index = {link.name: i for i, link in enumerate(setup.links)}
+    overlap = setup.colliders.find_deepest_overlap(
+        setup.compute_placements(compute_default_state(model))[0], *(index[name] for name in pair.links)
     )
-    return 0.0 if found is None else found.depth
+    return 0.0 if overlap is None else overlap.depth
 
 
-def _find_default_hits(model: Model) -> NDArray[np.bool_]:
-    """Whether each pair meets in MoveIt's default state (K,)."""
+def _find_default_hits(model: Model) -> Bools:
+    """Return whether each pair meets in MoveIt's default state (K,)."""
     state, collisions = compute_default_state(model), self_collisions(model)
     if np.array_equal(state.values, poses.make_neutral_configuration(model).values):
         return np.array([pair.meets_at_neutral for pair in collisions.pairs], dtype=bool)
-    bench = collisions.setup
+    setup = collisions.setup
     try:
-        known: NDArray[np.bool_] = collisions.cache_entry["default"]["hits"]
+        known: Bools = collisions.cache_entry["default"]["hits"]
         return known
     except KeyError:
-        hits = bench.colliders.detect_collisions(bench.compute_placements(state), bench.pairs)[:, 0]
+        hits = setup.colliders.detect_collisions(setup.compute_placements(state), setup.pairs)[:, 0]
         collisions.cache_entry["default"] = {"hits": hits}
         return hits
 
 
-def _choose_reason(pair: CollisionPair, adjacent: bool, by_default: bool) -> Reason | None:
-    """The first reason that holds, in Setup Assistant's order. Of a pair with a shape that had to be left out nobody can
-    say that it never meets."""
+def _choose_reason(pair: CollisionPair, *, adjacent: bool, at_default: bool) -> Reason | None:
+    """Return the first reason that applies, in Setup Assistant's order.
+
+    A pair with a shape that had to be left out is never called "Never".
+    """
     if adjacent:
         return "Adjacent"
-    if by_default:
+    if at_default:
         return "Default"
     if pair.hit_share > ALWAYS_SHARE:
         return "Always"
@@ -106,21 +111,21 @@ def _choose_reason(pair: CollisionPair, adjacent: bool, by_default: bool) -> Rea
 
 
 def find_adjacent_links(model: Model) -> frozenset[frozenset[str]]:
-    """The pairs of links with collision geometry that are connected by a joint of any type, or by joints with only links
+    """Return the pairs of links with collision geometry that a joint of any type connects, or joints with only links
     without such geometry in between.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     solid = {link.name for link in model.links if any(shape.kind for shape in link.collisions)}
-    found: set[frozenset[str]] = set()
-    # Connected links without geometry are one socket, called by the topmost of them; what plugs into it is adjacent.
+    adjacent: set[frozenset[str]] = set()
+    # Connected links without geometry are one socket, named after the topmost; the links that plug into it are adjacent.
     socket: dict[str, str] = {}
     plugged: dict[str, list[str]] = {}
     for name in model.tree.order:
         joint = model.tree.parent_joint.get(name)
         parent = None if joint is None else joint.parent
         if name in solid and parent in solid:
-            found.add(frozenset((name, parent)))
+            adjacent.add(frozenset((name, parent)))
         elif name in solid and parent is not None:
             plugged[socket[parent]].append(name)
         elif name not in solid and parent in socket:
@@ -128,14 +133,15 @@ def find_adjacent_links(model: Model) -> frozenset[frozenset[str]]:
         elif name not in solid:
             socket[name] = name
             plugged[name] = [] if parent is None else [parent]
-    return frozenset(found.union(*(map(frozenset, combinations(links, 2)) for links in plugged.values())))
+    return frozenset(adjacent.union(*(map(frozenset, combinations(links, 2)) for links in plugged.values())))
 
 
 def find_moved_links(model: Model, srdf: Srdf) -> frozenset[str]:
-    """The links that a planning group of the semantic description moves: MoveIt checks a group's states only for
-    collisions of these with each other and with the rest. All links where the description has no group.
+    """Return the links that a planning group of the semantic description moves; all links where it has no group.
 
-    :raises Unavailable: when the tree is broken.
+    MoveIt checks a group's states only for collisions of these with each other and with the rest.
+
+    :raises FactUnavailableError: when the tree is broken.
     """
     groups = srdf.root.find_children("group")
     if not groups:
@@ -150,14 +156,14 @@ def find_moved_links(model: Model, srdf: Srdf) -> frozenset[str]:
 
 
 def _collect_group_joints(model: Model, group: Element) -> set[str]:
-    """The joints that a group lists, itself or by its links and chains; the groups in it are listed on their own."""
-    named = {e.get("name").strip() for e in group.find_children("joint")}
+    """Collect the joints that a group lists, itself or by its links and chains; the groups in it are listed on their own."""
+    joints = {e.get("name").strip() for e in group.find_children("joint")}
     above = model.tree.parent_joint
     for link in (e.get("name").strip() for e in group.find_children("link")):
-        named |= {above[link].name} if link in above else set()
+        joints |= {above[link].name} if link in above else set()
     for chain in group.find_children("chain"):
         base, tip = chain.get("base_link").strip(), chain.get("tip_link").strip()
         if base in model.link_by_name and tip in model.link_by_name:
-            # A chain may lead over a common ancestor: the joints that are on one of the two ways from the root only.
-            named |= {j.name for j in model.tree.find_path_to(tip)} ^ {j.name for j in model.tree.find_path_to(base)}
-    return named
+            # A chain may lead over a common ancestor: the joints that are on only one of the two ways from the root.
+            joints |= {j.name for j in model.tree.find_path_to(tip)} ^ {j.name for j in model.tree.find_path_to(base)}
+    return joints

@@ -1,7 +1,7 @@
-"""The model in Pinocchio, built from URDF text without geometry, with what the reference parser said about it.
+"""The model in Pinocchio, built from URDF text without geometry, with what the reference parser reported about it.
 
-Pinocchio reads URDF through urdfdom, the parser of ROS. Meshes are left out: it would give up the whole model at the
-first mesh that it cannot read, and geometry is our own business.
+Pinocchio reads URDF through urdfdom, the parser of ROS. Meshes are left out: Pinocchio would give up the whole model at the
+first mesh that it cannot read, and urdfcheck measures geometry itself.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import IO, TYPE_CHECKING, Any
 
 from urdfcheck.core import FactUnavailableError
@@ -30,19 +29,19 @@ from urdfcheck.source.text.grammar import (
 )
 from urdfcheck.source.text.values import parse_numbers, read_attribute_number
 from urdfcheck.source.text.xml import Element, quote_attribute
-from urdfcheck.system.array_cache import origin_of, version_of
+from urdfcheck.system.array_cache import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
     from urdfcheck.model.robot import Model
 
-# What urdfdom reads of a model, without visual and collision.
+# The elements that urdfdom reads, without visual and collision.
 _KEPT_CHILDREN = {
     "robot": {"link", "joint"},
     "link": {"inertial"},
     "inertial": {"origin", "mass", "inertia"},
     "joint": {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "safety_controller", "calibration"},
 }
-# What Pinocchio raises when urdfdom gave it no model; whatever else it raises is its own.
+# What Pinocchio raises when urdfdom returned no model; any other error is its own.
 _NO_MODEL = "does not contain a valid URDF model"
 _SOURCE_LINE = re.compile(r"^\s*at line \d+ in .*$")
 _ANSI = re.compile(r"\x1b\[[0-9;]*m")
@@ -50,17 +49,19 @@ _ANSI = re.compile(r"\x1b\[[0-9;]*m")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PinocchioModel:
-    """``model`` is the ``pinocchio.Model``, None when ``refused_by`` urdfdom or by pinocchio, which then had urdfdom's model;
-    ``messages`` is what both said."""
+    """A model as Pinocchio loaded it, or why it did not."""
 
     model: Any
+    """The ``pinocchio.Model``; None when it was refused."""
     refused_by: str | None
+    """``urdfdom``, or ``pinocchio`` for a model that urdfdom accepted; None when it was loaded."""
     messages: tuple[str, ...]
+    """What both printed."""
 
 
 @dataclass(frozen=True, slots=True)
 class ParserVerdict:
-    """What loading said; see `PinocchioModel`."""
+    """What loading reported; see `PinocchioModel`."""
 
     refused_by: str | None
     messages: tuple[str, ...]
@@ -68,36 +69,36 @@ class ParserVerdict:
 
 @fact
 def parser_verdict(model: Model) -> ParserVerdict:
-    """What urdfdom and Pinocchio say about the model; kept, so that a model they have seen does not load them again.
+    """Report what urdfdom and Pinocchio say about the model; cached, so that a known model is not loaded again.
 
-    :raises Unavailable: as :func:`pinocchio_model`.
+    :raises FactUnavailableError: as :func:`pinocchio_model`.
     """
     import numpy as np
 
-    place = origin_of("pinocchio")
-    if place is None:
+    library = find_library_origin("pinocchio")
+    if library is None:
         return _make_verdict(pinocchio_model(model))
     _ensure_loadable(model)
-    parts = (version_of(__name__, library=place), write_without_geometry(model.robot))
+    parts = (compute_code_version(__name__, library=library), write_without_geometry(model))
     entry = model.cache.entry("verdicts", hashlib.sha256("\0".join(parts).encode()).hexdigest())
     if "verdict" not in entry:
-        found = _make_verdict(pinocchio_model(model))
-        text = json.dumps([found.refused_by, found.messages])
+        verdict = _make_verdict(pinocchio_model(model))
+        text = json.dumps([verdict.refused_by, verdict.messages])
         entry["verdict"] = {"text": np.frombuffer(text.encode(), dtype=np.uint8)}
     refused_by, messages = json.loads(entry["verdict"]["text"].tobytes())
     return ParserVerdict(refused_by, tuple(messages))
 
 
-def _make_verdict(dynamics: PinocchioModel) -> ParserVerdict:
-    return ParserVerdict(dynamics.refused_by, dynamics.messages)
+def _make_verdict(loaded: PinocchioModel) -> ParserVerdict:
+    return ParserVerdict(loaded.refused_by, loaded.messages)
 
 
 @fact
 def pinocchio_model(model: Model) -> PinocchioModel:
-    """Hand a sound tree to Pinocchio.
+    """Load a sound tree into Pinocchio.
 
-    :raises Unavailable: when Pinocchio is not installed, or when the tree, an axis or a number would make it compute
-        nonsense (it loads a zero axis and gives NaN accelerations), or when it is known to be refused.
+    :raises FactUnavailableError: when Pinocchio is not installed; when the tree, an axis or a number would make it
+        compute nonsense (it loads a zero axis and gives NaN accelerations); or when it is known to refuse the model.
     """
     try:
         import pinocchio
@@ -107,20 +108,20 @@ def pinocchio_model(model: Model) -> PinocchioModel:
         ) from None
     _ensure_loadable(model)
     built: Any = None
-    said, refused_by = "", None
+    output, refused_by = "", None
     with capture_stderr() as read:
         try:
-            built = pinocchio.buildModelFromXML(write_without_geometry(model.robot))
+            built = pinocchio.buildModelFromXML(write_without_geometry(model))
         except (ValueError, RuntimeError) as error:
-            said = str(error)
-            refused_by = "urdfdom" if _NO_MODEL in said else "pinocchio"
-        said += "\n" + read()
-    return PinocchioModel(built, refused_by, tuple(_clean_messages(said)))
+            output = str(error)
+            refused_by = "urdfdom" if _NO_MODEL in output else "pinocchio"
+        output += "\n" + read()
+    return PinocchioModel(built, refused_by, tuple(_clean_messages(output)))
 
 
-@lru_cache(maxsize=1)
-def write_without_geometry(robot: Element) -> str:
-    """The expanded model as URDF text with links, inertials and joints only."""
+@fact
+def write_without_geometry(model: Model) -> str:
+    """Write the expanded model as URDF text with links, inertials and joints only."""
 
     def write_element(element: Element) -> Iterator[str]:
         attributes = "".join(
@@ -135,11 +136,14 @@ def write_without_geometry(robot: Element) -> str:
             yield from write_element(child)
         yield f"</{element.tag}>"
 
-    return '<?xml version="1.0"?>\n' + "".join(write_element(robot))
+    return '<?xml version="1.0"?>\n' + "".join(write_element(model.robot))
 
 
 def _ensure_loadable(model: Model) -> None:
-    """:raises Unavailable: naming the rule, for every defect that is refused and that a rule of its own reports."""
+    """Refuse every defect that is rejected or miscomputed, and that a rule of its own reports.
+
+    :raises FactUnavailableError: naming that rule.
+    """
     if "name" not in model.robot.attributes:
         raise FactUnavailableError("the robot has no name (XML002)")
     _ = model.tree
@@ -149,14 +153,7 @@ def _ensure_loadable(model: Model) -> None:
             _ensure_numbers(element)
     _ensure_version(model.robot)
     for joint in model.joints:
-        if joint.type not in JOINT_TYPES:
-            raise FactUnavailableError(f"joint {joint.name!r} has no type that there is (KIN009)")
-        if joint.origin.xyz is None or joint.origin.rpy is None or joint.axis is None:
-            raise FactUnavailableError(f"the origin or the axis of joint {joint.name!r} is out of range (XML007)")
-        if joint.has_axis and not any(joint.axis):
-            raise FactUnavailableError(f"the axis of joint {joint.name!r} is zero (JNT001)")
-        if joint.has_axis and joint.axis_element is not None and "xyz" not in joint.axis_element.attributes:
-            raise FactUnavailableError(f"the <axis> of joint {joint.name!r} has no xyz, which makes it zero (XML005)")
+        _ensure_type_and_axis(joint)
         _ensure_limit(joint)
         _ensure_complete(joint)
     for link in model.links:
@@ -164,6 +161,17 @@ def _ensure_loadable(model: Model) -> None:
             raise FactUnavailableError(
                 f"the inertial of link {link.name!r} is incomplete or out of range (XML005, XML007)"
             )
+
+
+def _ensure_type_and_axis(joint: Joint) -> None:
+    if joint.type not in JOINT_TYPES:
+        raise FactUnavailableError(f"joint {joint.name!r} has no type that there is (KIN009)")
+    if joint.origin.xyz is None or joint.origin.rpy is None or joint.axis is None:
+        raise FactUnavailableError(f"the origin or the axis of joint {joint.name!r} is out of range (XML007)")
+    if joint.has_axis and not any(joint.axis):
+        raise FactUnavailableError(f"the axis of joint {joint.name!r} is zero (JNT001)")
+    if joint.has_axis and joint.axis_element is not None and "xyz" not in joint.axis_element.attributes:
+        raise FactUnavailableError(f"the <axis> of joint {joint.name!r} has no xyz, which makes it zero (XML005)")
 
 
 def _ensure_numbers(element: Element) -> None:
@@ -198,14 +206,17 @@ def _ensure_complete(joint: Joint) -> None:
     ):
         element = joint.element.find_child(tag)
         if element is not None and not wanted & set(element.attributes):
-            told = code if all(is_attribute_missing(element, name) for name in wanted) else "XML004"
-            raise FactUnavailableError(f"the <{tag}> of joint {joint.name!r} is incomplete ({told})")
+            reported_by = code if all(is_attribute_missing(element, name) for name in wanted) else "XML004"
+            raise FactUnavailableError(f"the <{tag}> of joint {joint.name!r} is incomplete ({reported_by})")
     if joint.is_movable and (read_attribute_number(joint.element.find_child("dynamics"), "friction") or 0) < 0:
         raise FactUnavailableError(f"the friction of joint {joint.name!r} is negative (JNT011)")
 
 
 def _ensure_version(robot: Element) -> None:
-    """:raises Unavailable: when urdfdom reads no such version, or an orientation that is given twice in this one."""
+    """Refuse a version of URDF that urdfdom does not read, and an orientation that this version forbids to give twice.
+
+    :raises FactUnavailableError: for either.
+    """
     version = parse_urdf_version(robot)
     if version is None:
         raise FactUnavailableError(f"there is no version {robot.get('version')!r} of URDF (XML010)")
@@ -216,7 +227,7 @@ def _ensure_version(robot: Element) -> None:
 
 @contextmanager
 def capture_stderr() -> Iterator[Any]:
-    """What C++ writes to file descriptor 2 meanwhile; the yielded function reads it so far."""
+    """Capture what C++ writes to file descriptor 2 in the meantime; the yielded function returns it so far."""
     sys.stderr.flush()
     saved = os.dup(2)
     with _open_sink() as sink:
@@ -234,14 +245,14 @@ def capture_stderr() -> Iterator[Any]:
 
 
 def _open_sink() -> IO[bytes]:
-    """An open file: in memory where the platform can, for a confined process may write nowhere else."""
+    """Open a file: in memory where the platform can, because a confined process may write nowhere else."""
     if sys.platform == "linux":
         return os.fdopen(os.memfd_create("stderr"), "w+b")
     return tempfile.TemporaryFile()
 
 
 def _clean_messages(text: str) -> Iterator[str]:
-    """The messages without colours and without the lines that name urdfdom's own source."""
+    """Yield the messages without colours, and without the lines that name urdfdom's own source."""
     seen: set[str] = set()
     for raw in text.splitlines():
         line = re.sub(r"^(?:Error|Warning):\s*", "", _ANSI.sub("", raw)).strip()

@@ -1,4 +1,4 @@
-"""What MoveIt plans with: the joints of planning groups, and the limits that hold for them."""
+"""What MoveIt plans with: the joints of planning groups, and the limits that apply to them."""
 
 from __future__ import annotations
 
@@ -13,58 +13,60 @@ from urdfcheck.source.ros.srdf import Srdf, is_configured_for
 from urdfcheck.source.text.values import read_attribute_number
 from urdfcheck.source.text.xml import Element
 
-# The file that Setup Assistant writes beside the semantic description.
+# The file that MoveIt Setup Assistant writes beside the semantic description.
 LIMITS_FILE = "joint_limits.yaml"
 
 
 @dataclass(frozen=True, slots=True)
 class PositionRange:
-    """Positions (rad or m) that MoveIt plans in; ``source`` says where a bound comes from."""
+    """Positions (rad or m) that MoveIt plans in."""
 
     lower: float
     upper: float
     source: str
+    """Where a bound comes from."""
 
 
 def list_own_srdfs(model: Model) -> list[Srdf]:
-    """The semantic descriptions of the model's name that cannot be another robot's."""
+    """Return the semantic descriptions of the model's name that cannot be another robot's."""
     return [srdf for srdf in semantic_descriptions(model) if is_configured_for(srdf, model.source)]
 
 
 def load_joint_limits(model: Model, srdf: Srdf) -> tuple[JointLimits, ...]:
-    """The limits beside a semantic description."""
+    """Load the limits beside a semantic description."""
     return read_joint_limits(srdf.path.parent / LIMITS_FILE, model.source.finder)
 
 
 def collect_group_joints(model: Model, srdf: Srdf) -> dict[str, frozenset[str]]:
-    """The joints of each planning group with those of the groups in it: RobotModel::addJointModelGroup of MoveIt. Of groups
-    that contain each other in a circle only some.
+    """Collect the joints of each planning group with those of the groups in it: RobotModel::addJointModelGroup of MoveIt.
 
-    :raises Unavailable: when the tree is broken.
+    Of groups that contain each other in a circle only some joints.
+
+    :raises FactUnavailableError: when the tree is broken.
     """
-    found: dict[str, frozenset[str]] = {}
-    begun: set[str] = set()
+    joints_by_group: dict[str, frozenset[str]] = {}
+    visited: set[str] = set()
     stack = list(srdf.groups)[::-1]
     while stack:
         name = stack[-1]
         group = srdf.groups[name]
         inner = [e.get("name").strip() for e in group.find_children("group")]
-        waiting = [other for other in inner if other in srdf.groups and other not in begun]
-        if name not in begun and waiting:
-            begun.add(name)
+        waiting = [other for other in inner if other in srdf.groups and other not in visited]
+        if name not in visited and waiting:
+            visited.add(name)
             stack += waiting
             continue
-        begun.add(name)
+        visited.add(name)
         stack.pop()
-        if name not in found:
-            found[name] = _collect_own_joints(model, srdf, group).union(
-                *(found.get(other, frozenset()) for other in inner)
+        if name not in joints_by_group:
+            joints_by_group[name] = _collect_own_joints(model, srdf, group).union(
+                *(joints_by_group.get(other, frozenset()) for other in inner)
             )
-    return found
+    return joints_by_group
 
 
 def _collect_own_joints(model: Model, srdf: Srdf, group: Element) -> frozenset[str]:
-    """The joints that a group names, above its links and along its chains."""
+    """Collect the joints that a group names, those above its links and those along its chains."""
     joints = {e.get("name").strip() for e in group.find_children("joint")}
     for link in group.find_children("link"):
         joints |= _get_joint_above(model, srdf, link.get("name").strip())
@@ -77,14 +79,16 @@ def _collect_own_joints(model: Model, srdf: Srdf, group: Element) -> frozenset[s
 
 
 def _get_joint_above(model: Model, srdf: Srdf, link: str) -> frozenset[str]:
-    """The joint that a link hangs on; the virtual ones for the root."""
+    """Return the joint on which a link hangs; the virtual joints for the root."""
     joint = model.tree.parent_joint.get(link)
     return srdf.virtual_joints if joint is None else frozenset((joint.name,))
 
 
 def compute_position_range(joint: Joint, limits: Mapping[str, JointLimits]) -> PositionRange | None:
-    """The range of a joint as MoveIt takes it: its limits, narrowed by its soft limits, replaced by joint_limits.yaml. None
-    where it has none, or one that is inverted or malformed."""
+    """Compute the range of a joint as MoveIt does: its limits, narrowed by its soft limits, replaced by joint_limits.yaml.
+
+    None where it has no range, or one that is inverted or malformed.
+    """
     if joint.type not in {"revolute", "prismatic"} or joint.limit is None:
         return None
     lower, upper, source = joint.get_limit_value("lower"), joint.get_limit_value("upper"), "its limit"
@@ -100,8 +104,8 @@ def compute_position_range(joint: Joint, limits: Mapping[str, JointLimits]) -> P
             lower, upper, source = max(lower, soft[0]), min(upper, soft[1]), "its soft limit (safety_controller)"
     entry = limits.get(joint.name)
     if entry is not None:
-        own = entry.get_number("min_position"), entry.get_number("max_position")
-        if own != (None, None):
-            lower, upper = (lower if own[0] is None else own[0]), (upper if own[1] is None else own[1])
+        typed = entry.get_number("min_position"), entry.get_number("max_position")
+        if typed != (None, None):
+            lower, upper = (lower if typed[0] is None else typed[0]), (upper if typed[1] is None else typed[1])
             source = f"the limit in {LIMITS_FILE}"
     return None if lower is None or upper is None or lower >= upper else PositionRange(lower, upper, source)

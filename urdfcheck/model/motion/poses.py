@@ -16,35 +16,36 @@ from urdfcheck.model.robot import Model
 from urdfcheck.source.text.values import read_attribute_number
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from urdfcheck.facts.arrays import Array
 
-    Array = NDArray[np.float64]
 
 ONE_DEGREE_OF_FREEDOM = frozenset({"revolute", "continuous", "prismatic"})
 # A revolute joint whose range is wider than a turn to either side passes through every angle within one.
 TURN = math.pi
-# A slide longer than this is no slide of a robot but "unlimited": it stays where it is.
+# A range longer than this (m) means "unlimited", and no slide of a robot: such a joint is not moved.
 LONGEST_SLIDE = 100.0
-# The mass matrices of so many joints over all samples took 1 GiB (measured). Published robots have up to 101.
+# The mass matrices of this many joints over all samples took 1 GiB (measured). Published robots have up to 101.
 MOST_MOVING = 250
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointConfigurations:
-    """``values`` (N, J), rad or m: the position of each of the J ``joints`` in N configurations."""
+    """Positions of joints in N configurations."""
 
     joints: tuple[Joint, ...]
+    """The J joints."""
     values: Array
+    """(N, J), rad or m."""
 
     def to_values_by_name(self, index: int) -> dict[str, float]:
-        """One configuration, by the joint's name."""
+        """Return one configuration, by the joint's name."""
         return {joint.name: float(v) for joint, v in zip(self.joints, self.values[index], strict=True)}
 
 
 def get_sampling_range(joint: Joint) -> tuple[float, float]:
-    """The range (rad or m) in which a joint is sampled: its limits, a whole turn where it has none.
+    """Return the range (rad or m) in which a joint is sampled: its limits, or a whole turn where it has none.
 
-    A range that is inverted, not a number or unlimited for a slide is empty: ``(0, 0)``, or where its lower limit is.
+    A range that is inverted, malformed, or unlimited for a slide is empty: ``(0, 0)``.
     """
     if joint.type == "continuous":
         return -TURN, TURN
@@ -59,9 +60,9 @@ def get_sampling_range(joint: Joint) -> tuple[float, float]:
 
 
 def make_neutral_configuration(model: Model) -> JointConfigurations:
-    """One configuration: every joint at zero, or at the limit nearest to it; followers where ``<mimic>`` puts them.
+    """Make one configuration: every joint at zero, or at the limit nearest to it; followers where ``<mimic>`` puts them.
 
-    :raises Unavailable: when the tree is broken.
+    :raises FactUnavailableError: when the tree is broken.
     """
     joints = _list_one_dof_joints(model)
     bounds = np.array([get_sampling_range(joint) for joint in joints]).reshape(-1, 2)
@@ -69,56 +70,60 @@ def make_neutral_configuration(model: Model) -> JointConfigurations:
 
 
 def sample_configurations(model: Model, count: int) -> JointConfigurations:
-    """``count`` configurations, the first of them neutral, the others uniform over the ranges; the same in every run.
+    """Sample ``count`` configurations, the first neutral, the others uniform over the ranges; the same in every run.
 
-    :raises Unavailable: when the tree is broken, or more joints move than motion is computed for.
+    :raises FactUnavailableError: when the tree is broken, or more joints move than motion is computed for.
     """
-    first = make_neutral_configuration(model)
-    ensure_few_joints(first.joints)
-    bounds = np.array([get_sampling_range(joint) for joint in first.joints]).reshape(-1, 2)
-    n_others, n_joints = max(count - 1, 0), len(first.joints)
+    neutral = make_neutral_configuration(model)
+    ensure_few_joints(neutral.joints)
+    bounds = np.array([get_sampling_range(joint) for joint in neutral.joints]).reshape(-1, 2)
+    n_others, n_joints = max(count - 1, 0), len(neutral.joints)
     shares = _generate_shares(n_others * n_joints).reshape(n_others, n_joints)
     values = bounds[:, 0] + shares * (bounds[:, 1] - bounds[:, 0])
     return JointConfigurations(
-        first.joints, np.concatenate((first.values, apply_mimics(JointConfigurations(first.joints, values)).values))
+        neutral.joints,
+        np.concatenate((neutral.values, apply_mimics(JointConfigurations(neutral.joints, values)).values)),
     )
 
 
 def ensure_few_joints(joints: Sequence[Joint]) -> None:
-    """:raises Unavailable: when more joints move than motion is computed for."""
+    """Refuse more joints than motion is computed for.
+
+    :raises FactUnavailableError: when more joints move.
+    """
     if len(joints) > MOST_MOVING:
         raise FactUnavailableError(f"{len(joints):,} joints move, and motion is computed for {MOST_MOVING:,} at most")
 
 
 def compute_frames(model: Model, configurations: JointConfigurations) -> Mapping[str, Array]:
-    """Placement (N, 4, 4) of each link's frame in the root link's frame in each configuration.
+    """Compute the placement (N, 4, 4) of each link's frame in the root link's frame in each configuration.
 
-    :raises Unavailable: when the tree is broken, or an origin or an axis is malformed.
+    :raises FactUnavailableError: when the tree is broken, or an origin or an axis is malformed.
     """
     column = {joint.name: i for i, joint in enumerate(configurations.joints)}
     count = len(configurations.values)
-    found = {model.tree.root: np.broadcast_to(np.eye(4), (count, 4, 4))}
+    frames = {model.tree.root: np.broadcast_to(np.eye(4), (count, 4, 4))}
     for name in model.tree.order[1:]:
         joint = model.tree.parent_joint[name]
-        placed = joint.origin.matrix
-        if placed is None:
+        pose = joint.origin.matrix
+        if pose is None:
             raise FactUnavailableError(f"the origin of joint {joint.name!r} is malformed")
         if joint.name not in column:
-            found[name] = found[joint.parent] @ placed
+            frames[name] = frames[joint.parent] @ pose
             continue
         axis = np.array(joint.axis if joint.axis is not None else (0.0, 0.0, 0.0))
         norm = float(np.linalg.norm(axis))
         if norm == 0.0:
             raise FactUnavailableError(f"the axis of joint {joint.name!r} is zero or malformed (JNT001, XML007)")
         values = configurations.values[:, column[joint.name]]
-        found[name] = found[joint.parent] @ (
-            placed @ compute_joint_motions(axis / norm, values, rotates=joint.type != "prismatic")
+        frames[name] = frames[joint.parent] @ (
+            pose @ compute_joint_motions(axis / norm, values, rotates=joint.type != "prismatic")
         )
-    return found
+    return frames
 
 
 def _generate_shares(count: int) -> Array:
-    """Numbers in [0, 1), the same for ever: SplitMix64 (Steele, Lea and Flood, 2014) of a counter."""
+    """Generate numbers in [0, 1), the same for ever: SplitMix64 (Steele, Lea and Flood, 2014) of a counter."""
     state = np.arange(1, count + 1, dtype=np.uint64) * np.uint64(0x9E3779B97F4A7C15)
     state = (state ^ (state >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     state = (state ^ (state >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
@@ -132,18 +137,25 @@ def _list_one_dof_joints(model: Model) -> tuple[Joint, ...]:
 
 
 def apply_mimics(configurations: JointConfigurations) -> JointConfigurations:
-    """The configurations with every follower at ``multiplier * leader + offset``; one that follows nothing stays."""
+    """Put every follower at ``multiplier * leader + offset``; one that follows no known joint stays where it is."""
     column = {joint.name: i for i, joint in enumerate(configurations.joints)}
     values = configurations.values.copy()
     followers = {joint.name: mimic for joint in configurations.joints if (mimic := joint.mimic) is not None}
-    behind: dict[str, list[str]] = {}
+    followers_of: dict[str, list[str]] = {}
     for name, mimic in followers.items():
-        behind.setdefault(mimic.get("joint"), []).append(name)
+        followers_of.setdefault(mimic.get("joint"), []).append(name)
     done = [name for name in column if name not in followers]
-    for leader in done:  # and those that follow a follower; a circle never gets done
-        for name in behind.get(leader, ()):
+    for leader in done:  # grows by followers, which may be followed; a circle is never reached
+        for name in followers_of.get(leader, ()):
             multiplier, offset = (read_attribute_number(followers[name], word) for word in ("multiplier", "offset"))
             factor = 1.0 if multiplier is None else multiplier
             values[:, column[name]] = factor * values[:, column[leader]] + (offset or 0.0)
             done.append(name)
     return JointConfigurations(configurations.joints, values)
+
+
+def normalize_axis(joint: Joint) -> Array:
+    """Return the unit vector (3,) of a joint's axis, in the joint frame."""
+    axis = np.array(joint.axis)
+    unit: Array = axis / np.linalg.norm(axis)
+    return unit

@@ -9,5 +9,5 @@ from urdfcheck.source.ros.srdf import Srdf, load_srdfs
 
 @fact
 def semantic_descriptions(model: Model) -> tuple[Srdf, ...]:
-    """The semantic descriptions in reach that are for a robot of this name."""
+    """Load the semantic descriptions in reach that are for a robot of this name."""
     return load_srdfs(model.source, model.name)

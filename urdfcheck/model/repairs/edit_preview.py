@@ -10,7 +10,7 @@ from urdfcheck.source.text.xml import Element
 
 
 def preview_edits(element: Element, edits: Iterable[Edit]) -> Element | None:
-    """A copy of an element with what is in it, as it reads after edits of its values; None where they touch none of them."""
+    """Return a copy of an element with its children after edits of its values; None where the edits touch none of them."""
     spans: dict[Span | None, str] = {edit.span: edit.replacement for edit in edits}
     return _copy_element(element, spans) if any(_is_touched(e, spans) for e in element.walk()) else None
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from urdfcheck.core import Edit
+from urdfcheck.core import Edit, Location
 from urdfcheck.core.text import join_names
 from urdfcheck.model.repairs.origin_edits import describe_definitions
+from urdfcheck.source.text.tokens import find_content_span
 from urdfcheck.source.text.values import parse_number
-from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.text.xml import Attribute, Element, SourceFile
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +49,18 @@ def edit_literals(texts: Iterable[tuple[Attribute | None, str]]) -> list[Edit]:
 def swap_literals(one: Attribute | None, other: Attribute | None) -> list[Edit]:
     """Return the edits that exchange two values; nothing unless both are typed literally."""
     return [] if one is None or other is None else edit_literals(((one, other.typed), (other, one.typed)))
+
+
+def edit_content(element: Element, text: str, files: Mapping[str, SourceFile]) -> list[Edit]:
+    """Return the edit that writes ``text`` as the content of an element; nothing unless its content is typed literally."""
+    span = find_content_span(element, files)
+    return [] if span is None else [Edit(span, element.text.strip(), text)]
+
+
+def locate_content(element: Element, files: Mapping[str, SourceFile]) -> Location:
+    """Locate the content of an element if it is typed literally, otherwise the element."""
+    span = find_content_span(element, files)
+    return element.location if span is None else Location(element.subject, span, element.via)
 
 
 def make_attribute_edits(changes: Iterable[AttributeChange]) -> list[Edit]:

@@ -1,4 +1,4 @@
-"""Where the numbers of a joint's origin stand, and what they are computed from."""
+"""Where the numbers of a joint's origin are typed, and what they are computed from."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from urdfcheck.source.text.xml import Definition
 
 
 def locate_origin_attribute(joint: Joint, name: str) -> Location:
-    """Where the attribute ``xyz`` or ``rpy`` of a joint's origin stands; the origin or the joint where there is none."""
+    """Return where the attribute ``xyz`` or ``rpy`` of a joint's origin is; the origin or the joint where it is absent."""
     attribute = joint.origin.get_attribute(name)
     if attribute is not None:
         return attribute.location
@@ -18,13 +18,13 @@ def locate_origin_attribute(joint: Joint, name: str) -> Location:
 
 
 def list_definitions(joint: Joint, name: str) -> tuple[Definition, ...]:
-    """What an attribute of a joint's origin is computed from, nearest first; nothing when it is typed as it stands."""
+    """Return what an attribute of a joint's origin is computed from, nearest first; nothing when it is typed as it is."""
     attribute = joint.origin.get_attribute(name)
     return () if attribute is None or attribute.literal else attribute.collect_definitions()
 
 
 def describe_definitions(definitions: Sequence[Definition]) -> list[str]:
-    """``property wheel_base (line 4 of car.xacro)``, for the end of a sentence."""
+    """Write ``property wheel_base (line 4 of car.xacro)``, for the end of a sentence."""
     return [
         f"{d.kind} {d.name} (line {d.span.line} of {d.span.file.rpartition('/')[2]})"
         for d in definitions

@@ -1,4 +1,4 @@
-"""Boxes round shapes: what links draw, or collide with, measured along the axes of one frame."""
+"""Boxes around shapes: what links draw, or collide with, measured along the axes of one frame."""
 
 from __future__ import annotations
 
@@ -13,18 +13,16 @@ from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from urdfcheck.facts.arrays import Array
     from urdfcheck.facts.mesh.measure import MeshFacts
 
-    Array = NDArray[np.float64]
 
-# A primitive that measures at most 5 mm stands for nothing: published models write one where some parser wants a shape
-# (boxes of 1 mm in PR2 and the Shadow hand, of 5 mm in RotorS).
+# A primitive of at most 5 mm is a dummy: published models write one where some parser wants a shape (boxes of 1 mm in PR2 and
+# the Shadow hand, of 5 mm in RotorS).
 MAX_DUMMY_SIZE = 0.005
-# What is left of a quarter turn's zeros, and less than anybody measures.
+# More than rounding leaves of a quarter turn's zeros, and less than anybody measures.
 _STRAIGHT = 1e-9
-# COLLADA's frames turned to z up, which some programs do and others do not.
+# The rotations that turn COLLADA's frames to z up, which some programs apply and others do not.
 Z_UP_ROTATIONS = {
     "Y_UP": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]),
     "X_UP": np.array([[0, -1.0, 0], [0, 0, -1], [1, 0, 0]]),
@@ -40,12 +38,15 @@ def is_dummy_shape(shape: Shape) -> bool:
 def compute_bounding_box(
     model: Model, shapes: Iterable[tuple[Shape, Array]], *, apply_unit: bool = True, apply_up_axis: bool = False
 ) -> Array | None:
-    """The least and the greatest corner (2, 3), in m, of the box round some shapes, each under the 4x4 placement of its
-    link; ``unit`` and ``upright``: whether COLLADA's ``<unit>`` and ``<up_axis>`` are followed.
+    """Compute the least and the greatest corner (2, 3), in m, of the box around some shapes.
 
-    None when there is no shape, or when one is malformed or its mesh could not be read.
+    Each shape comes with the 4x4 placement of its link. ``apply_unit`` and ``apply_up_axis``: whether COLLADA's ``<unit>``
+    and ``<up_axis>`` are followed. None when there is no shape, or when one is malformed or its mesh could not be read.
     """
-    boxes = [_compute_shape_box(model, shape, frame, apply_unit, apply_up_axis) for shape, frame in shapes]
+    boxes = [
+        _compute_shape_box(model, shape, frame, apply_unit=apply_unit, apply_up_axis=apply_up_axis)
+        for shape, frame in shapes
+    ]
     known = [box for box in boxes if box is not None]
     if not known or len(known) != len(boxes):
         return None
@@ -53,7 +54,7 @@ def compute_bounding_box(
 
 
 def _compute_shape_box(
-    model: Model, shape: Shape, frame: Array, apply_unit: bool, apply_up_axis: bool
+    model: Model, shape: Shape, frame: Array, *, apply_unit: bool, apply_up_axis: bool
 ) -> tuple[Array, Array] | None:
     pose, size = shape.origin.matrix, shape.size
     if pose is None or size is None or shape.kind is None:
@@ -65,7 +66,7 @@ def _compute_shape_box(
         scale = compute_drawn_scale(model, shape) if apply_unit else size
         if facts is None or scale is None:
             return None
-        turned = Z_UP_ROTATIONS.get(facts.up_axis or "", np.eye(3)) if apply_up_axis else np.eye(3)
+        turned = get_up_axis_rotation(facts, apply_up_axis)
         return _compute_mesh_box(facts, turn @ np.diag(scale) @ turned, place)
     reach = _compute_half_extents(shape.kind, np.abs(size), turn)
     return place - reach, place + reach
@@ -73,9 +74,8 @@ def _compute_shape_box(
 
 def _compute_mesh_box(facts: MeshFacts, linear: Array, place: Array) -> tuple[Array, Array]:
     sizes = np.abs(linear)
-    if (
-        np.count_nonzero(sizes > _STRAIGHT * sizes.max(), axis=1) <= 1
-    ).all():  # axes go to axes, and the box to the box
+    maps_axes_to_axes = (np.count_nonzero(sizes > _STRAIGHT * sizes.max(), axis=1) <= 1).all()
+    if maps_axes_to_axes:
         low, high = facts.bounds
         middle, half = linear @ (low + high) / 2 + place, sizes @ (high - low) / 2
         return middle - half, middle + half
@@ -84,7 +84,7 @@ def _compute_mesh_box(facts: MeshFacts, linear: Array, place: Array) -> tuple[Ar
 
 
 def _compute_half_extents(kind: str, size: Array, turn: Array) -> Array:
-    """Half of what a primitive measures along the axes of the frame that it is turned in."""
+    """Compute half the extents (3,) of a primitive along the axes of the frame in which it is turned."""
     if kind == "box":
         corner: Array = np.abs(turn) @ size / 2
         return corner
@@ -95,3 +95,8 @@ def _compute_half_extents(kind: str, size: Array, turn: Array) -> Array:
     across = np.sqrt(np.maximum(0.0, 1.0 - along**2)) if kind == "cylinder" else np.ones(3)
     reach: Array = along * length / 2 + radius * across
     return reach
+
+
+def get_up_axis_rotation(facts: MeshFacts, apply_up_axis: bool) -> Array:
+    """Return the rotation that puts a mesh upright (a permutation of its axes), the identity without ``apply_up_axis``."""
+    return Z_UP_ROTATIONS.get(facts.up_axis or "", np.eye(3)) if apply_up_axis else np.eye(3)

@@ -1,6 +1,11 @@
-"""How far shapes reach: the lowest point of a robot at the neutral pose, and what a link measures."""
+"""How far shapes reach: the lowest point of a robot with all joints at zero, and the size of a link."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
 
 import math
 from typing import TYPE_CHECKING
@@ -9,16 +14,12 @@ from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
 
 def find_lowest_point(model: Model, frame: str) -> tuple[float, str] | None:
-    """The lowest z (m) in the axes of link ``frame``, all joints at zero, and the link that reaches it.
+    """Find the lowest z (m) in the axes of link ``frame``, all joints at zero, and the link that reaches it.
 
-    Collision shapes count where a link has them, what it draws otherwise. None when the place of a shape is not known:
-    a broken tree, an unread mesh, or a COLLADA mesh whose declared unit consumers treat differently.
+    Collision shapes count where a link has them, what it draws otherwise. None when the placement of a shape is not known:
+    a broken tree, an unread mesh, or a COLLADA mesh whose declared unit programs treat differently.
     """
     import numpy as np
 
@@ -29,18 +30,18 @@ def find_lowest_point(model: Model, frame: str) -> tuple[float, str] | None:
     if frame not in frames:
         return None
     to_frame = np.linalg.inv(frames[frame])
-    found: list[tuple[float, str]] = []
+    bottoms: list[tuple[float, str]] = []
     for link in model.links:
         for shape in link.collisions or link.visuals:
             bottom = _compute_shape_bottom(model, shape, to_frame @ frames[link.name])
             if bottom is None:
                 return None
-            found.append((bottom, link.name))
-    return min(found, default=None)
+            bottoms.append((bottom, link.name))
+    return min(bottoms, default=None)
 
 
 def measure_link_size(model: Model, link: Link) -> tuple[float, float, float] | None:
-    """What a link draws measures along its own x, y and z (m); None when it draws nothing or a shape is not known."""
+    """Measure what a link draws along its own x, y and z (m); None when it draws nothing or a shape is not known."""
     import numpy as np
 
     sizes = []
@@ -56,7 +57,8 @@ def measure_link_size(model: Model, link: Link) -> tuple[float, float, float] | 
     return sizes[0], sizes[1], sizes[2]
 
 
-def _compute_shape_bottom(model: Model, shape: Shape, link_pose: NDArray[np.float64]) -> float | None:
+def _compute_shape_bottom(model: Model, shape: Shape, link_pose: Array) -> float | None:
+    """Compute the lowest z (m) of a shape in the frame in which its link is placed; None when it is not known."""
     import numpy as np
 
     pose, size = shape.origin.matrix, shape.size

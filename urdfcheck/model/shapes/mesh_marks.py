@@ -1,6 +1,11 @@
-"""What a finding about a mesh gives a report to draw: places in metres in the mesh's own frame, rounded, and few enough."""
+"""Marks on a mesh that a report draws for a finding: coordinates in metres in the mesh's frame, rounded, and few enough."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
 
 from typing import TYPE_CHECKING, Any
 
@@ -10,16 +15,13 @@ from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-# Points, lines or triangles of one mesh: more are not told apart on a screen, and a finding stays below 50 kB.
+# Points, lines or triangles of one mesh: a screen shows no more, and a finding stays below 50 kB.
 MAX_DRAWN = 256
 DIGITS = 6
 
 
-def sample_for_drawing(model: Model, use: MeshUse, places: NDArray[np.float64], most: int = MAX_DRAWN) -> list[Any]:
-    """At most ``most`` of ``places`` in file units, evenly picked, as nested lists in metres as RViz draws the mesh.
+def sample_for_drawing(model: Model, use: MeshUse, places: Array, most: int = MAX_DRAWN) -> list[Any]:
+    """Return at most ``most`` of ``places`` in file units, evenly picked, as nested lists in metres as RViz draws the mesh.
 
     ``places`` are points (n, 3), lines (n, 2, 3) or triangles (n, 3, 3).
     """
@@ -30,5 +32,5 @@ def sample_for_drawing(model: Model, use: MeshUse, places: NDArray[np.float64], 
 
 
 def round_significant(value: float, digits: int = DIGITS) -> float:
-    """To so many significant digits, and without the sign of a zero."""
+    """Round to ``digits`` significant digits, and drop the sign of a zero."""
     return float(f"{value:.{digits}g}") + 0.0

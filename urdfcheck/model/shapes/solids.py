@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+
+from typing import TYPE_CHECKING
+
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 
@@ -12,9 +17,9 @@ if TYPE_CHECKING:
 
 
 def compute_drawn_scale(model: Model, shape: Shape) -> tuple[float, float, float] | None:
-    """Metres per file unit along the mesh's axes, as RViz and Gazebo draw it: the URDF scale times COLLADA's unit.
+    """Return metres per file unit along the mesh's axes, as RViz and Gazebo draw it: the URDF scale times COLLADA's unit.
 
-    None when the shape is no mesh that could be read, or its scale is malformed.
+    None when the shape is not a mesh that could be read, or its scale is malformed.
     """
     facts, scale = model.meshes.get_facts(shape), shape.size
     if facts is None or scale is None or len(scale) != 3:
@@ -23,8 +28,16 @@ def compute_drawn_scale(model: Model, shape: Shape) -> tuple[float, float, float
     return scale[0] * unit, scale[1] * unit, scale[2] * unit
 
 
+def is_usable_shape(model: Model, shape: Shape) -> bool:
+    """Whether it is known where a shape is and what it looks like."""
+    size = compute_drawn_scale(model, shape) if shape.kind == "mesh" else shape.size
+    if size is None or shape.origin.matrix is None or shape.kind is None:
+        return False
+    return all(size) if shape.kind == "mesh" else min(size) > 0
+
+
 def measure_link_solid(model: Model, link: Link, role: str = "visual") -> Solid | None:
-    """Volume, COM and second moments of what a link draws (or collides with), in the link frame.
+    """Measure volume, COM and second moments of what a link draws (or collides with), in the link frame.
 
     None when it has no such shape, or one whose volume is not known (an unread or open mesh).
     """
@@ -37,7 +50,7 @@ def measure_link_solid(model: Model, link: Link, role: str = "visual") -> Solid 
 
 
 def measure_shape_solid(model: Model, shape: Shape) -> Solid | None:
-    """Like `measure_link_solid` for one shape."""
+    """Measure one shape, like `measure_link_solid`."""
     import numpy as np
 
     from urdfcheck.facts.inertials import inertia_tensor as inertia
@@ -46,17 +59,28 @@ def measure_shape_solid(model: Model, shape: Shape) -> Solid | None:
     size, pose = shape.size, shape.origin.matrix
     if size is None or pose is None or any(s == 0 for s in size):
         return None
+    turn, place = pose[:3, :3], pose[:3, 3]
     if shape.kind == "mesh":
         facts = model.meshes.get_facts(shape)
         if facts is None or not facts.closed or not np.isfinite(facts.com).all():
             return None
-        return compute_mesh_solid(facts, size, pose[:3, :3], pose[:3, 3])
+        return compute_mesh_solid(facts, size, turn, place)
     if any(s < 0 for s in size):
         return None
-    made = {
+    makers = {
         "box": lambda: inertia.make_box_solid(size),
         "cylinder": lambda: inertia.make_cylinder_solid(*size),
         "sphere": lambda: inertia.make_sphere_solid(*size),
         "capsule": lambda: inertia.make_capsule_solid(*size),
-    }[shape.kind or ""]()
-    return inertia.transform_solid(made, pose[:3, :3], pose[:3, 3])
+    }
+    solid = makers[shape.kind or ""]()
+    return inertia.transform_solid(solid, turn, place)
+
+
+def get_mesh_scale(model: Model, shape: Shape, apply_unit: bool) -> Array | None:
+    """Return metres per file unit along a mesh's axes (3,), with or without COLLADA's unit; None for no readable mesh."""
+    import numpy as np
+
+    drawn = compute_drawn_scale(model, shape)
+    scale = drawn if apply_unit or drawn is None else shape.size
+    return None if scale is None or shape.kind != "mesh" else np.array(scale)

@@ -3,29 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import cache
-from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-from urdfcheck.facts.inertials.diagnosis import VisualGeometry
+from urdfcheck.facts.arrays import Array
+from urdfcheck.facts.inertials.declared_and_drawn import VisualGeometry
 from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids, make_box_solid, transform_solid
 from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid
-from urdfcheck.facts.mesh.moments import compute_mesh_moments
+from urdfcheck.facts.mesh.moments import MeshMoments, compute_mesh_moments
 from urdfcheck.facts.mesh.topology import label_components
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS, compute_bounding_box, is_dummy_shape
-from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_solid
+from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS, compute_bounding_box, get_up_axis_rotation, is_dummy_shape
+from urdfcheck.model.shapes.corners import compute_shape_corners
+from urdfcheck.model.shapes.solids import get_mesh_scale, measure_shape_solid
 
-Array = NDArray[np.float64]
-
-_CUBE = np.array(list(product((-0.5, 0.5), repeat=3)))
-# A shape settles which way up a mesh is meant when its box is that much nearer to one way's than to the other's.
+# A shape settles which way up a mesh is meant when its box is nearer to that of one way than to the other's by this ratio.
 _NEARER = 0.5
-# The bodies of an assembly whose inertias somebody may have added up.
+# More bodies than this in an assembly, and nobody added up their inertias.
 _MOST_PIECES = 40
 
 
@@ -33,26 +29,27 @@ _MOST_PIECES = 40
 def measure_link_geometry(
     model: Model, link: Link, *, apply_unit: bool = True, apply_up_axis: bool = False
 ) -> VisualGeometry | None:
-    """What the link itself draws, in its frame, as RViz draws it: the visual shapes, or the collision shapes where only
-    these are closed or there are no visual ones. None when there is nothing, or a shape is not known.
+    """Measure what the link itself draws, in its frame, as RViz draws it.
 
-    ``unit`` and ``upright``: whether COLLADA's ``<unit>`` and ``<up_axis>`` are followed; RViz follows the unit alone.
+    These are the visual shapes, or the collision shapes where only these are closed or there are no visual ones. None when
+    there is nothing, or a shape is not known. ``apply_unit`` and ``apply_up_axis``: whether COLLADA's ``<unit>`` and
+    ``<up_axis>`` are followed; RViz follows the unit alone.
     """
-    drawn = _measure_shapes(model, link.visuals, apply_unit, apply_up_axis)
+    drawn = _measure_shapes(model, link.visuals, apply_unit=apply_unit, apply_up_axis=apply_up_axis)
     if drawn is not None and drawn.closed:
         return drawn
-    colliding = _measure_shapes(model, link.collisions, apply_unit, apply_up_axis)
+    colliding = _measure_shapes(model, link.collisions, apply_unit=apply_unit, apply_up_axis=apply_up_axis)
     return colliding if drawn is None or (colliding is not None and colliding.closed) else drawn
 
 
 def split_visual_bodies(model: Model, link: Link) -> tuple[Solid, ...]:
-    """The separate bodies that the closed visual meshes of a link consist of, in its frame: what a CAD assembly was made of.
+    """Split the closed visual meshes of a link into their separate bodies, in its frame: the parts of a CAD assembly.
 
-    Nothing where a mesh is open or one of its bodies is, or where there are more of them than anybody would add up.
+    Empty where a mesh is open or one of its bodies is, or where there are more bodies than anybody would add up.
     """
-    found: list[Solid] = []
+    bodies: list[Solid] = []
     for shape in link.visuals:
-        facts, scale, pose = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, True), shape.origin.matrix
+        facts, scale, pose = model.meshes.get_facts(shape), get_mesh_scale(model, shape, True), shape.origin.matrix
         if facts is None or scale is None or pose is None or not facts.closed or len(facts.components) > _MOST_PIECES:
             return ()
         if len(link.visuals) == 1 and len(facts.components) < 2:
@@ -62,62 +59,33 @@ def split_visual_bodies(model: Model, link: Link) -> tuple[Solid, ...]:
             part = compute_mesh_moments(facts.vertices, facts.faces[labels == label])
             if not np.isfinite(part.com).all():
                 return ()
-            solid = _scale_solid(part.volume, part.com, part.covariance, scale)
-            found.append(transform_solid(solid, pose[:3, :3], pose[:3, 3]))
-    return tuple(found)
+            solid = _scale_solid(part, scale)
+            bodies.append(transform_solid(solid, pose[:3, :3], pose[:3, 3]))
+    return tuple(bodies)
 
 
 def merge_geometry(model: Model, link: Link, others: Iterable[Link]) -> VisualGeometry | None:
-    """What a link draws together with links that are fixed to it, in its frame. None when a shape is not known.
+    """Merge what a link draws with what links fixed to it draw, in its frame. None when a shape is not known.
 
-    :raises Unavailable: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     to_link = np.linalg.inv(model.frames[link.name])
-    found = []
+    parts = []
     for one in (link, *others):
         drawn = measure_link_geometry(model, one)
         if drawn is None:
             return None
-        found.append(_transform_geometry(drawn, to_link @ model.frames[one.name]))
-    points = np.concatenate([drawn.points for drawn in found])
-    closed = all(drawn.closed for drawn in found)
-    return VisualGeometry(combine_solids([drawn.solid for drawn in found]), closed, points)
+        parts.append(_transform_geometry(drawn, to_link @ model.frames[one.name]))
+    points = np.concatenate([drawn.points for drawn in parts])
+    closed = all(drawn.closed for drawn in parts)
+    return VisualGeometry(solid=combine_solids([drawn.solid for drawn in parts]), closed=closed, points=points)
 
 
 def _transform_geometry(drawn: VisualGeometry, placement: Array) -> VisualGeometry:
     turn, place = placement[:3, :3], placement[:3, 3]
-    return VisualGeometry(transform_solid(drawn.solid, turn, place), drawn.closed, drawn.points @ turn.T + place)
-
-
-def collect_rigid_corners(model: Model, link: Link, *, apply_unit: bool = True) -> Array | None:
-    """Corners (K, 3), in the link's frame, whose convex hull holds all that the link and the links fixed to it draw or
-    collide with. None when there is nothing, or a shape is not known. ``unit`` as for `measure_link_geometry`.
-
-    :raises Unavailable: when the tree is broken or an origin is malformed.
-    """
-    points = collect_body_corners(model, model.tree.list_body_links(link.name), apply_unit=apply_unit)
-    if points is None:
-        return None
-    to_link = np.linalg.inv(model.frames[link.name])
-    in_link: Array = points @ to_link[:3, :3].T + to_link[:3, 3]
-    return in_link
-
-
-def collect_body_corners(
-    model: Model, links: Iterable[str], *, apply_unit: bool = True, apply_up_axis: bool = False
-) -> Array | None:
-    """Like `collect_rigid_corners`, in the root link's frame, of the links of one body."""
-    parts = []
-    for name in links:
-        link, frame = model.link_by_name[name], model.frames[name]
-        for shape in (*link.visuals, *link.collisions):
-            if is_dummy_shape(shape):
-                continue
-            points = compute_shape_corners(model, shape, apply_unit=apply_unit, apply_up_axis=apply_up_axis)
-            if points is None:
-                return None
-            parts.append(points @ frame[:3, :3].T + frame[:3, 3])
-    return np.concatenate(parts) if parts else None
+    return VisualGeometry(
+        solid=transform_solid(drawn.solid, turn, place), closed=drawn.closed, points=drawn.points @ turn.T + place
+    )
 
 
 def has_drawn_shape(link: Link) -> bool:
@@ -126,14 +94,17 @@ def has_drawn_shape(link: Link) -> bool:
 
 
 def has_unit_ambiguity(model: Model, links: Iterable[str]) -> bool:
-    """Whether what these links draw has another size in programs that pass over COLLADA's ``<unit>`` (MSH008)."""
+    """Whether what these links draw has another size in programs that ignore COLLADA's ``<unit>`` (MSH008)."""
     shapes = (s for name in links for link in (model.link_by_name[name],) for s in (*link.visuals, *link.collisions))
     return any((facts := model.meshes.get_facts(s)) is not None and facts.unit not in {None, 1.0} for s in shapes)
 
 
 def has_up_axis_ambiguity(model: Model, links: Iterable[str]) -> bool:
-    """Whether what these links draw may be meant to stand otherwise than RViz draws it, which passes over COLLADA's
-    ``<up_axis>`` as not all programs do. Another shape that a link has beside such a mesh can settle it."""
+    """Whether what these links draw may be meant to be turned from how RViz draws it.
+
+    RViz, like some other programs, ignores COLLADA's ``<up_axis>``. Another shape of the link beside such a mesh can settle
+    it.
+    """
     return any(_is_up_axis_ambiguous(model, model.link_by_name[name]) for name in links)
 
 
@@ -142,10 +113,10 @@ def _is_up_axis_ambiguous(model: Model, link: Link) -> bool:
     lying = [s for s in shapes if (facts := model.meshes.get_facts(s)) is not None and facts.up_axis in Z_UP_ROTATIONS]
     others = [box for s in shapes if s not in lying and (box := _measure_shape_box(model, s, False)) is not None]
     for shape in lying:
-        drawn, stood = _measure_shape_box(model, shape, False), _measure_shape_box(model, shape, True)
-        if drawn is None or stood is None:
+        drawn, upright = _measure_shape_box(model, shape, False), _measure_shape_box(model, shape, True)
+        if drawn is None or upright is None:
             return True
-        if not any(np.abs(box - drawn).max() < _NEARER * np.abs(box - stood).max() for box in others):
+        if not any(np.abs(box - drawn).max() < _NEARER * np.abs(box - upright).max() for box in others):
             return True
     return False
 
@@ -155,8 +126,8 @@ def _measure_shape_box(model: Model, shape: Shape, apply_up_axis: bool) -> Array
 
 
 def measure_shape_volume(model: Model, shape: Shape) -> float | None:
-    """What a shape fills (m³), or its convex hull where it is not closed; None when that is not known."""
-    facts, scale = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, True)
+    """Measure the volume of a shape (m³), or of its convex hull where it is not closed; None when that is not known."""
+    facts, scale = model.meshes.get_facts(shape), get_mesh_scale(model, shape, True)
     if facts is None or scale is None:
         solid = measure_shape_solid(model, shape)
         return None if solid is None else solid.volume
@@ -164,66 +135,22 @@ def measure_shape_volume(model: Model, shape: Shape) -> float | None:
 
 
 def measure_links_volume(model: Model, links: Iterable[Link]) -> float | None:
-    """What some links draw in all, in m³; collision shapes count where a link has no visual ones. None where it is not known."""
+    """Measure the volume in m³ that some links draw in all; None when it is not known.
+
+    Collision shapes count where a link has no visual ones.
+    """
     shapes = [s for link in links for s in (link.visuals or link.collisions) if not is_dummy_shape(s)]
     volumes = [measure_shape_volume(model, shape) for shape in shapes]
     known = [v for v in volumes if v is not None]
     return sum(known) if known and len(known) == len(volumes) else None
 
 
-def compute_shape_corners(
-    model: Model, shape: Shape, *, apply_unit: bool = True, apply_up_axis: bool = False, circumscribed: bool = True
-) -> Array | None:
-    """Corners (K, 3), in the link's frame, whose convex hull is that of a shape, or holds a round one closely; without
-    ``around`` the corners of a round one lie on it. None when the shape is not known."""
-    size, pose = shape.size, shape.origin.matrix
-    if size is None or pose is None or shape.kind is None:
-        return None
-    if shape.kind == "mesh":
-        facts, scale = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, apply_unit)
-        if facts is None or scale is None:
-            return None
-        local = facts.hull.vertices @ _get_up_axis_rotation(facts, apply_up_axis).T * scale
-    elif min(size) <= 0:
-        return None
-    elif shape.kind == "box":
-        local = _CUBE * size
-    elif shape.kind == "sphere":
-        local = _make_sphere(circumscribed) * size[0]
-    else:
-        radius, length = size
-        end = (_make_sphere(circumscribed) if shape.kind == "capsule" else _make_circle(circumscribed)) * radius
-        half = np.array((0, 0, length / 2))
-        local = np.concatenate((end - half, end + half))
-    points: Array = local @ pose[:3, :3].T + pose[:3, 3]
-    return points
-
-
-@cache
-def _make_circle(circumscribed: bool) -> Array:
-    """The unit circle about z: the corners of a polygon in it, or of one round it, which need not be as fine."""
-    corners = 32 if circumscribed else 64
-    angles = np.arange(corners) * 2 * np.pi / corners
-    radius = 1 / np.cos(np.pi / corners) if circumscribed else 1.0
-    return np.column_stack((np.cos(angles), np.sin(angles), np.zeros(corners))) * radius
-
-
-@cache
-def _make_sphere(circumscribed: bool) -> Array:
-    """The unit sphere: its parallels, poles and equator among them."""
-    circle = _make_circle(circumscribed)
-    radius = float(np.linalg.norm(circle[0]))
-    parallels = np.linspace(-np.pi / 2, np.pi / 2, len(circle) // 2 + 1)
-    # Polygons round it both ways, along the parallels and along the meridians.
-    return np.concatenate([radius * (circle * np.cos(a) + (0, 0, np.sin(a))) for a in parallels])
-
-
-@np.errstate(all="ignore")  # numbers of no robot are for other rules
+@np.errstate(all="ignore")  # other rules report numbers that no robot has
 def _measure_shapes(
-    model: Model, shapes: tuple[Shape, ...], apply_unit: bool, apply_up_axis: bool
+    model: Model, shapes: tuple[Shape, ...], *, apply_unit: bool, apply_up_axis: bool
 ) -> VisualGeometry | None:
     parts = [
-        _measure_shape(model, shape, apply_unit, apply_up_axis)
+        _measure_shape(model, shape, apply_unit=apply_unit, apply_up_axis=apply_up_axis)
         for shape in tuple(s for s in shapes if not is_dummy_shape(s)) or shapes
     ]
     known = [part for part in parts if part is not None]
@@ -249,8 +176,8 @@ def _measure_shapes(
     )
 
 
-def _measure_shape(model: Model, shape: Shape, apply_unit: bool, apply_up_axis: bool) -> VisualGeometry | None:
-    """One shape by itself; ``box`` and ``pieces`` are left out."""
+def _measure_shape(model: Model, shape: Shape, *, apply_unit: bool, apply_up_axis: bool) -> VisualGeometry | None:
+    """Measure one shape by itself, without ``box`` and ``pieces``."""
     points, pose = (
         compute_shape_corners(model, shape, apply_unit=apply_unit, apply_up_axis=apply_up_axis),
         shape.origin.matrix,
@@ -258,25 +185,32 @@ def _measure_shape(model: Model, shape: Shape, apply_unit: bool, apply_up_axis: 
     if points is None or pose is None:
         return None
     turn, place = pose[:3, :3], pose[:3, 3]
-    facts, scale = model.meshes.get_facts(shape), _get_mesh_scale(model, shape, apply_unit)
+    facts, scale = model.meshes.get_facts(shape), get_mesh_scale(model, shape, apply_unit)
     if facts is None or scale is None:
         solid = measure_shape_solid(model, shape)
-        return None if solid is None else VisualGeometry(solid, True, points, hull=solid)
-    stood = _get_up_axis_rotation(facts, apply_up_axis)
-    turn, scale = turn @ stood, np.abs(stood.T) @ scale
+        return None if solid is None else VisualGeometry(solid=solid, closed=True, points=points, hull=solid)
+    upright = get_up_axis_rotation(facts, apply_up_axis)
+    turn, scale = turn @ upright, np.abs(upright.T) @ scale
     integrals = compute_mesh_moments(facts.hull.vertices, facts.hull.faces)
     hull = Solid(0.0, np.zeros(3), np.zeros((3, 3)))
     if integrals.volume > 0.0:
-        hull = transform_solid(_scale_solid(integrals.volume, integrals.com, integrals.covariance, scale), turn, place)
+        hull = transform_solid(_scale_solid(integrals, scale), turn, place)
     closed = facts.closed and bool(np.isfinite(facts.com).all()) and not _has_mixed_orientation(facts)
     solid = compute_mesh_solid(facts, scale.tolist(), turn, place) if closed else hull
-    # Flat drawings have no volume to be wrong about.
-    return VisualGeometry(solid, closed or hull.volume == 0.0, points, hull, _measure_shell(facts, scale, turn, place))
+    return VisualGeometry(
+        solid=solid,
+        closed=closed or hull.volume == 0.0,  # flat drawings have no volume to be wrong about
+        points=points,
+        hull=hull,
+        shell=_measure_shell(facts, scale, turn=turn, place=place),
+    )
 
 
 def _has_mixed_orientation(facts: MeshFacts) -> bool:
-    """Whether one of several bodies faces inwards where the others face outwards, and is no hollow in them: its volume would be
-    subtracted."""
+    """Whether one of several bodies faces inwards while the others face outwards, and is not a hollow in them.
+
+    Its volume would be subtracted.
+    """
     if len(facts.components) < 2:
         return False
     labels = label_components(facts.faces, len(facts.vertices))
@@ -288,8 +222,11 @@ def _has_mixed_orientation(facts: MeshFacts) -> bool:
 
 
 def _compute_winding_number(triangles: Array, point: Array) -> float:
-    """How many times closed surfaces of ``triangles`` (F, 3, 3) go round a point: the sum of their solid angles (van Oosterom
-    and Strackee, *The solid angle of a plane triangle*, 1983) over that of a sphere."""
+    """Compute how many times closed surfaces of ``triangles`` (F, 3, 3) wind around a point.
+
+    The sum of their solid angles (van Oosterom and Strackee, *The solid angle of a plane triangle*, 1983) over that of a
+    sphere.
+    """
     a, b, c = np.moveaxis(triangles - point, 1, 0)
     la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
     across = np.einsum("ij,ij->i", a, np.cross(b, c))
@@ -297,7 +234,7 @@ def _compute_winding_number(triangles: Array, point: Array) -> float:
     return float(np.arctan2(across, along).sum() / (2.0 * np.pi))
 
 
-def _measure_shell(facts: MeshFacts, scale: Array, turn: Array, place: Array) -> Solid | None:
+def _measure_shell(facts: MeshFacts, scale: Array, *, turn: Array, place: Array) -> Solid | None:
     if not facts.area > 0.0:
         return None
     sizes = np.abs(scale)
@@ -312,16 +249,6 @@ def _measure_shell(facts: MeshFacts, scale: Array, turn: Array, place: Array) ->
     return transform_solid(local, turn, place)
 
 
-def _scale_solid(volume: float, com: Array, covariance: Array, scale: Array) -> Solid:
-    return Solid(abs(volume * float(scale.prod())), scale * com, covariance * np.outer(scale, scale))
-
-
-def _get_up_axis_rotation(facts: MeshFacts, apply_up_axis: bool) -> Array:
-    """The turn that puts a mesh upright: a permutation of its axes."""
-    return Z_UP_ROTATIONS.get(facts.up_axis or "", np.eye(3)) if apply_up_axis else np.eye(3)
-
-
-def _get_mesh_scale(model: Model, shape: Shape, apply_unit: bool) -> Array | None:
-    """Metres per file unit along a mesh's axes; None when it is no mesh that could be read."""
-    scale = compute_drawn_scale(model, shape) if apply_unit or compute_drawn_scale(model, shape) is None else shape.size
-    return None if scale is None or shape.kind != "mesh" else np.array(scale)
+def _scale_solid(moments: MeshMoments, scale: Array) -> Solid:
+    volume = abs(moments.volume * float(scale.prod()))
+    return Solid(volume, scale * moments.com, moments.covariance * np.outer(scale, scale))

@@ -1,4 +1,4 @@
-"""Severities as shapes and words: never by colour alone, and legible when the style is blocked."""
+"""Severities as shapes and words: never by colour alone, and legible without the style."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from urdfcheck.core import Severity
 from urdfcheck.output.shared.wording import SEVERITY_ORDER
 
-# Drawn once; the fill is the text colour, the sign is cut out of it, so one drawing serves every background.
+# Drawn once; the fill is the text colour and the sign is cut out of it, so one drawing suits every background.
 SYMBOLS = (
     '<svg width="0" height="0" class="symbols" aria-hidden="true" focusable="false"><defs>'
     '<symbol id="g-error" viewBox="0 0 16 16"><path fill="currentColor" fill-rule="evenodd" d="M5 .8h6L15.2 5v6L11 15.2H5'
@@ -24,21 +24,25 @@ SYMBOLS = (
 
 
 def render_glyph(kind: Severity | str) -> str:
+    """Render the glyph of a severity, or of ``ok``."""
     return (
         f'<svg class="glyph" width="16" height="16" aria-hidden="true" focusable="false"><use href="#g-{kind}"/></svg>'
     )
 
 
 def render_badges(counts: Mapping[Severity, int]) -> str:
-    """One small count per severity that occurs, each with its glyph and, for those who do not see it, its word."""
-    found = [
-        f' <span class="badge {s}">{render_glyph(s)} {counts[s]}<span class="sr"> {pluralize_severity(counts[s], s)} </span></span>'
-        for s in SEVERITY_ORDER
-        if counts.get(s)
-    ]
-    return "".join(found) or f' <span class="badge ok">{render_glyph("ok")}<span class="sr"> no findings </span></span>'
+    """Render a count for each severity that occurs, with its glyph and, for screen readers, its word."""
+    badges = [_render_badge(severity, counts[severity]) for severity in SEVERITY_ORDER if counts.get(severity)]
+    return (
+        "".join(badges) or f' <span class="badge ok">{render_glyph("ok")}<span class="sr"> no findings </span></span>'
+    )
+
+
+def _render_badge(severity: Severity, count: int) -> str:
+    word = f'<span class="sr"> {pluralize_severity(count, severity)} </span>'
+    return f' <span class="badge {severity}">{render_glyph(severity)} {count}{word}</span>'
 
 
 def pluralize_severity(count: int, severity: Severity) -> str:
-    """``error`` or ``errors``; information has no plural."""
+    """Return ``error`` or ``errors``; ``info`` has no plural."""
     return str(severity) if count == 1 or severity == Severity.INFO else f"{severity}s"

@@ -1,4 +1,4 @@
-"""Where each finding can be linked to, and which finding is the worst of each link, joint and static transform."""
+"""Link targets of findings, and the worst finding of each link, joint and static transform."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from urdfcheck.core import Finding, Severity, Span
 from urdfcheck.core.scene import SceneFrame
-from urdfcheck.output.html.text import escape_html
 
 _ELEMENT = re.compile(r"(link|joint)\[(.*?)\](?=[/@]|$)", re.DOTALL)
 
@@ -17,7 +16,7 @@ ElementKey = tuple[str, ...]
 
 @dataclass(frozen=True, slots=True)
 class FindingCard:
-    """A finding with its anchors: ``ids[i]`` belongs to subject ``i``; the first one is the card's own."""
+    """A finding with its anchors: ``anchors[i]`` belongs to subject ``i``; the first one is the card's own."""
 
     finding: Finding
     anchors: tuple[str, ...]
@@ -25,7 +24,7 @@ class FindingCard:
 
 @dataclass(frozen=True, slots=True)
 class SeverityMark:
-    """The worst finding of an element: its severity, where its card is, and how many findings there are."""
+    """The worst finding of an element: its severity, the anchor of its card, and the number of findings."""
 
     severity: Severity
     anchor: str
@@ -33,35 +32,26 @@ class SeverityMark:
 
 
 def build_finding_cards(findings: Iterable[Finding]) -> list[FindingCard]:
-    """Anchors are fingerprints; the second finding of one fingerprint gets a number, so that ids stay unique."""
-    seen: dict[str, int] = {}
-    found = []
+    """Give each finding its anchors: its fingerprints, numbered from the second use on, so that ids are unique."""
+    counts: dict[str, int] = {}
+    cards = []
     for finding in findings:
-        ids = []
-        for print_ in finding.fingerprints or (finding.code,):
-            seen[print_] = seen.get(print_, 0) + 1
-            ids.append(f"f-{print_}" if seen[print_] == 1 else f"f-{print_}-{seen[print_]}")
-        found.append(FindingCard(finding, tuple(ids)))
-    return found
+        anchors = []
+        for fingerprint in finding.fingerprints or (finding.code,):
+            number = counts[fingerprint] = counts.get(fingerprint, 0) + 1
+            anchors.append(f"f-{fingerprint}" if number == 1 else f"f-{fingerprint}-{number}")
+        cards.append(FindingCard(finding, tuple(anchors)))
+    return cards
 
 
 def parse_element_key(subject: str) -> ElementKey | None:
-    """``("link", "wheel_1")`` of ``link[wheel_1]/inertial@…``; None when the subject lies in neither link nor joint."""
+    """Return ``("link", "wheel_1")`` for ``link[wheel_1]/inertial@…``; None if the subject is in neither a link nor a joint."""
     match = _ELEMENT.match(subject)
     return (match[1], match[2]) if match else None
 
 
-def render_data_attribute(element_key: ElementKey | None) -> str:
-    """The attribute by which the page's script knows that something is about a link or a joint; empty for anything else."""
-    return (
-        f' data-{element_key[0]}="{escape_html(element_key[1])}"'
-        if element_key is not None and len(element_key) == 2
-        else ""
-    )
-
-
 def make_frame_key(parent: str, child: str) -> ElementKey:
-    """A launch file's static transform. No finding's subject names it: its place in the file does."""
+    """Return the key of a launch file's static transform, which findings match by its span: no subject names it."""
     return ("frame", parent, child)
 
 
@@ -70,24 +60,23 @@ def compute_severity_marks(
     frames: Iterable[SceneFrame] = (),
     element_spans: Iterable[tuple[ElementKey, Span]] = (),
 ) -> Mapping[ElementKey, SeverityMark]:
-    """The worst finding of each link, joint, static transform and place in a file that has one; suppressed findings do not
-    count."""
+    """Find the worst finding of each link, joint, static transform and span that has one; suppressed findings do not count."""
     spans = [(make_frame_key(f.parent, f.child), f.span) for f in frames if f.span is not None]
     spans += element_spans
-    found: dict[ElementKey, SeverityMark] = {}
+    marks: dict[ElementKey, SeverityMark] = {}
     for card in model_cards:
         if card.finding.suppressed is not None:
             continue
-        at = card.finding.location.span
-        touched = [e for s in card.finding.subjects if (e := parse_element_key(s)) is not None]
-        touched += [of for of, span in spans if at is not None and _is_overlapping(at, span)]
-        for of in dict.fromkeys(touched):
-            known = found.get(of)
-            if known is None or card.finding.severity > known.severity:
-                found[of] = SeverityMark(card.finding.severity, card.anchors[0], 1 + (known.count if known else 0))
+        place = card.finding.location.span
+        keys = [key for subject in card.finding.subjects if (key := parse_element_key(subject)) is not None]
+        keys += [key for key, span in spans if place is not None and _is_overlapping(place, span)]
+        for key in dict.fromkeys(keys):
+            mark = marks.get(key)
+            if mark is None or card.finding.severity > mark.severity:
+                marks[key] = SeverityMark(card.finding.severity, card.anchors[0], 1 + (mark.count if mark else 0))
             else:
-                found[of] = SeverityMark(known.severity, known.anchor, known.count + 1)
-    return found
+                marks[key] = SeverityMark(mark.severity, mark.anchor, mark.count + 1)
+    return marks
 
 
 def _is_overlapping(a: Span, b: Span) -> bool:

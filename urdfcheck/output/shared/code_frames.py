@@ -9,7 +9,7 @@ from urdfcheck.core import NEWLINE, Span
 
 # A span over many lines (an element) shows its first lines only.
 MOST_LINES = 6
-# A file in one line would be copied for each of its findings: this much of a line is kept on either side of what is marked.
+# Characters of a line kept on each side of the marked range: a file in one line would be copied for each of its findings.
 KEPT_CHARACTERS = 1000
 
 
@@ -23,12 +23,12 @@ class FrameLine:
 
 
 def extract_code_frame(source: str, span: Span, context: int = 1) -> list[FrameLine]:
-    """The lines of ``span`` and ``context`` lines around it. Empty when the span lies outside of the text."""
+    """Return the lines of ``span`` and ``context`` lines around it; none when the span lies outside of the text."""
     lines = split_lines(source)
     if not 1 <= span.line <= len(lines):
         return []
     last = min(span.end_line, span.line + MOST_LINES - 1, len(lines))
-    found = []
+    frame = []
     for number in range(max(1, span.line - context), min(len(lines), last + context) + 1):
         text = lines[number - 1]
         marked = None
@@ -37,8 +37,8 @@ def extract_code_frame(source: str, span: Span, context: int = 1) -> list[FrameL
             end = span.end_col - 1 if number == span.end_line else len(text.rstrip())
             # An empty span (an empty value, an end of file) still needs something to point at.
             marked = (start, max(end, start + 1))
-        found.append(_crop_line(FrameLine(number, text, marked)))
-    return found
+        frame.append(_crop_line(FrameLine(number, text, marked)))
+    return frame
 
 
 def _crop_line(line: FrameLine) -> FrameLine:
@@ -51,5 +51,5 @@ def _crop_line(line: FrameLine) -> FrameLine:
 
 @lru_cache(maxsize=16)
 def split_lines(source: str) -> tuple[str, ...]:
-    """The lines of a text, split once for all findings in a file."""
+    """Split a text into lines, once for all findings in a file."""
     return tuple(NEWLINE.split(source))

@@ -1,4 +1,4 @@
-"""Edits as the lines of a unified diff that ``patch`` takes."""
+"""Edits as the lines of a unified diff that ``patch`` accepts."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from itertools import groupby
 from urdfcheck.core import NEWLINE, Edit
 from urdfcheck.output.shared.code_frames import split_lines
 
-# Nobody compares lines longer than this by eye: there the old and the new text stand alone.
+# Longer lines cannot be compared by eye: their edits show only the old and the new text.
 LONGEST_LINE = 400
 
-# What a line is (head | at | same | del | ins) and the line with its sign, without a newline.
+# The kind of a line (head | at | same | del | ins) and the line with its sign, without a newline.
 DiffLine = tuple[str, str]
 
 
 def iter_diff_lines(sources: Mapping[str, str], edits: Iterable[Edit]) -> Iterator[DiffLine]:
-    """The lines of the diff; bare old and new text below its place where the source is missing or is not what it was."""
+    """Yield the lines of the diff; only the place and the old and new text if the source is missing or has changed."""
     ordered = sorted(edits, key=lambda e: (e.span.file, e.span.start, e.span.end))
     for file, group in groupby(ordered, key=lambda e: e.span.file):
         edits_here = list(group)
@@ -33,7 +33,7 @@ def iter_diff_lines(sources: Mapping[str, str], edits: Iterable[Edit]) -> Iterat
 
 
 def _is_stale_or_too_long(text: str, edit: Edit) -> bool:
-    """Whether an edit's text has changed meanwhile, or stands in a line that is too long."""
+    """Whether the text of an edit has changed in the meantime, or is in a line that is too long."""
     typed = text[edit.span.start : edit.span.end]
     touched = split_lines(text)[edit.span.line - 1 : edit.span.end_line]
     return typed != edit.expected or any(len(line) > LONGEST_LINE for line in touched)
@@ -45,7 +45,7 @@ def _iter_changed_lines(old: Iterable[str], new: Iterable[str]) -> Iterator[Diff
 
 
 def _iter_hunks(text: str, edits: Sequence[Edit]) -> Iterator[DiffLine]:
-    """One hunk for the edits of neighbouring lines, with a line of context; ``edits`` are sorted and of one file."""
+    """Yield a hunk for each group of edits in neighbouring lines, with a line of context; ``edits`` are sorted, of one file."""
     lines = split_lines(text)
     shift = 0
     for group in _group_neighbouring_edits(edits):
@@ -76,8 +76,8 @@ def _group_neighbouring_edits(edits: Sequence[Edit]) -> list[list[Edit]]:
 
 
 def _apply_edits(text: str, start: int, edits: Sequence[Edit]) -> str:
-    pieces, at = [], start
+    pieces, end = [], start
     for edit in edits:
-        pieces += [text[at : edit.span.start], edit.replacement]
-        at = edit.span.end
+        pieces += [text[end : edit.span.start], edit.replacement]
+        end = edit.span.end
     return "".join(pieces)

@@ -1,7 +1,7 @@
-"""Text of strangers made inert: it is shown wherever it goes, and nothing there obeys it.
+"""Untrusted text made inert: every output shows it, and no terminal, browser or CI system acts on it.
 
-A name, a path or a message of a file may hold what a terminal obeys (escape sequences), what shows other text than there is
-(direction controls, characters that cannot be seen) and what a CI system takes out of its log and runs: a line that begins
+A name, a path or a message of a file may hold escape sequences that a terminal obeys, characters that change or hide what is
+shown (direction controls, invisible characters), and commands that a CI system runs from its log: a line that begins
 with ``::`` (GitHub), and ``##[…]``, ``##vso[…]``, ``##teamcity[…]`` anywhere in a line (GitHub, Azure, TeamCity; the
 sections of GitLab and Travis need control characters). Each output passes what it writes through its function here, last.
 """
@@ -12,68 +12,69 @@ import re
 import unicodedata
 from collections.abc import Callable
 
-# Controls, format characters, surrogates, private use, the separators of lines and paragraphs.
+# Unicode categories: controls, format characters, surrogates, private use, line and paragraph separators.
 _ACTING = frozenset({"Cc", "Cf", "Cs", "Co", "Zl", "Zp"})
-# Letters and marks without a shape: fillers of Hangul and Khmer, the grapheme joiner, what Unicode keeps free for more.
+# Letters and marks without a shape: fillers of Hangul and Khmer, the grapheme joiner, and code points reserved for more.
 _INVISIBLE = re.compile(
     "[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u2065\u3164\uffa0\ufff0-\ufff8\U000e0000-\U000e0fff]"
 )
 _UNUSUAL = re.compile(r"[^\n\t -~]")
-# Ends at the character that is to be spelled. A runner takes the blanks off a line before it looks.
+# A match ends at the character to escape. A runner strips the blanks of a line before it looks for commands.
 _COMMAND = re.compile(r"^[^\S\n]*:(?=:)|#(?=#\w*\[)", re.MULTILINE)
-# What Markdown and the sites that show it act upon in the middle of a line: markup, entities, links, pictures, mentions, emoji,
-# formulas, references to issues and commits. A word that has any of it is shown as code, where none of it holds.
+# What Markdown and the sites that render it interpret inside a line: markup, entities, links, pictures, mentions, emoji,
+# formulas, references to issues and commits. A word with any of it is shown as code, where none of it is interpreted.
 _MARKUP = re.compile(
     r"[][*`{|}\\]|<[\w/!?]|[#@~$^:&!]\S|%\w|(?<![^\W_])_|_(?![^\W_])|\bwww\.|\bG[HL]-\d|(?<![\w.])[\da-f]{7,40}(?![\w.])",
     re.IGNORECASE,
 )
-# What begins a heading, a list, a quotation, a line or a quick action of GitLab where it is the first word of all.
+# First words that begin a heading, a list, a quotation, a rule or a quick action of GitLab.
 _BLOCK = re.compile(r"[#+=-]+$|[>/]|\d+[.)]$")
 _CODED = re.compile(r"`([^`]+)`")
 _WORD = re.compile(r"\S+")
-# Goes before and behind a word, and not into the code that it is shown as.
+# Punctuation before and after a word, kept out of its code span.
 _OPENING, _CLOSING = "(\"'«", ")\"'»,.;:?!"
 
 
 def escape_invisible(text: str) -> str:
-    """``text`` with what acts or cannot be seen spelled out, like ``\\x1b``. Its lines stay lines."""
+    """Escape control and invisible characters, like ``\\x1b``; line breaks and tabs stay."""
     return text if text.isascii() and text.isprintable() else _escape_characters(text, _to_backslash_escape)
 
 
 def escape_one_line(text: str) -> str:
-    """The same for a name or a path: line breaks and tabs in it are spelled out too."""
+    """Escape a name or a path like :func:`escape_invisible`, and its line breaks and tabs too."""
     return escape_invisible(text).replace("\n", "\\n").replace("\t", "\\t")
 
 
 def find_ci_command(line: str, start: int = 0) -> int | None:
-    """Where from ``start`` on a line of a CI log has a character that must be spelled, lest it be a command."""
+    """Return the index, from ``start`` on, of a character that must be escaped so that a line of a CI log is not a command."""
     match = _COMMAND.search(line, start)
     return None if match is None else match.end() - 1
 
 
 def escape_for_log(text: str) -> str:
-    """For a terminal and a CI log."""
+    """Escape text for a terminal and a CI log."""
     return _escape_ci_commands(escape_invisible(text), _to_backslash_escape)
 
 
 def escape_for_json(text: str) -> str:
-    """For a JSON document. Outside of its strings it has nothing that is spelled here."""
+    """Escape a JSON document: what is escaped here occurs only inside its strings."""
     return _escape_ci_commands(_escape_characters(text, _to_json_escape), _to_json_escape)
 
 
 def escape_for_html(text: str) -> str:
-    """For an HTML document whose values are escaped already."""
+    """Escape an HTML document whose values are escaped already."""
     return _escape_ci_commands(_escape_characters(text, _to_backslash_escape), _to_character_reference)
 
 
 def escape_for_xml(text: str) -> str:
-    """For an XML document whose values are escaped already; they stay what they are for whoever parses it."""
+    """Escape an XML document whose values are escaped already; a parser reads the same values as before."""
     return _escape_ci_commands(_escape_characters(text, _to_character_reference), _to_character_reference)
 
 
 def escape_for_markdown(text: str) -> str:
-    """One line of a Markdown document, or a cell of a table: what stands in backticks, and every word that could be markup, as
-    code. The document itself goes through :func:`escape_for_log`, for it may be printed."""
+    """Escape a line or a table cell of a Markdown document: text in backticks, and every word that could be markup, as code.
+
+    The document itself goes through :func:`escape_for_log`, because it may be printed."""
     pieces = _CODED.split(escape_one_line(text))
     pieces[1::2] = map(format_code_span, pieces[1::2])
     pieces[::2] = (_WORD.sub(_wrap_markup_word, piece) for piece in pieces[::2])
@@ -83,9 +84,9 @@ def escape_for_markdown(text: str) -> str:
 
 
 def format_code_span(text: str) -> str:
-    """A name or a path as code in Markdown; what would end the code or the cell of a table is spelled out."""
+    """Format a name or a path as code in Markdown; characters that would end the code or the table cell are escaped."""
     shown = escape_one_line(text).replace("`", _to_backslash_escape("`")).replace("|", _to_backslash_escape("|"))
-    # Nothing would be no code, and of blanks at both ends one is not shown.
+    # An empty code span is not code, and one blank is stripped from each end.
     return f"`{shown}`" if shown and shown == shown.strip() else f"` {shown} `"
 
 

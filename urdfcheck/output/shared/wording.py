@@ -1,14 +1,14 @@
-"""What several formats say in the same words."""
+"""Words and small phrases that several formats share."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from urdfcheck.core import Finding, Run, Severity, Span
 
 SEVERITY_ORDER = (Severity.ERROR, Severity.WARNING, Severity.INFO)
 GLYPHS = {Severity.ERROR: "✖", Severity.WARNING: "▲", Severity.INFO: "i"}
-# How the programs write themselves.
+# The programs by the spelling of their own projects.
 PROGRAM_NAMES = {
     "bullet": "Bullet",
     "drake": "Drake",
@@ -26,27 +26,27 @@ PROGRAM_NAMES = {
 
 
 def format_count(count: int, word: str) -> str:
-    """``2 links``; information has no plural."""
+    """Return ``2 links``; ``info`` has no plural."""
     return f"{count} {word}" + ("" if count == 1 or word == "info" else "s")
 
 
 def describe_checked_units(run: Run) -> str:
-    """``2 models``; ``1 file`` where all were launch files and packages."""
+    """Return ``2 models``; ``1 file`` if all were launch files and packages."""
     return format_count(run.units, "file") if run.units and not run.models else format_count(len(run.models), "model")
 
 
 def format_place(span: Span) -> str:
-    """``file:line:column``, as terminals and editors take it."""
+    """Return ``file:line:column``, the notation of terminals and editors."""
     return f"{span.file}:{span.line}:{span.col}"
 
 
 def sort_worst_first(findings: Iterable[Finding]) -> list[Finding]:
-    """Those of one severity stay in their order."""
+    """Sort findings by severity; those of one severity keep their order."""
     return sorted(findings, key=lambda finding: -finding.severity)
 
 
 def group_by_effect(consequences: Mapping[str, str]) -> dict[str, list[str]]:
-    """The programs by what they do: those that do the same thing share a line."""
+    """Group the programs by effect: programs that do the same thing share a line."""
     effects: dict[str, list[str]] = {}
     for program, effect in consequences.items():
         effects.setdefault(effect, []).append(program)
@@ -54,7 +54,7 @@ def group_by_effect(consequences: Mapping[str, str]) -> dict[str, list[str]]:
 
 
 def summarize_verdict(run: Run) -> tuple[str, str]:
-    """How a run came out: error | warning | ok, and a sentence without its full stop."""
+    """Return the verdict on a run: error | warning | ok, and a sentence without its full stop."""
     errors, warnings = run.count_findings(Severity.ERROR), run.count_findings(Severity.WARNING)
     unread = sum(info.status != "checked" for info in run.models)
     if run.failures:
@@ -67,15 +67,15 @@ def summarize_verdict(run: Run) -> tuple[str, str]:
         return "warning", f"{format_count(unread, 'model')} of {len(run.models)} could not be checked"
     if warnings:
         return "warning", f"No errors, {format_count(warnings, 'warning')} to look at"
-    if not set(run.rules) - {"URC900"}:  # that one tells of crashes, whatever is selected
+    if not set(run.rules) - {"URC900"}:  # it reports crashes, whatever is selected
         return "warning", "Nothing was looked for: no rule is selected"
     return "ok", "No errors and no warnings"
 
 
 def iter_details(run: Run, finding: Finding) -> Iterator[tuple[str, str]]:
-    """What is said of a finding beyond its message: a label and a sentence."""
-    if given := run.find_variant_arguments(finding):
-        yield "With", " ".join(f"{name}:={value}" for name, value in sorted(given.items()))
+    """Yield what accompanies the message of a finding: arguments, cause, consequences and fix, each a label and a sentence."""
+    if arguments := run.find_variant_arguments(finding):
+        yield "With", " ".join(f"{name}:={value}" for name, value in sorted(arguments.items()))
     if finding.cause_text is not None:
         yield "Why", finding.cause_text
     for effect, programs in group_by_effect(finding.consequences).items():
@@ -85,5 +85,16 @@ def iter_details(run: Run, finding: Finding) -> Iterator[tuple[str, str]]:
 
 
 def find_finding_file(run: Run, finding: Finding) -> str:
-    """The file to name for a finding without a place: its model's, or what its id says of a package or a launch file."""
+    """Return the file of a finding without a span: its model's, or the package or launch file that its id names."""
     return next((info.path for info in run.models if info.id == finding.model), finding.model)
+
+
+def get_base_name(path: str) -> str:
+    """Return the last part of a path with slashes or backslashes."""
+    return path.replace("\\", "/").rsplit("/", 1)[-1]
+
+
+def join_first(words: Sequence[str], most: int) -> str:
+    """Join the first ``most`` words, and say how many more there are."""
+    rest = len(words) - most
+    return ", ".join(words[:most]) + (f" and {rest} more" if rest > 0 else "")

@@ -1,76 +1,51 @@
-"""Launch files: which model they load with which arguments, and what they start beside it.
+"""Launch files: the models that they load, with which arguments, and the static transforms beside them.
 
-XML launch files of ROS 1 and ROS 2 are read as located XML, with the XML launch files that they include. Python launch
-files: see :mod:`urdfcheck.source.launch.python_launch_file`.
+XML launch files of ROS 1 and ROS 2 are read as located XML, with the XML launch files that they include; for Python
+launch files, see :mod:`urdfcheck.source.launch.python_launch_file`.
 """
 
 from __future__ import annotations
 
-import itertools
 import os
 import re
-import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from urdfcheck.core import Location, Span
+from urdfcheck.core import Location
 from urdfcheck.source.launch.python_launch_file import (
-    LAUNCH_SUFFIXES,
-    MAX_LENGTH,
     PythonLaunch,
     may_be_built,
     read_python_launch,
 )
+from urdfcheck.source.launch.static_transforms import StaticTransform, read_static_transforms
+from urdfcheck.source.launch.substitutions import SubstitutionResolver, UnresolvedReason, Value, split_command
+from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
-from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.text.values import parse_number
+from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
 from urdfcheck.system.files import read_regular
 
-if TYPE_CHECKING:
-    from urdfcheck.model.robot import Model
-
-# How many times launch files are included before it counts as a circle.
+# Limit on the launch files that one includes.
 MAX_INCLUDES = 64
-_SUBSTITUTION = re.compile(r"\$\(([^()]*)\)")
-_NESTED = re.compile(r"\$\([^()]*(?:\([^()]*\)[^()]*)*\)")
-_ARGUMENT = re.compile(r"^\s*\$\((?:arg|var)\s+([^\s()]+)\s*\)\s*$")
 _COMMAND = re.compile(r"^\$\(command\s+(['\"])(.*?)\1\s*(?:['\"][a-z]+['\"]\s*)?\)$", re.DOTALL)
 
 
-@dataclass(frozen=True, slots=True)
-class UnresolvedReason:
-    """Why a path of a launch file could not be resolved.
-
-    ``kind``: package (``name`` is not found) | argument (``name`` has no value) | file (the path ``name`` does not exist) |
-    circle (the arguments refer to each other) | launch-time (the substitution ``name`` is only known when it is launched).
-    """
-
-    kind: str
-    name: str = ""
-
-
-# The value of an argument, or what stands in its way.
-_Value = tuple[str | None, UnresolvedReason | None]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class DescriptionSource:
-    """Where a launch file, or one that it includes, takes robot_description from.
-
-    ``at`` is the attribute with the command or file, ``words`` the command's words as typed, ``file`` the model's path as
-    typed and ``path`` what it resolves to (None: ``unresolved`` says why), ``arguments`` the xacro arguments that could be
-    resolved.
-    """
+    """Where a launch file, or one that it includes, takes robot_description from."""
 
     at: Attribute
+    """The attribute with the command or file."""
     words: tuple[str, ...]
+    """The command's words as typed."""
     file: str
+    """The model's path as typed."""
     path: Path | None
+    """The model's path; None if it is ``unresolved``."""
     arguments: Mapping[str, str]
+    """The xacro arguments that could be resolved."""
     unresolved: UnresolvedReason | None
 
     @property
@@ -80,97 +55,76 @@ class DescriptionSource:
 
     @property
     def is_from_include(self) -> bool:
-        """Whether an included launch file says so."""
+        """Whether it is in an included launch file."""
         return bool(self.at.owner.via)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BrokenInclude:
-    """An include that leads nowhere: ``at`` is its file attribute, ``obstacle`` (file | argument | circle) says why; of a
-    circle, ``name`` is the file that is included once more."""
+    """An include that leads nowhere."""
 
     at: Attribute
+    """The include's file attribute."""
     unresolved: UnresolvedReason
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class StaticTransform:
-    """A static_transform_publisher node: ``parent`` to ``child`` in metres and radians.
-
-    Of ``rpy`` and ``quaternion`` (x y z w) one is set; all three are None where the numbers are not literal.
-    """
-
-    node: Element
-    at: Attribute
-    parent: str
-    child: str
-    xyz: tuple[float, ...] | None
-    rpy: tuple[float, ...] | None
-    quaternion: tuple[float, ...] | None
+    """``kind`` is file | argument | circle; of a circle, ``name`` is the file that is included again."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LaunchScope:
-    """An XML launch file, with what resolves the substitutions in it as it is launched or included."""
+    """An XML launch file, and the resolver of its substitutions as it is launched or included."""
 
     root: Element
     resolver: SubstitutionResolver
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Launch:
-    """One launch file. ``dialect``: ros1 | ros2 | python; ``root`` is None for Python and for broken XML.
-
-    ``files`` holds it and those that it includes, ``broken`` the includes that lead nowhere. ``python`` is what could be read
-    of one in Python. ``model`` is the model that its robot_description leads to, once it is loaded. ``scope`` is this file as
-    it is launched with the defaults of its arguments, and ``scopes`` the included ones by their elements.
-    """
+    """One launch file. ``root`` is None for a Python file and for malformed XML."""
 
     path: Path
     name: str
     dialect: str
+    """ros1 | ros2 | python."""
     root: Element | None
     files: Mapping[str, SourceFile]
+    """This file and those that it includes, by their names in findings."""
     problems: tuple[Problem, ...]
     descriptions: tuple[DescriptionSource, ...]
     transforms: tuple[StaticTransform, ...]
     finder: PackageFinder
     package: Package | None
     python: PythonLaunch | None = None
-    model: Model | None = None
+    """What could be read of a Python launch file."""
     broken_includes: tuple[BrokenInclude, ...] = ()
     scope: LaunchScope | None = None
+    """This file as it is launched with the defaults of its arguments."""
     scopes: Mapping[Element, LaunchScope] = field(default_factory=dict)
+    """The included files, by the elements that include them."""
 
     @property
     def location(self) -> Location:
         if self.root is not None:
             return self.root.location
-        return Location("launch", Span(self.name, 1, 1, 1, 1, 0, 0))
+        return locate_start("launch", self.name)
 
     @property
     def nodes(self) -> list[Element]:
-        """Every ``<node>``, in groups as well."""
+        """Every ``<node>``, including those in groups."""
         return [] if self.root is None else [e for e in self.root.walk() if e.tag == "node"]
 
     @property
     def arguments(self) -> list[Element]:
-        """Every ``<arg>`` that declares an argument of this file (not those handed to an include)."""
+        """Every ``<arg>`` that declares an argument of this file, without those that are passed to an include."""
         return [] if self.root is None else list_declared_arguments(self.root)
 
 
-def get_executable(node: Element) -> str:
-    """The executable of a node: ``type`` in ROS 1, ``exec`` in ROS 2."""
-    return node.get("type") or node.get("exec")
-
-
 def list_declared_arguments(root: Element) -> list[Element]:
-    """Every ``<arg>`` below ``root`` that declares an argument."""
+    """Return every ``<arg>`` below ``root`` that declares an argument."""
     return [e for e in root.walk() if e.tag == "arg" and (e.parent is None or e.parent.tag != "include")]
 
 
 def is_included_by_sibling(path: Path) -> bool:
-    """Whether a launch file beside this one mentions it: then that one is where the arguments come from."""
+    """Whether a launch file beside this one mentions it: then the arguments come from that one."""
     try:
         reach = FileReach.from_paths([path], [])
         beside = [p for p in path.absolute().parent.iterdir() if p.name != path.name and "launch" in p.name]
@@ -180,7 +134,7 @@ def is_included_by_sibling(path: Path) -> bool:
 
 
 def _read_text(path: Path) -> str:
-    """The text of a file, none where it cannot be read."""
+    """Return the text of a file; empty if it cannot be read."""
     try:
         return read_regular(path).decode("utf-8", "replace")
     except OSError:
@@ -188,247 +142,184 @@ def _read_text(path: Path) -> str:
 
 
 def load_launch(path: Path, finder: PackageFinder) -> Launch:
-    """Read a launch file. What is wrong with it becomes a problem of the result, never an exception."""
-    name = format_path(path)
-    files: dict[str, SourceFile] = {}
-    package = finder.find_package_of(path.absolute())
+    """Read a launch file. A defect of the file becomes a problem of the result, never an exception."""
     if path.suffix == ".py":
-        python = read_python_launch(path, finder)
-        if python.file is not None:
-            files[name] = python.file
-        problems = () if python.read_problem is None else (python.read_problem,)
-        return Launch(path, name, "python", None, files, problems, (), (), finder, package, python)
+        return _load_python_launch(path, finder)
+    name = format_path(path)
+    package = finder.find_package_of(path.absolute())
+    files: dict[str, SourceFile] = {}
     try:
         source = SourceFile.read(path, name)
         files[name] = source
         root = parse_xml(source)
-    except OSError as error:
-        start = Location("launch", Span(name, 1, 1, 1, 1, 0, 0))
-        problem = Problem("unreadable", error.strerror or str(error), start)
-        return Launch(path, name, "ros1", None, files, (problem,), (), (), finder, package)
-    except XmlError as error:
-        problem = Problem(error.reason, str(error), Location("launch", error.span), error.data)
-        return Launch(path, name, "ros1", None, files, (problem,), (), (), finder, package)
-    ros2 = (
+    except (OSError, XmlError) as error:
+        return Launch(
+            path=path,
+            name=name,
+            dialect="ros1",
+            root=None,
+            files=files,
+            problems=(Problem.from_read_error(error, "launch", name),),
+            descriptions=(),
+            transforms=(),
+            finder=finder,
+            package=package,
+        )
+    is_ros2 = (
         "$(find-pkg-share" in source.text
         or "$(var " in source.text
         or any("exec" in e.attributes for e in root.walk() if e.tag == "node")
     )
-    resolver = SubstitutionResolver(root, path, finder, {})
+    resolver = SubstitutionResolver(root, path, finder, passed={})
     key: _Key = (os.path.realpath(path), frozenset())
-    including = _IncludeState(finder, files, ros2, {key}, [], [], {}, {})
-    descriptions = (*_find_descriptions(root, resolver), *_read_includes(root, resolver, including, (key,)))
+    includes = _IncludeReader(files, finder, key, is_ros2=is_ros2)
+    descriptions = (*_find_descriptions(root, resolver), *includes.read(root, resolver, (key,)))
     return Launch(
-        path,
-        name,
-        "ros2" if ros2 else "ros1",
-        root,
-        files,
-        tuple(including.problems),
-        descriptions,
-        tuple(_read_static_transforms(root, resolver)),
-        finder,
-        package,
-        broken_includes=tuple(including.broken),
+        path=path,
+        name=name,
+        dialect="ros2" if is_ros2 else "ros1",
+        root=root,
+        files=files,
+        problems=tuple(includes.problems),
+        descriptions=descriptions,
+        transforms=tuple(read_static_transforms(root, resolver)),
+        finder=finder,
+        package=package,
+        broken_includes=tuple(includes.broken),
         scope=LaunchScope(root, resolver),
-        scopes=including.scopes,
+        scopes=includes.scopes,
     )
 
 
-# A launch file, with the arguments that it was handed.
-_Key = tuple[str, frozenset[tuple[str, _Value]]]
+def _load_python_launch(path: Path, finder: PackageFinder) -> Launch:
+    name = format_path(path)
+    package = finder.find_package_of(path.absolute())
+    python = read_python_launch(path, finder)
+    return Launch(
+        path=path,
+        name=name,
+        dialect="python",
+        root=None,
+        files={} if python.file is None else {name: python.file},
+        problems=() if python.read_problem is None else (python.read_problem,),
+        descriptions=(),
+        transforms=(),
+        finder=finder,
+        package=package,
+        python=python,
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class _IncludeState:
-    """What all launch files that one includes share: the files that were ``seen``, the ``problems`` with those that were not
-    opened, the includes that are ``broken``, whether a path that is not there is sure to be ``missing``, and what was read, by
-    the element that includes it."""
-
-    finder: PackageFinder
-    files: dict[str, SourceFile]
-    ros2: bool
-    seen: set[_Key]
-    problems: list[Problem]
-    broken: list[BrokenInclude]
-    missing: dict[Path, bool]
-    scopes: dict[Element, LaunchScope]
+# A launch file, with the arguments that are passed to it.
+_Key = tuple[str, frozenset[tuple[str, Value]]]
 
 
-def _read_includes(
-    root: Element, resolver: SubstitutionResolver, including: _IncludeState, around: tuple[_Key, ...]
-) -> Iterator[DescriptionSource]:
-    """The descriptions of the XML launch files that are included here, and by those. ``around``: this file and those that it
-    is included by."""
-    for element in root.walk():
-        if element.tag != "include" or not resolver.is_active(element):
-            continue
-        file = element.attributes.get("file")
+class _IncludeReader:
+    """Reads the launch files that one includes, directly or through others."""
+
+    def __init__(self, files: dict[str, SourceFile], finder: PackageFinder, key: _Key, *, is_ros2: bool) -> None:
+        self.files = files
+        self.finder = finder
+        self.is_ros2 = is_ros2
+        self.problems: list[Problem] = []
+        self.broken: list[BrokenInclude] = []
+        self.scopes: dict[Element, LaunchScope] = {}
+        self._visited: set[_Key] = {key}
+        self._missing: dict[Path, bool] = {}
+
+    def read(
+        self, root: Element, resolver: SubstitutionResolver, around: tuple[_Key, ...]
+    ) -> Iterator[DescriptionSource]:
+        """Yield the descriptions of the XML launch files that are included here, and by those.
+
+        ``around``: this file and those that include it.
+        """
+        for element in root.walk():
+            if element.tag != "include" or not resolver.is_active(element):
+                continue
+            path = self._resolve_file(element, resolver)
+            if path is None:
+                continue
+            passed = self._collect_passed_arguments(element, resolver)
+            key = (os.path.realpath(path), frozenset(passed.items()))
+            if key in around and resolver.has_known_conditions(element):
+                self._add_broken(element, UnresolvedReason("circle", format_path(path)))
+            if key in self._visited or len(self._visited) > MAX_INCLUDES:
+                continue
+            self._visited.add(key)
+            inner = self._parse(path, element)
+            if inner is not None:
+                inside = SubstitutionResolver(inner, path, self.finder, passed=passed)
+                self.scopes[element] = LaunchScope(inner, inside)
+                yield from _find_descriptions(inner, inside)
+                yield from self.read(inner, inside, (*around, key))
+
+    def _resolve_file(self, include: Element, resolver: SubstitutionResolver) -> Path | None:
+        """Return the file of an include; None if there is none, for which the reason is noted."""
+        file = include.attributes.get("file")
         if file is None:
-            continue
-        text, obstacle = resolver.resolve_value(file.value)
+            return None
+        text, unresolved = resolver.resolve_value(file.value)
         if text is None:
-            if obstacle is not None and obstacle.kind == "argument" and resolver.has_known_conditions(element):
-                including.broken.append(BrokenInclude(file, obstacle))
-            continue
-        if not including.finder.can_open(Path(text)):
-            shown = format_path(Path(text))
-            including.problems.append(
-                Problem("out-of-reach", f"{shown}: {OUT_OF_REACH}", file.location, {"path": shown})
-            )
-            continue
-        if not os.path.isfile(text):
-            if resolver.has_known_conditions(element) and _is_missing(Path(text), including):
-                including.broken.append(BrokenInclude(file, UnresolvedReason("file", format_path(Path(text)))))
-            continue
-        handed = _collect_passed_arguments(
-            element, resolver, everything=including.ros2 or element.get("pass_all_args") in {"true", "1"}
-        )
-        key = (os.path.realpath(text), frozenset(handed.items()))
-        if key in around and resolver.has_known_conditions(element):
-            including.broken.append(BrokenInclude(file, UnresolvedReason("circle", format_path(Path(text)))))
-        if key in including.seen or len(including.seen) > MAX_INCLUDES:
-            continue
-        including.seen.add(key)
+            if unresolved is not None and unresolved.kind == "argument" and resolver.has_known_conditions(include):
+                self._add_broken(include, unresolved)
+            return None
         path = Path(text)
+        if not self.finder.can_open(path):
+            shown = format_path(path)
+            message = f"{shown}: {OUT_OF_REACH}"
+            data = {"path": shown}
+            self.problems.append(Problem(kind="out-of-reach", message=message, location=file.location, data=data))
+            return None
+        if not os.path.isfile(text):
+            if resolver.has_known_conditions(include) and self._is_missing(path):
+                self._add_broken(include, UnresolvedReason("file", format_path(path)))
+            return None
+        return path
+
+    def _add_broken(self, include: Element, unresolved: UnresolvedReason) -> None:
+        self.broken.append(BrokenInclude(include.attributes["file"], unresolved))
+
+    def _parse(self, path: Path, include: Element) -> Element | None:
         try:
             source = SourceFile.read(path, format_path(path))
-            inner = parse_xml(source)
-        except (OSError, XmlError):  # a Python one, or broken: then checking it says so
-            continue
-        including.files[source.name] = source
-        for part in inner.walk():
-            part.via = element.via if element.span is None else (*element.via, element.span)
-        inside = SubstitutionResolver(inner, path, including.finder, handed)
-        including.scopes[element] = LaunchScope(inner, inside)
-        yield from _find_descriptions(inner, inside)
-        yield from _read_includes(inner, inside, including, (*around, key))
-
-
-def _is_missing(path: Path, including: _IncludeState) -> bool:
-    """Whether a launch file is sure not to be there: its package is known, and no build makes it or installs it there. A
-    relative path starts wherever somebody launches it."""
-    if path not in including.missing and len(including.missing) < MAX_INCLUDES:
-        package = including.finder.find_package_of(path) if path.is_absolute() else None
-        elsewhere = including.ros2 and package is not None and may_be_built(path, package.path, LAUNCH_SUFFIXES)
-        including.missing[path] = package is not None and not elsewhere
-    return including.missing.get(path, False)
-
-
-def _collect_passed_arguments(
-    include: Element, resolver: SubstitutionResolver, *, everything: bool
-) -> dict[str, _Value]:
-    """The arguments that an included file gets."""
-    names = {*resolver.values, *resolver.known} if everything else set()
-    handed = {name: resolver.resolve_value(f"$(arg {name})") for name in sorted(names)}
-    for element in include.children:
-        value = element.attributes.get("value") or element.attributes.get("default")
-        if element.tag in {"arg", "let"} and value is not None and resolver.is_active(element):
-            handed[element.get("name")] = resolver.resolve_value(value.value)
-    return handed
-
-
-class SubstitutionResolver:
-    """Substitutions of launch files, as far as they can be known without running anything."""
-
-    def __init__(self, root: Element, path: Path, finder: PackageFinder, handed: Mapping[str, _Value]) -> None:
-        self.path = path
-        self.finder = finder
-        self.obstacle: UnresolvedReason | None = None
-        self.values: dict[str, Attribute] = {}
-        self.known: dict[str, _Value] = dict(handed)
-        self.pending: list[str] = []
+            root = parse_xml(source)
+        except (OSError, XmlError):  # a Python file, or malformed: reported when it is checked itself
+            return None
+        self.files[source.name] = source
         for element in root.walk():
-            if element.tag in {"arg", "let"} and (element.parent is None or element.parent.tag != "include"):
-                value = element.attributes.get("value") or element.attributes.get("default")
-                if value is not None and element.get("name") not in handed and self.is_active(element):
-                    self.values.setdefault(element.get("name"), value)
+            element.via = include.via if include.span is None else (*include.via, include.span)
+        return root
 
-    def is_active(self, element: Element | None) -> bool:
-        """Whether no ``if`` and no ``unless`` on the element and around it says otherwise, as far as they can be known."""
-        while element is not None:
-            for name, excluded in (("if", {"false", "0"}), ("unless", {"true", "1"})):
-                if (self.resolve_text(element.get(name)) or "").strip().lower() in excluded:
-                    return False
-            element = element.parent
-        return True
+    def _is_missing(self, path: Path) -> bool:
+        """Whether a launch file certainly does not exist: its package is known, and its build does not make or install it.
 
-    def has_known_conditions(self, element: Element | None) -> bool:
-        """Whether every ``if`` and ``unless`` on the element and around it can be known."""
-        while element is not None:
-            if any(self.resolve_text(element.get(name)) is None for name in ("if", "unless")):
-                return False
-            element = element.parent
-        return True
+        A relative path depends on the folder in which the launch file is started.
+        """
+        if path not in self._missing and len(self._missing) < MAX_INCLUDES:
+            package = self.finder.find_package_of(path) if path.is_absolute() else None
+            is_built = self.is_ros2 and package is not None and may_be_built(path, package.path, LAUNCH_SUFFIXES)
+            self._missing[path] = package is not None and not is_built
+        return self._missing.get(path, False)
 
-    def resolve_value(self, text: str) -> _Value:
-        """The text with its substitutions resolved, or what stood in the way."""
-        self.obstacle = None
-        value = self.resolve_text(text)
-        return value, None if value is not None else self.obstacle
-
-    def find_definition(self, attribute: Attribute) -> Attribute:
-        """Where the value is typed of an attribute that only reads an argument."""
-        for _ in range(len(self.values)):
-            match = _ARGUMENT.match(attribute.value)
-            if match is None or match.group(1) not in self.values:
-                break
-            attribute = self.values[match.group(1)]
-        return attribute
-
-    def resolve_text(self, text: str) -> str | None:
-        """The text with its substitutions resolved, or None; then ``obstacle`` says what stood in the way."""
-        for _ in range(MAX_LENGTH):
-            match = _SUBSTITUTION.search(text)
-            if match is None or len(text) > MAX_LENGTH:
-                break
-            value = self._resolve_substitution(match.group(1).split())
-            if value is None:
-                return None
-            text = text[: match.start()] + value + text[match.end() :]
-        _, opened, rest = text.partition("$(")
-        if opened:  # an expression with parentheses of its own, or a text that grows without end
-            self.obstacle = UnresolvedReason("launch-time", rest[:80])
-            return None
-        return text
-
-    def _resolve_substitution(self, words: list[str]) -> str | None:
-        verb, rest = (words[0], words[1:]) if words else ("", [])
-        if verb in {"find", "find-pkg-share"} and len(rest) == 1:
-            folder = self.finder.find(rest[0])
-            if folder is None:
-                self.obstacle = UnresolvedReason("package", rest[0])
-            return None if folder is None else str(folder)
-        if verb in {"arg", "var"} and len(rest) == 1:
-            return self._resolve_argument(rest[0])
-        if verb == "dirname":
-            return str(self.path.absolute().parent)
-        self.obstacle = UnresolvedReason("launch-time", " ".join(words))
-        return None
-
-    def _resolve_argument(self, name: str) -> str | None:
-        if name not in self.values and name not in self.known:
-            self.obstacle = UnresolvedReason("argument", name)
-            return None
-        if name in self.pending:
-            self.obstacle = UnresolvedReason("circle")
-            return None
-        if name not in self.known:  # once each: arguments made of each other several times over would never end
-            self.pending.append(name)
-            value = self.resolve_text(self.values[name].value)
-            self.pending.pop()
-            self.known[name] = (value, None if value is not None else self.obstacle)
-        value, obstacle = self.known[name]
-        self.obstacle = obstacle or self.obstacle
-        return value
+    def _collect_passed_arguments(self, include: Element, resolver: SubstitutionResolver) -> dict[str, Value]:
+        """Return the arguments that an included file gets."""
+        passes_all = self.is_ros2 or include.get("pass_all_args") in {"true", "1"}
+        names = {*resolver.values, *resolver.known} if passes_all else set()
+        passed = {name: resolver.resolve_value(f"$(arg {name})") for name in sorted(names)}
+        for element in include.children:
+            value = element.attributes.get("value") or element.attributes.get("default")
+            if element.tag in {"arg", "let"} and value is not None and resolver.is_active(element):
+                passed[element.get("name")] = resolver.resolve_value(value.value)
+        return passed
 
 
 def _find_descriptions(root: Element, resolver: SubstitutionResolver) -> Iterator[DescriptionSource]:
     for element in root.walk():
         if is_description(element) and resolver.is_active(element):
-            found = read_description(element, resolver)
-            if found is not None:
-                yield found
+            description = read_description(element, resolver)
+            if description is not None:
+                yield description
 
 
 def is_description(element: Element) -> bool:
@@ -437,11 +328,11 @@ def is_description(element: Element) -> bool:
 
 
 def read_description(element: Element, resolver: SubstitutionResolver) -> DescriptionSource | None:
-    """Where a parameter takes robot_description from, None where it names neither file nor command."""
+    """Return where a parameter takes robot_description from; None if it names neither file nor command."""
     textfile, command = element.attributes.get("textfile"), element.attributes.get("command")
     value = element.attributes.get("value")
     if textfile is not None:
-        return _make_description(textfile, (), textfile.value, {}, resolver)
+        return _make_description(textfile, textfile.value, resolver)
     if command is not None:
         command = resolver.find_definition(command)
         return _parse_command(command, command.value, resolver) if command.value.strip() else None
@@ -454,15 +345,21 @@ def read_description(element: Element, resolver: SubstitutionResolver) -> Descri
     if not value.value.strip().startswith("$("):
         return None
     _, unresolved = resolver.resolve_value(value.value)
-    return None if unresolved is None else DescriptionSource(value, (), value.value.strip(), None, {}, unresolved)
+    return (
+        None
+        if unresolved is None
+        else DescriptionSource(
+            at=value, words=(), file=value.value.strip(), path=None, arguments={}, unresolved=unresolved
+        )
+    )
 
 
 def _parse_command(at: Attribute, text: str, resolver: SubstitutionResolver) -> DescriptionSource:
     words = split_command(text)
     command = words
-    for starter in (("rosrun", "xacro"), ("ros2", "run", "xacro")):
-        if words[: len(starter)] == starter:
-            command = words[len(starter) :]
+    for runner in (("rosrun", "xacro"), ("ros2", "run", "xacro")):
+        if words[: len(runner)] == runner:
+            command = words[len(runner) :]
     arguments: dict[str, str] = {}
     files = []
     for word in command[1:]:
@@ -473,72 +370,28 @@ def _parse_command(at: Attribute, text: str, resolver: SubstitutionResolver) -> 
                 arguments[name] = resolved
         elif not word.startswith("-"):
             files.append(word)
-    if not files or not re.search(r"xacro|cat$", command[0]):  # another program makes the model
-        return DescriptionSource(at, words, text, None, {}, UnresolvedReason("launch-time", text))
-    return _make_description(at, words, files[0], arguments, resolver)
-
-
-def split_command(text: str) -> tuple[str, ...]:
-    """The words of a command line, each substitution in one."""
-    # $(find pkg) contains a blank; keep each substitution together while the shell's quotes are read.
-    kept = _NESTED.sub(lambda m: m.group(0).replace(" ", "\0"), text)
-    try:
-        words = shlex.split(kept)
-    except ValueError:
-        words = kept.split()
-    return tuple(w.replace("\0", " ") for w in words)
+    if not files or not re.search(r"xacro|cat$", command[0]):  # another program generates the model
+        return DescriptionSource(
+            at=at, words=words, file=text, path=None, arguments={}, unresolved=UnresolvedReason("launch-time", text)
+        )
+    return _make_description(at, files[0], resolver, words=words, arguments=arguments)
 
 
 def _make_description(
-    at: Attribute, words: tuple[str, ...], file: str, arguments: Mapping[str, str], resolver: SubstitutionResolver
+    at: Attribute,
+    file: str,
+    resolver: SubstitutionResolver,
+    *,
+    words: tuple[str, ...] = (),
+    arguments: Mapping[str, str] | None = None,
 ) -> DescriptionSource:
     resolved, unresolved = resolver.resolve_value(file)
     path = None if resolved is None else Path(resolved)
-    # Whether there is a file out of reach is nobody's to know: reading it is refused later.
+    # The existence of a file out of reach is not probed: reading it is refused later.
     allowed = path is not None and resolver.finder.can_open(path)
     if path is not None and (allowed or not path.is_absolute()) and not (allowed and os.path.isfile(path)):
         unresolved = UnresolvedReason("file", format_path(path))
         path = None
-    return DescriptionSource(at, words, file, path, dict(arguments), unresolved)
-
-
-def _read_static_transforms(root: Element, resolver: SubstitutionResolver) -> Iterator[StaticTransform]:
-    for node in root.walk():
-        if node.tag != "node" or get_executable(node) != "static_transform_publisher" or not resolver.is_active(node):
-            continue
-        args = node.attributes.get("args")
-        if args is None:
-            continue
-        words = [resolver.resolve_text(word) or "" for word in split_command(args.value)]
-        placed = parse_transform_arguments(words)
-        if placed is None or not all(placed[:2]):
-            continue  # frames that are only known when it is launched
-        parent, child, numbers = placed
-        xyz = numbers[:3] if numbers else None
-        rpy = (numbers[5], numbers[4], numbers[3]) if len(numbers) == 6 else None
-        quaternion_values = numbers[3:] if len(numbers) == 7 else None
-        yield StaticTransform(node, args, parent.lstrip("/"), child.lstrip("/"), xyz, rpy, quaternion_values)
-
-
-def parse_transform_arguments(words: Sequence[str]) -> tuple[str, str, tuple[float, ...]] | None:
-    """Parent, child and six or seven numbers (none where one is not literal) of the arguments of a static_transform_publisher."""
-    named = _parse_named_arguments(words)
-    if named is not None or len(words) < 8:
-        return named
-    # x y z then yaw pitch roll, or a quaternion, then the frames and, for tf, a period.
-    count = 7 if parse_number(words[6]) is not None and len(words) >= 9 else 6
-    numbers = tuple(v for v in map(parse_number, words[:count]) if v is not None)
-    return words[count], words[count + 1], numbers if len(numbers) == count else ()
-
-
-def _parse_named_arguments(words: Sequence[str]) -> tuple[str, str, tuple[float, ...]] | None:
-    options = {word: value for word, value in itertools.pairwise(words) if word.startswith("--")}
-    if "--frame-id" not in options or "--child-frame-id" not in options:
-        return None
-    turn = {"qx": "0", "qy": "0", "qz": "0", "qw": "1"}
-    if not any(f"--{name}" in options for name in turn):
-        turn = {"yaw": "0", "pitch": "0", "roll": "0"}
-    defaults = {"x": "0", "y": "0", "z": "0", **turn}
-    values = [parse_number(options.get(f"--{name}", default)) for name, default in defaults.items()]
-    known = tuple(v for v in values if v is not None)
-    return options["--frame-id"], options["--child-frame-id"], known if len(known) == len(values) else ()
+    return DescriptionSource(
+        at=at, words=words, file=file, path=path, arguments=dict(arguments or {}), unresolved=unresolved
+    )

@@ -1,6 +1,6 @@
-"""What flows between the nodes of a launch file, as far as it is known what well-known programs read and write.
+"""The data flow between the nodes of a launch file, as far as well-known programs have documented inputs and outputs.
 
-What each program does is what its own documentation and source say: robot_state_publisher, joint_state_publisher, tf2_ros,
+The sources are the documentation and code of each program: robot_state_publisher, joint_state_publisher, tf2_ros,
 RViz, gazebo_ros and ros_gz (``spawn_model``, ``spawn_entity.py``, ``create``, ``parameter_bridge``), controller_manager, MoveIt.
 No edge is drawn for any other program.
 """
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core.scene import SceneLaunch, SceneNode, SceneParameter, ScenePort
-from urdfcheck.source.launch.launch_file import Launch, parse_transform_arguments
+from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.nodes_python import read_python_actions
 from urdfcheck.source.launch.nodes_xml import (
     MOST_NAMES,
@@ -24,6 +24,7 @@ from urdfcheck.source.launch.nodes_xml import (
     resolve_name,
     shorten_line,
 )
+from urdfcheck.source.launch.static_transforms import parse_transform_arguments
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.system.files import read_regular
 
@@ -37,13 +38,14 @@ _FIELD = {
 
 @dataclass(frozen=True, slots=True)
 class _ProgramInfo:
-    """What a program is for, what it reads and what it writes: ``kind name`` each, the names as the program itself says them;
-    a service is written by those who call it. ``facts``: what its arguments say."""
+    """What a program is for, and its inputs and outputs."""
 
     purpose: str
     reads: tuple[str, ...] = ()
+    """``kind name`` each, the names as the program uses them; callers write a service, and the program reads it."""
     writes: tuple[str, ...] = ()
     facts: tuple[tuple[str, str], ...] = ()
+    """Labels and texts from its arguments."""
 
 
 _TF = ("topic /tf", "topic /tf_static")
@@ -93,16 +95,22 @@ _BRIDGES = frozenset({("ros_gz_bridge", "parameter_bridge"), ("ros_ign_bridge", 
 
 
 def build_launch_scene(launch: Launch) -> SceneLaunch:
-    """What a launch file starts and what flows between these nodes, as plain values."""
+    """Return the nodes that a launch file starts and the data flow between them, as plain values."""
     dialect = launch.dialect
-    everything = read_python_actions(launch) if dialect == "python" else read_launch_actions(launch)
+    contents = read_python_actions(launch) if dialect == "python" else read_launch_actions(launch)
     family = "ros1" if dialect == "ros1" else "ros2"
-    nodes = tuple(_build_scene_node(node, family, everything, launch.finder) for node in everything.nodes)
-    return SceneLaunch(format_path(launch.path), dialect, nodes, everything.parameters, everything.notes)
+    nodes = tuple(_build_scene_node(node, family, contents=contents, finder=launch.finder) for node in contents.nodes)
+    return SceneLaunch(
+        file=format_path(launch.path),
+        dialect=dialect,
+        nodes=nodes,
+        parameters=contents.parameters,
+        notes=contents.notes,
+    )
 
 
-def _build_scene_node(node: LaunchAction, family: str, everything: LaunchContents, finder: PackageFinder) -> SceneNode:
-    known = _describe_program(node, family, finder)
+def _build_scene_node(node: LaunchAction, family: str, *, contents: LaunchContents, finder: PackageFinder) -> SceneNode:
+    program = _describe_program(node, family, finder)
     facts = [("arguments", node.typed)] if node.typed else []
     facts += [("remapped", f"{before} to {after}") for before, after in node.remaps]
     facts += node.parameters.items()
@@ -110,12 +118,12 @@ def _build_scene_node(node: LaunchAction, family: str, everything: LaunchContent
         kind=node.kind,
         name=node.full_name if node.kind == "node" and (node.name or node.program) else "",
         program=f"{node.package}/{node.program}" if node.package else node.program,
-        purpose=known.purpose,
-        reads=_build_ports(known.reads, node, everything.parameters),
-        writes=_build_ports(known.writes, node, everything.parameters),
+        purpose=program.purpose,
+        reads=_build_ports(program.reads, node, contents.parameters),
+        writes=_build_ports(program.writes, node, contents.parameters),
         condition=node.condition,
         off=node.off,
-        facts=(*known.facts, *facts),
+        facts=(*program.facts, *facts),
         spans=node.spans,
     )
 
@@ -137,8 +145,10 @@ def _build_ports(
 
 
 def _find_parameter_port(wanted: str, node: str, parameters: Sequence[SceneParameter]) -> ScenePort:
-    """The parameter that a node gets: its own, else the next one in the namespaces around it. Where the launch file sets none,
-    the one that it would need."""
+    """Return the parameter that a node gets: its own, else the nearest one in the namespaces around it.
+
+    If the launch file sets none, the one that the node would need.
+    """
     name = wanted.rpartition("/")[2]
     around = [node[: m.start()] for m in re.finditer("/", node)][::-1]
     candidates = [f"{node} {name}", f"{node}/{name}", wanted, *(f"{namespace}/{name}" for namespace in around)]
@@ -147,7 +157,7 @@ def _find_parameter_port(wanted: str, node: str, parameters: Sequence[SceneParam
 
 
 def _describe_program(node: LaunchAction, family: str, finder: PackageFinder) -> _ProgramInfo:
-    """What is known of a program, and of what its arguments make of it."""
+    """Return what is known of a program with its arguments."""
     program, words = (node.package, node.program), node.words
     if node.kind == "launch file":
         path = "/".join(program)
@@ -162,7 +172,9 @@ def _describe_program(node: LaunchAction, family: str, finder: PackageFinder) ->
         placed = parse_transform_arguments(words)
         frames = () if placed is None else (("transform", shorten_line(f"{placed[0]} to {placed[1]}")),)
         return _ProgramInfo(
-            "places a frame", (), ("topic /tf" if node.package == "tf" else "topic /tf_static",), frames
+            "places a frame",
+            writes=("topic /tf" if node.package == "tf" else "topic /tf_static",),
+            facts=frames,
         )
     if program in {("rviz", "rviz"), ("rviz2", "rviz2")}:
         display = _read_display_source(words, family, finder)
@@ -184,18 +196,18 @@ def _describe_program(node: LaunchAction, family: str, finder: PackageFinder) ->
 
 
 def _apply_model_file(known: _ProgramInfo, words: Sequence[str]) -> _ProgramInfo:
-    """joint_state_publisher of ROS 2 takes a file in place of the topic."""
+    """Replace the topic by the model file that joint_state_publisher of ROS 2 is given."""
     file = next((w for w in words if w.endswith((".urdf", ".xml"))), None)
     return known if file is None else _ProgramInfo(known.purpose, (f"file {_format_typed_path(file)}",), known.writes)
 
 
 def _format_typed_path(typed: str) -> str:
-    """How a path is called: what is not known of it stays as typed."""
+    """Return a path as it is displayed; as typed if a part of it is unknown."""
     return typed if "$(" in typed or not Path(typed).is_absolute() else format_path(Path(typed))
 
 
 def _get_option(words: Sequence[str], *names: str) -> str:
-    """The word after an option, none where another option follows."""
+    """Return the word after an option; empty if another option follows."""
     for word, following in itertools.pairwise(words):
         if word in names and not following.startswith("-"):
             return following
@@ -223,7 +235,12 @@ def _describe_spawner(program: tuple[str, str], words: Sequence[str]) -> _Progra
             )
     name = shorten_line(_get_option(words, "-model", "-entity", "-name"))
     facts = (("robot's name", name),) if name else ()
-    return _ProgramInfo("puts the robot into the simulation", tuple(reads), (f"service {services[program]}",), facts)
+    return _ProgramInfo(
+        "puts the robot into the simulation",
+        reads=tuple(reads),
+        writes=(f"service {services[program]}",),
+        facts=facts,
+    )
 
 
 def _describe_control_node(node: LaunchAction, family: str) -> _ProgramInfo:
@@ -237,12 +254,12 @@ def _describe_control_node(node: LaunchAction, family: str) -> _ProgramInfo:
     if node.program in {"spawner", "spawner.py", "controller_manager", "unspawner"}:
         names = [w for w in words if not w.startswith("-") and w not in {manager, "load", "start", "spawn", "stop"}]
         facts = (("controllers", shorten_line(" ".join(names))),) if names and family == "ros1" else ()
-        return _ProgramInfo("starts controllers", (), (service,), facts)
+        return _ProgramInfo("starts controllers", writes=(service,), facts=facts)
     return _ProgramInfo("")
 
 
 def _describe_bridge(words: Sequence[str]) -> _ProgramInfo:
-    """``/topic@ros_type@gz_type`` goes both ways, with ``[`` from Gazebo to ROS and with ``]`` from ROS to Gazebo."""
+    """Read the topics: ``/topic@ros_type@gz_type`` is bidirectional, ``[`` is Gazebo to ROS, ``]`` is ROS to Gazebo."""
     reads, writes = [], []
     for word in words[:MOST_NAMES]:
         topic, at, types = word.partition("@")
@@ -256,7 +273,7 @@ def _describe_bridge(words: Sequence[str]) -> _ProgramInfo:
 
 
 def _read_display_source(words: Sequence[str], family: str, finder: PackageFinder) -> tuple[str, ...]:
-    """Where the RobotModel display of RViz's configuration takes the robot from; nothing where it has none or cannot be read."""
+    """Return where the RobotModel display of RViz's configuration takes the robot from; nothing without such a display."""
     path = Path(_get_option(words, "-d", "--display-config"))
     try:
         if not path.is_absolute() or not finder.can_open(path):
@@ -267,8 +284,8 @@ def _read_display_source(words: Sequence[str], family: str, finder: PackageFinde
     display = _DISPLAY.search(text)
     if display is None:
         return ()
-    # Up to the next display: its fields are sorted by name.
-    own = text[display.end() :].partition("Class: ")[0]
-    field = _FIELD[family].search(own)
+    # The fields up to the next display are sorted by name.
+    settings = text[display.end() :].partition("Class: ")[0]
+    field = _FIELD[family].search(settings)
     name = field[1].strip("\"'") if field else "robot_description"
     return (f"{'parameter' if family == 'ros1' else 'topic'} {name}",) if name else ()

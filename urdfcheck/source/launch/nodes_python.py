@@ -1,7 +1,7 @@
-"""What a Python launch file starts, as far as literal calls say it. Nothing in it is executed.
+"""What a Python launch file starts, as far as literal calls show it. Nothing in it is executed.
 
-Whether a node that is made also gets into the launch description is not known; namespaces and conditions of groups are
-not either.
+It is unknown whether a node that is created is added to the launch description, and which namespaces and conditions groups
+add.
 """
 
 from __future__ import annotations
@@ -24,24 +24,24 @@ from urdfcheck.source.launch.nodes_xml import (
     shorten_line,
 )
 from urdfcheck.source.launch.python_launch_file import (
-    LAUNCH_SUFFIXES,
     PythonLaunch,
     PythonLaunchReader,
     get_function_name,
     get_package_name,
 )
+from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import SourceFile
 
 _NODES = frozenset({"Node", "LifecycleNode", "ComposableNode"})
 _GROUPS = frozenset({"GroupAction", "PushRosNamespace", "PushROSNamespace", "SetRemap", "OpaqueFunction"})
 _PARAMETERS = frozenset({"use_sim_time", "source_list", "frame_prefix"})
-# How much of an expression is looked at: lists of lists, their elements, and the parts of an include.
+# How much of an expression is read: depth of nested lists, their elements, and the parts of an include.
 _DEEPEST, _MOST_ELEMENTS, _MOST_PARTS = 2, 20, 500
 
 
 def read_python_actions(launch: Launch) -> LaunchContents:
-    """What a Python launch file makes."""
+    """Return the actions that a Python launch file creates."""
     python = launch.python
     if python is None or python.file is None or python.syntax_problem is not None:
         return LaunchContents((), (), ("The file could not be read.",))
@@ -50,7 +50,7 @@ def read_python_actions(launch: Launch) -> LaunchContents:
             warnings.simplefilter("ignore")
             tree = ast.parse(python.file.text)
         calls = _PythonActionReader(
-            PythonLaunchReader(tree, python.file, launch.path, launch.finder), python.file, python
+            PythonLaunchReader(tree, python.file, path=launch.path, finder=launch.finder), python.file, python
         )
         return calls.read()
     except (RecursionError, MemoryError):
@@ -58,6 +58,8 @@ def read_python_actions(launch: Launch) -> LaunchContents:
 
 
 class _PythonActionReader:
+    """Reads the calls of one file."""
+
     def __init__(self, reader: PythonLaunchReader, file: SourceFile, python: PythonLaunch) -> None:
         self.reader = reader
         self.file = file
@@ -82,7 +84,7 @@ class _PythonActionReader:
         return LaunchContents(nodes, tuple(self.parameters), tuple(notes))
 
     def find_actions(self) -> Iterator[LaunchAction]:
-        # ast.walk goes by depth; the order of the file is easier to follow.
+        # In the order of the file, because ast.walk goes by depth.
         for call in sorted(self.calls, key=lambda c: (c.lineno, c.col_offset)):
             function = get_function_name(call)
             if function in _NODES and (call.keywords or function == "ComposableNode"):
@@ -92,10 +94,10 @@ class _PythonActionReader:
                 program = words[0] if words else ""
                 condition, off = self.read_condition(call)
                 yield LaunchAction(
-                    "process",
-                    "",
-                    program,
-                    "",
+                    kind="process",
+                    package="",
+                    program=program,
+                    name="",
                     words=words[1:],
                     typed=shorten_line(" ".join(words)),
                     condition=condition,
@@ -111,34 +113,47 @@ class _PythonActionReader:
         namespace = resolve_name(self.read_expression(_find_argument(call, -1, "namespace", "node_namespace")), "/")
         arguments = self.list_elements(_find_argument(call, -1, "arguments", "ros_arguments"))
         words = tuple(map(self.read_expression, arguments))
-        # Paths that are made of a package's folder are told from here.
+        # Paths in a package's folder are displayed relative to the working directory.
         typed = (
             w if isinstance(a, ast.Constant) else _format_absolute_path(w)
             for a, w in zip(arguments, words, strict=True)
         )
         condition, off = self.read_condition(call)
-        given = self.read_parameters(_find_argument(call, -1, "parameters"))
-        plain = LaunchAction(
-            "node",
-            shorten_line(self.read_expression(_find_argument(call, -1, "package"))),
-            shorten_line(program),
-            name,
-            namespace,
-            words,
-            shorten_line(" ".join(typed)),
-            tuple(itertools.islice(self.read_remaps(_find_argument(call, -1, "remappings")), MOST_NAMES)),
-            {key: shorten_line(self.read_expression(value)) for key, value in given.items() if key in _PARAMETERS},
-            condition,
-            off,
-            self.compute_spans(call),
+        parameters = self.read_parameters(_find_argument(call, -1, "parameters"))
+        node = LaunchAction(
+            kind="node",
+            package=shorten_line(self.read_expression(_find_argument(call, -1, "package"))),
+            program=shorten_line(program),
+            name=name,
+            namespace=namespace,
+            words=words,
+            typed=shorten_line(" ".join(typed)),
+            remaps=tuple(itertools.islice(self.read_remaps(_find_argument(call, -1, "remappings")), MOST_NAMES)),
+            parameters={
+                key: shorten_line(self.read_expression(value))
+                for key, value in parameters.items()
+                if key in _PARAMETERS
+            },
+            condition=condition,
+            off=off,
+            spans=self.compute_spans(call),
         )
-        if "robot_description" in given:
-            value = given["robot_description"]
+        if "robot_description" in parameters:
+            value = parameters["robot_description"]
             origin = self.origin or shorten_line(self.get_source_text(value))
             problem = "" if self.origin else "only known when it is launched"
-            port = ScenePort("parameter", f"{plain.full_name} robot_description")
-            self.parameters.append(SceneParameter(port, origin, problem, condition, off, self.compute_spans(value)))
-        return plain
+            port = ScenePort("parameter", f"{node.full_name} robot_description")
+            self.parameters.append(
+                SceneParameter(
+                    port=port,
+                    origin=origin,
+                    problem=problem,
+                    condition=condition,
+                    off=off,
+                    spans=self.compute_spans(value),
+                )
+            )
+        return node
 
     def read_include(self, call: ast.Call) -> LaunchAction:
         condition, off = self.read_condition(call)
@@ -150,10 +165,10 @@ class _PythonActionReader:
         texts = [n.value for n in inside if isinstance(n, ast.Constant) and isinstance(n.value, str)]
         file = next((text for text in texts if text.endswith(LAUNCH_SUFFIXES)), "")
         return LaunchAction(
-            "launch file",
-            package,
-            shorten_line(file.rpartition("/")[2]) or "a launch file",
-            "",
+            kind="launch file",
+            package=package,
+            program=shorten_line(file.rpartition("/")[2]) or "a launch file",
+            name="",
             condition=condition,
             off=off,
             spans=self.compute_spans(call),
@@ -178,25 +193,25 @@ class _PythonActionReader:
                 yield shorten_line(texts[0]), shorten_line(texts[1])
 
     def read_parameters(self, node: ast.expr | None) -> Mapping[str, ast.expr]:
-        """The parameters that dictionaries in a list name, without those of files."""
-        found: dict[str, ast.expr] = {}
+        """Return the parameters in the dictionaries of a list; those of files are unknown."""
+        parameters: dict[str, ast.expr] = {}
         for part in self.list_elements(node):
             if isinstance(part, ast.Dict):
-                found.update(
+                parameters.update(
                     (str(key.value), value)
                     for key, value in zip(part.keys, part.values, strict=True)
                     if isinstance(key, ast.Constant)
                 )
-        return found
+        return parameters
 
     def list_elements(self, node: ast.expr | None) -> Sequence[ast.expr]:
-        """The elements of a list, where it is one, each as it was assigned."""
+        """Return the elements of a list, with the values of names; none if it is not a list."""
         node = self.follow_name(node)
         parts = node.elts if isinstance(node, (ast.List, ast.Tuple)) else []
         return [self.follow_name(part) or part for part in parts]
 
     def follow_name(self, node: ast.expr | None) -> ast.expr | None:
-        """What was assigned to a name, where it was assigned once."""
+        """Return the value of a name that is assigned once; anything else as it is."""
         for _ in range(8):
             if not isinstance(node, ast.Name) or node.id not in self.reader.assigned:
                 break
@@ -207,13 +222,13 @@ class _PythonActionReader:
         return tuple(self.read_expression(part) for part in self.list_elements(node))
 
     def read_expression(self, node: ast.expr | None, depth: int = 0) -> str:
-        """A text that is known; of an argument ``$(var name)``, as XML spells it; anything else as typed."""
+        """Return the known text of an expression; ``$(var name)`` for an argument, as in XML; anything else as typed."""
         node = self.follow_name(node)
         if node is None:
             return ""
-        known = self.reader.evaluate_text(node)
-        if known is not None:
-            return known
+        text = self.reader.evaluate_text(node)
+        if text is not None:
+            return text
         if isinstance(node, ast.Call) and get_function_name(node) == "LaunchConfiguration":
             return f"$(var {self.read_expression(_find_argument(node, 0, 'variable_name'))})"
         if isinstance(node, (ast.List, ast.Tuple)) and depth < _DEEPEST:
@@ -235,7 +250,7 @@ def _format_absolute_path(path: str) -> str:
 
 
 def _find_argument(call: ast.Call, position: int, *names: str) -> ast.expr | None:
-    """An argument by one of its names or, from 0 on, by its position."""
+    """Return an argument by one of its names or, if not negative, by its position."""
     for keyword in call.keywords:
         if keyword.arg in names:
             return keyword.value

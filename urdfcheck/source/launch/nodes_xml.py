@@ -1,6 +1,6 @@
-"""What an XML launch file starts, as it is typed: nodes with their names, remaps and conditions, and robot_description.
+"""What an XML launch file starts: nodes with their names, remaps and conditions, and robot_description.
 
-The substitutions are resolved with the defaults of the arguments; what is only known at launch stays as typed.
+Substitutions are resolved with the defaults of the arguments; those that are only known at launch stay as typed.
 """
 
 from __future__ import annotations
@@ -11,23 +11,16 @@ from dataclasses import dataclass, field, replace
 
 from urdfcheck.core import Span
 from urdfcheck.core.scene import SceneParameter, ScenePort
-from urdfcheck.source.launch.launch_file import (
-    Launch,
-    LaunchScope,
-    SubstitutionResolver,
-    UnresolvedReason,
-    get_executable,
-    is_description,
-    read_description,
-    split_command,
-)
+from urdfcheck.source.launch.launch_file import Launch, LaunchScope, is_description, read_description
+from urdfcheck.source.launch.static_transforms import get_executable
+from urdfcheck.source.launch.substitutions import SubstitutionResolver, UnresolvedReason, split_command
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Element
 
-# More than any launch file starts, and more names than any of its nodes is given.
+# Limits on actions of a launch file, and on names of one of its nodes: above those of any real file.
 MAX_ACTIONS = 400
 MOST_NAMES = 100
-# How much of a command or of its arguments is told.
+# How much of a command or of its arguments is shown.
 _SHOWN = 240
 _NODES = frozenset({"node", "composable_node"})
 _PUSHES = frozenset({"push_ros_namespace", "push-ros-namespace"})
@@ -37,20 +30,24 @@ _PARAMETERS = frozenset({"robot_description", "use_sim_time", "use_gui", "source
 _EXCLUDED = (("if", frozenset({"false", "0"})), ("unless", frozenset({"true", "1"})))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LaunchAction:
-    """A node, process or unread launch file. ``kind`` as in :class:`~urdfcheck.core.SceneNode`; ``words``: its arguments
-    with what could be resolved, ``typed`` without; ``remaps``: from and to; ``parameters``: those of its own that matter."""
+    """A node, process or unread launch file."""
 
     kind: str
+    """As in :class:`~urdfcheck.core.SceneNode`."""
     package: str
     program: str
     name: str
     namespace: str = "/"
     words: tuple[str, ...] = ()
+    """Its arguments with substitutions resolved as far as possible."""
     typed: str = ""
+    """Its arguments as typed."""
     remaps: tuple[tuple[str, str], ...] = ()
+    """From and to."""
     parameters: Mapping[str, str] = field(default_factory=dict)
+    """Its own parameters that affect the data flow."""
     condition: str = ""
     off: bool = False
     spans: tuple[Span, ...] = ()
@@ -62,7 +59,7 @@ class LaunchAction:
 
 @dataclass(frozen=True, slots=True)
 class LaunchContents:
-    """All that a launch file starts and sets. ``notes``: what could not be read, in words."""
+    """Everything that a launch file starts and sets. ``notes``: sentences about the parts that could not be read."""
 
     nodes: tuple[LaunchAction, ...]
     parameters: tuple[SceneParameter, ...]
@@ -70,7 +67,7 @@ class LaunchContents:
 
 
 def resolve_name(name: str, namespace: str, node: str = "") -> str:
-    """The full name of a node, topic, service or parameter; ``~`` stands for the node's own full name."""
+    """Return the full name of a node, topic, service or parameter; ``~`` means the node's own full name."""
     if name.startswith("~"):
         name = f"{node}/{name[1:]}"
     elif not name.startswith("/"):
@@ -79,13 +76,13 @@ def resolve_name(name: str, namespace: str, node: str = "") -> str:
 
 
 def shorten_line(text: str) -> str:
-    """One line of a bounded length: names and arguments are told many times over."""
+    """Return one line of bounded length: names and arguments are shown many times."""
     line = " ".join(text.split())
     return line if len(line) <= _SHOWN else f"{line[:_SHOWN]}…"
 
 
 def describe_unresolved(obstacle: UnresolvedReason) -> str:
-    """Why a path is not known, in words."""
+    """Describe why a path is unknown."""
     return {
         "package": f"package {obstacle.name} is not found",
         "argument": f"argument {obstacle.name} has no value",
@@ -95,13 +92,13 @@ def describe_unresolved(obstacle: UnresolvedReason) -> str:
 
 
 def read_launch_actions(launch: Launch) -> LaunchContents:
-    """What an XML launch file and those that it includes start."""
+    """Return what an XML launch file and those that it includes start."""
     if launch.scope is None:
         return LaunchContents((), (), ("The file could not be read.",))
     reader = _XmlActionReader(launch)
     notes = []
     try:
-        reader.read_children(launch.scope.root, _ElementContext(launch.scope.resolver))
+        reader.read_children(launch.scope.root, _ElementContext(resolver=launch.scope.resolver))
     except RecursionError:
         notes.append("The files are nested too deeply: not all of it is shown.")
     if len(reader.nodes) > MAX_ACTIONS:
@@ -109,22 +106,24 @@ def read_launch_actions(launch: Launch) -> LaunchContents:
     return LaunchContents(tuple(reader.nodes[:MAX_ACTIONS]), tuple(reader.parameters[:MAX_ACTIONS]), tuple(notes))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class _ElementContext:
-    """What the elements around one say: namespace, remaps and conditions."""
+    """What an element inherits from the elements around it."""
 
     resolver: SubstitutionResolver
     namespace: str = "/"
     remaps: tuple[tuple[str, str], ...] = ()
     conditions: tuple[str, ...] = ()
+    """``if …`` and ``unless …`` as typed."""
     off: bool = False
+    """Whether a condition is known to exclude it."""
 
     def resolve_text(self, typed: str) -> str:
-        known = self.resolver.resolve_text(typed)
-        return typed if known is None else known
+        resolved = self.resolver.resolve_text(typed)
+        return typed if resolved is None else resolved
 
     def enter_element(self, element: Element) -> _ElementContext:
-        """The same, with what the element itself says."""
+        """Return the context inside an element."""
         conditions, off = self.conditions, self.off
         for name, excluded in _EXCLUDED:
             if name in element.attributes:
@@ -136,7 +135,7 @@ class _ElementContext:
 
 
 class _XmlActionReader:
-    """Walks the elements in the order of the file: a remap holds for the nodes below it."""
+    """Walks the elements in the order of the file: a remap applies to the nodes after it."""
 
     def __init__(self, launch: Launch) -> None:
         self.launch = launch
@@ -163,7 +162,7 @@ class _XmlActionReader:
                 self.read_parameter(
                     element, inside, resolve_name(around.resolve_text(element.get("name")), inside.namespace)
                 )
-            else:  # a group, or what may hold nodes in a dialect to come
+            else:  # a group, or an element that may contain nodes in a future dialect
                 self.read_children(element, inside)
 
     def read_node(self, element: Element, around: _ElementContext) -> None:
@@ -174,9 +173,9 @@ class _XmlActionReader:
         parameters = {}
         for param in element.find_children("param"):
             key = param.get("name")
-            own = f"{full} {key}" if self.launch.dialect == "ros2" else resolve_name(f"~{key}", "", full)
+            full_key = f"{full} {key}" if self.launch.dialect == "ros2" else resolve_name(f"~{key}", "", full)
             if is_description(param):
-                self.read_parameter(param, around.enter_element(param), own)
+                self.read_parameter(param, around.enter_element(param), full_key)
             elif key in _PARAMETERS:
                 parameters[key] = shorten_line(around.resolve_text(param.get("value")))
         typed = element.get("args")
@@ -208,40 +207,57 @@ class _XmlActionReader:
         }
         self.add_action("launch file", element, around, package=package, program=file, parameters=parameters)
 
-    def add_action(self, kind: str, element: Element, around: _ElementContext, **known: object) -> None:
+    def add_action(self, kind: str, element: Element, around: _ElementContext, **details: object) -> None:
+        """Add an action with the namespace and conditions around it."""
         plain = LaunchAction(
-            kind,
-            "",
-            "",
-            "",
-            around.namespace,
+            kind=kind,
+            package="",
+            program="",
+            name="",
+            namespace=around.namespace,
             condition=" and ".join(around.conditions),
             off=around.off,
             spans=_compute_spans(element),
         )
-        self.nodes.append(replace(plain, **known))  # type: ignore[arg-type]
+        self.nodes.append(replace(plain, **details))  # type: ignore[arg-type]
 
     def read_parameter(self, element: Element, around: _ElementContext, name: str) -> None:
-        """robot_description and use_sim_time; no other parameter says what the nodes have to do with each other."""
+        """Read robot_description and use_sim_time; no other parameter affects the data flow between nodes."""
         if not is_description(element):
             if name.endswith("/use_sim_time"):
-                self.add_parameter(name, shorten_line(around.resolve_text(element.get("value"))), "", element, around)
+                origin = shorten_line(around.resolve_text(element.get("value")))
+                self.add_parameter(name, element, around, origin=origin)
             return
-        found = read_description(element, around.resolver)
-        if found is None:
-            self.add_parameter(name, "a text of its own" if element.get("value") else "nothing", "", element, around)
+        description = read_description(element, around.resolver)
+        if description is None:
+            origin = "a text of its own" if element.get("value") else "nothing"
+            self.add_parameter(name, element, around, origin=origin)
             return
-        origin = shorten_line(found.file) if found.path is None else format_path(found.path)
-        problem = "" if found.unresolved is None else describe_unresolved(found.unresolved)
-        self.add_parameter(name, origin, problem, element, around, found.at.span)
+        origin = shorten_line(description.file) if description.path is None else format_path(description.path)
+        problem = "" if description.unresolved is None else describe_unresolved(description.unresolved)
+        self.add_parameter(name, element, around, origin=origin, problem=problem, at=description.at.span)
 
     def add_parameter(
-        self, name: str, origin: str, problem: str, element: Element, around: _ElementContext, at: Span | None = None
+        self,
+        name: str,
+        element: Element,
+        around: _ElementContext,
+        *,
+        origin: str,
+        problem: str = "",
+        at: Span | None = None,
     ) -> None:
+        """Add a parameter. ``at``: the attribute with its value, if that is elsewhere."""
         spans = (*_compute_spans(element), *(() if at is None else (at,)))
-        condition = " and ".join(around.conditions)
         self.parameters.append(
-            SceneParameter(ScenePort("parameter", name), origin, problem, condition, around.off, spans)
+            SceneParameter(
+                port=ScenePort("parameter", name),
+                origin=origin,
+                problem=problem,
+                condition=" and ".join(around.conditions),
+                off=around.off,
+                spans=spans,
+            )
         )
 
 
@@ -254,9 +270,9 @@ def _read_remap(element: Element, around: _ElementContext) -> tuple[str, str]:
 
 
 def _compute_spans(element: Element) -> tuple[Span, ...]:
-    """From the element's tag to that of the last one in it."""
+    """Return the span from the element's tag to that of the last element in it."""
     first = element.span
     last = list(element.walk())[-1].span
     if first is None or last is None or first.file != last.file:
         return () if first is None else (first,)
-    return (Span(first.file, first.line, first.col, last.end_line, last.end_col, first.start, last.end),)
+    return (replace(first, end_line=last.end_line, end_col=last.end_col, end=last.end),)

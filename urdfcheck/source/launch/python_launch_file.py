@@ -1,4 +1,4 @@
-"""What a Python launch file says about models by literal paths. Nothing in it is executed."""
+"""The models and launch files that a Python launch file names by literal paths. Nothing in it is executed."""
 
 from __future__ import annotations
 
@@ -13,90 +13,98 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.core import NEWLINE, Location, Span
+from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path, list_subfolders
 from urdfcheck.source.reach import FileReach
-from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
 MODEL_SUFFIXES = (".urdf", ".xacro")
-LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".launch.py", "_launch.xml", "_launch.py")
-# A path that is longer is none: it comes from names that multiply each other.
+# A longer text is not a path: it comes from names that multiply each other.
 MAX_LENGTH = 4000
-# Its syntax tree takes a few hundred times as much memory. This is some 25,000 lines.
+# The syntax tree takes a few hundred times as much memory. The limit is about 25,000 lines.
 MAX_PYTHON = 1024**2
-# Different paths of models that are looked up; each is looked for in several folders.
+# Limit on paths of models that are looked up, each in several folders.
 MAX_PATHS = 1_000
-# Different launch files that are not there and are looked for in their whole package.
+# Limit on missing launch files that are searched in their whole package.
 MAX_LAUNCHES = 64
 
 
 @dataclass(frozen=True, slots=True)
 class LocatedPath:
-    """A model's path in a Python launch file, as far as it is known, and where its last part is typed."""
+    """A path in a Python launch file, as far as it is known, and where its last part is typed."""
 
     path: str
     location: Location
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PythonLaunch:
-    """What could be read of a Python launch file.
-
-    ``models``: the model files that it names, found in its own package or in those that it names. ``missing``: paths in a
-    known package where no such file is, and ``includes`` such paths of launch files. ``unknown``: relative paths of models
-    that are found in none of these packages. ``loads`` is where it hands on robot_description, ``broken`` why it cannot be
-    parsed, ``unreadable`` why not opened.
-    """
+    """What could be read of a Python launch file."""
 
     file: SourceFile | None = None
     models: tuple[Path, ...] = ()
+    """The model files that it names, in its own package or in those that it names."""
     missing_models: tuple[LocatedPath, ...] = ()
+    """Paths in a known package that do not exist."""
     missing_includes: tuple[LocatedPath, ...] = ()
+    """Paths of launch files in a known package that do not exist."""
     unknown_models: tuple[LocatedPath, ...] = ()
+    """Relative paths of models that are not found in any of these packages."""
     description_location: Location | None = None
+    """Where it passes robot_description on."""
     syntax_problem: Problem | None = None
+    """Why it cannot be parsed."""
     read_problem: Problem | None = None
+    """Why it cannot be opened."""
 
 
 def read_python_launch(path: Path, finder: PackageFinder) -> PythonLaunch:
-    """The models that a Python launch file names.
+    """Read the models that a Python launch file names.
 
     A path may be one text, or the last texts of ``os.path.join(…)``, ``PathJoinSubstitution([…])`` and ``folder / …``.
     """
     name = format_path(path)
-    start = Location("launch", Span(name, 1, 1, 1, 1, 0, 0))
+    start = locate_start("launch", name)
     try:
         data = read_regular(path, MAX_PYTHON)
     except FileTooLargeError as error:
         limits = {"what": "bytes", "limit": error.limit, "found": error.found}
-        return PythonLaunch(read_problem=Problem("too-large", error.message, start, limits))
+        return PythonLaunch(read_problem=Problem(kind="too-large", message=error.message, location=start, data=limits))
     except OSError as error:
-        return PythonLaunch(read_problem=Problem("unreadable", error.strerror or str(error), start))
+        return PythonLaunch(
+            read_problem=Problem(kind="unreadable", message=error.strerror or str(error), location=start)
+        )
     file = SourceFile(path, name, data.decode("utf-8-sig", "replace"))
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of a stranger's code: nothing for the terminal
+            warnings.simplefilter("ignore")  # Python's warnings about a stranger's code do not belong on the terminal
             if (
                 "\ufffd" in file.text or b"coding" in data[:400]
             ):  # Python may refuse the bytes: no UTF-8, or no such encoding
                 ast.parse(data)
             tree = ast.parse(file.text)
-            return PythonLaunchReader(tree, file, path, finder).read()
+            return PythonLaunchReader(tree, file, path=path, finder=finder).read()
     except SyntaxError as error:
         at = _find_rest_of_line(file, error.lineno, (error.offset or 1) - 1)
-        return PythonLaunch(file, syntax_problem=Problem("syntax", error.msg, Location("launch", at)))
+        return PythonLaunch(
+            file=file, syntax_problem=Problem(kind="syntax", message=error.msg, location=Location("launch", at))
+        )
     except (ValueError, RecursionError, MemoryError):  # a zero byte, or nested too deeply
-        return PythonLaunch(file, syntax_problem=Problem("syntax", "it is no text or nested too deeply", start))
+        return PythonLaunch(
+            file=file,
+            syntax_problem=Problem(kind="syntax", message="it is no text or nested too deeply", location=start),
+        )
 
 
 def _find_line_starts(text: str) -> list[int]:
-    """Where each line begins, as Python counts them."""
+    """Return the offset of each line, as Python counts them."""
     return [0, *(m.end() for m in NEWLINE.finditer(text))]
 
 
 def _find_rest_of_line(file: SourceFile, line: int | None, column: int) -> Span:
-    """The rest of a line from a column, as far as there is one."""
+    """Return the rest of a line from a column; empty if the line is shorter."""
     starts = _find_line_starts(file.text)
     begin = starts[min(max(line or 1, 1), len(starts)) - 1]
     stop = NEWLINE.search(file.text, begin)
@@ -105,9 +113,9 @@ def _find_rest_of_line(file: SourceFile, line: int | None, column: int) -> Span:
 
 
 class PythonLaunchReader:
-    """Walks one syntax tree; outer nodes come first: the pieces of a path are no paths of their own."""
+    """Walks one syntax tree, outer nodes first: the pieces of a path are not paths themselves."""
 
-    def __init__(self, tree: ast.AST, file: SourceFile, path: Path, finder: PackageFinder) -> None:
+    def __init__(self, tree: ast.AST, file: SourceFile, *, path: Path, finder: PackageFinder) -> None:
         self.file = file
         self.starts = _find_line_starts(file.text)
         self.finder = finder
@@ -115,16 +123,19 @@ class PythonLaunchReader:
         self.assigned = _find_single_assignments(self.nodes)
         self.values: dict[int, str | None] = {}
         package = finder.find_package_of(path.absolute())
-        self.own = package.path if package is not None else path.parent
-        self.named = [finder.find(name) for name in dict.fromkeys(filter(None, map(get_package_name, self.nodes)))]
+        self.own_folder = package.path if package is not None else path.parent
+        self.named_folders = [
+            finder.find(name) for name in dict.fromkeys(filter(None, map(get_package_name, self.nodes)))
+        ]
 
     def read(self) -> PythonLaunch:
-        folders = [self.own, *(f for f in self.named if f is not None)]
-        found: dict[Path, None] = {}
+        """Return the paths that the file names."""
+        folders = [self.own_folder, *(f for f in self.named_folders if f is not None)]
+        models: dict[Path, None] = {}
         missing: dict[str, ast.expr] = {}
         unknown: dict[str, ast.expr] = {}
         joined: set[int] = set()
-        known: dict[str, Path | None] = {}
+        by_literal: dict[str, Path | None] = {}
         parts = _collect_partial_texts(self.nodes)
         for node in self.nodes:
             if id(node) in joined:
@@ -135,11 +146,15 @@ class PythonLaunchReader:
                 model: Path | None = exact[0]
             else:
                 literal = "/".join(str(p.value) for p in pieces)
-                if literal not in known and literal.strip().endswith(MODEL_SUFFIXES) and len(known) < MAX_PATHS:
-                    known[literal] = _find_model_file(literal, folders, self.finder)
-                model = known.get(literal)
+                if (
+                    literal not in by_literal
+                    and literal.strip().endswith(MODEL_SUFFIXES)
+                    and len(by_literal) < MAX_PATHS
+                ):
+                    by_literal[literal] = _find_model_file(literal, folders, self.finder)
+                model = by_literal.get(literal)
             if model is not None:
-                found[model] = None
+                models[model] = None
                 joined.update(map(id, pieces if exact is None else ast.walk(node)))
             elif exact is not None and isinstance(node, ast.expr):
                 joined.update(map(id, ast.walk(node)))
@@ -147,20 +162,20 @@ class PythonLaunchReader:
                     missing[str(exact[0])] = node
             elif isinstance(node, ast.Constant) and id(node) not in parts and _is_model_path(node.value):
                 unknown[str(node.value)] = node
-        if found or missing:
+        if models or missing:
             unknown = {}
         includes = self.locate_paths(self.find_missing_includes())
         return PythonLaunch(
-            self.file,
-            tuple(found),
-            self.locate_paths(missing),
-            includes,
-            self.locate_paths(unknown),
-            self.find_description_key(),
+            file=self.file,
+            models=tuple(models),
+            missing_models=self.locate_paths(missing),
+            missing_includes=includes,
+            unknown_models=self.locate_paths(unknown),
+            description_location=self.find_description_key(),
         )
 
     def find_missing_includes(self) -> dict[str, ast.expr]:
-        """Paths of launch files in a known package where no such file is."""
+        """Return the paths of launch files in a known package that do not exist."""
         absent: dict[Path, tuple[Path, ast.expr]] = {}
         joined: set[int] = set()
         for node in self.nodes:
@@ -178,6 +193,7 @@ class PythonLaunchReader:
         }
 
     def locate_paths(self, paths: Mapping[str, ast.expr]) -> tuple[LocatedPath, ...]:
+        """Return these paths with the place of each."""
         return tuple(
             LocatedPath(path, self.locate_node(node)) for path, node in itertools.islice(paths.items(), MAX_PATHS)
         )
@@ -185,20 +201,20 @@ class PythonLaunchReader:
     def find_path_in_package(
         self, node: ast.AST, suffixes: tuple[str, ...] = MODEL_SUFFIXES
     ) -> tuple[Path, Path] | None:
-        """A path that ends so and whose package is known, and that package's folder."""
+        """Return a path with one of the suffixes whose package is known, and the package's folder."""
         if not isinstance(node, (ast.Call, ast.BinOp, ast.JoinedStr)):
             return None
         text = self.evaluate_text(node)
         if text is None or not text.endswith(suffixes) or "\0" in text:
             return None
-        for folder in self.named:
-            # Of a folder that only has the package's name it is not sure that it is the package.
+        for folder in self.named_folders:
+            # A folder that only has the package's name may not be the package.
             if folder is not None and (folder / "package.xml").is_file() and text.startswith(f"{folder}/"):
                 return Path(text), folder
         return None
 
     def evaluate_text(self, node: ast.AST) -> str | None:
-        """The text that a node is, where only literals, names assigned once and packages' folders go into it."""
+        """Return the text of a node that consists of literals, names assigned once and packages' folders; else None."""
         if id(node) not in self.values:
             self.values[id(node)] = None  # while it is computed: a name made of itself has no value
             text = self.compute_text(node)
@@ -206,6 +222,7 @@ class PythonLaunchReader:
         return self.values[id(node)]
 
     def compute_text(self, node: ast.AST) -> str | None:
+        """Return the text of a node, not from memory."""
         if isinstance(node, ast.Constant):
             return node.value if isinstance(node.value, str) else None
         if isinstance(node, ast.Name):
@@ -223,6 +240,7 @@ class PythonLaunchReader:
         return None
 
     def evaluate_call(self, node: ast.Call) -> str | None:
+        """Return the text of a call that finds a package or joins paths."""
         package = get_package_name(node)
         if package is not None:
             folder = self.finder.find(package)
@@ -244,11 +262,11 @@ class PythonLaunchReader:
 
     def evaluate_all(self, nodes: Sequence[ast.AST], join: Callable[[list[str]], str]) -> str | None:
         texts = [self.evaluate_text(node) for node in nodes]
-        known = [text for text in texts if text is not None]
-        return join(known) if known and len(known) == len(texts) else None
+        parts = [text for text in texts if text is not None]
+        return join(parts) if parts and len(parts) == len(texts) else None
 
     def find_description_key(self) -> Location | None:
-        """Where a node gets the parameter robot_description."""
+        """Return where a node gets the parameter robot_description."""
         for node in self.nodes:
             if isinstance(node, ast.Dict):
                 for key in node.keys:
@@ -257,25 +275,25 @@ class PythonLaunchReader:
         return None
 
     def locate_node(self, node: ast.expr) -> Location:
-        """The last text in a node: that is where a path's own name is typed."""
+        """Return the place of the last text in a node, where the name of a path's file is typed."""
         inner = list(ast.walk(node))
         texts: list[ast.expr] = [n for n in inner if isinstance(n, ast.Constant) and isinstance(n.value, str)]
         if any(isinstance(n, ast.JoinedStr) for n in inner):
-            texts = []  # before Python 3.12 the positions inside of such a text are not exact
+            texts = []  # before Python 3.12 the positions inside an f-string are not exact
         last = max(texts, key=lambda n: (n.lineno, n.col_offset), default=node)
         begin = self.compute_offset(last.lineno, last.col_offset)
         end = self.compute_offset(last.end_lineno or last.lineno, last.end_col_offset or last.col_offset)
         return Location("launch", self.file.make_span(begin, end))
 
     def compute_offset(self, line: int, column: int) -> int:
-        """The code point at a position of ast, whose columns count the bytes of UTF-8."""
+        """Return the offset in code points of a position of ast, whose columns count bytes of UTF-8."""
         begin = self.starts[min(line, len(self.starts)) - 1]
         text = self.file.text[begin : begin + column]  # at least as many code points as needed
         return begin + len(text.encode("utf-8", "surrogatepass")[:column].decode("utf-8", "ignore"))
 
 
 def _find_single_assignments(nodes: Sequence[ast.AST]) -> dict[str, ast.expr]:
-    """What stands for each name that is assigned in one place only."""
+    """Return the value of each name that is assigned in one place only."""
     times = Counter(n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
     times.update(n.arg for n in nodes if isinstance(n, ast.arg))
     return {
@@ -288,7 +306,7 @@ def _find_single_assignments(nodes: Sequence[ast.AST]) -> dict[str, ast.expr]:
 
 
 def get_function_name(call: ast.Call) -> str:
-    """The last name of what is called."""
+    """Return the last name of the called function."""
     return call.func.attr if isinstance(call.func, ast.Attribute) else str(getattr(call.func, "id", ""))
 
 
@@ -297,15 +315,15 @@ def _join_paths(parts: list[str]) -> str:
 
 
 def get_package_name(node: ast.AST) -> str | None:
-    """``p`` of ``get_package_share_directory("p")``, ``FindPackageShare("p")`` and the like."""
+    """Return ``p`` of ``get_package_share_directory("p")``, ``FindPackageShare("p")`` and the like."""
     if not isinstance(node, ast.Call) or not re.search("package_share|PackageShare", get_function_name(node)):
         return None
-    given = [*node.args, *(keyword.value for keyword in node.keywords)]
-    return str(given[0].value) if given and isinstance(given[0], ast.Constant) else None
+    arguments = [*node.args, *(keyword.value for keyword in node.keywords)]
+    return str(arguments[0].value) if arguments and isinstance(arguments[0], ast.Constant) else None
 
 
 def _collect_path_pieces(node: ast.AST) -> list[ast.Constant]:
-    """The texts that end what a node joins, or the text that it is."""
+    """Return the last texts that a node joins, or the text that it is."""
     parts: list[ast.expr] = []
     if isinstance(node, ast.Constant):
         parts = [node]
@@ -320,7 +338,7 @@ def _collect_path_pieces(node: ast.AST) -> list[ast.Constant]:
 
 
 def _find_model_file(literal: str, folders: Sequence[Path], finder: PackageFinder) -> Path | None:
-    """The file that a literal path names, below one of these folders or in one of their own folders."""
+    """Return the file that a literal path names, below one of these folders or in one of their subfolders."""
     tail = literal.strip().lstrip("/")
     if not tail.endswith(MODEL_SUFFIXES) or len(tail) > MAX_LENGTH or any(c in tail for c in "*?[\0"):
         return None
@@ -333,7 +351,7 @@ def _find_model_file(literal: str, folders: Sequence[Path], finder: PackageFinde
 
 
 def _collect_partial_texts(nodes: Sequence[ast.AST]) -> set[int]:
-    """The literals that something else is put before or into: the names in them are not whole."""
+    """Return the literals that are combined with other text: the names in them are incomplete."""
     parts: set[int] = set()
     for node in nodes:
         if isinstance(node, ast.JoinedStr):
@@ -346,15 +364,17 @@ def _collect_partial_texts(nodes: Sequence[ast.AST]) -> set[int]:
 
 
 def _is_model_path(text: object) -> bool:
-    """Whether a literal is a relative path of a model: with a name, and nothing that is filled in."""
+    """Whether a literal is a relative path of a model, with a name and without placeholders."""
     if not isinstance(text, str) or not text.endswith(MODEL_SUFFIXES) or len(text) > MAX_LENGTH:
         return False
     return re.fullmatch(r"(?:\w[\w.-]*/)*\w[\w.-]*\.(?:urdf|xacro)", text) is not None
 
 
 def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...] = MODEL_SUFFIXES) -> bool:
-    """Whether the package has a file of that name without its suffixes, or its build mentions it: then it may make the
-    file or install it there."""
+    """Whether a package's build may create or install a missing file.
+
+    It may if the package has a file of that name with other suffixes, or the build mentions the name.
+    """
     stem = path.name.partition(".")[0]
     for _, names, files in walk(package):
         names[:] = [n for n in names if not n.startswith(".")]

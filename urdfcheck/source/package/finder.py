@@ -1,4 +1,4 @@
-"""Finding ROS packages without ROS, and resolving the paths that models use."""
+"""Finds ROS packages without ROS, and resolves the paths that models use."""
 
 from __future__ import annotations
 
@@ -9,16 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
-from urdfcheck.core import Location, Span
 from urdfcheck.source.reach import FileReach, is_below, resolve_real_path
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.system.files import note_lookup, read_regular, record_reads
 
-# How far up from a model its workspace is looked for, and how many folders are looked into on each level.
+# How many levels above a model its workspace is searched, and how many folders on each level.
 LEVELS_UP = 6
 MAX_SIBLINGS = 2000
-# How deep packages lie below a folder of the workspace (src/repository/package) and below a given package path.
+# How deep packages are below a folder of the workspace (src/repository/package) and below a given package path.
 LEVELS_DOWN_AROUND = 2
 LEVELS_DOWN_PATHS = 3
 BUILD_FOLDERS = frozenset({"build", "install", "log"})
@@ -28,58 +27,62 @@ _SCHEME = re.compile(r"^([A-Za-z][A-Za-z0-9+.-]*)://(.*)$", re.DOTALL)
 
 
 def format_path(path: Path) -> str:
-    """How findings call a file: relative to the working directory, with forward slashes."""
+    """Return the name of a file in findings: its path relative to the working directory, with forward slashes."""
     try:
         return Path(os.path.relpath(path)).as_posix()
     except ValueError:  # another drive
         return path.as_posix()
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Package:
-    """A folder with a package.xml: ``name`` as the manifest states it, else the folder's. ``root`` is the manifest's XML,
-    None when ``problems`` says why it could not be read. ``finder`` finds the packages around it and says what may be opened;
-    ``whole``: whether all of the folder is checked, and not only some file in it."""
+    """A folder with a package.xml."""
 
     name: str
+    """The name in the manifest, else the folder's."""
     path: Path
     root: Element | None
+    """The manifest's XML; None if it could not be read, for which ``problems`` holds the reason."""
     file: SourceFile | None
     problems: tuple[Problem, ...] = ()
     finder: PackageFinder | None = None
+    """Finds the packages around it, and knows which files may be opened."""
     is_fully_checked: bool = False
+    """Whether all files of the folder are checked, not just some."""
 
     @property
     def dependencies(self) -> frozenset[str]:
-        """The packages that the manifest depends on, in whatever way."""
+        """The packages that the manifest depends on in any way."""
         if self.root is None:
             return frozenset()
         return frozenset(e.text.strip() for e in self.root.children if e.tag.endswith("depend"))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Resource:
-    """A path as a model writes it, taken apart and looked up.
-
-    ``kind``: package | file | absolute | home | relative | other (a scheme that no loader of URDF resolves to a file).
-    ``path`` is None when the package is unknown or the kind has no file; ``exists`` is exact in upper and lower case.
-    ``allowed`` is False for a file out of reach: it was not even looked for, and ``exists`` is False.
-    """
+    """A path as a model writes it, parsed and looked up."""
 
     text: str
     kind: str
+    """package | file | absolute | home | relative | other (a scheme that no loader of URDF resolves to a file)."""
     package: str | None
     path: Path | None
+    """None if the package is unknown or the kind has no file."""
     exists: bool
+    """Whether the file exists in exactly this upper and lower case."""
     actual_spelling: str | None = None
+    """The file's name on disk; None if there is no such file in any upper and lower case."""
     allowed: bool = True
+    """False for a file out of reach, whose existence is not probed: then ``exists`` is False."""
 
 
 class PackageFinder:
-    """Finds packages by name, in this order: ``explicit`` folders, folders below ``paths``, package.xml in the folders
-    around ``start``, ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and last a folder of that name around ``start``.
+    """Finds packages by name.
 
-    ``reach``: which files may be opened beside those of the packages that were found; None for all."""
+    In this order: ``explicit`` folders, folders below ``paths``, package.xml in the folders around ``start``,
+    ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and last a folder of that name around ``start``. ``reach``: which files may be
+    opened besides those of the packages that were found; None for all.
+    """
 
     def __init__(
         self,
@@ -91,7 +94,7 @@ class PackageFinder:
     ) -> None:
         self.reach = reach
         self.start = start if os.path.isdir(start) else start.parent  # pathlib raises for a name too long
-        # Absolute, because xacro takes a relative path for one that starts at the file that names it.
+        # Absolute, because xacro resolves a relative path from the file that names it.
         self.explicit = {name: path.absolute() for name, path in (explicit or {}).items()}
         self.paths = [path.absolute() for path in paths]
         self.environment = os.environ if environment is None else environment
@@ -104,7 +107,7 @@ class PackageFinder:
         self._resources: dict[tuple[str, Path], Resource] = {}
 
     def find(self, name: str) -> Path | None:
-        """The folder of a package, or None."""
+        """Return the folder of a package, or None."""
         if name not in self._found:
             self._found[name] = found = self._search_package(name)
             if found is not None:
@@ -112,16 +115,16 @@ class PackageFinder:
         return self._found[name]
 
     def can_open(self, path: Path) -> bool:
-        """Whether a file may be opened: it is in reach, or in a package that was found and is where its name leads."""
+        """Whether a file may be opened: it is in reach, or in a package that was found by its name."""
         return self.reach is None or self.reach.can_open(path) or self.find_known_folder(path) is not None
 
     def find_known_folder(self, path: Path) -> Path | None:
-        """The real folder of the package that was found by its name and holds this file."""
+        """Return the real folder of the package that was found by its name and contains this file."""
         real = resolve_real_path(path)
         return next((f for f in self._list_trusted_folders() if real is not None and is_below(real, str(f))), None)
 
     def _list_trusted_folders(self) -> Iterator[Path]:
-        """The packages found so far, but for those that a link in the workspace of a stranger places elsewhere."""
+        """Yield the packages found so far, without those that a link in a stranger's workspace places elsewhere."""
         trusted = [*self.explicit.values(), *self.paths, *self._scan_ros_paths().values()]
         for folder in filter(None, self._found.values()):
             real = os.path.realpath(folder)
@@ -130,7 +133,7 @@ class PackageFinder:
                 yield Path(real)
 
     def _can_follow(self, path: Path) -> bool:
-        """Whether something around the start is there, or is a link to what may be looked at."""
+        """Whether a place around the start is not a link, or is a link to a place that may be opened."""
         if self.reach is None or self.reach.can_open(path):
             return True
         real = resolve_real_path(path)
@@ -164,14 +167,14 @@ class PackageFinder:
         return self._around
 
     def _scan_folders(self, levels: Sequence[Path]) -> dict[str, Path]:
-        found: dict[str, Path] = {}
+        packages: dict[str, Path] = {}
         for level in levels:
             for name, folder in _walk_packages(level, LEVELS_DOWN_AROUND, self._can_follow):
-                found.setdefault(name, folder)
-        return found
+                packages.setdefault(name, folder)
+        return packages
 
     def list_parent_folders(self) -> list[Path]:
-        """The folders from the start upwards that can belong to the same workspace."""
+        """Return the folders from the start upwards that can belong to the same workspace."""
         levels: list[Path] = []
         home = Path(os.path.expanduser("~"))
         for level in (self.start, *self.start.parents):
@@ -194,17 +197,17 @@ class PackageFinder:
         return self._ros
 
     def _find_by_folder_name(self, name: str) -> Path | None:
-        """A folder without a manifest: one that lies in reach, for nothing else says that it belongs to the model."""
+        """Return a folder without a manifest; it must be in reach, because nothing else shows that it belongs to the model."""
         for level in self.list_parent_folders():
             for folder in (level,) if level.name == name else (level / name,):
-                # Of a name too long, or with a NUL, pathlib raises.
+                # os.path, because pathlib raises if the name is too long or contains a NUL.
                 if (self.reach is None or self.reach.can_open(folder)) and os.path.isdir(folder):
                     return folder
                 note_lookup(folder)
         return None
 
     def describe_search_places(self) -> list[str]:
-        """Where packages were looked for, for the finding that one was not found."""
+        """Describe where packages were searched, for the finding that one is missing."""
         places = [f"--package {name}={format_path(path)}" for name, path in sorted(self.explicit.items())]
         places += [format_path(path) for path in self.paths]
         levels = self.list_parent_folders()
@@ -216,38 +219,41 @@ class PackageFinder:
         return places
 
     def list_packages(self) -> dict[str, Path]:
-        """Every package that is found by its name, with its folder."""
+        """Return every package that is found by its name, with its folder."""
         return {**self._scan_ros_paths(), **self._scan_around_start(), **self._scan_paths(), **self.explicit}
 
     def list_workspace_packages(self) -> dict[str, Path]:
-        """The packages that may be about the model: those that were given, those of the repository around the start, and
-        without a repository those beside its own package. Whatever else can be found by its name is some other robot's."""
+        """Return the packages that may be about the model.
+
+        These are the given ones, those of the repository around the start, and without a repository those beside its own
+        package. Other packages that can be found by their names belong to other robots.
+        """
         if self._workspace is None:
             levels = self.list_parent_folders()
             if levels and not (levels[-1] / ".git").exists():
-                own = next((n for n, level in enumerate(levels) if (level / "package.xml").is_file()), None)
-                levels = levels[: 1 if own is None else own + 2]
+                innermost = next((n for n, level in enumerate(levels) if (level / "package.xml").is_file()), None)
+                levels = levels[: 1 if innermost is None else innermost + 2]
             self._workspace = {**self._scan_folders(levels), **self._scan_paths(), **self.explicit}
         return self._workspace
 
     def suggest_names(self, name: str) -> list[str]:
-        """Names of packages in reach that are spelled like ``name``."""
+        """Return the names of packages in reach that are spelled like ``name``."""
         known = self.list_packages()
         folded = name.replace("-", "_").lower()
         alike = [k for k in sorted(known) if k.replace("-", "_").lower() == folded]
-        # `_description` and the like are common to all: what comes before it must be alike.
-        own, suffix = _split_suffix(name)
+        # Suffixes such as `_description` are common to all: the part before them must be similar.
+        stem, suffix = _split_suffix(name)
         stems = {_split_suffix(k)[0]: k for k in sorted(known) if _split_suffix(k)[1] == suffix}
         import difflib
 
-        return alike or [stems[s] for s in difflib.get_close_matches(own, sorted(stems), n=3, cutoff=0.75)]
+        return alike or [stems[s] for s in difflib.get_close_matches(stem, sorted(stems), n=3, cutoff=0.75)]
 
     def find_package_of(self, path: Path) -> Package | None:
-        """The package that a file belongs to: the nearest folder above it with a package.xml."""
+        """Return the package that a file belongs to: the nearest folder above it with a package.xml."""
         for folder in path.parents:
             if folder not in self._packages:
                 manifest = folder / "package.xml"
-                readable = os.path.isfile(manifest) and self.can_open(manifest)  # in this order: most folders hold none
+                readable = os.path.isfile(manifest) and self.can_open(manifest)  # in this order: most folders have none
                 self._packages[folder] = load_package(folder) if readable else None
             package = self._packages[folder]
             if package is not None:
@@ -255,7 +261,7 @@ class PackageFinder:
         return None
 
     def resolve_resource(self, text: str, base: Path) -> Resource:
-        """Take a path of a model apart; relative ones start at ``base`` (the folder of the file that names it)."""
+        """Parse a path of a model and look it up; a relative path starts at ``base`` (the folder of the file that names it)."""
         if (text, base) not in self._resources:
             self._resources[text, base] = self._parse_resource(text, base)
         return self._resources[text, base]
@@ -265,34 +271,43 @@ class PackageFinder:
         if scheme and scheme.group(1) in {"package", "model"}:
             package, _, rest = scheme.group(2).partition("/")
             folder = self.find(package)
-            return self._look_up_file(text, "package", package, None if folder is None else folder / unquote(rest))
+            return self._look_up_file(
+                text, "package", None if folder is None else folder / unquote(rest), package=package
+            )
         if scheme and scheme.group(1) == "file":
-            return self._look_up_file(text, "file", None, Path(unquote(scheme.group(2))))
+            return self._look_up_file(text, "file", Path(unquote(scheme.group(2))))
         if scheme:
-            return Resource(text, "other", None, None, False)
+            return Resource(text=text, kind="other", package=None, path=None, exists=False)
         if text.startswith("~"):
-            return self._look_up_file(text, "home", None, Path(os.path.expanduser(text)))
+            return self._look_up_file(text, "home", Path(os.path.expanduser(text)))
         if os.path.isabs(text) or re.match(r"^[A-Za-z]:[\\/]", text):
-            return self._look_up_file(text, "absolute", None, Path(text))
-        return self._look_up_file(text, "relative", None, base / text)
+            return self._look_up_file(text, "absolute", Path(text))
+        return self._look_up_file(text, "relative", base / text)
 
-    def _look_up_file(self, text: str, kind: str, package: str | None, path: Path | None) -> Resource:
+    def _look_up_file(self, text: str, kind: str, path: Path | None, *, package: str | None = None) -> Resource:
         if path is None:
-            return Resource(text, kind, package, None, False)
+            return Resource(text=text, kind=kind, package=package, path=None, exists=False)
         if not self.can_open(path):
-            return Resource(text, kind, package, path, False, allowed=False)
+            return Resource(text=text, kind=kind, package=package, path=path, exists=False, allowed=False)
         note_lookup(path)
         try:
             exists = path.is_file()
-        except (OSError, ValueError):  # a name too long, or with a NUL
-            return Resource(text, kind, package, None, False)
+        except (OSError, ValueError):  # the name is too long or contains a NUL
+            return Resource(text=text, kind=kind, package=package, path=None, exists=False)
         actual = _find_actual_spelling(path)
-        # On a file system that ignores case the file opens, but its name is still another one.
-        return Resource(text, kind, package, path, exists and (actual is None or actual == path.name), actual)
+        # On a file system that ignores case, the file opens although its name differs.
+        return Resource(
+            text=text,
+            kind=kind,
+            package=package,
+            path=path,
+            exists=exists and (actual is None or actual == path.name),
+            actual_spelling=actual,
+        )
 
 
 def load_package(folder: Path) -> Package | None:
-    """The package at a folder, or None when it holds no package.xml. A broken manifest gives a package without root."""
+    """Return the package at a folder; None without a package.xml. A broken manifest gives a package without root."""
     manifest = folder / "package.xml"
     if not manifest.is_file():
         return None
@@ -301,20 +316,18 @@ def load_package(folder: Path) -> Package | None:
     try:
         file = SourceFile.read(manifest, shown)
         root = parse_xml(file)
-    except OSError as error:
-        start = Location("package", Span(shown, 1, 1, 1, 1, 0, 0))
-        problem = Problem("unreadable", error.strerror or str(error), start)
-        return Package(folder.name, folder, None, None, (problem,))
-    except XmlError as error:
-        problem = Problem(error.reason, str(error), Location("package", error.span), error.data)
-        return Package(folder.name, folder, None, file, (problem,))
+    except (OSError, XmlError) as error:
+        problem = Problem.from_read_error(error, "package", shown)
+        return Package(name=folder.name, path=folder, root=None, file=file, problems=(problem,))
     name = root.find_child("name")
-    return Package(name.text.strip() if name is not None else folder.name, folder, root, file)
+    return Package(name=name.text.strip() if name is not None else folder.name, path=folder, root=root, file=file)
 
 
 def has_dependency_entry(folder: Path, package: str) -> bool:
-    """Whether the package at a folder, which may be out of reach, depends on another: its package.xml was read for its name as
-    well, and nothing else of it is looked at."""
+    """Whether the package at a folder depends on another.
+
+    The folder may be out of reach: only its package.xml is read, which was already read for the package's name.
+    """
     manifest = folder / "package.xml"
     try:
         text = "" if manifest.is_symlink() else read_regular(manifest).decode("utf-8", "replace")
@@ -324,7 +337,7 @@ def has_dependency_entry(folder: Path, package: str) -> bool:
 
 
 def _find_actual_spelling(path: Path) -> str | None:
-    """The path's last parts as they are spelled on disk when they differ only in case, else None.
+    """Return the last parts of a path as they are spelled on disk if they differ only in case, else None.
 
     Compares folder by folder, so ``Meshes/Wheel.STL`` finds ``meshes/wheel.stl``.
     """
@@ -351,7 +364,7 @@ def _find_actual_spelling(path: Path) -> str | None:
 
 
 def _split_suffix(name: str) -> tuple[str, str]:
-    """A package's name without the suffix that says what kind it is, and the suffix."""
+    """Return a package's name without the suffix for its kind, and this suffix."""
     stem, _, suffix = name.rpartition("_")
     return (stem, suffix) if stem and suffix in _SUFFIXES else (name, "")
 
@@ -359,8 +372,10 @@ def _split_suffix(name: str) -> tuple[str, str]:
 def _walk_packages(
     folder: Path, depth: int, allows: Callable[[Path], bool] = lambda _: True, *, inner: bool = False
 ) -> Iterator[tuple[str, Path]]:
-    """The packages at a folder and at most ``depth`` levels below it; inside of one below it no other is looked for.
-    ``allows``: whether a link may be followed."""
+    """Yield the packages at a folder and at most ``depth`` levels below it; none inside another one below it.
+
+    ``allows``: whether a link may be followed.
+    """
     name = _read_manifest_name(folder, allows) if os.path.lexists(f"{folder}/package.xml") else None
     if name:
         yield name, folder
@@ -371,7 +386,7 @@ def _walk_packages(
 
 
 def list_subfolders(path: Path) -> list[Path]:
-    """The folders in a folder, hidden ones left out; none when it cannot be read."""
+    """Return the folders in a folder without hidden ones; none if it cannot be read."""
     try:
         with os.scandir(path) as entries:
             names = [entry.name for entry in entries if not entry.name.startswith(".") and _is_folder(entry)]
@@ -383,7 +398,7 @@ def list_subfolders(path: Path) -> list[Path]:
 def _is_folder(entry: os.DirEntry[str]) -> bool:
     try:
         return entry.is_dir()
-    except OSError:  # a link in a circle is no folder, and no reason to see none at all
+    except OSError:  # a circular link is not a folder, and does not hide the others
         return False
 
 
@@ -392,7 +407,7 @@ def _read_manifest_name(folder: Path, allows: Callable[[Path], bool]) -> str | N
     if os.path.islink(manifest) and not allows(manifest):
         return None
     try:
-        with record_reads():  # for itself: of all packages that are looked through only the one that is found decides
+        with record_reads():  # apart: of all packages that are searched, only the one that is found affects the result
             match = _NAME.search(read_regular(manifest).decode("utf-8", "replace"))
     except OSError:
         return None

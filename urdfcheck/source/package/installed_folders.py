@@ -1,4 +1,4 @@
-"""Which folders of a ROS 2 package are installed, as its CMakeLists.txt or setup.py say it. Nothing of them is run."""
+"""Which folders of a ROS 2 package its CMakeLists.txt or setup.py install. Neither of them is run."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import ast
 import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from urdfcheck.core import Edit, Location, Span
@@ -15,43 +15,45 @@ from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import read_regular
 
 _LARGEST = 1_000_000
-# A text without its end goes to the end of the file: what follows is looked at once.
+# A text without an end reaches to the end of the file, so that each character is matched once.
 _TOKEN = re.compile(r'#[^\n]*|"(?:[^"\\]|\\.)*(?:"|\Z)|[()]|[^\s()"#]+', re.DOTALL)
 _VARIABLE = re.compile(r"\$\{(\w+)\}")
 _SOURCE_DIR_VARIABLES = frozenset(
     {"CMAKE_CURRENT_SOURCE_DIR", "CMAKE_SOURCE_DIR", "PROJECT_SOURCE_DIR", "CMAKE_CURRENT_LIST_DIR"}
 )
-# Values of one variable, and of one word in which several stand.
+# The most values of one variable, and of one word that contains several variables.
 _MOST_VALUES = 1_000
-# Commands that only name variables, or read no folder of the package.
+# Commands that only name variables, or do not read a folder of the package.
 _SETS = frozenset({"set", "foreach", "list", "project", "message", "find_package", "cmake_minimum_required"})
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class InstallRules:
-    """What a package installs. ``everything``: all of it, or nobody can tell; ``names``: every part of a path that a command
-    names which may install. ``at``: where a folder that is missing has to be named, ``form`` how, and ``insertion`` what
-    stands around its name there (None where no place is known)."""
+    """What a package installs."""
 
     installs_all: bool
+    """Whether it installs everything, or may do so."""
     path_parts: frozenset[str]
+    """Every part of a path in a command that may install."""
     at: Location
+    """Where a missing folder has to be named."""
     build_form: str
+    """cmake | python: how it has to be named."""
     insertion_point: Span | None = None
+    """Where to insert the name; None if there is no known place."""
     insertion: tuple[str, str] = ("", "")
+    """The text before and after the inserted name."""
 
     def build_edits(self, folders: Sequence[str]) -> list[Edit]:
-        """The edit that names these folders where others stand."""
+        """Return the edit that adds these folders to the others."""
+        if self.insertion_point is None:
+            return []
         before, after = self.insertion
-        return (
-            []
-            if self.insertion_point is None
-            else [Edit(self.insertion_point, "", f"{before}{' '.join(folders)}{after}")]
-        )
+        return [Edit(self.insertion_point, "", f"{before}{' '.join(folders)}{after}")]
 
 
 def read_install_rules(package: Package) -> InstallRules | None:
-    """What a ROS 2 package installs; None where it is none, or has no build file that could say."""
+    """Return what a ROS 2 package installs; None for another package, or without a build file."""
     build = _read_build_type(package)
     name = {"ament_cmake": "CMakeLists.txt", "ament_python": "setup.py"}.get(build)
     file = None if name is None else _read_file(package, package.path / name)
@@ -61,7 +63,7 @@ def read_install_rules(package: Package) -> InstallRules | None:
 
 
 def _read_build_type(package: Package) -> str:
-    """ament_cmake or ament_python, as the manifest exports it."""
+    """Return the build type that the manifest exports: ament_cmake, ament_python …"""
     export = None if package.root is None else package.root.find_child("export")
     types = [] if export is None else [e.text.strip() for e in export.find_children("build_type")]
     return types[0] if types else ""
@@ -80,15 +82,17 @@ def _read_file(package: Package, path: Path) -> SourceFile | None:
 # -- CMakeLists.txt ----------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class _CmakeCommand:
-    """A command of CMake with its arguments as typed and where each of them stands."""
+    """A command of CMake."""
 
     name: str
     start: int
     end: int
     words: tuple[str, ...]
+    """The arguments as typed."""
     ends: tuple[int, ...]
+    """The offset at which each argument ends."""
 
 
 def _parse_cmake(file: SourceFile, package: Package) -> InstallRules:
@@ -106,31 +110,36 @@ def _parse_cmake(file: SourceFile, package: Package) -> InstallRules:
                 everything |= installs and ("${" in text or text in {".", "./"})
                 names.update(text.split("/"))
         everything |= command.name in {"add_subdirectory", "include"} and bool(command.words)
-    return _locate_insertion(file, commands, everything, frozenset(names), package.name)
+    rules = InstallRules(
+        installs_all=everything, path_parts=frozenset(names), at=Location("install", None), build_form="cmake"
+    )
+    return _locate_insertion(rules, file, commands, package.name)
 
 
 def _locate_insertion(
-    file: SourceFile, commands: Sequence[_CmakeCommand], everything: bool, names: frozenset[str], package: str
+    rules: InstallRules, file: SourceFile, commands: Sequence[_CmakeCommand], package: str
 ) -> InstallRules:
-    """Behind the folders of a command that installs some into the package's share folder, or else before the last command."""
+    """Return the rules with the place for another folder.
+
+    It is after the folders of a command that installs some into the package's share folder, or else before the last command.
+    """
     for command in reversed(commands):
         folders = _find_share_folder(command, package)
         if folders is not None:
             end = command.ends[folders]
             at = Location("install", file.make_span(command.start, command.end))
-            return InstallRules(everything, names, at, "cmake", file.make_span(end, end), (" ", ""))
+            return replace(rules, at=at, insertion_point=file.make_span(end, end), insertion=(" ", ""))
     last = next((c for c in reversed(commands) if c.name == "ament_package"), None)
     if last is None:
-        start = commands[-1] if commands else None
-        span = file.make_span(0, 0) if start is None else file.make_span(start.start, start.end)
-        return InstallRules(everything, names, Location("install", span), "cmake")
+        span = file.make_span(commands[-1].start, commands[-1].end) if commands else file.make_span(0, 0)
+        return replace(rules, at=Location("install", span))
     at = Location("install", file.make_span(last.start, last.end))
     insertion = ("install(DIRECTORY ", " DESTINATION share/${PROJECT_NAME})\n\n")
-    return InstallRules(everything, names, at, "cmake", file.make_span(last.start, last.start), insertion)
+    return replace(rules, at=at, insertion_point=file.make_span(last.start, last.start), insertion=insertion)
 
 
 def _find_share_folder(command: _CmakeCommand, package: str) -> int | None:
-    """The place of the last folder in a command that installs folders into the package's share folder."""
+    """Return the index of the last folder in a command that installs folders into the package's share folder."""
     words = command.words
     if command.name == "ament_auto_package" and "INSTALL_TO_SHARE" in words:
         rest = words[words.index("INSTALL_TO_SHARE") + 1 :]
@@ -156,7 +165,7 @@ def _parse_commands(text: str) -> Iterator[_CmakeCommand]:
         elif token == ")":
             depth = max(depth - 1, 0)
             if depth == 0 and name:
-                yield _CmakeCommand(name, start, match.end(), tuple(words), tuple(ends))
+                yield _CmakeCommand(name=name, start=start, end=match.end(), words=tuple(words), ends=tuple(ends))
                 name, words, ends = "", [], []
         elif depth == 0:
             name, start, words, ends = token.lower(), match.start(), [], []
@@ -166,11 +175,10 @@ def _parse_commands(text: str) -> Iterator[_CmakeCommand]:
 
 
 def _assign_variable(command: _CmakeCommand, values: dict[str, list[str]]) -> None:
-    """The values of a variable; those of a loop's variable are all that it takes."""
+    """Note the values of a variable; of a loop's variable, all of them."""
     name, *words = command.words or ("",)
     if command.name == "set":
-        found = [text for word in words for text in _expand_variables(word, values)]
-        values[name] = found[:_MOST_VALUES]
+        values[name] = [text for word in words for text in _expand_variables(word, values)][:_MOST_VALUES]
     elif command.name == "foreach":
         lists = "LISTS" in words
         plain = [word for word in words if word not in {"IN", "ITEMS", "LISTS", "RANGE"}]
@@ -182,7 +190,7 @@ def _assign_variable(command: _CmakeCommand, values: dict[str, list[str]]) -> No
 
 
 def _expand_variables(word: str, values: Mapping[str, list[str]]) -> list[str]:
-    """The texts that a word stands for; a variable that is not known stays as it is."""
+    """Return the texts that a word means; an unknown variable stays as it is."""
     texts = [word.strip('"')]
     for variable in dict.fromkeys(_VARIABLE.findall(word)):
         if variable in values:
@@ -196,7 +204,7 @@ def _expand_variables(word: str, values: Mapping[str, list[str]]) -> list[str]:
 def _parse_setup_py(file: SourceFile, package: Package) -> InstallRules | None:
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of a stranger's code: nothing for the terminal
+            warnings.simplefilter("ignore")  # Python's warnings about a stranger's code do not belong on the terminal
             tree = ast.parse(file.text)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
@@ -213,4 +221,9 @@ def _parse_setup_py(file: SourceFile, package: Package) -> InstallRules | None:
     begin = starts[min(line, len(starts)) - 1]
     begin += len(file.text[begin:]) - len(file.text[begin:].lstrip(" \t"))
     end = begin + len("data_files") if keyword is not None else begin
-    return InstallRules(everything, names, Location("install", file.make_span(begin, end)), "python")
+    return InstallRules(
+        installs_all=everything,
+        path_parts=names,
+        at=Location("install", file.make_span(begin, end)),
+        build_form="python",
+    )

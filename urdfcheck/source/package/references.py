@@ -1,4 +1,4 @@
-"""What the files of a package name: packages and the folders in them, as typed, without expanding or running anything."""
+"""The packages, and the folders in them, that a package's files name, as typed, without expanding or running anything."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from functools import lru_cache
 from pathlib import Path
 
 from urdfcheck.core import Location
+from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import BUILD_FOLDERS, Package, format_path, has_dependency_entry
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import read_regular, walk
 
-MESH_SUFFIXES = (".stl", ".dae", ".obj", ".ply", ".off", ".glb", ".gltf")
-# Where paths of meshes are written down, beside build files.
+# Files that contain paths of meshes, besides build files.
 _TEXT_SUFFIXES = frozenset({
     ".xacro", ".urdf", ".xml", ".srdf", ".sdf", ".gazebo", ".launch", ".world", ".yaml", ".yml", ".json", ".rviz", ".py", ".cpp",
     ".hpp", ".h", ".cc", ".js", ".ts", ".lua", ".m", ".toml", ".cfg", ".material", ".scene", ".wbt", ".proto", ".cmake", ".txt",
     ".in", ".jinja", ".template", ".erb", ".env", ".sh", ".test",
 })  # fmt: skip
-# Those in which a dependency is named in a way that only means this.
+# Files in which the name of a package in these forms is a dependency.
 _NAMING_SUFFIXES = frozenset({".xacro", ".urdf", ".srdf", ".sdf", ".gazebo", ".launch", ".xml", ".py", ".yaml", ".yml"})
 _MAX_BYTES = 1_000_000
 _MOST_FILES = 20_000
-# Names of folders that one Python file gives, after which it is looked through for what is joined to them.
+# Limit on the names of folders in a Python file for which the file is searched again.
 _MOST_NAMES = 50
 _LONGEST_LINE = 500
 
@@ -36,7 +36,7 @@ _MENTION = re.compile(
     rf"|\$\(find(?:-pkg-share)?\s+['\"]?{_PACKAGE}['\"]?\s*\){_INSIDE}"
     rf"|(?:FindPackageShare|get_package_share_directory|get_package_share_path)\(\s*(?:package\s*=\s*)?['\"]{_PACKAGE}['\"]"
 )
-# What Python joins to a package's folder first, and the name that it gives the folder before it does.
+# The first path that Python joins to a package's folder, and the name that it assigns the folder to before.
 _JOINED = r"""\s*(?:,|/|\+)\s*f?['"]/?([^'"{}]*)['"]"""
 _AT_ONCE = re.compile(rf"\s*\)(?:\.find\([^()]*\))?{_JOINED}")
 _ASSIGNED = re.compile(r"(?m)^[ \t]*(\w+)[ \t]*=[ \t]*(?:[\w.]+\([ \t]*)?$")
@@ -44,7 +44,7 @@ _ASSIGNED = re.compile(r"(?m)^[ \t]*(\w+)[ \t]*=[ \t]*(?:[\w.]+\([ \t]*)?$")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PackageMention:
-    """A package that a file names, and what follows its name in the path: ``/meshes/base.stl``, or nothing."""
+    """A package that a file names, and the path after its name (``/meshes/base.stl``) or an empty text."""
 
     package: str
     subpath: str
@@ -52,24 +52,26 @@ class PackageMention:
 
     @property
     def folder(self) -> str:
-        """The outermost folder of the package that the path leads into; empty where it is none, or computed."""
+        """The outermost folder of the package that the path leads into; empty if there is none, or it is computed."""
         first, slash, _ = self.subpath.lstrip("/").partition("/")
         return first if slash and "$" not in first and first not in {"", ".", ".."} else ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PackageContents:
-    """``mentions`` of packages in the package's own files, ``meshes`` it holds (by path from its folder), and the ``texts``
-    of files in which meshes may be named. ``complete``: whether all files that there are were looked through."""
+    """What the files of a package contain."""
 
     mentions: tuple[PackageMention, ...]
+    """Mentions of packages in the package's own files."""
     meshes: tuple[Path, ...]
+    """The package's meshes, by path from its folder."""
     complete: bool
+    """Whether all files were searched."""
 
 
 @lru_cache(maxsize=1)
 def read_package_contents(package: Package) -> PackageContents:
-    """The contents of a package; folders of other packages in it belong to those."""
+    """Return the contents of a package, without folders of other packages in it."""
     mentions: list[PackageMention] = []
     meshes: list[Path] = []
     complete = True
@@ -86,7 +88,7 @@ def read_package_contents(package: Package) -> PackageContents:
 
 
 def iter_package_mentions(package: Package) -> Iterator[PackageMention]:
-    """Where this package is named: in its own files, and in those of the packages around it that depend on it."""
+    """Yield the mentions of this package: in its own files, and in those of the packages around it that depend on it."""
     yield from (m for m in read_package_contents(package).mentions if m.package == package.name)
     for folder in list_other_folders(package):
         if not has_dependency_entry(folder, package.name):
@@ -99,7 +101,7 @@ def iter_package_mentions(package: Package) -> Iterator[PackageMention]:
 
 
 def list_other_folders(package: Package) -> list[Path]:
-    """The folders of the packages around this one that may be looked into, but for those inside of it."""
+    """Return the folders of the packages around this one that may be opened, without those inside it."""
     finder = package.finder
     return (
         [] if finder is None else [folder for folder in _list_surrounding_folders(package) if finder.can_open(folder)]
@@ -107,7 +109,7 @@ def list_other_folders(package: Package) -> list[Path]:
 
 
 def has_unreachable_users(package: Package) -> bool:
-    """Whether a package around this one depends on it and may not be looked into."""
+    """Whether a package around this one depends on it and may not be opened."""
     finder = package.finder
     return finder is not None and any(
         not finder.can_open(folder) and has_dependency_entry(folder, package.name)
@@ -121,10 +123,9 @@ def _list_surrounding_folders(package: Package) -> list[Path]:
 
 
 def iter_file_texts(package: Package, folder: Path) -> Iterator[str]:
-    """The text of every file in a folder in which a mesh of the package may be named; of another package's, those that name
-    it.
+    """Yield the text of every file in a folder that may name a mesh of the package; of another package's, those that name it.
 
-    :raises LookupError: when there are too many of them to look through.
+    :raises LookupError: if there are too many files to search.
     """
     for count, path in enumerate(iter_package_files(package, folder)):
         if count > _MOST_FILES:
@@ -135,8 +136,7 @@ def iter_file_texts(package: Package, folder: Path) -> Iterator[str]:
 
 
 def iter_package_files(package: Package, folder: Path) -> Iterator[Path]:
-    """The files at and below a folder, as far as they may be opened; what was built, is hidden, or belongs to a package
-    inside is left out."""
+    """Yield the files at and below a folder that may be opened, without built and hidden ones, and without inner packages."""
     for here, names, files in walk(folder):
         if here != str(folder) and "package.xml" in files:
             names.clear()
@@ -177,19 +177,21 @@ def _iter_mentions(path: Path) -> Iterator[PackageMention]:
 
 
 def _find_joined_paths(text: str, match: re.Match[str], searched: int) -> list[str]:
-    """What Python puts behind the folder of a package: at once, or wherever it uses the name that the folder was given.
-    ``searched``: how many times the text was looked through for such a name."""
-    at_once = _AT_ONCE.match(text, match.end())
+    """Return the paths that Python joins to a package's folder: in the same call, or where it uses the name of the folder.
+
+    ``searched``: how many times the text was searched for such a name.
+    """
+    joined = _AT_ONCE.match(text, match.end())
     line = text.rfind("\n", 0, match.start()) + 1
     assigned = _ASSIGNED.match(text[line : match.start()]) if match.start() - line < _LONGEST_LINE else None
-    found = [] if at_once is None else [at_once.group(1)]
+    paths = [] if joined is None else [joined.group(1)]
     if assigned is not None and searched <= _MOST_NAMES:
-        found += re.findall(rf"\b{assigned.group(1)}{_JOINED}", text)
-    return [f"/{inside}" if "/" in inside else f"/{inside}/" for inside in found] or [""]
+        paths += re.findall(rf"\b{assigned.group(1)}{_JOINED}", text)
+    return [f"/{inside}" if "/" in inside else f"/{inside}/" for inside in paths] or [""]
 
 
 def _remove_comments(text: str, suffix: str) -> str:
-    """The text with blanks in the place of its comments."""
+    """Return the text with its comments replaced by blanks."""
     if suffix in {".py", ".yaml", ".yml"}:
         return re.sub(r"(?m)^[ \t]*#.*$", lambda m: " " * len(m.group(0)), text)
     parts: list[str] = []

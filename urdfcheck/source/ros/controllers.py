@@ -1,4 +1,4 @@
-"""Controller configurations: which joints a yaml file of ros_control, ros2_control or MoveIt's controller managers names.
+"""Controller configurations: the joints that a yaml file of ros_control, ros2_control or MoveIt's controller managers names.
 
 The forms: ``name: {ros__parameters: {joints: […]}}`` with the types under ``controller_manager`` (ROS 2),
 ``name: {type: package/Class, joints: […]}`` (ROS 1), and ``FollowJointTrajectory`` or ``GripperCommand`` entries with their
@@ -13,11 +13,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from urdfcheck.source.discover import CONFIG_FOLDERS, is_launch
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.ros.srdf import has_dependency
-from urdfcheck.source.text.yaml import YamlReadError, YamlValue, read_located_yaml
+from urdfcheck.source.ros.yaml_files import read_located_yaml
+from urdfcheck.source.text.yaml import YamlReadError, YamlValue
 from urdfcheck.system.files import read_regular
 
 # The parameters of the controllers of ros_controllers and ros2_controllers that name joints.
@@ -30,27 +31,30 @@ JOINT_PARAMETERS = (
 MAX_FILES = 100
 _LARGEST_LAUNCH = 1_000_000
 _ACTIONS = frozenset({"FollowJointTrajectory", "GripperCommand"})
-# Other nodes have parameters of these names as well.
+# Other nodes also have parameters of these names.
 _CONTROLLER_NAME = re.compile(r"controller(?!_manager)|broadcaster")
-# Something is put in when the file is loaded.
+# Placeholders that are filled in when the file is loaded.
 _TEMPLATE = re.compile(r"[$<>{}%]")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Controller:
-    """One controller. ``dialect``: ros1 | ros2 | moveit; ``type`` is empty where the file does not say it; ``key`` is where
-    its name stands, ``parameters`` its parameters, ``joints`` the names in them."""
+    """One controller."""
 
     name: str
     type: str
+    """Empty if the file does not name it."""
     dialect: str
+    """ros1 | ros2 | moveit."""
     key: YamlValue
+    """The name as typed."""
     parameters: YamlValue
     joints: tuple[YamlValue, ...]
+    """The names of joints in the parameters."""
 
     @property
     def claimed_interfaces(self) -> tuple[str, ...]:
-        """The interfaces of each joint that the controller claims; empty where that is not known."""
+        """The interfaces of each joint that the controller claims; empty if unknown."""
         package, _, kind = self.type.partition("/")
         if kind in {"JointTrajectoryController", "ForwardCommandController", "MultiInterfaceForwardCommandController"}:
             if kind == "JointTrajectoryController" and package == "joint_trajectory_controller":
@@ -59,14 +63,18 @@ class Controller:
                 return _list_texts(self.parameters.get("interface_name"))
         if package == "diff_drive_controller":
             return ("velocity",)
-        own = {"position_controllers": "position", "velocity_controllers": "velocity", "effort_controllers": "effort"}
-        return (own[package],) if package in own else ()
+        interfaces = {
+            "position_controllers": "position",
+            "velocity_controllers": "velocity",
+            "effort_controllers": "effort",
+        }
+        return (interfaces[package],) if package in interfaces else ()
 
     @property
     def commanded_joints(self) -> tuple[YamlValue, ...]:
-        """The joints that it commands: those of ``command_joints`` where it has them."""
-        instead = self.parameters.get("command_joints")
-        return self.joints if instead is None else tuple(_list_joint_names(instead))
+        """The joints that it commands: those of ``command_joints`` if it has them."""
+        commanded = self.parameters.get("command_joints")
+        return self.joints if commanded is None else tuple(_list_joint_names(commanded))
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,23 +91,24 @@ class ControllerConfig:
 
 
 def list_yaml_files(folders: Iterable[Path]) -> list[Path]:
-    """The yaml files in these folders themselves."""
+    """Return the yaml files directly in these folders."""
     return [
         path for folder in dict.fromkeys(folders) for path in _list_folder(folder) if path.suffix in {".yaml", ".yml"}
     ]
 
 
 def find_bringup_configs(source: Source) -> Iterator[Path]:
-    """The yaml files of packages that depend on the model's, where one launch file, of whatever kind, has the name of the file
-    and of the model's package in it."""
-    own = source.package
-    for name, folder in sorted(source.finder.list_workspace_packages().items()) if own is not None else ():
-        if own is None or folder == own.path:
+    """Yield the yaml files of packages that depend on the model's and load them: a launch file contains both names."""
+    package = source.package
+    if package is None:
+        return
+    for name, folder in sorted(source.finder.list_workspace_packages().items()):
+        if folder == package.path:
             continue
         files = list_yaml_files(folder / inner for inner in CONFIG_FOLDERS)
-        if files and has_dependency(folder, own.name):
-            source.finder.find(name)  # now it counts as found, and its files are in reach
-            texts = [text for text in _read_launch_texts(folder / "launch", source.finder) if own.name in text]
+        if files and has_dependency(folder, package.name):
+            source.finder.find(name)  # then it counts as found, and its files are in reach
+            texts = [text for text in _read_launch_texts(folder / "launch", source.finder) if package.name in text]
             yield from (path for path in files if any(path.name in text for text in texts))
 
 
@@ -120,13 +129,13 @@ def _list_folder(folder: Path) -> list[Path]:
 
 
 def read_controller_config(path: Path, finder: PackageFinder) -> ControllerConfig | None:
-    """The controllers in a file; None when it has none, may not be read, or is a template that is filled in later."""
+    """Read the controllers in a file; None if it has none, may not be opened, or is a template that is filled in later."""
     try:
         root = read_located_yaml(path, finder)
     except YamlReadError:
         return None
-    found = ControllerConfig(path, () if root is None else tuple(_parse_controllers(root)))
-    return found if found.controllers and not any(_TEMPLATE.search(name) for name in found.joint_names) else None
+    config = ControllerConfig(path, () if root is None else tuple(_parse_controllers(root)))
+    return config if config.controllers and not any(map(_TEMPLATE.search, config.joint_names)) else None
 
 
 def _parse_controllers(root: YamlValue) -> Iterator[Controller]:
@@ -145,18 +154,19 @@ def _parse_controllers(root: YamlValue) -> Iterator[Controller]:
         if inside == "ros2" and name is not None:
             last = name.text.rpartition("/")[2]
             if joints and (last in types or _CONTROLLER_NAME.search(last)):
-                yield Controller(last, types.get(last, ""), "ros2", name, mapping, joints)
+                yield Controller(
+                    name=last, type=types.get(last, ""), dialect="ros2", key=name, parameters=mapping, joints=joints
+                )
         elif kind in _ACTIONS and joints:
-            called = mapping.get("name") or name
-            if called is not None:
-                yield Controller(called.text, kind, "moveit", called, mapping, joints)
+            key = mapping.get("name") or name
+            if key is not None:
+                yield Controller(name=key.text, type=kind, dialect="moveit", key=key, parameters=mapping, joints=joints)
         elif inside == "" and "/" in kind and joints and name is not None:
-            yield Controller(name.text, kind, "ros1", name, mapping, joints)
+            yield Controller(name=name.text, type=kind, dialect="ros1", key=name, parameters=mapping, joints=joints)
 
 
 def _walk_mappings(root: YamlValue) -> Iterator[tuple[YamlValue | None, YamlValue, str]]:
-    """Every mapping with the key that it belongs to, and ``ros2`` for the parameters of a node of ROS 2, ``inner`` for what
-    is in these."""
+    """Yield every mapping with its key, and ``ros2`` for the parameters of a ROS 2 node, ``inner`` for mappings in these."""
     stack: list[tuple[YamlValue | None, YamlValue, str]] = [(None, root, "")]
     while stack:
         name, mapping, inside = stack.pop()
@@ -173,7 +183,7 @@ def _walk_mappings(root: YamlValue) -> Iterator[tuple[YamlValue | None, YamlValu
 
 
 def _list_joint_names(value: YamlValue | None) -> list[YamlValue]:
-    """A name, or those of a list; one of a chained controller (``pid/left_wheel``) is no joint."""
+    """Return a name or those of a list; one of a chained controller (``pid/left_wheel``) is not a joint."""
     if value is None:
         return []
     return [name for name in (value.items or (value,)) if name.text.strip() and "/" not in name.text]

@@ -1,4 +1,4 @@
-"""``joint_limits.yaml`` of a MoveIt configuration: what planning takes in place of the limits of the model."""
+"""``joint_limits.yaml`` of a MoveIt configuration: limits for planning that replace those of the model."""
 
 from __future__ import annotations
 
@@ -6,25 +6,26 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.text.yaml import YamlReadError, YamlValue, read_located_yaml
+from urdfcheck.source.ros.yaml_files import read_located_yaml
+from urdfcheck.source.text.yaml import YamlReadError, YamlValue
 
-# Above joint_limits stand the names of parameters' owners only: /**, ros__parameters, robot_description_planning.
+# Above joint_limits are only the names of parameters' owners: /**, ros__parameters, robot_description_planning.
 _MOST_LEVELS = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointLimits:
-    """What the file says of one joint. ``joint`` is its name as typed, ``entry`` the settings."""
+    """The settings of one joint. ``joint`` is its name as typed, ``entry`` the settings."""
 
     joint: YamlValue
     entry: YamlValue
 
     def get_setting(self, name: str) -> YamlValue | None:
-        """One setting: ``max_velocity`` …"""
+        """Return one setting: ``max_velocity`` …"""
         return self.entry.get(name)
 
     def get_number(self, name: str) -> float | None:
-        """A setting as a number; None where it is not set, or not a plain number."""
+        """Return a setting as a number; None if it is not set, or not a plain number."""
         value = self.entry.get(name)
         return None if value is None else value.number
 
@@ -35,7 +36,7 @@ class JointLimits:
 
 
 def read_joint_limits(path: Path, finder: PackageFinder) -> tuple[JointLimits, ...]:
-    """The joints of a file in its order; none when it is no such file, or cannot or may not be read."""
+    """Read the joints of a file in order; none if it is not such a file, or cannot or may not be read."""
     try:
         value = read_located_yaml(path, finder)
     except YamlReadError:

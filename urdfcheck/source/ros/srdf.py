@@ -1,5 +1,5 @@
-"""Semantic descriptions (SRDF) as typed: planning groups, states, and which pairs of links MoveIt does not check for
-collisions, and why."""
+"""Semantic descriptions (SRDF) as typed: planning groups, states, and the pairs of links that MoveIt does not check for
+collisions."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from urdfcheck.core import Location, Span
 from urdfcheck.core.errors import ModelTimeout
-from urdfcheck.source.discover import has_only_macros, is_srdf
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.file_kinds import is_srdf
 from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path, list_subfolders, load_package
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.xacro.file_contents import has_only_macros
 
-# Where a semantic description lies in a MoveIt configuration. A description package of several robots may hold one beside
-# each of them (robots/panda_description/srdf): the model's own package is looked through, to a depth and a number of folders.
+# The folders of semantic descriptions in a MoveIt configuration. A description package of several robots may have one beside
+# each of them (robots/panda_description/srdf): the model's own package is searched, to a depth and a number of folders.
 SRDF_FOLDERS = ("", "config", "srdf")
 LEVELS_DOWN = 3
 MAX_FOLDERS = 200
@@ -26,8 +26,7 @@ MAX_FOLDERS = 200
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SrdfPair:
-    """A ``<disable_collisions>`` or ``<enable_collisions>``. ``links`` are trimmed as MoveIt does; one that is not
-    written is empty."""
+    """A ``<disable_collisions>`` or ``<enable_collisions>``. ``links`` are trimmed as MoveIt does; a missing one is empty."""
 
     element: Element
     links: tuple[str, str]
@@ -42,13 +41,13 @@ class SrdfPair:
         return frozenset(self.links)
 
     def get_link(self, index: int) -> Attribute | None:
-        """The attribute that names the first (0) or the second (1) link."""
+        """Return the attribute that names the first (0) or the second (1) link."""
         return self.element.attributes.get(f"link{index + 1}")
 
 
 @dataclass(frozen=True, eq=False)
 class Srdf:
-    """One semantic description, expanded where it is a xacro. ``name`` is how findings call its file."""
+    """One semantic description, expanded if it is a xacro. ``name`` is the name of its file in findings."""
 
     path: Path
     name: str
@@ -69,40 +68,39 @@ class Srdf:
 
     @cached_property
     def default_disabled_links(self) -> frozenset[str]:
-        """The links of ``<disable_default_collisions>``: they collide with nothing but what is enabled for them."""
+        """The links of ``<disable_default_collisions>``: they only collide with links that are enabled for them."""
         return frozenset(e.get("link").strip() for e in self.root.find_children("disable_default_collisions"))
 
     @cached_property
     def grouped_links(self) -> frozenset[str]:
         """The links that groups, chains, end effectors and virtual joints name."""
-        named = {
+        link_attributes = {
             "chain": ("base_link", "tip_link"),
             "end_effector": ("parent_link",),
             "virtual_joint": ("child_link",),
         }
-        found: set[str] = set()
+        links: set[str] = set()
         for element in self.root.walk():
-            attributes = named.get(element.tag, ())
+            attributes = link_attributes.get(element.tag, ())
             if element.tag == "link" and element.parent is not None and element.parent.tag == "group":
                 attributes = ("name",)
-            found |= {element.get(name).strip() for name in attributes}
-        return frozenset(found - {""})
+            links |= {element.get(name).strip() for name in attributes}
+        return frozenset(links - {""})
 
     @cached_property
     def groups(self) -> Mapping[str, Element]:
-        """The planning groups by name; MoveIt takes the first of a name."""
-        found: dict[str, Element] = {}
+        """The planning groups by name; MoveIt reads the first of a name."""
+        groups: dict[str, Element] = {}
         for group in self.root.find_children("group"):
-            found.setdefault(group.get("name").strip(), group)
-        return found
+            groups.setdefault(group.get("name").strip(), group)
+        return groups
 
     @cached_property
     def virtual_joints(self) -> frozenset[str]:
         return frozenset(e.get("name").strip() for e in self.root.find_children("virtual_joint"))
 
     def is_pair_disabled(self, first: str, second: str) -> bool:
-        """Whether MoveIt leaves this pair out, as its AllowedCollisionMatrix reads the file: defaults of single links
-        first, then the enabled pairs, the disabled pairs last."""
+        """Whether MoveIt ignores this pair. Its AllowedCollisionMatrix applies link defaults, enabled, then disabled pairs."""
         pair = frozenset((first, second))
         if pair in self._disabled_keys:
             return True
@@ -123,28 +121,32 @@ class Srdf:
 
 
 def load_srdfs(source: Source, robot: str) -> tuple[Srdf, ...]:
-    """The semantic descriptions in reach whose robot has this name: beside the model, in its package, and in packages that
-    depend on it or are called ``*_moveit_config``. A ``.srdf.xacro`` is given the model's arguments."""
+    """Load the semantic descriptions in reach whose robot has this name; a ``.srdf.xacro`` with the model's arguments.
+
+    They are beside the model, in its package, and in packages that depend on it or are called ``*_moveit_config``.
+    """
     if not robot:
         return ()
-    found: dict[Path, Srdf] = {}
+    srdfs: dict[Path, Srdf] = {}
     for path in _find_srdf_files(source):
         real = Path(os.path.realpath(path))
-        if real not in found:
-            srdf = load_srdf(path, source.arguments, source.finder, robot, source.environment)
+        if real not in srdfs:
+            srdf = load_srdf(path, source.arguments, source.finder, robot=robot, extra_environment=source.environment)
             if srdf is not None:
-                found[real] = srdf
-    return tuple(sorted(found.values(), key=lambda srdf: srdf.name))
+                srdfs[real] = srdf
+    return tuple(sorted(srdfs.values(), key=lambda srdf: srdf.name))
 
 
 def list_srdf_folders(srdfs: Iterable[Srdf]) -> list[Path]:
-    """Where these semantic descriptions lie: the folders of their MoveIt configurations."""
+    """Return the folders of these semantic descriptions: those of their MoveIt configurations."""
     return list(dict.fromkeys(srdf.path.parent for srdf in srdfs))
 
 
 def is_about_model(srdf: Srdf, source: Source) -> bool:
-    """Whether a semantic description lies beside the model, in its package, or in one that depends on it. Another package may
-    describe another robot of this name."""
+    """Whether a semantic description is beside the model, in its package, or in one that depends on it.
+
+    Another package may describe another robot of this name.
+    """
     package = source.finder.find_package_of(srdf.path.absolute())
     if package is None or source.package is None:
         return srdf.path.absolute().parent == source.path.absolute().parent
@@ -152,25 +154,26 @@ def is_about_model(srdf: Srdf, source: Source) -> bool:
 
 
 def is_configured_for(srdf: Srdf, source: Source) -> bool:
-    """Whether it is about the model itself, and not about one that the package of the description makes of it."""
+    """Whether it is about the model itself, and not about a model that its package derives from it."""
     package = source.finder.find_package_of(srdf.path.absolute())
-    elsewhere = package is not None and source.package is not None and package.path != source.package.path
-    made = (
-        any(name.endswith((".urdf", ".urdf.xacro")) for name in _list_names(srdf.path.parent)) if elsewhere else False
+    is_elsewhere = package is not None and source.package is not None and package.path != source.package.path
+    has_derived_model = is_elsewhere and any(
+        name.endswith((".urdf", ".urdf.xacro")) for name in _list_names(srdf.path.parent)
     )
-    return is_about_model(srdf, source) and not made
+    return is_about_model(srdf, source) and not has_derived_model
 
 
 def load_srdf(
     path: Path,
     arguments: Mapping[str, str],
     finder: PackageFinder,
+    *,
     robot: str,
-    environment: frozenset[str] = frozenset(),
+    extra_environment: frozenset[str] = frozenset(),
 ) -> Srdf | None:
-    """The semantic description in a file, None when it is for another robot, or cannot be read or expanded.
+    """Load the semantic description in a file; None if it is for another robot, or cannot be read or expanded.
 
-    :raises TimeUp: when the model's time is over.
+    :raises ModelTimeout: if the model's time is used up.
     """
     name = format_path(path)
     if not finder.can_open(path):
@@ -189,40 +192,39 @@ def load_srdf(
             return None
         from urdfcheck.source.xacro.expand import expand_xacro
 
-        expansion = expand_xacro(path, arguments, finder, environment)
+        expansion = expand_xacro(path, arguments, finder, extra_environment=extra_environment)
         if any(problem.kind == "time-limit" for problem in expansion.problems):
-            raise ModelTimeout  # it is not the SRDF's own: no time is left for anything
+            raise ModelTimeout  # the time limit is the model's, not the SRDF's: no time is left for anything
         root, files = expansion.root, expansion.files
     if root is None or root.get("name").strip() != robot:
         return None
-    return Srdf(path, name, root, files)
+    return Srdf(path, name, root=root, files=files)
 
 
 def find_broken_srdfs(package: Path) -> Iterator[tuple[Problem, SourceFile | None]]:
-    """What is wrong with the semantic descriptions of a package that cannot be read, and the file as far as it is text."""
+    """Yield the problems of a package's semantic descriptions that cannot be read, each with the file if it is text."""
     for path in _find_srdfs_below(package):
         name, file = format_path(path), None
         try:
             file = SourceFile.read(path, name)
             parse_xml(file)
-        except OSError as error:
-            start = Span(name, 1, 1, 1, 1, 0, 0)
-            yield Problem("unreadable", error.strerror or str(error), Location("robot", start)), None
-        except XmlError as error:
-            yield Problem(error.reason, str(error), Location("robot", error.span), error.data), file
+        except (OSError, XmlError) as error:
+            yield Problem.from_read_error(error, "robot", name), file
 
 
 def _find_srdf_files(source: Source) -> Iterator[Path]:
-    """Every file in reach that is called like a semantic description."""
+    """Yield every file in reach that is named like a semantic description."""
     yield from _list_srdfs(source.path.absolute().parent)
-    own = source.package
-    if own is not None:
-        yield from _find_srdfs_below(own.path)
+    package = source.package
+    if package is not None:
+        yield from _find_srdfs_below(package.path)
     for name, folder in sorted(source.finder.list_workspace_packages().items()):
-        if own is None or folder != own.path:
+        if package is None or folder != package.path:
             files = [file for inner in SRDF_FOLDERS for file in _list_srdfs(folder / inner)]
-            if files and (name.endswith("_moveit_config") or (own is not None and has_dependency(folder, own.name))):
-                source.finder.find(name)  # now it counts as found, and its files are in reach
+            if files and (
+                name.endswith("_moveit_config") or (package is not None and has_dependency(folder, package.name))
+            ):
+                source.finder.find(name)  # then it counts as found, and its files are in reach
                 yield from files
 
 
@@ -233,7 +235,7 @@ def has_dependency(folder: Path, name: str) -> bool:
 
 
 def _find_srdfs_below(folder: Path) -> Iterator[Path]:
-    """The semantic descriptions in a folder and in those below it, near ones first."""
+    """Yield the semantic descriptions in a folder and below it, near ones first."""
     level, left = [folder], MAX_FOLDERS
     for _ in range(LEVELS_DOWN):
         for here in level:
@@ -247,7 +249,7 @@ def _find_srdfs_below(folder: Path) -> Iterator[Path]:
 
 
 def _list_srdfs(folder: Path) -> Iterator[Path]:
-    """The semantic descriptions in a folder itself."""
+    """Yield the semantic descriptions directly in a folder."""
     yield from (folder / name for name in _list_names(folder) if is_srdf(folder / name) and (folder / name).is_file())
 
 

@@ -1,4 +1,4 @@
-"""Patterns for paths, in time that grows with their length and no faster: they may be a stranger's."""
+"""Patterns for paths, matched in time linear in their length: they may be a stranger's."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ from pathlib import Path
 
 
 def split_relative_path(path: Path, root: Path) -> tuple[str, ...] | None:
-    """The names of the folders from ``root`` to a file, and its own; None where it is not below. A file counts by where it
-    really is."""
+    """Return the names of the folders from ``root`` to a file, and the file's name; None if it is not below ``root``.
+
+    Links are resolved first.
+    """
     try:
         names = Path(os.path.relpath(os.path.realpath(path), os.path.realpath(root))).parts
     except ValueError:  # another drive, or a NUL
@@ -19,8 +21,10 @@ def split_relative_path(path: Path, root: Path) -> tuple[str, ...] | None:
 
 
 def match_any_pattern(patterns: Iterable[str], names: tuple[str, ...] | None) -> bool:
-    """Whether one of the patterns means a file, or a folder that it lies in. ``*`` and ``?`` stand for anything in one name,
-    ``**`` for any number of folders; a pattern without a slash means that name in every folder."""
+    """Whether one of the patterns matches a file or a folder around it.
+
+    ``*`` and ``?`` match within one name, ``**`` any number of folders; a pattern without a slash matches in every folder.
+    """
     return names is not None and any(_match_pattern(pattern, names) for pattern in patterns)
 
 
@@ -32,15 +36,16 @@ def _match_pattern(pattern: str, names: tuple[str, ...]) -> bool:
         wanted = ["**", *wanted]
 
     def expand_states(states: Iterable[int]) -> set[int]:
-        found: set[int] = set()
+        """Add the states that skipping a ``**`` leads to."""
+        expanded: set[int] = set()
         for state in states:
-            found.add(state)
-            while state < len(wanted) and wanted[state] == "**":
-                state += 1
-                found.add(state)
-        return found
+            end = state
+            while end < len(wanted) and wanted[end] == "**":
+                end += 1
+            expanded.update(range(state, end + 1))
+        return expanded
 
-    # How much of the pattern the names so far can have used up: each number once, however many ways lead to it.
+    # How many parts of the pattern the names so far can have used: each number once, however many ways lead to it.
     states = expand_states({0})
     for name in names:
         if len(wanted) in states:

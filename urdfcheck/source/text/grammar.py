@@ -1,15 +1,15 @@
-"""The grammar of URDF as its reference parser reads it: which element stands where, and which attributes are numbers."""
+"""The grammar of URDF as its reference parser reads it: which elements each element holds, and which attributes are numbers."""
 
 from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 
 from urdfcheck.source.text.xml import Element
 
-# What urdfdom reads inside each element (URDF 1.0 to 1.2). A tag means the same wherever it may stand.
+# The elements that urdfdom reads inside each element (URDF 1.0 to 1.2). A tag means the same wherever it is allowed.
 CHILDREN: Mapping[str, frozenset[str]] = {
     "robot": frozenset({"link", "joint", "material"}),
     "link": frozenset({"inertial", "visual", "collision"}),
@@ -42,7 +42,7 @@ NUMERIC_ATTRIBUTES: Mapping[str, Mapping[str, int]] = {
     "calibration": {"rising": 1, "falling": 1},
 }
 
-# Attributes that hold no numbers. A name is a label that anything may carry, whether or not a program reads it.
+# Attributes that do not hold numbers. A name is a label that any element may carry, whether or not a program reads it.
 TEXT_ATTRIBUTES: Mapping[str, frozenset[str]] = {
     "robot": frozenset({"name", "version"}),
     "link": frozenset({"name"}),
@@ -57,7 +57,7 @@ TEXT_ATTRIBUTES: Mapping[str, frozenset[str]] = {
     "material": frozenset({"name"}),
 }
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
-# Without these the reference parser gives the element up.
+# Without these, the reference parser rejects the element.
 REQUIRED_ATTRIBUTES: Mapping[str, tuple[str, ...]] = {
     "robot": ("name",),
     "link": ("name",),
@@ -78,9 +78,9 @@ REQUIRED_ATTRIBUTES: Mapping[str, tuple[str, ...]] = {
     "color": ("rgba",),
     "axis": ("xyz",),
 }
-# As urdfdom converts the two numbers: 01.00 is 1.0 to it, and "1.0 " is nothing.
+# As urdfdom converts the two numbers: it reads 01.00 as 1.0, and rejects "1.0 ".
 _VERSION = re.compile(r"\s*\+?(\d{1,9})\.\s*\+?(\d{1,9})", re.ASCII)
-# What other formats, and other elements, call the same thing.
+# Names of the same attribute in other formats and other elements.
 _SYNONYMS: Mapping[str, str] = {
     "file": "filename",
     "uri": "filename",
@@ -95,19 +95,19 @@ _RENAMED = {"joint_properties": "dynamics", "colour": "color"}
 
 
 def parse_urdf_version(robot: Element) -> tuple[int, int] | None:
-    """The version that a robot declares (1.0 where it declares none), None where urdfdom reads no such version."""
+    """Return the version that a robot declares (default 1.0); None if urdfdom does not read this version."""
     parts = _VERSION.fullmatch(robot.get("version", "1.0"))
     version = None if parts is None else (int(parts[1]), int(parts[2]))
     return version if version in {(1, 0), (1, 1), (1, 2)} else None
 
 
 def get_known_attributes(tag: str) -> frozenset[str]:
-    """The attributes that the reference parser reads of an element."""
+    """Return the attributes of an element that the reference parser reads."""
     return TEXT_ATTRIBUTES.get(tag, frozenset()) | frozenset(NUMERIC_ATTRIBUTES.get(tag, ()))
 
 
 def guess_attribute(element: Element, name: str) -> str | None:
-    """The attribute of its element that an unknown one probably means, None when there is none or it is there as well."""
+    """Return the attribute that an unknown one probably means; None if there is none, or the element has it too."""
     near = _find_nearest_attribute(element.tag, name)
     return None if near in element.attributes else near
 
@@ -118,21 +118,21 @@ def _find_nearest_attribute(tag: str, name: str) -> str | None:
     if len(name) > _LONGEST_COMPARED or name in known or ":" in name:
         return None
     lower = name.lower()
-    # xzy for xyz is too short to share most of its letters in their order.
+    # difflib misses xzy for xyz: too few of its letters are in the same order.
     same = [k for k in known if _SYNONYMS.get(lower) == k or sorted(k) == sorted(lower)]
     close = same or difflib.get_close_matches(lower, known, n=1, cutoff=_MIN_SIMILARITY)
     return close[0] if close else None
 
 
 def is_attribute_missing(element: Element, name: str) -> bool:
-    """Whether an attribute is missing, and not only misspelt (which is a finding of its own, and the cause)."""
+    """Whether an attribute is missing and not just misspelt, which is reported as the cause by another rule."""
     return name not in element.attributes and all(
         guess_attribute(element, other) != name for other in element.attributes
     )
 
 
 def iter_urdf_elements(robot: Element) -> Iterator[Element]:
-    """The elements of a robot that the reference parser reads, in document order; extensions are not entered."""
+    """Yield the elements of a robot that the reference parser reads, in document order; extensions are left out."""
     stack = [robot]
     while stack:
         element = stack.pop()
@@ -142,7 +142,7 @@ def iter_urdf_elements(robot: Element) -> Iterator[Element]:
 
 
 def guess_element_tag(parent: str, child: Element) -> str | None:
-    """The element that this parent may have and an unknown one probably means."""
+    """Return the element that an unknown child of this parent probably means."""
     allowed = sorted(CHILDREN.get(parent, frozenset()))
     if _RENAMED.get(child.tag) in allowed:
         return _RENAMED[child.tag]
@@ -151,14 +151,14 @@ def guess_element_tag(parent: str, child: Element) -> str | None:
     close = difflib.get_close_matches(child.tag.lower(), allowed, n=1, cutoff=_MIN_SIMILARITY)
     if not close:
         return None
-    # <inertia ixx=…> in a link is no misspelt <inertial>: it carries what belongs to <inertia>.
-    own = CHILDREN.get(child.tag) or frozenset(NUMERIC_ATTRIBUTES.get(child.tag, ()))
-    carried = {c.tag for c in child.children} | set(child.attributes)
-    return None if own & carried else close[0]
+    # <inertia ixx=…> in a link is not a misspelt <inertial>: its content belongs to <inertia>.
+    expected = CHILDREN.get(child.tag) or frozenset(NUMERIC_ATTRIBUTES.get(child.tag, ()))
+    content = {c.tag for c in child.children} | set(child.attributes)
+    return None if expected & content else close[0]
 
 
 def iter_misspelt_contents(robot: Element) -> Iterator[tuple[Element, Element]]:
-    """What would be read if the tag of the element around it were spelt right, with that element."""
+    """Yield each element whose tag is misspelt with the elements in it that the parser would read if it were not."""
     for parent in iter_urdf_elements(robot):
         allowed = CHILDREN.get(parent.tag, frozenset())
         for child in parent.children:
@@ -168,44 +168,6 @@ def iter_misspelt_contents(robot: Element) -> Iterator[tuple[Element, Element]]:
                 yield from ((child, element) for inner in known for element in iter_urdf_elements(inner))
 
 
-def describe_loss(element: Element) -> str:
-    """What urdfdom does when an element cannot be read, as it does it today (checked with urdfdom 6).
-
-    It stops reading a link at the first part that fails: inertial, then visuals, then collisions.
-    """
-    if element.tag in {"color", "texture"}:
-        return "ignores the colour"
-    while element.parent is not None and element.parent.tag not in {"robot", "link"}:
-        element = element.parent
-    return {
-        "inertial": "drops the inertial, and with it every visual and collision of the link",
-        "visual": "drops every visual and collision of the link",
-        "collision": "drops every collision of the link",
-        "material": "ignores the material",
-    }.get(element.tag, "refuses the whole file")
-
-
-# What engines with a parser of their own load without its required attributes, found by leaving out one after the other.
-_LENIENT_TAGS: Mapping[str, frozenset[str]] = {
-    "mujoco": frozenset({"limit", "material", "safety_controller"}),
-    "drake": frozenset({"mass", "inertia", "limit", "material", "axis", "safety_controller"}),
-    "bullet": frozenset({"limit", "mimic", "color", "axis", "safety_controller"}),
-}
-
-
-def describe_engine_reactions(element: Element, names: Iterable[str]) -> dict[str, str]:
-    """What MuJoCo, Drake and Bullet do with an element that lacks these required attributes."""
-    parts = [element]
-    while parts[-1].parent is not None:
-        parts.append(parts[-1].parent)
-    lenient = {engine for engine, tags in _LENIENT_TAGS.items() if element.tag in tags}
-    if element.tag in CHILDREN["geometry"] and any(part.tag == "visual" for part in parts):
-        lenient.add("mujoco")  # it does not read them
-    if element.tag == "inertia" and not {"ixx", "iyy", "izz"} & set(names):
-        lenient.add("bullet")
-    return {engine: "loads it with a default" if engine in lenient else "refuses the file" for engine in _LENIENT_TAGS}
-
-
 def is_unexpanded(text: str) -> bool:
-    """Whether a value still holds a substitution that only xacro resolves."""
+    """Whether a value still contains a substitution that only xacro resolves."""
     return "${" in text or "$(" in text

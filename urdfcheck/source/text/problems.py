@@ -6,18 +6,30 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from urdfcheck.core import Location
+from urdfcheck.core import Location, Span
+from urdfcheck.source.text.xml import XmlError
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Problem:
-    """``kind`` names what happened; the check that reports it picks it by this name.
-
-    ``related`` are the definitions that led there, nearest first.
-    """
+    """A defect that was found while reading."""
 
     kind: str
+    """What happened; the check that reports it picks it by this name."""
     message: str
     location: Location
     data: Mapping[str, Any] = field(default_factory=dict)
     related: tuple[Location, ...] = ()
+    """The definitions that led there, nearest first."""
+
+    @classmethod
+    def from_read_error(cls, error: OSError | XmlError, subject: str, file: str) -> Problem:
+        """Return the problem of a file that cannot be opened or is not XML. ``file``: its name in findings."""
+        if isinstance(error, XmlError):
+            return cls(kind=error.reason, message=str(error), location=Location(subject, error.span), data=error.data)
+        return cls(kind="unreadable", message=error.strerror or str(error), location=locate_start(subject, file))
+
+
+def locate_start(subject: str, file: str) -> Location:
+    """Return the first character of a file that was not read."""
+    return Location(subject, Span(file, line=1, col=1, end_line=1, end_col=1, start=0, end=0))

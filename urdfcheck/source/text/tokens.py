@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from urdfcheck.core import Edit, Location, Span
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile
 
-# A substitution with blanks in it, ``$(find pkg)`` or ``${2 * pi}``, belongs to one word.
+# A substitution that contains blanks, ``$(find pkg)`` or ``${2 * pi}``, belongs to one word.
 _WORD = re.compile(r"(?:\$\{[^$}]*(?:\$(?!\{)[^$}]*)*\}|\$\([^()]*(?:\([^()]*\)[^()]*)*\)|\S)+")
 
-# No more stand between the name of an attribute and its value.
+# The most blanks that are searched between the name of an attribute and its value.
 _BLANKS = 100
 _END_TAG = re.compile(r"\s*</")
 
@@ -35,7 +35,7 @@ class Token:
 
 
 def tokenize_attribute(attribute: Attribute | None, files: Mapping[str, SourceFile]) -> tuple[Token, ...]:
-    """The words of an attribute, none where it was not typed anywhere. ``files`` as the source that it belongs to."""
+    """Return the words of an attribute; none if it was not typed anywhere. ``files``: those of its source."""
     if attribute is None or attribute.span is None or attribute.span.file not in files:
         return ()
     file, start = files[attribute.span.file], attribute.span.start
@@ -46,7 +46,7 @@ def tokenize_attribute(attribute: Attribute | None, files: Mapping[str, SourceFi
 
 
 def locate_text(attribute: Attribute, text: str, files: Mapping[str, SourceFile]) -> Location:
-    """Where ``text`` stands inside an attribute; the whole attribute when it is not found in it."""
+    """Return the place of ``text`` inside an attribute; the whole attribute if it does not contain the text."""
     at = attribute.typed.find(text) if text else -1
     span = attribute.span
     if at < 0 or span is None or span.file not in files:
@@ -56,7 +56,7 @@ def locate_text(attribute: Attribute, text: str, files: Mapping[str, SourceFile]
 
 
 def build_removal_edits(element: Element, files: Mapping[str, SourceFile]) -> tuple[Edit, ...]:
-    """The edit that deletes an element without content, with its line when nothing else stands on it."""
+    """Return the edit that deletes an element without content, and its line if nothing else is on it."""
     span = element.span
     if span is None or span.file not in files:
         return ()
@@ -72,7 +72,7 @@ def build_removal_edits(element: Element, files: Mapping[str, SourceFile]) -> tu
 
 
 def build_replacement_edits(attributes: Iterable[Attribute], text: str) -> tuple[Edit, ...]:
-    """Edits that write ``text`` in each of these attributes, each place once; none where one is not typed as it stands."""
+    """Return edits that write ``text`` in each of these attributes, each place once; none if one of them is not literal."""
     edits = []
     for attribute in attributes:
         if not attribute.literal or attribute.span is None:
@@ -82,7 +82,7 @@ def build_replacement_edits(attributes: Iterable[Attribute], text: str) -> tuple
 
 
 def build_rename_edits(elements: Iterable[Element], tag: str, files: Mapping[str, SourceFile]) -> tuple[Edit, ...]:
-    """Edits that give elements another tag, in the end tags too; none where one of them is not typed so."""
+    """Return edits that give elements another tag, in the end tags too; none if one of them is not typed with its tag."""
     edits: dict[Edit, None] = {}
     for element in elements:
         file = None if element.span is None else files.get(element.span.file)
@@ -100,7 +100,7 @@ def build_rename_edits(elements: Iterable[Element], tag: str, files: Mapping[str
 
 
 def _find_end_tag(tag: str, text: str, start: int) -> int | None:
-    """Where the end tag of an element begins whose content begins at ``start``."""
+    """Return the offset of the end tag of an element whose content begins at ``start``."""
     name = re.escape(tag)
     pattern = rf"""<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|<(/?){name}(?=[\s/>])(?:"[^"]*"|'[^']*'|[^"'>])*>"""
     depth = 1
@@ -114,12 +114,12 @@ def _find_end_tag(tag: str, text: str, start: int) -> int | None:
 
 
 def find_name_span(attribute: Attribute, files: Mapping[str, SourceFile]) -> Span | None:
-    """Where the name of an attribute is typed, None where the text before its value is not that name."""
+    """Return the place of an attribute's name; None if the text before its value is not that name."""
     span = attribute.span
     if span is None or span.file not in files:
         return None
     file = files[span.file]
-    # Before the value stand the quotation mark, blanks, the equals sign and again blanks.
+    # Before the value come the quotation mark, blanks, the equals sign and more blanks.
     begin = max(0, span.start - len(attribute.name) - _BLANKS)
     end = begin + len(file.text[begin : span.start - 1].rstrip().removesuffix("=").rstrip())
     start = end - len(attribute.name)
@@ -127,8 +127,10 @@ def find_name_span(attribute: Attribute, files: Mapping[str, SourceFile]) -> Spa
 
 
 def find_content_span(element: Element, files: Mapping[str, SourceFile]) -> Span | None:
-    """Where the text of an element is typed, without the blanks around it; None where the file has something else there: an
-    expression, an entity, a comment, other elements."""
+    """Return the place of an element's text, without the blanks around it.
+
+    None if the file has something else there: an expression, an entity, a comment, other elements.
+    """
     span, wanted = element.span, element.text.strip()
     if span is None or span.file not in files or not wanted:
         return None

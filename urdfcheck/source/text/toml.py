@@ -1,4 +1,4 @@
-"""Where the keys of a TOML text stand: tomli reads values, and says nothing of their places."""
+"""The lines of the keys of a TOML text: tomli reads values, but not their places."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import tomli
 
 Key = tuple[str | int, ...]
 
-# So many parts of a dotted key have a place of their own: nobody writes more.
+# Parts of a dotted key that get a line each; real keys have fewer.
 _MAX_KEY_PARTS = 16
 _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
 _KEY = re.compile(r"""[ \t]*("(?:\\.|[^"\\])*"|'[^']*'|[A-Za-z0-9_-]+)[ \t]*(\.?)""")
@@ -19,20 +19,22 @@ _TEXT = re.compile(
 
 
 def locate_keys(text: str) -> Mapping[Key, int]:
-    """The line of each key, by the keys and indexes that lead to it: ``("models", 0, "path")``. Lines count from 1.
+    """Return the line of each key, by the keys and indexes that lead to it: ``("models", 0, "path")``. Lines count from 1.
 
-    The text is one that tomli has read without complaint; only the order of what stands in it matters here.
+    tomli must have read the text without an error: its syntax is not checked again.
     """
-    return _KeyScanner(text).found
+    return _KeyScanner(text).lines
 
 
 class _KeyScanner:
+    """Reads the keys of a text from its begin to its end."""
+
     def __init__(self, text: str) -> None:
         self.text = text
         self.at = 0
         self.line = 1
         self.counted = 0
-        self.found: dict[Key, int] = {}
+        self.lines: dict[Key, int] = {}
         self.lengths: dict[Key, int] = {}
         table: Key = ()
         while self.skip():
@@ -43,14 +45,14 @@ class _KeyScanner:
                 index = self.lengths.get(name, 0)
                 self.lengths[name] = index + 1
                 table = (*name, index)
-                self.found.setdefault(name, line)
-                self.found[table] = line
+                self.lines.setdefault(name, line)
+                self.lines[table] = line
                 self.at += 2
             elif text.startswith("[", self.at):
                 self.at += 1
                 line, keys = self.read_keys()
                 table = self.resolve_header(keys)
-                self.found.setdefault(table, line)
+                self.lines.setdefault(table, line)
                 self.at += 1
             else:
                 self.read_pair(table)
@@ -66,29 +68,29 @@ class _KeyScanner:
         return self.line
 
     def resolve_header(self, keys: Key) -> Key:
-        """The keys of a header, with the index of the last table of each array of tables on the way."""
-        found: Key = ()
+        """Return the keys of a header, with the index of the last table of each array of tables on the way."""
+        path: Key = ()
         for key in keys:
-            found = (*found, key)
-            if found in self.lengths:
-                found = (*found, self.lengths[found] - 1)
-        return found
+            path = (*path, key)
+            if path in self.lengths:
+                path = (*path, self.lengths[path] - 1)
+        return path
 
     def read_keys(self) -> tuple[int, Key]:
         line = self.count_lines()
-        found: Key = ()
+        keys: Key = ()
         while match := _KEY.match(self.text, self.at):
             self.at = match.end()
             typed = match[1]
-            found = (*found, typed if typed[0] not in "\"'" else next(iter(tomli.loads(f"{typed}=0"))))
+            keys = (*keys, typed if typed[0] not in "\"'" else next(iter(tomli.loads(f"{typed}=0"))))
             if not match[2]:
                 break
-        return line, found
+        return line, keys
 
     def read_pair(self, table: Key) -> None:
         line, keys = self.read_keys()
         for end in {*range(1, min(len(keys), _MAX_KEY_PARTS)), len(keys)}:
-            self.found.setdefault((*table, *keys[:end]), line)
+            self.lines.setdefault((*table, *keys[:end]), line)
         self.at += 1  # the equals sign
         self.read_value((*table, *keys))
 
@@ -105,7 +107,7 @@ class _KeyScanner:
                 self.at += 1
             elif opening == "[":
                 place = (*key, index)
-                self.found[place] = self.count_lines()
+                self.lines[place] = self.count_lines()
                 self.read_value(place)
                 index += 1
             else:

@@ -8,17 +8,17 @@ from functools import lru_cache
 
 from urdfcheck.source.text.xml import Attribute, Element
 
-# What urdfdom's locale-independent conversion takes in full; Python's float() takes more (1_000, infinity, nan).
+# The numbers that urdfdom's locale-independent conversion accepts; Python's float() accepts more (1_000, infinity, nan).
 DECIMAL = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
-# Lengths, masses and inertias beyond this are in no robot, and five of them multiplied (a volume times a squared length)
-# are still a double; so are five of its inverse.
+# No robot has lengths, masses or inertias beyond this, and a product of five of them (a volume times a squared length) is
+# still within the range of a double; so is a product of five inverses.
 MAX_MAGNITUDE = 1e50
 
 
 @lru_cache(maxsize=1 << 16)
 def parse_number(text: str) -> float | None:
-    """A finite number as URDF spells it, else None. Every rule asks for the same few thousand."""
+    """Return a finite number as URDF spells it, else None. Cached: every rule reads the same few thousand."""
     stripped = text.strip()
     if not DECIMAL.fullmatch(stripped):
         return None
@@ -32,7 +32,7 @@ def is_computable(value: float) -> bool:
 
 
 def parse_numbers(text: str, count: int) -> tuple[float, ...] | None:
-    """Exactly ``count`` finite numbers separated by white space, else None."""
+    """Return exactly ``count`` finite numbers separated by white space, else None."""
     values = [parse_number(word) for word in text.split()]
     if len(values) != count or any(v is None for v in values):
         return None
@@ -40,7 +40,7 @@ def parse_numbers(text: str, count: int) -> tuple[float, ...] | None:
 
 
 def read_attribute_number(element: Element | None, name: str) -> float | None:
-    """The number of an attribute; None when the element, the attribute or a number is not there."""
+    """Return the number of an attribute; None if the element, the attribute or a number is missing."""
     attribute = element.attributes.get(name) if element is not None else None
     return None if attribute is None else parse_number(attribute.value)
 
@@ -48,6 +48,6 @@ def read_attribute_number(element: Element | None, name: str) -> float | None:
 def read_attribute_numbers(
     element: Element | None, name: str, count: int, default: tuple[float, ...]
 ) -> tuple[float, ...] | None:
-    """The numbers of an attribute, ``default`` when it is absent, None when it is malformed."""
+    """Return the numbers of an attribute; ``default`` if it is absent, None if it is malformed."""
     attribute: Attribute | None = element.attributes.get(name) if element is not None else None
     return default if attribute is None else parse_numbers(attribute.value, count)

@@ -1,7 +1,7 @@
 """Located XML: a file's text, and its elements and attributes with the exact span at which each was typed.
 
 ``xml.etree`` and lxml keep at most the line of an element. A fix needs the span of one attribute's value, so the
-positions that expat reports for start tags are refined by reading the tag's own text.
+positions that expat reports for start tags are refined by reading the text of the tag.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from xml.parsers import expat
 from urdfcheck.core import NEWLINE, Location, Span
 from urdfcheck.system.files import FileTooLargeError, read_regular
 
-# Of 366 XML files of published robots none has more than 9 levels, 25 attributes of one element, 557 characters in one of
-# them, or 8,228 elements, attributes and comments.
+# In 366 XML files of published robots the maxima are 9 levels, 25 attributes of one element, 557 characters in an
+# attribute, and 8,228 elements, attributes and comments.
 MAX_DEPTH = 256
 MAX_ATTRIBUTES = 1_000
 MAX_VALUE = 1024**2
-# One of these takes up to 500 bytes of memory.
+# Elements, attributes and comments; each takes up to 500 bytes of memory.
 MAX_PARTS = 2_000_000
 
 _DECLARED = re.compile(rb"""^\s*<\?xml[^>\x80-\xff]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
-# Codecs of Python that are no character encoding of a file.
+# Codecs of Python that are not a character encoding of a file.
 _NO_CHARSETS = frozenset({"idna", "punycode", "raw-unicode-escape", "undefined", "unicode-escape"})
 _BREAK = re.compile(r"\r\n|[\r\n\t]")
 _TAG = re.compile(r"[^ \t\r\n/>]+")
@@ -37,8 +37,10 @@ _SUBSTITUTION = re.compile(r"\$[({]")
 
 
 class XmlError(Exception):
-    """The text is not XML that may be read. ``reason``: malformed | encoding | doctype | too-large; of the last, ``data``
-    holds ``what`` there is too much of (bytes | depth | attributes | value | parts), the ``limit`` and what was ``found``.
+    """The text is not XML that may be read.
+
+    ``reason``: malformed | encoding | doctype | too-large. For too-large, ``data`` holds ``what`` exceeds the limit (bytes |
+    depth | attributes | value | parts), the ``limit`` and the number ``found``.
     """
 
     def __init__(self, reason: str, message: str, span: Span, data: Mapping[str, object] | None = None) -> None:
@@ -50,7 +52,7 @@ class XmlError(Exception):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Definition:
-    """Where a value that went into an expression was defined: a property, argument, macro parameter or yaml key."""
+    """A property, argument, macro parameter or yaml key that an expression reads, and where it is defined."""
 
     kind: str
     name: str
@@ -63,7 +65,7 @@ class Definition:
 
 
 def flatten_definitions(reads: Iterable[Definition]) -> list[Definition]:
-    """These definitions and every definition that they were computed from, nearest first, each place once."""
+    """Return these definitions and every definition that they were computed from, nearest first, each place once."""
     places: dict[Span | None, Definition] = {}
     queue = dict.fromkeys(reads)
     while queue:
@@ -75,62 +77,65 @@ def flatten_definitions(reads: Iterable[Definition]) -> list[Definition]:
     return list(places.values())
 
 
+# Not kw_only, because a model has thousands of them: constructing one by keywords takes two to three times as long.
 @dataclass(slots=True, eq=False)
 class Attribute:
-    """An attribute of the (expanded) model. ``span`` covers the value as typed, without quotes.
-
-    ``typed`` is that text; ``literal`` says that it is the value itself (but for line breaks, which XML reads as blanks), so
-    that an edit of the span edits the value.
-    """
+    """An attribute of the (expanded) model."""
 
     name: str
     value: str
     owner: Element
     span: Span | None
+    """The value as typed, without quotes."""
     typed: str
+    """The text at this span."""
     literal: bool
+    """Whether this text is the value itself (line breaks apart, which XML reads as blanks), so that an edit edits the value."""
     reads: tuple[Definition, ...] = ()
+    """The definitions that the value was computed from directly."""
 
     @property
     def location(self) -> Location:
         return Location(f"{self.owner.subject}@{self.name}", self.span, self.owner.via)
 
     def collect_definitions(self) -> tuple[Definition, ...]:
-        """Every definition that the value was computed from, nearest first, each once."""
+        """Return every definition that the value was computed from, nearest first, each once."""
         return tuple(d for d in flatten_definitions(self.reads) if d.span is not None)
 
 
 @dataclass(slots=True, eq=False)
 class Element:
-    """An element with its attributes, child elements and position. ``span`` covers the start tag."""
+    """An element with its attributes, child elements and position."""
 
     tag: str
     span: Span | None
+    """The start tag."""
     parent: Element | None = None
     attributes: dict[str, Attribute] = field(default_factory=dict)
     children: list[Element] = field(default_factory=list)
     text: str = ""
     via: tuple[Span, ...] = ()
+    """The macro calls and includes that brought it in, outermost first."""
     _label_cache: tuple[int, dict[int, str]] | None = field(default=None, repr=False)
 
     def get(self, name: str, default: str = "") -> str:
-        """The value of an attribute, or ``default``."""
+        """Return the value of an attribute, or ``default``."""
         attribute = self.attributes.get(name)
         return default if attribute is None else attribute.value
 
     def find_child(self, tag: str) -> Element | None:
-        """The first child with this tag: the one that the reference parser takes."""
+        """Return the first child with this tag, which is the one that the reference parser reads."""
         for child in self.children:
             if child.tag == tag:
                 return child
         return None
 
     def find_children(self, tag: str) -> list[Element]:
-        """The children with this tag."""
+        """Return the children with this tag."""
         return [c for c in self.children if c.tag == tag]
 
     def walk(self) -> Iterator[Element]:
-        """The element and everything in it, in document order."""
+        """Yield the element and everything in it, in document order."""
         stack = [self]
         while stack:
             element = stack.pop()
@@ -139,14 +144,14 @@ class Element:
 
     @property
     def label(self) -> str:
-        """``link[wheel_1]``, ``inertial``, ``visual[2]``: how a subject names this element among its siblings."""
+        """The name of this element among its siblings, as subjects use it: ``link[wheel_1]``, ``inertial``, ``visual[2]``."""
         name = self.get("name") or (self.get("reference") if self.tag == "gazebo" else "")
         if name:
             return f"{self.tag}[{name}]"
         return self.tag if self.parent is None else self.parent._number_children()[id(self)]
 
     def _number_children(self) -> dict[int, str]:
-        """The labels of the children by their tag and number; computed once for all of them, not by each looking at all."""
+        """Return the labels of the children by tag and number; computed once for all children, to stay linear in their number."""
         if self._label_cache is None or self._label_cache[0] != len(self.children):
             number: Counter[str] = Counter()
             labels: dict[int, str] = {}
@@ -172,22 +177,25 @@ class Element:
         return Location(self.subject, self.span, self.via)
 
     def collect_definitions(self) -> tuple[Definition, ...]:
-        """The definitions that went into the element's own attributes."""
-        found = [d for attribute in self.attributes.values() for d in attribute.collect_definitions()]
-        return tuple({d.span: d for d in found}.values())
+        """Return the definitions that the element's own attributes were computed from."""
+        definitions = [d for attribute in self.attributes.values() for d in attribute.collect_definitions()]
+        return tuple({d.span: d for d in definitions}.values())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Comment:
-    """A comment and where it stands."""
+    """A comment and its place."""
 
     text: str
     span: Span
 
 
 class SourceFile:
-    """The decoded text of one file. ``name`` is how findings call it, ``path`` where it is, ``encoding`` what its bytes were
-    decoded by. ``instruction``: the first processing instruction (``<?…?>``) that does not stand before everything else."""
+    """The decoded text of one file.
+
+    ``name`` is its name in findings, ``path`` its place, and ``encoding`` the codec of its bytes. ``instruction`` is the
+    first processing instruction (``<?…?>``) that comes after an element or a comment.
+    """
 
     __slots__ = ("_starts", "comments", "encoding", "instruction", "name", "path", "text")
 
@@ -205,15 +213,14 @@ class SourceFile:
     def read(cls, path: Path, name: str) -> SourceFile:
         """Read and decode a file by its byte order mark or its XML declaration, else UTF-8.
 
-        :raises OSError: when it cannot be read.
-        :raises XmlError: when it is too large, or its bytes are not text in the declared encoding.
+        :raises OSError: if it cannot be read.
+        :raises XmlError: if it is too large, or its bytes are not text in the declared encoding.
         """
         try:
             data = read_regular(path)
         except FileTooLargeError as error:
-            raise _make_too_large_error(
-                "bytes", error.limit, error.found, error.message, cls(path, name, "").make_span(0, 0)
-            ) from None
+            start = cls(path, name, "").make_span(0, 0)
+            raise _make_too_large_error("bytes", error.found, error.limit, message=error.message, span=start) from None
         encoding = _detect_encoding(data)
         declared = _DECLARED.match(data[:400]) if encoding is None else None
         if declared is not None:
@@ -225,19 +232,19 @@ class SourceFile:
         try:
             return cls(path, name, data.decode(encoding), encoding)
         except UnicodeDecodeError as error:
-            # error.object is what was left when the codec had taken off the byte order mark.
-            read, wrong = error.object[: error.start], error.object[error.start]
-            broken = cls(path, name, read.decode(encoding, "replace"))
+            # error.object is the data without the byte order mark.
+            valid, wrong = error.object[: error.start], error.object[error.start]
+            broken = cls(path, name, valid.decode(encoding, "replace"))
             at = broken.make_span(len(broken.text), len(broken.text))
             raise XmlError("encoding", f"byte 0x{wrong:02x} is not valid {encoding}", at) from None
 
     def locate_character(self, line: int, col: int) -> Span:
-        """The character at a line and column, as a parser names it."""
+        """Return the span of the character at a line and column that a parser reports."""
         start = min(self._starts[min(line, len(self._starts)) - 1] + col - 1, len(self.text))
         return self.make_span(start, min(start + 1, len(self.text)))
 
     def make_span(self, start: int, end: int) -> Span:
-        """The span between two offsets (code points)."""
+        """Return the span between two offsets (code points)."""
         line = bisect_right(self._starts, start)
         within = line == len(self._starts) or end < self._starts[line]
         end_line = line if within else bisect_right(self._starts, end)
@@ -249,15 +256,15 @@ class SourceFile:
             end - self._starts[end_line - 1] + 1,
             start,
             end,
-        )
+        )  # not by keywords, which take twice as long: every attribute has a span
 
 
-def _make_too_large_error(what: str, limit: int, found: int, message: str, span: Span) -> XmlError:
+def _make_too_large_error(what: str, found: int, limit: int, *, message: str, span: Span) -> XmlError:
     return XmlError("too-large", message, span, {"what": what, "limit": limit, "found": found})
 
 
 def _detect_encoding(data: bytes) -> str | None:
-    """The encoding that the first bytes give away: a byte order mark, or the zero bytes of UTF-16."""
+    """Return the encoding that the first bytes show: by a byte order mark, or the zero bytes of UTF-16."""
     for mark, name in (
         (codecs.BOM_UTF8, "utf-8-sig"),
         (codecs.BOM_UTF16_LE, "utf-16"),
@@ -271,7 +278,7 @@ def _detect_encoding(data: bytes) -> str | None:
 
 
 def _can_decode(encoding: str, declaration: bytes) -> bool:
-    """Whether an encoding exists and reads its own declaration (UTF-16 reads something else in bytes of ASCII)."""
+    """Whether an encoding exists and can decode its own declaration (UTF-16 decodes ASCII bytes to other text)."""
     try:
         known = codecs.lookup(encoding).name not in _NO_CHARSETS
         return known and declaration.decode(encoding, "replace") == declaration.decode("ascii", "replace")
@@ -280,147 +287,188 @@ def _can_decode(encoding: str, declaration: bytes) -> bool:
 
 
 def parse_xml(source: SourceFile) -> Element:
-    """Parse a file's text into located elements and note its comments in ``source.comments``.
+    """Parse a file's text into located elements, and note its comments in ``source.comments``.
 
     Namespaces are left as prefixes, as the reference parser of URDF (tinyxml2) does. A document type declaration is
-    refused before anything in it is read: entities could multiply without bound or name other files.
+    refused before anything in it is read: its entities could multiply without bound or name other files.
 
     :raises XmlError: with the span at which the parser stopped.
     """
-    text = source.text
-    zero = text.find("\0")
-    if zero >= 0:  # the first of them would make expat guess another encoding
+    zero = source.text.find("\0")
+    if zero >= 0:  # the first zero byte would make expat guess another encoding
         raise XmlError("malformed", "a zero byte: this is no text", source.make_span(zero, zero + 1))
-    data = text.encode("utf-8", "surrogatepass")
-    # Byte offsets are code point offsets only in ASCII text.
-    ascii_only = len(data) == len(text)
-    parser = expat.ParserCreate(encoding="utf-8")
-    parser.buffer_text = True
-    root: Element | None = None
-    stack: list[Element] = []
-    texts: list[list[str]] = []  # of each element on the stack: added up one by one they would be copied each time
-    parts = 0
-    counted = (0, 0)  # bytes, code points: the parser only moves forward, so nothing is counted twice
+    return _Parser(source).parse()
 
-    def to_text_offset(index: int) -> int:
-        nonlocal counted
-        if ascii_only:
-            return index
-        counted = (index, counted[1] + len(data[counted[0] : index].decode("utf-8", "replace")))
-        return counted[1]
 
-    def count_parts(added: int, begin: int) -> None:
-        nonlocal parts
-        parts += added
-        if parts > MAX_PARTS:
-            message = f"the file has more than {MAX_PARTS:,} elements, attributes and comments"
-            raise _make_too_large_error("parts", MAX_PARTS, parts, message, source.make_span(begin, begin + 1))
+class _Parser:
+    """Builds the located elements of one file from the events of expat."""
 
-    def start(tag: str, values: dict[str, str]) -> None:
-        nonlocal root
-        begin = to_text_offset(parser.CurrentByteIndex)
-        count_parts(1 + len(values), begin)
+    __slots__ = (
+        *("source", "text", "data", "is_ascii", "expat", "root", "open_elements", "open_texts"),
+        "parts",
+        "counted",
+    )
+
+    def __init__(self, source: SourceFile) -> None:
+        self.source = source
+        self.text = source.text
+        self.data = source.text.encode("utf-8", "surrogatepass")
+        # Only in ASCII text are byte offsets also offsets of code points.
+        self.is_ascii = len(self.data) == len(self.text)
+        self.root: Element | None = None
+        self.open_elements: list[Element] = []
+        # The pieces of text in each open element: appending each piece to a string would copy the string each time.
+        self.open_texts: list[list[str]] = []
+        self.parts = 0
+        self.counted = (
+            0,
+            0,
+        )  # bytes and code points so far: the parser only moves forward, so each byte is counted once
+        self.expat = parser = expat.ParserCreate(encoding="utf-8")
+        parser.buffer_text = True
+        parser.StartElementHandler = self._start_element
+        parser.EndElementHandler = self._end_element
+        parser.CharacterDataHandler = self._add_text
+        parser.CommentHandler = self._add_comment
+        parser.ProcessingInstructionHandler = self._note_instruction
+        parser.StartDoctypeDeclHandler = self._refuse_doctype
+
+    def parse(self) -> Element:
+        """Return the root element.
+
+        :raises XmlError: if the text is malformed, exceeds a limit or declares a document type.
+        """
+        try:
+            self.expat.Parse(self.data, True)
+        except expat.ExpatError as error:
+            at = min(self._find_offset(max(self.expat.ErrorByteIndex, 0)), len(self.text))
+            message = _describe_expat_error(error.code, self.open_elements, self.text)
+            raise XmlError("malformed", message, self.source.make_span(at, min(at + 1, len(self.text)))) from None
+        assert self.root is not None, "expat accepts no document without a root element"
+        return self.root
+
+    def _start_element(self, tag: str, values: dict[str, str]) -> None:
+        begin = self._find_offset(self.expat.CurrentByteIndex)
+        self._count_parts(1 + len(values), begin)
         if len(values) > MAX_ATTRIBUTES:
             message = f"an element has {len(values):,} attributes, more than {MAX_ATTRIBUTES:,}"
-            raise _make_too_large_error(
-                "attributes", MAX_ATTRIBUTES, len(values), message, source.make_span(begin, begin + 1)
-            )
-        end, typed = _read_tag(text, begin)
-        element = Element(tag, source.make_span(begin, end), stack[-1] if stack else None)
+            raise self._make_limit_error("attributes", len(values), MAX_ATTRIBUTES, message=message, begin=begin)
+        end, typed = _read_tag(self.text, begin)
         if end - begin > MAX_VALUE:
-            longest = max(map(len, (tag, *values, *values.values())))
-            if longest > MAX_VALUE:
-                message = f"a name or a value has {longest:,} characters, more than {MAX_VALUE:,}"
-                raise _make_too_large_error("value", MAX_VALUE, longest, message, source.make_span(begin, begin + 1))
-        for name, value in values.items():
-            span, raw = typed.get(name, (None, value))
-            at = None if span is None else source.make_span(*span)
-            plain = raw == value or _BREAK.sub(" ", raw) == value
-            literal = plain and not ("$" in raw and _SUBSTITUTION.search(raw))
-            element.attributes[name] = Attribute(name, value, element, at, raw, literal)
-        if stack:
-            stack[-1].children.append(element)
-        elif root is None:
-            root = element
-        stack.append(element)
-        texts.append([])
-        if len(stack) > MAX_DEPTH:
+            self._check_lengths(tag, values, begin)
+        parent = self.open_elements[-1] if self.open_elements else None
+        element = Element(tag, self.source.make_span(begin, end), parent)
+        if values:
+            self._add_attributes(element, values, typed)
+        if parent is not None:
+            parent.children.append(element)
+        elif self.root is None:
+            self.root = element
+        self.open_elements.append(element)
+        self.open_texts.append([])
+        if len(self.open_elements) > MAX_DEPTH:
             message = f"elements are nested more than {MAX_DEPTH} deep"
-            raise _make_too_large_error("depth", MAX_DEPTH, len(stack), message, source.make_span(begin, end))
+            depth = len(self.open_elements)
+            raise self._make_limit_error("depth", depth, MAX_DEPTH, message=message, begin=begin, end=end)
 
-    def finish(_tag: str) -> None:
-        stack.pop().text = "".join(texts.pop())
+    def _add_attributes(
+        self, element: Element, values: dict[str, str], typed: dict[str, tuple[tuple[int, int], str]]
+    ) -> None:
+        attributes, make_span = element.attributes, self.source.make_span
+        for name, value in values.items():
+            place, raw = typed.get(name, (None, value))
+            is_plain = raw == value or _BREAK.sub(" ", raw) == value
+            literal = is_plain and not ("$" in raw and _SUBSTITUTION.search(raw))
+            attributes[name] = Attribute(name, value, element, place and make_span(*place), raw, literal)
 
-    def characters(data: str) -> None:
-        if texts:
-            texts[-1].append(data)
+    def _end_element(self, _tag: str) -> None:
+        self.open_elements.pop().text = "".join(self.open_texts.pop())
 
-    def comment(data: str) -> None:
-        begin = to_text_offset(parser.CurrentByteIndex)
-        count_parts(1, begin)
-        stop = text.find("-->", begin)
-        source.comments.append(Comment(data, source.make_span(begin, stop + 3 if stop >= 0 else len(text))))
+    def _add_text(self, text: str) -> None:
+        if self.open_texts:
+            self.open_texts[-1].append(text)
 
-    def instruction(_target: str, _data: str) -> None:
-        begin = to_text_offset(parser.CurrentByteIndex)
-        count_parts(1, begin)
-        if source.instruction is None and (root is not None or source.comments):
-            stop = text.find("?>", begin)
-            source.instruction = source.make_span(begin, stop + 2 if stop >= 0 else len(text))
+    def _add_comment(self, text: str) -> None:
+        begin = self._find_offset(self.expat.CurrentByteIndex)
+        self._count_parts(1, begin)
+        self.source.comments.append(Comment(text, self._make_span_to("-->", begin)))
 
-    def doctype(*_: object) -> None:
-        # The parser stands behind the name by now.
-        begin = text.rfind("<!DOCTYPE", 0, to_text_offset(parser.CurrentByteIndex))
-        raise XmlError("doctype", "a document type declaration is refused", source.make_span(begin, begin + 9))
+    def _note_instruction(self, _target: str, _data: str) -> None:
+        begin = self._find_offset(self.expat.CurrentByteIndex)
+        self._count_parts(1, begin)
+        if self.source.instruction is None and (self.root is not None or self.source.comments):
+            self.source.instruction = self._make_span_to("?>", begin)
 
-    parser.StartElementHandler = start
-    parser.EndElementHandler = finish
-    parser.CharacterDataHandler = characters
-    parser.CommentHandler = comment
-    parser.ProcessingInstructionHandler = instruction
-    parser.StartDoctypeDeclHandler = doctype
-    try:
-        parser.Parse(data, True)
-    except expat.ExpatError as error:
-        at = min(to_text_offset(max(parser.ErrorByteIndex, 0)), len(text))
-        said = _describe_expat_error(error.code, stack, text)
-        raise XmlError("malformed", said, source.make_span(at, min(at + 1, len(text)))) from None
-    assert root is not None, "expat accepts no document without a root element"
-    return root
+    def _refuse_doctype(self, *_: object) -> None:
+        # The parser is already behind the declared name.
+        begin = self.text.rfind("<!DOCTYPE", 0, self._find_offset(self.expat.CurrentByteIndex))
+        raise XmlError("doctype", "a document type declaration is refused", self.source.make_span(begin, begin + 9))
+
+    def _find_offset(self, index: int) -> int:
+        """Return the offset in code points of a byte."""
+        if self.is_ascii:
+            return index
+        counted, offset = self.counted
+        offset += len(self.data[counted:index].decode("utf-8", "replace"))
+        self.counted = (index, offset)
+        return offset
+
+    def _make_span_to(self, ending: str, begin: int) -> Span:
+        """Return the span up to and including an ending, or to the end of the text."""
+        stop = self.text.find(ending, begin)
+        return self.source.make_span(begin, stop + len(ending) if stop >= 0 else len(self.text))
+
+    def _count_parts(self, added: int, begin: int) -> None:
+        self.parts += added
+        if self.parts > MAX_PARTS:
+            message = f"the file has more than {MAX_PARTS:,} elements, attributes and comments"
+            raise self._make_limit_error("parts", self.parts, MAX_PARTS, message=message, begin=begin)
+
+    def _check_lengths(self, tag: str, values: dict[str, str], begin: int) -> None:
+        longest = max(map(len, (tag, *values, *values.values())))
+        if longest > MAX_VALUE:
+            message = f"a name or a value has {longest:,} characters, more than {MAX_VALUE:,}"
+            raise self._make_limit_error("value", longest, MAX_VALUE, message=message, begin=begin)
+
+    def _make_limit_error(
+        self, what: str, found: int, limit: int, *, message: str, begin: int, end: int | None = None
+    ) -> XmlError:
+        span = self.source.make_span(begin, begin + 1 if end is None else end)
+        return _make_too_large_error(what, found, limit, message=message, span=span)
 
 
 def _describe_expat_error(code: int, stack: list[Element], text: str) -> str:
-    """expat's words for an error, with the element that is still open where the error is about its end."""
-    said: str = expat.ErrorString(code)
+    """Return expat's message for an error; if the error is about a missing end tag, with the element that is still open."""
+    message: str = expat.ErrorString(code)
     if not text.strip():
         return "the file is empty"
     if not stack:
-        return said
+        return message
     line = stack[-1].span.line if stack[-1].span is not None else 0
     opened = f"<{stack[-1].tag}>, opened in line {line}"
-    if said == expat.errors.XML_ERROR_TAG_MISMATCH:
-        return f"{said}: {opened}, has not been closed"
-    if said == expat.errors.XML_ERROR_NO_ELEMENTS:
+    if message == expat.errors.XML_ERROR_TAG_MISMATCH:
+        return f"{message}: {opened}, has not been closed"
+    if message == expat.errors.XML_ERROR_NO_ELEMENTS:
         return f"the file ends before {opened}, is closed"
-    return said
+    return message
 
 
 def _read_tag(text: str, begin: int) -> tuple[int, dict[str, tuple[tuple[int, int], str]]]:
-    """The end of the start tag at ``begin`` and, per attribute, the offsets and text of its value."""
-    found: dict[str, tuple[tuple[int, int], str]] = {}
+    """Return the end of the start tag at ``begin`` and, per attribute, the offsets and text of its value."""
+    values: dict[str, tuple[tuple[int, int], str]] = {}
     name = _TAG.match(text, begin + 1)
     at = begin + 1 if name is None else name.end()
     while match := _ATTRIBUTE.match(text, at):
-        group = 2 if match.group(2) is not None else 3
-        found[match.group(1)] = (match.span(group), match.group(group))
+        group = match.lastindex or 0  # in double quotes or in single quotes
+        values[match[1]] = (match.span(group), match[group])
         at = match.end()
     end = text.find(">", at)
-    return (end + 1 if end >= 0 else len(text)), found
+    return (end + 1 if end >= 0 else len(text)), values
 
 
 def find_unbound_prefix(root: Element) -> tuple[Element, str] | None:
-    """The first element whose prefix (or whose attribute's) no ``xmlns:`` around it declares, with the prefix."""
-    bound: set[tuple[int, str]] = set()  # what was found to be declared in or around an element
+    """Return the first element with a prefix (its own or an attribute's) that no ``xmlns:`` around declares, and the prefix."""
+    bound: set[tuple[int, str]] = set()  # id of an element, and a prefix that is declared in or around it
     for element in root.walk():
         for name in (element.tag, *element.attributes):
             prefix, colon, _ = name.partition(":")
@@ -434,7 +482,7 @@ def find_unbound_prefix(root: Element) -> tuple[Element, str] | None:
 
 
 def _iter_ancestors(element: Element) -> Iterator[Element]:
-    """The elements that this one is in."""
+    """Yield the elements around this one, innermost first."""
     while element.parent is not None:
         element = element.parent
         yield element
@@ -446,5 +494,5 @@ _QUOTED = str.maketrans(
 
 
 def quote_attribute(value: str) -> str:
-    """A value as the text of an XML attribute, with its quotes (xml.sax.saxutils has this too, and loads an HTTP client)."""
+    """Return a value as the text of an XML attribute, with quotes (xml.sax.saxutils has this too, but loads an HTTP client)."""
     return f'"{value.translate(_QUOTED)}"'

@@ -1,7 +1,7 @@
-"""Which robots a xacro with arguments can be: the values that its text asks for, and sets of them that show most of what differs.
+"""The values that a xacro's arguments can have, and sets of them that cover most of the variants of the robot.
 
-Nothing is evaluated: an argument is known by its declaration, by what expressions compare it with, by the keys of a dictionary
-from yaml that it is an index of, and by the files that a path with it in the middle can mean.
+Nothing is evaluated. The values come from the argument's declaration, from the literals that expressions compare it with, from
+the keys of a yaml dictionary that it indexes, and from the files that a path with the argument in it can mean.
 """
 
 from __future__ import annotations
@@ -16,12 +16,13 @@ from pathlib import Path
 
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.xacro.file_contents import BUILT_IN_TAGS
 from urdfcheck.source.xacro.usage import EXPRESSION
 
-# Up to here every combination is a variant; beyond it each value by itself, and each pair of values in one of them.
+# Up to this number, every combination is a variant; beyond it, each value alone, and each pair of values in some variant.
 MOST_COMBINATIONS = 32
-# Arguments and values that are varied, and files that are read. The widest of a hundred robots has 79 arguments, of which 24
-# are switches.
+# Limits on arguments and values that are varied, and on files that are read. Of a hundred robots, the one with most
+# arguments has 79, of which 24 are switches.
 MOST_ARGUMENTS, MOST_VALUES, MOST_FILES = 48, 16, 400
 # The longest expression of published robots has 166 characters.
 MOST_CHARACTERS = 2_000
@@ -39,16 +40,17 @@ _LITERAL = re.compile(r"""(['"])([^'"$]*)\1""")
 _LOAD = re.compile(r"""load_yaml\(\s*(?:'([^']*)'|"([^"]*)")\s*\)""")
 _OPTIONAL = re.compile(r"\$\(optenv\s+\S+\s*([^)]*)\)")
 _FIND = re.compile(r"\$\(find\s+([^)\s]+)\s*\)")
-# Where paths are written that the expansion reads.
+# The attributes with paths that the expansion reads.
 _PATH_ATTRIBUTES = {"xacro:include": ("filename",), "xacro:arg": ("default",), "xacro:property": ("value", "default")}
-_BUILT_IN_TAGS = frozenset(
-    {"if", "unless", "macro", "property", "include", "arg", "insert_block", "attribute", "element"}
-)
+# How many times a parameter is passed on to another macro.
+_MAX_PASSED_ON = 4
+# xacro:call counts as a call: its attributes are parameters too.
+_NOT_CALLS = BUILT_IN_TAGS - {"call"}
 
 
 @dataclass(frozen=True, slots=True)
 class ArgumentChoice:
-    """An argument with the values that it may have, the default first; ``default`` is None where there is none."""
+    """An argument with the values that it may have, the default first; ``default`` is None if it has none."""
 
     name: str
     default: str | None
@@ -57,61 +59,73 @@ class ArgumentChoice:
 
 @dataclass(slots=True)
 class _ArgumentUsage:
-    """What the text says of one argument; ``in_macros`` what is compared with the parameter of a macro that it is handed to."""
+    """What the text says about one argument."""
 
     defaults: list[str | None] = field(default_factory=list)
     values: dict[str, None] = field(default_factory=dict)
     in_macros: dict[str, None] = field(default_factory=dict)
+    """Values that are compared with a macro parameter to which the argument is passed."""
     in_condition: bool = False
 
 
 def find_argument_choices(path: Path, finder: PackageFinder) -> list[ArgumentChoice]:
-    """The arguments of a xacro of which more than one value is known, in the order of their declarations."""
+    """Return the arguments of a xacro that have more than one known value, in the order of their declarations."""
     trees = _read_included_trees(path, finder)
-    seen: dict[str, _ArgumentUsage] = {}
+    usages = _find_arguments(trees)
+    if not usages:
+        return []
+    _ExpressionReader(trees, finder, usages).read()
+    for tree, folder in trees:
+        for element in tree.walk():
+            for text in _list_paths(element):
+                for name, value in _iter_path_values(text, folder, finder):
+                    if name in usages:
+                        usages[name].values[value] = None
+    choices = [_make_choice(name, usage) for name, usage in usages.items()]
+    return [choice for choice in choices if len(choice.values) > 1]
+
+
+def _find_arguments(trees: Sequence[tuple[Element, Path]]) -> dict[str, _ArgumentUsage]:
+    """Return the arguments that are declared, and then those that are only read: they need not be declared."""
+    usages: dict[str, _ArgumentUsage] = {}
     for tree, _ in trees:
         for element in tree.walk():
             if element.tag == "xacro:arg" and element.get("name"):
-                known = seen.setdefault(element.get("name"), _ArgumentUsage())
-                known.defaults.append(element.get("default") if "default" in element.attributes else None)
-    for tree, _ in trees:  # an argument that must be given need not be declared
+                usage = usages.setdefault(element.get("name"), _ArgumentUsage())
+                usage.defaults.append(element.get("default") if "default" in element.attributes else None)
+    for tree, _ in trees:
         for element in tree.walk():
             for text in _list_texts(element):
                 for name in _ARGUMENT_DEMAND.findall(text) if "$(arg" in text else ():
-                    seen.setdefault(name, _ArgumentUsage())
-    if not seen:
-        return []
-    _read_expressions(trees, finder, seen)
-    for tree, folder in trees:
-        for element in tree.walk():
-            typed = [text for name in _PATH_ATTRIBUTES.get(element.tag, ()) if _is_file_name(text := element.get(name))]
-            typed += [a or b for text in _list_texts(element) if "load_yaml" in text for a, b in _LOAD.findall(text)]
-            for text in typed:
-                for name, value in _iter_path_values(text, folder, finder):
-                    if name in seen:
-                        seen[name].values[value] = None
-    return [choice for name, known in seen.items() if len((choice := _make_choice(name, known)).values) > 1]
+                    usages.setdefault(name, _ArgumentUsage())
+    return usages
+
+
+def _list_paths(element: Element) -> list[str]:
+    """Return the paths of an element as typed: of files that it includes, and of yaml files that it loads."""
+    attributes = [element.get(name) for name in _PATH_ATTRIBUTES.get(element.tag, ())]
+    loads = [a or b for text in _list_texts(element) if "load_yaml" in text for a, b in _LOAD.findall(text)]
+    return [*filter(_is_file_name, attributes), *loads]
 
 
 def _is_file_name(text: str) -> bool:
     return "/" in text or text.endswith((".xacro", ".urdf", ".yaml"))
 
 
-def _make_choice(name: str, seen: _ArgumentUsage) -> ArgumentChoice:
-    default = next((d for d in seen.defaults if d is not None), None)
+def _make_choice(name: str, usage: _ArgumentUsage) -> ArgumentChoice:
+    default = next((d for d in usage.defaults if d is not None), None)
     if default is not None:
         optional = _OPTIONAL.fullmatch(default.strip())
         default = (optional[1] if optional else default).strip()
-    values = dict(seen.values)
+    values = dict(usage.values)
     # A parameter that is compared with several values and never with the default may have been computed anew on the way.
-    if not default or default in seen.in_macros or len(seen.in_macros) == 1:
-        values.update(seen.in_macros)
+    if not default or default in usage.in_macros or len(usage.in_macros) == 1:
+        values.update(usage.in_macros)
     plain = (default or "").lower()
-    if plain in {"true", "false"} or (default is None and seen.in_condition and not values):
-        values = dict.fromkeys(
-            word.capitalize() if (default or "")[:1].isupper() else word for word in ("true", "false")
-        )
-    elif plain in {"0", "1"} and seen.in_condition and not values:
+    if plain in {"true", "false"} or (default is None and usage.in_condition and not values):
+        is_capitalized = (default or "")[:1].isupper()
+        values = dict.fromkeys(word.capitalize() if is_capitalized else word for word in ("true", "false"))
+    elif plain in {"0", "1"} and usage.in_condition and not values:
         values = dict.fromkeys(("1", "0"))
     if default is not None:
         values = {default: None, **values}
@@ -119,8 +133,10 @@ def _make_choice(name: str, seen: _ArgumentUsage) -> ArgumentChoice:
 
 
 def build_argument_sets(choices: Sequence[ArgumentChoice]) -> list[dict[str, str]]:
-    """Sets of arguments, the plainest first: all combinations where they are few, else each value by itself and as many sets as
-    it takes for each pair of values to be together in one. An argument with its default is left out."""
+    """Return sets of arguments, the smallest first; an argument with its default is left out.
+
+    These are all combinations if they are few, else each value alone, and enough sets for each pair of values to be in one.
+    """
     values = [c.values for c in choices]
     if prod(map(len, values)) <= MOST_COMBINATIONS:
         rows: list[tuple[str, ...]] = list(product(*values))
@@ -129,12 +145,12 @@ def build_argument_sets(choices: Sequence[ArgumentChoice]) -> list[dict[str, str
         rows = [base]
         rows += [(*base[:i], v, *base[i + 1 :]) for i, known in enumerate(values) for v in known[1:]]
         rows += _cover_pairs(values, rows)
-    found = [{c.name: v for c, v in zip(choices, row, strict=True) if v != c.default} for row in dict.fromkeys(rows)]
-    return sorted(found, key=len)
+    sets = [{c.name: v for c, v in zip(choices, row, strict=True) if v != c.default} for row in dict.fromkeys(rows)]
+    return sorted(sets, key=len)
 
 
 def _cover_pairs(values: Sequence[Sequence[str]], rows: Sequence[tuple[str, ...]]) -> Iterator[tuple[str, ...]]:
-    """Rows that, with those given, have each pair of values in one of them, each filled with what covers most of what is left."""
+    """Yield rows so that, with those given, each pair of values is in a row; each row covers most of the pairs that are left."""
     places = range(len(values))
     left = {((i, a), (j, b)): None for i, j in combinations(places, 2) for a in values[i] for b in values[j]}
     for row in rows:
@@ -160,28 +176,28 @@ def _cover_pairs(values: Sequence[Sequence[str]], rows: Sequence[tuple[str, ...]
 
 
 def _read_included_trees(path: Path, finder: PackageFinder) -> list[tuple[Element, Path]]:
-    """The file and all that it can include, each with its folder."""
-    found: list[tuple[Element, Path]] = []
-    queue, known = [path.absolute()], set[str]()
-    while queue and len(known) < MOST_FILES:
+    """Return the file and all files that it can include, each with its folder."""
+    trees: list[tuple[Element, Path]] = []
+    queue, visited = [path.absolute()], set[str]()
+    while queue and len(visited) < MOST_FILES:
         file = queue.pop(0)
         real = os.path.realpath(file)
-        if real in known or not finder.can_open(file):
+        if real in visited or not finder.can_open(file):
             continue
-        known.add(real)
+        visited.add(real)
         try:
             tree = parse_xml(SourceFile.read(file, format_path(file)))
         except (OSError, XmlError):
             continue
-        found.append((tree, file.parent))
+        trees.append((tree, file.parent))
         for element in tree.walk():
             if element.tag == "xacro:include":
                 queue += _find_included_files(element.get("filename"), file.parent, finder)
-    return found
+    return trees
 
 
 def _resolve_path(text: str, folder: Path, finder: PackageFinder) -> str | None:
-    """A path as typed with its packages looked up; None where one is not found."""
+    """Return a path as typed with its packages looked up; None if one is not found."""
     if len(text) > MOST_CHARACTERS:
         return None
     packages = {name: finder.find(name) for name in _FIND.findall(text)}
@@ -193,24 +209,24 @@ def _resolve_path(text: str, folder: Path, finder: PackageFinder) -> str | None:
 
 
 def _find_included_files(text: str, folder: Path, finder: PackageFinder) -> list[Path]:
-    """The files that an include may mean: one, or where an argument stands in the path, each that fits."""
+    """Return the files that an include may mean: one, or if the path contains an argument, each that fits."""
     path = _resolve_path(text, folder, finder)
     if path is None:
         return []
     if "$" not in path:
         return [Path(path)]
-    return [Path(found) for _, _, found in _iter_fitting_files(path, finder)]
+    return [Path(file) for _, _, file in _iter_fitting_files(path, finder)]
 
 
 def _iter_path_values(text: str, folder: Path, finder: PackageFinder) -> Iterator[tuple[str, str]]:
-    """Arguments and their values for which a path with an argument in it leads to a file."""
+    """Yield arguments and values for which a path with an argument in it leads to a file."""
     path = _resolve_path(text, folder, finder)
     if path is not None:
         yield from ((name, value) for name, value, _ in _iter_fitting_files(path, finder))
 
 
 def _iter_fitting_files(path: str, finder: PackageFinder) -> Iterator[tuple[str, str, str]]:
-    """Argument, value and file, for each value with which a path leads to one; the path has one argument in one of its names."""
+    """Yield argument, value and file for each value that leads to a file; the path has one argument, in one of its names."""
     arguments = set(_ARGUMENT_DEMAND.findall(path))
     if len(arguments) != 1 or "$" in _ARGUMENT_DEMAND.sub("", path):
         return
@@ -225,49 +241,99 @@ def _iter_fitting_files(path: str, finder: PackageFinder) -> Iterator[tuple[str,
         names = sorted(os.listdir(folder))
     except OSError:
         return
-    for there in names[: 10 * MOST_FILES]:
-        value = there[len(before) : len(there) - len(after)]
-        if not there.startswith((".", "_")) and value and there == before + value + after:
-            file = "/".join((folder, there, *parts[varied[0] + 1 :]))
+    for entry in names[: 10 * MOST_FILES]:
+        value = entry[len(before) : len(entry) - len(after)]
+        if not entry.startswith((".", "_")) and value and entry == before + value + after:
+            file = "/".join((folder, entry, *parts[varied[0] + 1 :]))
             if os.path.isfile(file):
                 yield name, value, file
 
 
-def _read_expressions(
-    trees: Sequence[tuple[Element, Path]], finder: PackageFinder, seen: Mapping[str, _ArgumentUsage]
-) -> None:
-    """What expressions compare arguments with, under whatever name of a property or parameter of a macro they do."""
-    scopes: dict[str, list[Element]] = {"": []}
-    tables: dict[str, set[tuple[str, Path]]] = {}
-    for tree, folder in trees:
-        for element in tree.walk():
-            scopes.setdefault(_find_enclosing_macro(element), []).append(element)
-            if element.tag == "xacro:property":
-                for a, b in _LOAD.findall(element.get("value")):
-                    tables.setdefault(element.get("name"), set()).add((a or b, folder))
-    aliases: dict[str, dict[str, set[str]]] = {"": {}}
-    for _ in range(4):  # a parameter that is handed on, and on
-        for scope, elements in scopes.items():
-            here = {**aliases[""], **aliases.get(scope, {})}
+class _ExpressionReader:
+    """Finds the values that expressions compare arguments with, under the names of properties and macro parameters too."""
+
+    def __init__(
+        self, trees: Sequence[tuple[Element, Path]], finder: PackageFinder, usages: Mapping[str, _ArgumentUsage]
+    ) -> None:
+        self.finder = finder
+        self.usages = usages
+        # Elements by the macro that they are in, "" outside of macros.
+        self.scopes: dict[str, list[Element]] = {"": []}
+        # Properties that are loaded from yaml, with each path as typed and the folder of the file that names it.
+        self.tables: dict[str, set[tuple[str, Path]]] = {}
+        # By macro, the arguments that a property or parameter stands for.
+        self.aliases: dict[str, dict[str, set[str]]] = {"": {}}
+        for tree, folder in trees:
+            for element in tree.walk():
+                self.scopes.setdefault(_find_enclosing_macro(element), []).append(element)
+                if element.tag == "xacro:property":
+                    for a, b in _LOAD.findall(element.get("value")):
+                        self.tables.setdefault(element.get("name"), set()).add((a or b, folder))
+
+    def read(self) -> None:
+        """Add the values to the usages."""
+        for _ in range(_MAX_PASSED_ON):
+            for scope, elements in self.scopes.items():
+                visible = self.get_visible_aliases(scope)
+                for element in elements:
+                    self.add_aliases(element, scope, visible)
+        for scope, elements in self.scopes.items():
+            visible = self.get_visible_aliases(scope)
             for element in elements:
-                kind = element.tag.removeprefix("xacro:")
-                if kind == "property":
-                    for name in _find_passed_arguments(element.get("value"), here):
-                        aliases.setdefault(scope, {}).setdefault(element.get("name"), set()).add(name)
-                elif element.tag.startswith("xacro:") and kind not in _BUILT_IN_TAGS:
-                    for attribute in element.attributes.values():
-                        for name in _find_passed_arguments(attribute.value, here):
-                            aliases.setdefault(kind, {}).setdefault(attribute.name, set()).add(name)
-    for scope, elements in scopes.items():
-        here = {**aliases[""], **aliases.get(scope, {})}
-        for element in elements:
-            for text in _list_texts(element):
-                if "$" in text:
-                    _read_element_text(text, element, bool(scope), here, seen, tables, finder)
+                for text in _list_texts(element):
+                    if "$" in text:
+                        self.read_text(text, element, visible, in_macro=bool(scope))
+
+    def get_visible_aliases(self, scope: str) -> dict[str, set[str]]:
+        """Return the aliases that are known in a macro."""
+        return {**self.aliases[""], **self.aliases.get(scope, {})}
+
+    def add_aliases(self, element: Element, scope: str, visible: Mapping[str, set[str]]) -> None:
+        """Note the property that an element defines as an argument, or the parameters to which it passes arguments."""
+        tag = element.tag.removeprefix("xacro:")
+        if tag == "property":
+            passed = [(scope, element.get("name"), element.get("value"))]
+        elif element.tag.startswith("xacro:") and tag not in _NOT_CALLS:
+            passed = [(tag, attribute.name, attribute.value) for attribute in element.attributes.values()]
+        else:
+            return
+        for macro, name, value in passed:
+            for argument in _find_passed_arguments(value, visible):
+                self.aliases.setdefault(macro, {}).setdefault(name, set()).add(argument)
+
+    def read_text(self, text: str, element: Element, aliases: Mapping[str, set[str]], *, in_macro: bool) -> None:
+        """Add the values that the expressions of a text compare arguments with."""
+        typed = [a or b for a, b in EXPRESSION.findall(text)]
+        expressions = [
+            _mark_arguments(expression, aliases) for expression in typed if len(expression) <= MOST_CHARACTERS
+        ]
+        for expression in expressions:
+            for names, value in self.iter_compared_values(expression):
+                for usage in self.list_usages(names):
+                    (usage.in_macros if in_macro else usage.values).setdefault(value)
+        if element.tag in {"xacro:if", "xacro:unless"}:
+            for expression in expressions or [_mark_arguments(text, {})]:
+                for names in re.findall(_MARK, expression):
+                    for usage in self.list_usages(names):
+                        usage.in_condition = True
+
+    def iter_compared_values(self, expression: str) -> Iterator[tuple[str, str]]:
+        """Yield the names of arguments, as a mark holds them, and a value that they are compared with."""
+        yield from ((names, value) for names, _, value in _COMPARED.findall(expression))
+        yield from ((names, value) for _, value, names in _COMPARING.findall(expression))
+        for names, values in _AMONG.findall(expression):
+            yield from ((names, value) for _, value in _LITERAL.findall(values))
+        for table, names in _INDEX.findall(expression):
+            for file, folder in sorted(self.tables.get(table, ())):
+                yield from ((names, key) for key in _read_keys(file, folder, self.finder))
+
+    def list_usages(self, names: str) -> list[_ArgumentUsage]:
+        """Return the usages of the arguments that a mark holds."""
+        return [self.usages[name] for name in names.split("\0") if name in self.usages]
 
 
 def _find_enclosing_macro(element: Element) -> str:
-    """The macro that an element stands in; empty outside of all."""
+    """Return the macro that an element is in; empty outside of macros."""
     around = element.parent
     while around is not None:
         if around.tag == "xacro:macro":
@@ -277,7 +343,7 @@ def _find_enclosing_macro(element: Element) -> str:
 
 
 def _find_passed_arguments(text: str, aliases: Mapping[str, set[str]]) -> set[str]:
-    """The arguments that a value hands on as they are."""
+    """Return the arguments that a value passes on unchanged."""
     if "$" not in text or len(text) > MOST_CHARACTERS:
         return set()
     marked = _mark_arguments(EXPRESSION.sub(lambda m: m[1] or m[2], text), aliases)
@@ -286,7 +352,7 @@ def _find_passed_arguments(text: str, aliases: Mapping[str, set[str]]) -> set[st
 
 
 def _mark_arguments(text: str, aliases: Mapping[str, set[str]]) -> str:
-    """The text with each argument, under whatever name, between two marks."""
+    """Return the text with each argument, under any of its names, between two marks."""
     text = text.replace("\x01", "").replace("\x02", "")
     text = _REFERENCE.sub(lambda m: f"\x01{m[2] or m[3]}\x02", text)
     parts = re.split(r"(\x01[^\x02]*\x02)", text)
@@ -296,57 +362,20 @@ def _mark_arguments(text: str, aliases: Mapping[str, set[str]]) -> str:
 
 
 def _mark_name(name: str, aliases: Mapping[str, set[str]]) -> str:
-    meant = aliases.get(name)
-    return f"\x01{chr(0).join(sorted(meant))}\x02" if meant else name
-
-
-def _read_element_text(
-    text: str,
-    element: Element,
-    in_macro: bool,
-    aliases: Mapping[str, set[str]],
-    seen: Mapping[str, _ArgumentUsage],
-    tables: Mapping[str, set[tuple[str, Path]]],
-    finder: PackageFinder,
-) -> None:
-    def add_value(arguments: str, value: str) -> None:
-        for name in arguments.split("\0"):
-            if name in seen:
-                (seen[name].in_macros if in_macro else seen[name].values).setdefault(value)
-
-    expressions = [
-        _mark_arguments(typed, aliases) for a, b in EXPRESSION.findall(text) if len(typed := a or b) <= MOST_CHARACTERS
-    ]
-    for expression in expressions:
-        for names, _, value in _COMPARED.findall(expression):
-            add_value(names, value)
-        for _, value, names in _COMPARING.findall(expression):
-            add_value(names, value)
-        for names, values in _AMONG.findall(expression):
-            for _, value in _LITERAL.findall(values):
-                add_value(names, value)
-        for table, names in _INDEX.findall(expression):
-            for file, folder in sorted(tables.get(table, ())):
-                for key in _read_keys(file, folder, finder):
-                    add_value(names, key)
-    if element.tag in {"xacro:if", "xacro:unless"}:
-        for expression in expressions or [_mark_arguments(text, {})]:
-            for names in re.findall(_MARK, expression):
-                for name in names.split("\0"):
-                    if name in seen:
-                        seen[name].in_condition = True
+    arguments = aliases.get(name)
+    return f"\x01{chr(0).join(sorted(arguments))}\x02" if arguments else name
 
 
 def _read_keys(text: str, folder: Path, finder: PackageFinder) -> list[str]:
-    """The keys of a dictionary in a yaml file."""
+    """Return the keys of the dictionary in a yaml file."""
     from urdfcheck.source.text.yaml import YamlReadError, parse_located_yaml
 
     path = _resolve_path(text, folder, finder)
     if path is None or "$" in path or not finder.can_open(Path(path)):
         return []
     try:
-        found = parse_located_yaml(SourceFile.read(Path(path), format_path(Path(path))))
-        return [] if found is None else [key.text for key, _ in found.entries]
+        content = parse_located_yaml(SourceFile.read(Path(path), format_path(Path(path))))
+        return [] if content is None else [key.text for key, _ in content.entries]
     except (OSError, XmlError, YamlReadError):
         return []
 

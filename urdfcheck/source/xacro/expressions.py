@@ -2,9 +2,9 @@
 
 xacro forbids names that begin with ``__`` only in the outermost code object: a lambda or a comprehension is a code
 object of its own and reaches ``().__class__.__base__.__subclasses__()`` and from there the operating system. So every
-expression is parsed here first, and only a tree made of the nodes below is evaluated at all. What a tree cannot tell
-(of which type a value is, and how large) is asked while it runs: each operation is a call of a guard
-(:mod:`urdfcheck.source.xacro.guards`), under a name that no expression can spell.
+expression is parsed here first, and only a tree made of the nodes below is evaluated. The type and size of values are only
+known at run time: each operation is a call of a guard (:mod:`urdfcheck.source.xacro.guards`), under a name that no
+expression can spell.
 """
 
 from __future__ import annotations
@@ -51,15 +51,15 @@ _NODES = (
     ast.cmpop,
 )
 
-# Attributes that lead from a value to the interpreter's own objects. The guards let none of them pass; here they are
-# refused in branches as well that are not taken today.
+# Attributes that lead from a value to the interpreter's own objects. The guards refuse all of them; here they are refused
+# even in branches that are not evaluated.
 _ATTRIBUTES = frozenset(
     {"format_map", "mro", "createDOMBuilder"}
     | {f"{kind}_{part}" for kind in ("gi", "cr", "ag") for part in ("frame", "code", "yieldfrom", "await", "running")}
     | {"f_back", "f_builtins", "f_code", "f_globals", "f_locals", "tb_frame", "tb_next"}
 )
 
-# Builtins that lead out of an expression. xacro offers none of them, but a file may define a property of such a name.
+# Builtins that lead out of an expression. xacro does not offer them, but a file may define a property of such a name.
 FORBIDDEN_BUILTINS = frozenset(
     {"breakpoint", "compile", "delattr", "eval", "exec", "exit", "getattr", "globals", "hasattr", "help", "input"}
     | {"locals", "memoryview", "object", "open", "quit", "setattr", "super", "type", "vars"}
@@ -84,9 +84,9 @@ _Node = TypeVar("_Node", bound=ast.AST)
 class ExpressionRefusedError(Exception):
     """An expression that must not be evaluated, or not further.
 
-    ``kind``: ``unsafe`` for what leads out of the language, ``construct`` for a part of Python that harms nobody by itself
-    but is not looked into, ``method`` for one that is not known to be harmless, ``outside`` for a function that xacro does
-    not offer, ``too_large`` for what would take memory or time without end.
+    ``kind``: ``unsafe`` if it leads out of the language, ``construct`` for a harmless part of Python that is not supported,
+    ``method`` for a method that is not known to be harmless, ``outside`` for a function that xacro does not offer,
+    ``too_large`` if it would take unbounded memory or time.
     """
 
     def __init__(self, kind: str, reason: str, expression: str = "") -> None:
@@ -97,15 +97,15 @@ class ExpressionRefusedError(Exception):
 
 @lru_cache(maxsize=4096)
 def compile_expression(expression: str) -> CodeType:
-    """The code of an expression, in which every step goes through a guard.
+    """Return the code of an expression, in which every step goes through a guard.
 
-    :raises Refused: when it must not be evaluated.
-    :raises SyntaxError: when it is no expression.
+    :raises ExpressionRefusedError: if it must not be evaluated.
+    :raises SyntaxError: if it is not an expression.
     """
     tree = _parse_expression(expression)
-    refused = _find_refusal(tree)
-    if refused is not None:
-        raise refused
+    refusal = _find_refusal(tree)
+    if refusal is not None:
+        raise refusal
     try:
         return compile(ast.fix_missing_locations(_GuardInserter().visit(tree)), "<expression>", "eval")
     except (RecursionError, MemoryError):
@@ -118,7 +118,7 @@ def _parse_expression(expression: str) -> ast.Expression:
         raise ExpressionRefusedError("too_large", f"it has {len(text):,} characters, more than {MAX_TEXT:,}")
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what Python thinks of `1if x else 2` is nothing for the terminal
+            warnings.simplefilter("ignore")  # such as that of `1if x else 2`: not for the terminal
             tree = ast.parse(text, "<expression>", mode="eval")
     except (RecursionError, MemoryError):  # Python's parser has limits of its own
         raise _make_depth_error() from None
@@ -139,21 +139,21 @@ def _make_depth_error() -> ExpressionRefusedError:
 
 
 def _find_refusal(tree: ast.Expression) -> ExpressionRefusedError | None:
-    """Why a tree must not be evaluated; what leads out of the language goes before what only might."""
+    """Return why a tree must not be evaluated; a way out of the language takes precedence over an unsupported construct."""
     construct: ExpressionRefusedError | None = None
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) and (node.attr.startswith("_") or node.attr in _ATTRIBUTES):
             return ExpressionRefusedError("unsafe", f"the attribute .{node.attr} leads out of xacro's language")
         if isinstance(node, ast.Name) and node.id.startswith("__"):
             return ExpressionRefusedError("unsafe", f"the name {node.id} leads out of xacro's language")
-        strange = _describe_unsupported(node)
-        if strange:
-            construct = construct or ExpressionRefusedError("construct", strange)
+        unsupported = _describe_unsupported(node)
+        if unsupported:
+            construct = construct or ExpressionRefusedError("construct", unsupported)
     return construct
 
 
 def _describe_unsupported(node: ast.AST) -> str:
-    """What a node is that is no part of xacro's language; empty when it is one."""
+    """Describe a node that is not part of xacro's language; return an empty text for one that is."""
     if not isinstance(node, _NODES):
         names = {"Lambda": "a lambda", "JoinedStr": "an f-string", "NamedExpr": "an assignment (:=)", "Await": "await"}
         return names.get(type(node).__name__, f"a Python {type(node).__name__}")
@@ -168,7 +168,7 @@ def _describe_unsupported(node: ast.AST) -> str:
 
 
 class _GuardInserter(ast.NodeTransformer):
-    """Puts a call of a guard in the place of each operation whose effect depends on the values."""
+    """Replaces each operation whose effect depends on the values by a call of a guard."""
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
         guard = _GUARDED.get(type(node.op))
@@ -250,26 +250,26 @@ def _make_guard_call(guard: str, *arguments: ast.expr) -> ast.Call:
 
 
 def _guard_operand(node: ast.expr) -> ast.expr:
-    return node if isinstance(node, ast.Constant) else _make_guard_call("@weighed", node)
+    return node if isinstance(node, ast.Constant) else _make_guard_call("@measured", node)
 
 
-@lru_cache(maxsize=4096)  # several rules look through the same files
+@lru_cache(maxsize=4096)  # several rules read the same files
 def find_names(expression: str) -> frozenset[str]:
-    """Every identifier that an expression mentions; of text that is no expression, every word in it."""
+    """Return every identifier that an expression mentions; if the text is not an expression, every word in it."""
     try:
         tree = _parse_expression(expression)
     except (SyntaxError, ExpressionRefusedError):
         return frozenset(_iter_identifiers(expression))
-    found: set[str] = set()
+    names: set[str] = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Name):
-            found.add(node.id)
+            names.add(node.id)
         elif isinstance(node, ast.Attribute):
-            found.add(node.attr)
+            names.add(node.attr)
         elif isinstance(node, ast.Constant) and isinstance(node.value, str):
             # An expression inside a string of an expression (xacro evaluates nested ${…}) counts as well.
-            found.update(_iter_identifiers(node.value))
-    return frozenset(found)
+            names.update(_iter_identifiers(node.value))
+    return frozenset(names)
 
 
 def _iter_identifiers(text: str) -> Iterator[str]:

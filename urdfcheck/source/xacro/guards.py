@@ -1,8 +1,9 @@
-"""What an expression of a xacro file may do with values: nothing that leaves xacro's language, nothing without bounds.
+"""What an expression of a xacro file may do with values: nothing that leaves xacro's language, and nothing without bounds.
 
-:func:`urdfcheck.source.xacro.expressions.compiled` puts a call of a guard in the place of each operation. A guard looks at the
-values: which of their methods are known to be harmless, and how large the result would be, before it is computed. Every
-function that an expression can reach is a :class:`GuardedFunction`, wherever it is called from (``map``, ``sorted(key=…)``).
+:func:`urdfcheck.source.xacro.expressions.compile_expression` replaces each operation by a call of a guard. Before the
+operation is computed, the guard checks that it is known to be harmless for these values, and how large its result would be.
+Every function that an expression can reach is a :class:`GuardedFunction`, wherever it is called from (``map``,
+``sorted(key=…)``).
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from typing import Any
 
 from urdfcheck.source.xacro.expressions import ExpressionRefusedError
 
-# Far above what robots need, far below what hurts: of a hundred robots none takes more than 35,000 steps.
+# Far above the need of robots, far below what harms: in a hundred robots the maximum is 35,000 steps.
 MAX_STEPS = 2_000_000
 MAX_ITEMS = 100_000
 MAX_CHARACTERS = 1_000_000
@@ -27,7 +28,7 @@ MAX_BITS = 10_000
 MAX_DEPTH = 100
 MAX_WIDTH = 1_000
 MAX_SEPARATORS = 100
-# What one step stands for in text.
+# How many characters of text count as one step.
 _CHARACTERS_PER_STEP = 4
 
 _VIEWS: tuple[type, ...] = (type({}.keys()), type({}.values()), type({}.items()))
@@ -45,7 +46,7 @@ _SET_METHODS = _split_words(
     "copy difference intersection isdisjoint issubset issuperset symmetric_difference union add clear"
     " difference_update discard intersection_update pop remove symmetric_difference_update update"
 )
-# The methods that stay inside of the language, by the type that has them.
+# The methods that stay within the language, by type.
 _METHODS: Mapping[type, frozenset[str]] = {
     str: _split_words(
         "capitalize casefold center count endswith expandtabs find format index isalnum isalpha isascii isdecimal isdigit"
@@ -63,16 +64,16 @@ _METHODS: Mapping[type, frozenset[str]] = {
     float: _NUMBER_METHODS,
     complex: _NUMBER_METHODS,
 }
-# The methods that look into what their object holds, however deep.
+# The methods that visit everything that their object contains, at any depth.
 _DEEP_METHODS = frozenset({"count", "index", "remove", "sort", "copy", *_SET_METHODS})
-# `vars` hands out a class's own dictionary, in which dunder names are plain keys; `type` hands out the classes.
+# `vars` returns a class's own dictionary, in which dunder names are plain keys; `type` returns the classes.
 _FORBIDDEN_FUNCTIONS = frozenset({"type", "vars"})
 _NAMESPACE_METHODS = frozenset({"get", "items", "keys", "values"})
 _FIELD = re.compile(r"%(?:\([^()]*\))?[-#0 +]*(\*|\d*)(?:\.(\*|\d*))?[hlL]?[^(]", re.DOTALL)
 
 
 class GuardedFunction:
-    """A function that expressions may call: its guard sees the arguments first, and may refuse them."""
+    """A function that expressions may call; its guard checks the arguments first, and may refuse them."""
 
     __slots__ = ("_check", "_guards", "_shallow", "function")
 
@@ -98,7 +99,7 @@ class GuardedFunction:
 
 
 class _EvaluationGlobals(dict[str, Any]):
-    """The globals of one evaluation: the symbols of the file, and the guards under names that nobody can write."""
+    """The globals of one evaluation: the symbols of the file, and the guards under names that no expression can spell."""
 
     __slots__ = ("guards", "symbols")
 
@@ -115,7 +116,7 @@ class Guards:
     """The guards of one expansion, which share one count of steps."""
 
     def __init__(self, namespace: type) -> None:
-        """``namespace``: xacro's class of name tables, the one type of value that is not Python's own."""
+        """Start the count. ``namespace``: xacro's class of name tables, the only type of value that is not Python's own."""
         self.steps = MAX_STEPS
         self._namespace = namespace
         self._named: dict[str, Callable[..., Any]] = {
@@ -132,25 +133,28 @@ class Guards:
             "@item": self._get_item,
             "@slice": slice,
             "@call": self._call_function,
-            "@weighed": self.guard_argument,
+            "@measured": self.guard_argument,
             "@iterable": self._iter_counted,
             "@unpacked": self._iter_measured,
             "@mapping": self._guard_mapping,
         }
 
     def evaluate(self, code: CodeType, symbols: Mapping[str, Any]) -> Any:
-        """The value of a compiled expression. ``symbols`` raises KeyError for a name that it does not know.
+        """Return the value of a compiled expression. ``symbols`` raises KeyError for an unknown name.
 
-        :raises Refused: when a guard stops it.
+        :raises ExpressionRefusedError: if a guard stops it.
         """
         value = eval(code, _EvaluationGlobals(self._named, symbols))
         self.measure(value)
         return value
 
-    # -- how much ----------------------------------------------------------------------------------------------
+    # -- limits ------------------------------------------------------------------------------------------------
 
     def charge(self, steps: int) -> None:
-        """Count steps of this expansion."""
+        """Count steps of this expansion.
+
+        :raises ExpressionRefusedError: beyond :data:`MAX_STEPS`.
+        """
         self.steps -= steps
         if self.steps < 0:
             raise ExpressionRefusedError(
@@ -158,9 +162,9 @@ class Guards:
             )
 
     def measure(self, value: Any) -> int:
-        """How many characters the value has when it is written out, at least.
+        """Return a lower bound for the number of characters of the written value.
 
-        :raises Refused: when it is too large to be written, compared or hashed.
+        :raises ExpressionRefusedError: if it is too large to be written, compared or hashed.
         """
         if type(value) in _NUMBERS or value is None:
             return 24 if type(value) is not int else 2 + value.bit_length() // 3
@@ -181,7 +185,7 @@ class Guards:
                 size += 8 if type(value) is not int else 2 + value.bit_length() // 3
             elif isinstance(value, str):
                 size += len(value) + 2
-            elif isinstance(value, bytes):  # of which each may be written as \x00
+            elif isinstance(value, bytes):  # each byte may be written as \x00
                 size += 4 * len(value) + 3
             elif holds or isinstance(value, range):
                 size += 2 * len(value) + 2
@@ -199,7 +203,7 @@ class Guards:
         return size
 
     def guard_argument(self, value: Any) -> Any:
-        """A value that something looks into: weighed, and of an iterator each item when it comes."""
+        """Return a value that was measured before a function visits its content; of an iterator, each item as it comes."""
         if hasattr(type(value), "__next__"):
             return self._guard_items(value)
         self.measure(value)
@@ -212,7 +216,7 @@ class Guards:
             yield item
 
     def _ensure_result_size(self, count: int, limit: int, what: str) -> None:
-        """That a result of this many items or characters may be made."""
+        """Refuse a result of too many items or characters."""
         if count > limit:
             raise _make_too_long_error(limit, what)
         self.charge(max(count, 0) // (_CHARACTERS_PER_STEP if limit == MAX_CHARACTERS else 1))
@@ -249,7 +253,7 @@ class Guards:
     def _apply_modulo(self, left: Any, right: Any) -> Any:
         if isinstance(left, str):
             self._ensure_template(left, right)
-        elif isinstance(left, bytes):  # of a yaml value that is tagged !!binary
+        elif isinstance(left, bytes):  # a yaml value that is tagged !!binary
             raise ExpressionRefusedError("method", "it uses a % format of bytes")
         return left % right
 
@@ -263,14 +267,14 @@ class Guards:
         return apply_measured
 
     def _ensure_template(self, template: str, values: Any) -> None:
-        """That ``template % values`` stays small."""
+        """Refuse ``template % values`` if the result is large or its size unknown."""
         widest, fields, at = 0, 0, template.find("%")
         while at >= 0:
             field = _FIELD.match(template, at)
             if field is None:
                 if at + 1 < len(template):
                     raise ExpressionRefusedError("method", "it uses a % format with a key that contains parentheses")
-                break  # incomplete: Python says so
+                break  # incomplete: Python reports it
             for width in field.groups():
                 if width == "*":
                     raise ExpressionRefusedError("method", "it uses a % format whose width is computed")
@@ -298,7 +302,7 @@ class Guards:
                     found = getattr(value, name)
                     return self._guard_method(value, name, found) if callable(found) else found
                 if not hasattr(kind if kind is dict else value, name):
-                    return getattr(value, name)  # a key of a yaml mapping, or Python's words for what is missing
+                    return getattr(value, name)  # a key of a yaml mapping, or Python's error for a missing attribute
                 raise ExpressionRefusedError(
                     "method", f"the attribute .{name} of a {kind.__name__} is none that robots use"
                 )
@@ -319,7 +323,7 @@ class Guards:
         return GuardedFunction(self, method, check)
 
     def _get_unbound_method(self, kind: Any, name: str) -> Any:
-        """``str.lower``, to be called with a text."""
+        """Return a method such as ``str.lower``, to be called with a text."""
         if kind is dict and name == "fromkeys":
             return GuardedFunction(self, dict.fromkeys, None)
         names = _METHODS.get(kind, frozenset()) if isinstance(kind, type) else frozenset()
@@ -375,7 +379,7 @@ class Guards:
     # -- methods of text and lists -----------------------------------------------------------------------------
 
     def _ensure_room(self, owner: Any, *args: Any, **_: Any) -> None:
-        """That a list, set or dictionary may take what a method puts into it."""
+        """Refuse to put more into a list, set or dictionary than it may hold."""
         more = sum(len(a) for a in args if isinstance(a, (str, list, tuple, dict, set, frozenset, range)))
         if len(owner) + more > MAX_ITEMS:
             raise _make_too_long_error(MAX_ITEMS, "items")
@@ -392,7 +396,7 @@ class Guards:
     _text_rjust = _text_center = _text_zfill = _text_ljust
 
     def _text_strip(self, text: str, characters: Any = None, *_: Any) -> None:
-        if isinstance(characters, str):  # each character of the text is looked for among these
+        if isinstance(characters, str):  # each character of the text is compared with these
             self.charge(len(text) * len(characters) // 10_000)
 
     _text_lstrip = _text_rstrip = _text_strip
@@ -424,7 +428,7 @@ class Guards:
     # -- functions ---------------------------------------------------------------------------------------------
 
     def guard_function(self, name: str, function: Callable[..., Any]) -> GuardedFunction:
-        """A function of xacro's language, of this name."""
+        """Return a function of xacro's language with the guard for its name."""
         if name in {"isinstance", "issubclass"}:
             return GuardedFunction(self, _accept_guarded_types(function), None, shallow=True)
         shallow = name in {"len", "bool", "arg", "env", "optenv", "find", "dirname"}
@@ -432,7 +436,7 @@ class Guards:
         return GuardedFunction(self, function, check, shallow=shallow)
 
     def _ensure_sum(self, items: Any = (), start: Any = 0, **_: Any) -> None:
-        if isinstance(start, (list, tuple)) and isinstance(items, Iterable):  # copied once more for each item
+        if isinstance(start, (list, tuple)) and isinstance(items, Iterable):  # copied again for each item
             items = [item for item in items if isinstance(item, (list, tuple))]
             count = len(start) + sum(map(len, items))
             self._ensure_result_size(count, MAX_ITEMS, "items")
@@ -449,7 +453,7 @@ class Guards:
                         dict.__setitem__(table, key, self.guard_function(key, function))
 
     def make_forbidden_function(self, name: str) -> GuardedFunction:
-        """Stands for a function that leads out of the language, wherever it is called from."""
+        """Return a substitute for a function that leads out of the language; it refuses every call."""
 
         def refuse(*_: Any, **__: Any) -> None:
             raise ExpressionRefusedError("unsafe", f"{name} leads out of xacro's language")
@@ -459,7 +463,7 @@ class Guards:
 
 
 def _iter_items(container: Any) -> Iterator[Any]:
-    """What a container holds, past the wrappers of yaml values that tell what is read."""
+    """Yield the content of a container without the wrappers of yaml values, which record each read."""
     if isinstance(container, dict):
         return chain(dict.keys(container), dict.values(container))
     return list.__iter__(container) if isinstance(container, list) else iter(container)
@@ -485,7 +489,7 @@ def _parse_width(text: str | None) -> int:
 
 
 def _accept_guarded_types(function: Callable[..., bool]) -> Callable[..., bool]:
-    """``isinstance`` and ``issubclass`` for types that are functions of the language: ``list``, ``str`` and the like."""
+    """Return ``isinstance`` or ``issubclass`` for types that are functions of the language: ``list``, ``str`` and the like."""
 
     def unwrap_types(kind: Any) -> Any:
         if type(kind) is tuple:
@@ -498,7 +502,7 @@ def _accept_guarded_types(function: Callable[..., bool]) -> Callable[..., bool]:
     return call_unwrapped
 
 
-# -- what the arguments of a function must not be: too little and too many of them are left to the function itself ------
+# -- checks of the arguments of functions; too few or too many of them are left to the function itself -------------------
 
 
 def _ensure_range_size(*args: Any, **_: Any) -> None:
@@ -543,7 +547,7 @@ def _ensure_lcm_size(*numbers: Any) -> None:
 
 
 def _ensure_plain_separators(_text: Any = "", sep: Any = "", *_: Any, **__: Any) -> None:
-    # The separators are put between [ and ] of a regular expression.
+    # tokenize puts the separators between [ and ] of a regular expression.
     if isinstance(sep, str) and len(sep) > MAX_SEPARATORS:
         raise ExpressionRefusedError("too_large", f"it gives xacro.tokenize more than {MAX_SEPARATORS} separators")
     if isinstance(sep, str) and "]" in sep[1:]:

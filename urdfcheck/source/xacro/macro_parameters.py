@@ -7,22 +7,24 @@ from __future__ import annotations
 
 import re
 
-# xacro's expression for ``name:=default rest`` but for one thing: what stands outside of quotes is taken character by
-# character, where xacro takes it in runs and tries every way to cut one run into several.
+# xacro's expression for ``name:=default rest`` with one difference: text outside of quotes is matched character by character;
+# xacro matches it in runs, and tries every way to cut one run into several.
 _DEFAULT = r"""(?:'.*?'|".*?"|[^\s'"])+"""
 _SPEC = r"^\s*([^\s:=]+?)\s*:?=\s*(\^\|?)?(\$\{{.*?\}}|\$\(.*?\)|{}|)(?:\s+|$)(.*)"
 _EXACT = re.compile(_SPEC.format(_DEFAULT))
-# The same, but never taking back what it took: a quote ends at the next one.
+# The same without backtracking: a quote ends at the next one.
 _STRAIGHT = re.compile(_SPEC.format(rf"(?=(?P<taken>{_DEFAULT}))(?P=taken)"))
-# How many quotes may be paired in every possible way.
+# Up to this many quotes are paired in every possible way.
 _FEW_QUOTES = 16
 
 Default = tuple[str | None, str | None]
 
 
 def parse_next_parameter(text: str) -> tuple[str, Default | None, str]:
-    """The first parameter of a macro's ``params``: its name, its default with the name of what is forwarded before it
-    (None without any), and the rest of the text. The same as xacro's ``parse_macro_arg``."""
+    """Return the first parameter of a macro's ``params``, as xacro's ``parse_macro_arg`` does.
+
+    The parts are its name, its default after the name that is forwarded (None without a default), and the rest of the text.
+    """
     few = text.count("'") + text.count('"') <= _FEW_QUOTES
     match = (_EXACT if few else _STRAIGHT).match(text)
     if match is None:

@@ -1,0 +1,146 @@
+"""Checks from Python: what the command does, with values instead of words and a `Run` instead of a report."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from collections.abc import Iterable, Iterator, Mapping
+
+from urdfcheck.core import Run, UrdfcheckError
+from urdfcheck.run.jobs import SAMPLES
+from urdfcheck.run.pipeline import Execution
+from urdfcheck.run.pipeline import run as run_request
+from urdfcheck.run.preload import start_warm_worker
+from urdfcheck.run.request import AnyPath, RunOptions, make_request, split_words
+from urdfcheck.system import libraries
+from urdfcheck.system.process_pool import WORKER_VARIABLES
+
+Words = str | Iterable[str]
+Paths = AnyPath | Iterable[AnyPath]
+
+
+def check(
+    paths: Paths,
+    *,
+    select: Words | None = None,
+    ignore: Words = (),
+    target: Words | None = None,
+    tier: str | None = None,
+    arguments: Mapping[str, str] | None = None,
+    all_arguments: bool = False,
+    packages: Mapping[str, AnyPath] | None = None,
+    package_paths: Paths = (),
+    allow_read: Paths = (),
+    environment: Words = (),
+    baseline: AnyPath | None = None,
+    isolated: bool = False,
+    samples: int = SAMPLES,
+    jobs: int | None = None,
+    cache: bool = True,
+    timeout: float | None = None,
+    memory: int | None = None,
+    scene: bool = False,
+) -> Run:
+    """Check robot models, like ``urdfcheck check``, and return the outcome.
+
+    The configuration of each file (``urdfcheck.toml``, ``pyproject.toml``) counts as it does for the command; what is given
+    here wins over it. The models are checked in processes of their own, which are forked where the platform supports it:
+    call it from a notebook, from a test or from a script. On Windows they are spawned, and a script needs
+    ``if __name__ == "__main__":`` as for :mod:`multiprocessing`.
+
+    >>> import urdfcheck
+    >>> run = urdfcheck.check("fixtures/car-3/urdf/car-3.urdf", select=["SYM001", "INR003"])
+    >>> [model.robot for model in run.models]
+    ['car-3']
+    >>> for finding in run.active_findings:
+    ...     print(finding.code, finding.severity, finding.location.span.line, *finding.subjects)
+    SYM001 warning 88 joint[wheel_1_to_base_link]/origin@rpy
+
+    :param paths: models (URDF, xacro), launch files, meshes, packages and folders, or a single one of them. Paths in the
+        outcome are relative to the working directory.
+    :param select: codes, prefixes, names and tags of the only rules to run; comma-separated or one by one.
+    :param ignore: those of the rules not to run.
+    :param target: programs that will read the models (gazebo, mujoco, drake, moveit, …): what one of them rejects or drops
+        is an error. None: the configuration decides.
+    :param tier: how much is computed: ``source`` (the text), ``mesh`` (and the mesh files) or ``full`` (and the motion). None:
+        the configuration decides; by default ``full``.
+    :param arguments: values of xacro arguments, for all models.
+    :param all_arguments: whether to expand each xacro with all values that its text gives for its arguments.
+    :param packages: folder of each ROS package that would not be found, by its name.
+    :param package_paths: folders that hold packages.
+    :param allow_read: folders whose files may be opened, besides those around the paths and packages.
+    :param environment: names of environment variables that a xacro may read.
+    :param baseline: file of accepted findings; None: the one beside the configuration.
+    :param isolated: whether to ignore configurations, comments and baselines of the repository, which may be untrusted.
+    :param samples: number of joint configurations (joint positions drawn within the limits) in which motion is examined.
+    :param jobs: number of models checked at the same time; None: the number of cores.
+    :param cache: whether to keep measurements of meshes and findings between runs.
+    :param timeout: seconds for one model; 0: unlimited; None: 300.
+    :param memory: MiB for one model, at least 512; None: 4096.
+    :param scene: whether the outcome holds what graphical formats draw (``html``, ``png``).
+    :returns: the outcome. `Run.findings` holds all findings, `Run.active_findings` those that are not suppressed;
+        `Run.failures` says what could not be checked, paths that do not exist included: only without failures, no finding
+        is good news.
+    :raises UrdfcheckError: for a wrong argument or configuration. What is wrong with a model is a finding.
+    :raises KeyboardInterrupt: when the user interrupts.
+    """
+    options = RunOptions(
+        paths=_list_paths(paths),
+        select=None if select is None else _list_words(select),
+        ignore=_list_words(ignore),
+        target=None if target is None else _list_words(target),
+        tier=tier,
+        arguments={name: str(value) for name, value in (arguments or {}).items()},
+        all_arguments=all_arguments,
+        packages=packages or {},
+        package_paths=_list_paths(package_paths),
+        allow_read=_list_paths(allow_read),
+        environment=_list_words(environment),
+        baseline=baseline,
+        isolated=isolated,
+        samples=samples,
+        jobs=jobs,
+        cache=cache,
+        timeout=timeout,
+        memory=memory,
+    )
+    if not options.paths:
+        raise UrdfcheckError("paths: name at least one model, launch file, package or folder")
+    if any(not os.fspath(path) for path in options.paths):
+        raise UrdfcheckError("a path is empty ('.' is the working directory)")
+    if samples < 1:
+        raise UrdfcheckError(f"samples {samples}: at least 1")
+    request, _ = make_request(options, scene=scene)
+    with _worker_surroundings():
+        warm_worker = start_warm_worker()
+        try:
+            outcome = run_request(request, Execution(warm_worker=warm_worker))
+        finally:
+            if warm_worker is not None:
+                warm_worker.end()
+    if outcome.partial:
+        raise KeyboardInterrupt
+    return outcome
+
+
+def _list_words(words: Words) -> tuple[str, ...]:
+    return split_words([words] if isinstance(words, str) else words)
+
+
+def _list_paths(paths: Paths) -> tuple[AnyPath, ...]:
+    return (paths,) if isinstance(paths, (str, os.PathLike)) else tuple(paths)
+
+
+@contextlib.contextmanager
+def _worker_surroundings() -> Iterator[None]:
+    """Give worker processes the import path and the variables that they need, and the caller its own back."""
+    path = [*sys.path]
+    unset = [name for name in WORKER_VARIABLES if name not in os.environ]
+    libraries.prefer_own_folders()
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        for name in unset:
+            os.environ.pop(name, None)

@@ -1,0 +1,216 @@
+"""The audit of many models: each is finished on its own, kept as it comes, and never held in memory together.
+
+What is in the folder: ``audit.jsonl`` and ``index.html``, whole and in the order of the plan whatever finished first, and
+``journal``, by which the next run knows what it need not do again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from urdfcheck import __version__
+from urdfcheck import rules as catalogue
+from urdfcheck.core import Severity, SkippedCheck
+from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.dataset.journal import TEMPORARY, Journal, open_new_file, translate_os_errors
+from urdfcheck.output.html import index_page
+from urdfcheck.output.shared.audit import unit_lines
+from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
+from urdfcheck.run.pipeline import audit_session, is_empty_candidate, plan_units
+from urdfcheck.run.summary import collect_versions, report_foreign_libraries
+from urdfcheck.source.discover import Plan
+from urdfcheck.source.package.finder import format_path
+
+LINES, INDEX = "audit.jsonl", "index.html"
+# Variables that decide about where packages are.
+_ENVIRONMENT = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "HOME")
+
+Stream = Callable[[Sequence[Unit], AuditSettings], Generator[tuple[int, UnitReport], None, None]]
+
+
+@dataclass(frozen=True, slots=True)
+class AuditOutcome:
+    """What an audit came to. ``checked`` and ``unchanged`` count the units that were checked now, and those that were not
+    because nothing of them changed since. ``worst``: the worst severity of the units whose findings count from each severity on,
+    None for those of which the command decides."""
+
+    summary: unit_lines.AuditSummary
+    checked: int
+    unchanged: int
+    worst: Mapping[str | None, Severity] = field(default_factory=dict)
+
+
+def audit_dataset(
+    request: Request,
+    folder: Path,
+    stream: Stream,
+    *,
+    restart: bool = False,
+    progress: Callable[[int, int], object] | None = None,
+) -> AuditOutcome:
+    """Check everything that the request's paths mean, and write the folder.
+
+    ``stream`` does the work: the places of units and their reports, as they come. What the folder holds from an earlier audit
+    is kept where nothing changed; ``restart`` forgets it. ``progress`` is called with how many units have been checked and
+    how many are to be.
+
+    :raises UrdfcheckError: when the folder is not an audit's, or of one with other settings, or cannot be written; when
+        nothing is there to be checked but paths that are wrong; when the user interrupts.
+    """
+    found, units = plan_units(request)
+    if not units and found.missing:
+        path, reason = found.missing[0]
+        raise UrdfcheckError(f"{path} {reason}")
+    if not units:
+        return AuditOutcome(unit_lines.AuditSummary(), 0, 0)
+    keys = [_compute_unit_key(unit) for unit in units]
+    with (
+        audit_session(request, units, found.reach or request.reach) as settings,
+        Journal(folder, _describe_settings(request, settings), frozenset(keys), restart=restart) as journal,
+    ):
+        todo = [index for index, key in enumerate(keys) if key not in journal]
+        checked = 0
+        try:
+            with contextlib.closing(stream([units[i] for i in todo], settings)) as reports:
+                for place, report in reports:
+                    unit = units[todo[place]]
+                    text = b"" if is_empty_candidate(unit, report, found) else encode_unit_line(unit, report)
+                    # What failed is tried again next time.
+                    journal.add(keys[todo[place]], text, {} if report.failures else report.reads)
+                    checked += 1
+                    if progress is not None:
+                        progress(checked, len(todo))
+        except KeyboardInterrupt:
+            if progress is not None:
+                progress(len(todo), len(todo))
+            finished = len(units) - len(todo) + checked
+            raise UrdfcheckError(
+                f"interrupted: {finished:,} of {len(units):,} models and files are finished and kept in {folder}; "
+                "the same command goes on from there"
+            ) from None
+        last = _encode_run_line(request, found)
+        summary = write_results(folder, lambda: _iter_ordered_lines(journal, keys, last))
+        worst = _find_worst_severities(units, keys, journal, summary)
+        journal.trim()
+    return AuditOutcome(summary, len(todo), len(units) - len(todo), worst)
+
+
+def _find_worst_severities(
+    units: Sequence[Unit], keys: Sequence[str], journal: Journal, summary: unit_lines.AuditSummary
+) -> dict[str | None, Severity]:
+    if len({unit.fail_on for unit in units}) == 1:  # and what belongs to none of them
+        worst = max((severity for severity, number in summary.counts.items() if number), default=None)
+        return {} if worst is None else {units[0].fail_on: worst}
+    found: dict[str | None, Severity] = {}
+    for unit, key in zip(units, keys, strict=True):
+        counts = unit_lines.parse_unit_line(text).counts if (text := journal.read_text(key)) else ()
+        for severity, number in zip((Severity.ERROR, Severity.WARNING, Severity.INFO), counts, strict=False):
+            if number:
+                found[unit.fail_on] = max(severity, found.get(unit.fail_on, severity))
+    return found
+
+
+def encode_unit_line(unit: Unit, report: UnitReport) -> bytes:
+    """The unit's line in ``audit.jsonl``."""
+    info = report.info
+    if info is not None and "SOURCE_DATE_EPOCH" in os.environ:
+        info = replace(info, seconds=0.0)
+    path = format_path(Path(unit.path))
+    return unit_lines.build_unit_line(
+        unit.kind,
+        unit.id,
+        path,
+        info=info,
+        findings=report.findings,
+        skipped=report.skipped,
+        failures=report.failures,
+    )
+
+
+def write_results(folder: Path, texts: Callable[[], Iterable[bytes]]) -> unit_lines.AuditSummary:
+    """Write the lines and the page about them, each whole or not at all; ``texts`` gives the lines as often as it is called."""
+    with translate_os_errors(folder):
+        _replace_file(folder / LINES, (text + b"\n" for text in texts()))
+        summary = unit_lines.AuditSummary.from_rows(map(unit_lines.parse_unit_line, texts()))
+        page = index_page.iter_audit_page(
+            summary, map(unit_lines.parse_unit_line, texts()), rules=catalogue.load_rules(), version=__version__
+        )
+        _replace_file(folder / INDEX, (part.encode() for part in page))
+    return summary
+
+
+def _replace_file(path: Path, parts: Iterable[bytes]) -> None:
+    temporary = path.with_name(f"{TEMPORARY}{path.name}")
+    try:
+        with open_new_file(temporary) as out:
+            out.writelines(parts)
+        os.replace(temporary, path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def _iter_ordered_lines(journal: Journal, keys: Sequence[str], last: bytes) -> Iterator[bytes]:
+    for key in keys:
+        if text := journal.read_text(key):
+            yield text
+    yield last
+
+
+def _encode_run_line(request: Request, found: Plan) -> bytes:
+    """The line of what belongs to no unit: paths that are wrong, and what only a run as a whole could show."""
+    findings = report_foreign_libraries() if "URC907" in request.policy.codes else []
+    skipped = [SkippedCheck("ALL", path, reason) for path, reason in found.unused]
+    alone = "it compares the models of a run with each other: urdfcheck check does"
+    skipped += [
+        SkippedCheck(code, "", alone)
+        for code, rule in catalogue.load_rules().items()
+        if rule.scopes == ("run",) and code in request.policy.codes and catalogue.has_check(rule)
+    ]
+    failures = [f"{path}: {reason}" for path, reason in found.missing]
+    return unit_lines.build_unit_line("run", "", "", findings=findings, skipped=skipped, failures=failures)
+
+
+def _describe_settings(request: Request, settings: AuditSettings) -> dict[str, Any]:
+    """All that the outcome for a unit depends on beside the unit and its files, by the name that a user has for it."""
+    variables = {name: os.environ.get(name) for name in sorted({*_ENVIRONMENT, *settings.options.environment})}
+    return {
+        "versions": collect_versions(full=True),
+        "working directory": os.getcwd(),
+        "configuration's folder": str(request.root),
+        "dataset": list(settings.reach or ()),
+        "rules": sorted(settings.policy.codes),
+        "severities": dict(settings.policy.severities),
+        "options of rules": {code: dict(values) for code, values in settings.policy.options.items()},
+        "--tier": settings.policy.tier,
+        "--package": {name: str(path) for name, path in settings.packages.by_name.items()},
+        "--package-path": list(map(str, settings.packages.search_path)),
+        "--target": list(settings.policy.targets),
+        "suppress": [[*sorted(e.codes), e.subject, e.reason] for e in settings.policy.suppress],
+        "comments in the source": settings.options.heed_comments,
+        "--thorough": settings.options.samples,
+        "--timeout, --memory": list(asdict(settings.options.limits).values()),
+        "--env": list(settings.options.environment),
+        # Values may be secrets.
+        "environment": hashlib.sha256(json.dumps(variables).encode()).hexdigest(),
+    }
+
+
+def _compute_unit_key(unit: Unit) -> str:
+    # `fail_on` changes nothing of what is found; what is known has keys that JSON has not.
+    facts: Mapping[str, Any] = asdict(replace(unit, fail_on=None, baseline_entries={})) | {
+        "known": sorted(unit.baseline_entries.items())
+    }
+    return hashlib.sha256(json.dumps(facts, sort_keys=True, default=_sort_for_json).encode()).hexdigest()[:32]
+
+
+def _sort_for_json(value: Any) -> Any:
+    """Return what JSON can hold of a set of codes or a folder."""
+    return str(value) if isinstance(value, Path) else sorted(value)

@@ -1,0 +1,60 @@
+"""Names that differ in nothing but the side: ``left_wheel`` and ``right_wheel``, ``LF_hip`` and ``RF_hip``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
+from itertools import combinations
+
+# Words of a name: camel case, digits and punctuation separate them.
+_WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^A-Za-z\d]+")
+_SIDES = re.compile(r"left|right", re.IGNORECASE)
+_OTHER: Mapping[str, str] = {"left": "right", "right": "left", "l": "r", "r": "l"}
+# A name with more words than this that could mean a side does not mean one.
+_MOST = 4
+
+
+def pair_by_name(names: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Yield names that differ in nothing but the side, each pair once, in the order of the names."""
+    all_names = list(names)
+    index = {name: i for i, name in enumerate(all_names)}
+    words = {word for name in all_names for word in _WORDS.findall(name)}
+    for name in all_names:
+        for other in dict.fromkeys(_list_other_side_names(name, words)):
+            if index.get(other, -1) > index[name]:
+                yield name, other
+
+
+def _list_other_side_names(name: str, known: AbstractSet[str]) -> Iterator[str]:
+    """Yield what a name may be on the other side: every choice of its words for a side, each replaced by a ``known`` one."""
+    words = _WORDS.findall(name)
+    others = [[other for other in _list_other_side_words(word) if other in known] for word in words]
+    places = [i for i, options in enumerate(others) if options]
+    if len(places) > 2 * _MOST:
+        return
+    for count in range(1, min(len(places), _MOST) + 1):
+        for chosen in combinations(places, count):
+            choices = [""]
+            for i, word in enumerate(words):
+                options = others[i] if i in chosen else [word]
+                choices = [before + option for before in choices for option in options]
+            yield from choices
+
+
+def _list_other_side_words(word: str) -> Iterator[str]:
+    """Yield a word for the other side: ``left``, ``l``, ``lf``, ``fl``, ``larm``. The other name decides whether it means one."""
+    if _SIDES.search(word):
+        yield _SIDES.sub(lambda match: _match_case(_OTHER[match.group().lower()], match.group()), word)
+        return
+    for place in dict.fromkeys((0, len(word) - 1)):
+        other = _OTHER.get(word[place].lower())
+        if other is not None:
+            yield word[:place] + _match_case(other, word[place]) + word[place + 1 :]
+
+
+def _match_case(word: str, like: str) -> str:
+    """Return the word in capitals, or with a capital, like the other."""
+    if like.isupper():
+        return word.upper()
+    return word.capitalize() if like[0].isupper() else word

@@ -1,0 +1,270 @@
+"""The index page of many models: numbers, a table of the rules, and a row for each model.
+
+It is written piece by piece, so that memory holds one row at a time. Its script sorts and filters; without it the page has the
+same content.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from types import MappingProxyType
+
+from urdfcheck.core import Rule, Run, Severity
+from urdfcheck.output.html.file_groups import LAUNCH_FILE, classify_file
+from urdfcheck.output.html.glyphs import SYMBOLS, pluralize_severity, render_glyph
+from urdfcheck.output.html.html_text import NO_VALUE, escape_html, format_number, format_whole_number
+from urdfcheck.output.html.page_frame import read_asset, read_style_sheet, render_document_head
+from urdfcheck.output.html.report_parts import ReportPart
+from urdfcheck.output.html.rule_markdown import render_inline
+from urdfcheck.output.shared.audit.unit_lines import AuditSummary, RuleCount, UnitRow, build_unit_line, parse_unit_line
+from urdfcheck.output.shared.inert import escape_for_html
+from urdfcheck.output.shared.wording import SEVERITY_ORDER, get_base_name
+
+# Rules named in a model's row; the filter finds all of them.
+MOST_CODES = 6
+# Rows of the table of the worst models, which only an audit of more models has.
+MOST_WORST = 10
+_SENTENCE = re.compile(r".{40,}?[.:](?=\s+[A-Z])", re.DOTALL)
+_KINDS = (("model", "Models"), ("launch", "Launch files"), ("package", "Packages"))
+
+
+def iter_audit_page(
+    summary: AuditSummary,
+    rows: Iterable[UnitRow],
+    *,
+    rules: Mapping[str, Rule],
+    version: str,
+    links: Mapping[str, str] = MappingProxyType({}),
+) -> Iterator[str]:
+    """Yield the document in pieces of whole lines, which are the same for equal summaries and rows.
+
+    ``links``: the files with the pages about single units, by the id of the unit."""
+    return map(escape_for_html, _iter_page_pieces(summary, rows, rules=rules, version=version, links=links))
+
+
+def render_run_index(run: Run, parts: Sequence[ReportPart], file_names: Sequence[str]) -> str:
+    """Render the index of the parts of a run, which have pages of these names."""
+    run_row = parse_unit_line(build_unit_line("run", "", "", failures=run.failures))
+    rows = [*map(_build_unit_row, parts), run_row]
+    links = {_identify_part(part): name for part, name in zip(parts, file_names, strict=True)}
+    version = run.versions.get("urdfcheck", "")
+    return "".join(iter_audit_page(AuditSummary.from_rows(rows), rows, rules=run.rules, version=version, links=links))
+
+
+def _build_unit_row(part: ReportPart) -> UnitRow:
+    findings = [card.finding for card in part.cards]
+    line = build_unit_line(_classify_part(part), _identify_part(part), part.path, info=part.info, findings=findings)
+    return parse_unit_line(line)
+
+
+def _classify_part(part: ReportPart) -> str:
+    if part.info:
+        return "model"
+    if classify_file(part.path, "") == LAUNCH_FILE:
+        return "launch"
+    return "package" if part.path else "other"
+
+
+def _identify_part(part: ReportPart) -> str:
+    return part.info.id if part.info else part.path or part.title
+
+
+def _iter_page_pieces(
+    summary: AuditSummary,
+    rows: Iterable[UnitRow],
+    *,
+    rules: Mapping[str, Rule],
+    version: str,
+    links: Mapping[str, str],
+) -> Iterator[str]:
+    title = f"{format_whole_number(summary.kinds['model'])} model{'' if summary.kinds['model'] == 1 else 's'}"
+    style, script = read_style_sheet() + read_asset("index.css"), read_asset("index.js")
+    yield f"""{render_document_head(title, style, [script])}<body class="index">
+{SYMBOLS}
+<a class="skip" href="#models">Skip to the models</a>
+{_render_header(summary, title, version)}
+<div class="page">
+<main id="content">
+{_render_failures(summary)}{_render_unchecked(summary)}{_render_worst_models(summary, links)}
+"""
+    # With pages to open, the models come first; an audit of thousands of models begins with what they have in common.
+    if not links:
+        yield _render_rules_table(summary, rules)
+    yield from _iter_models_table(summary, rows, links)
+    if links:
+        yield _render_rules_table(summary, rules)
+    yield f"</main>\n</div>\n<script>{script}</script>\n</body>\n</html>\n"
+
+
+# -- head --------------------------------------------------------------------------------------------------------------
+
+
+def _render_header(summary: AuditSummary, title: str, version: str) -> str:
+    kind, verdict = _summarize_verdict(summary)
+    tiles = "".join(_render_severity_tile(severity, summary.counts[severity]) for severity in SEVERITY_ORDER)
+    facts = [(name, format_whole_number(summary.kinds[kind])) for kind, name in _KINDS if summary.kinds[kind]]
+    facts += [
+        (escape_html(status.capitalize()), format_whole_number(n)) for status, n in sorted(summary.statuses.items())
+    ]
+    return (
+        f'<header class="top"><p class="brand">urdfcheck <span>{escape_html(version)}</span></p>'
+        f'<h1>{title}</h1><p class="verdict {kind}">{render_glyph(kind)} {verdict}</p>'
+        f'<ul class="tiles" aria-label="Findings by severity">{tiles}</ul><dl class="facts">'
+        + "".join(f"<div><dt>{name}</dt><dd>{value}</dd></div>" for name, value in facts)
+        + "</dl></header>"
+    )
+
+
+def _render_severity_tile(severity: Severity, count: int) -> str:
+    return (
+        f'<li class="tile {severity}{"" if count else " none"}">{render_glyph(severity)} '
+        f"<b>{format_whole_number(count)}</b> {pluralize_severity(count, severity)}</li>"
+    )
+
+
+def _summarize_verdict(summary: AuditSummary) -> tuple[str, str]:
+    """Return the verdict on an audit: error | warning | ok, and a sentence without its full stop."""
+    unread = summary.kinds["model"] - summary.statuses["checked"]
+    if summary.failure_count:
+        return "error", "Not finished: a part of urdfcheck itself failed, so this verdict is incomplete"
+    if summary.models_with_errors:
+        has = "has" if summary.models_with_errors == 1 else "have"
+        return "error", f"{format_whole_number(summary.models_with_errors)} of the models {has} errors"
+    if summary.counts[Severity.ERROR]:
+        return "error", "There are errors to repair"
+    if unread:
+        return "warning", f"{format_whole_number(unread)} of the models could not be checked"
+    if summary.counts[Severity.WARNING]:
+        return "warning", "No errors, but warnings to look at"
+    return "ok", "No errors and no warnings"
+
+
+def _render_failures(summary: AuditSummary) -> str:
+    if not summary.failure_count:
+        return ""
+    items = [escape_html(failure) for failure in summary.failures]
+    items += [f"and {format_whole_number(rest)} more"] if (rest := summary.failure_count - len(items)) else []
+    return _render_notice_box("What failed in urdfcheck", items)
+
+
+def _render_unchecked(summary: AuditSummary) -> str:
+    total = summary.kinds["model"] - summary.statuses["checked"]
+    if not total:
+        return ""
+    items = [f"<code>{escape_html(name)}</code>: {escape_html(status)}" for name, status in summary.unchecked]
+    items += [f"and {format_whole_number(rest)} more"] if (rest := total - len(items)) > 0 else []
+    return _render_notice_box("What could not be checked", items)
+
+
+def _render_notice_box(title: str, items: Iterable[str]) -> str:
+    return f'<section class="failures"><h2>{title}</h2><ul>{"".join(f"<li>{i}</li>" for i in items)}</ul></section>\n'
+
+
+# -- tables ------------------------------------------------------------------------------------------------------------
+
+
+def _render_worst_models(summary: AuditSummary, links: Mapping[str, str]) -> str:
+    if len(summary.worst) < 2 or summary.unit_count <= MOST_WORST:
+        return ""
+    rows = (_render_model_row(row, links) for row in summary.worst[:MOST_WORST])
+    return "".join(_iter_table("worst", "Worst models", head=_MODEL_HEAD, rows=rows))
+
+
+def _render_rules_table(summary: AuditSummary, rules: Mapping[str, Rule]) -> str:
+    if not summary.rules:
+        return ""
+    rows = (_render_rule_row(rules[code], count) for code, count in summary.rank_rules() if code in rules)
+    return "".join(_iter_table("rules", "Rules", head=_RULE_HEAD, rows=rows, css_class="sortable"))
+
+
+def _render_rule_row(rule: Rule, count: RuleCount) -> str:
+    severity = count.severity
+    code = escape_html(rule.code)
+    summary = render_inline(_extract_first_sentence(rule.summary))
+    return (
+        f'<tr class="{severity}"><th scope="row"><a href="#models" data-find="{code}"><code>{code}</code></a> '
+        f"{escape_html(rule.name)}</th>"
+        f'<td class="mark" data-v="{int(severity)}">{render_glyph(severity)} {severity}</td>'
+        f"{_render_count_cell(count.findings)}{_render_count_cell(count.units)}<td>{summary}</td></tr>\n"
+    )
+
+
+def _extract_first_sentence(text: str) -> str:
+    """Return the first sentence if it is long enough to stand alone, else the whole text."""
+    return text[: match.end()].rstrip() if (match := _SENTENCE.match(text)) else text
+
+
+def _iter_models_table(summary: AuditSummary, rows: Iterable[UnitRow], links: Mapping[str, str]) -> Iterator[str]:
+    statuses = "".join(f"<option>{escape_html(status)}</option>" for status in sorted(summary.statuses))
+    tools = (
+        '<div class="tools" hidden><label>Find <input type="search" id="find" placeholder="name, path or rule"></label>'
+        f'<label>Status <select id="status"><option value="">all</option>{statuses}</select></label>'
+        '<p role="status" id="shown"></p></div>'
+    )
+    shown = (_render_model_row(row, links) for row in rows if row.kind != "run")
+    yield from _iter_table("models", "Models", head=_MODEL_HEAD, rows=shown, css_class="sortable", tools=tools)
+
+
+def _render_model_row(row: UnitRow, links: Mapping[str, str]) -> str:
+    worst = next((str(s) for s, n in zip(SEVERITY_ORDER, row.counts, strict=True) if n), "ok")
+    codes = " ".join(
+        f'<span class="{severity}">{escape_html(code)}{f" <small>×{format_whole_number(n)}</small>" if n > 1 else ""}</span>'
+        for code, severity, n in row.codes[:MOST_CODES]
+    )
+    rest = len(row.codes) - MOST_CODES
+    hidden = f' data-codes="{escape_html(" ".join(code for code, _, _ in row.codes[MOST_CODES:]))}"' if rest > 0 else ""
+    more = f" <small>and {rest} more</small>" if rest > 0 else ""
+    name = f"<code>{escape_html(row.id).replace('/', '/<wbr>')}</code>"
+    robot = f" <small>{escape_html(row.robot)}</small>" if row.robot else ""
+    if row.id in links:
+        title = escape_html(row.robot or get_base_name(row.path) or row.id)
+        name, robot = f'<a class="to-page" href="{escape_html(links[row.id])}">{title}</a>', f" <small>{name}</small>"
+    counts = "".join(_render_count_cell(n, str(s)) for s, n in zip(SEVERITY_ORDER, row.counts, strict=True))
+    status = row.status if row.kind == "model" else row.kind if row.status == "checked" else f"{row.kind}, {row.status}"
+    size = _render_count_cell(row.links) if row.kind == "model" else f'<td class="num" data-v="-1">{NO_VALUE}</td>'
+    return (
+        f'<tr class="{worst}" data-status="{escape_html(row.status)}"{hidden}><th scope="row">{name}{robot}</th>'
+        f'{counts}<td class="codes">{codes}{more}</td><td>{escape_html(status)}</td>{size}'
+        f'<td class="num" data-v="{-1 if row.mass is None else row.mass!r}">{format_number(row.mass)}</td></tr>\n'
+    )
+
+
+def _render_count_cell(value: int, severity: str = "") -> str:
+    tone = f" {severity}" if severity and value else ""
+    return f'<td class="num{tone}" data-v="{value}">{format_whole_number(value) if value else "0"}</td>'
+
+
+def _render_table_head(columns: Mapping[str, str]) -> str:
+    """Render the head of a table; ``columns``: the class of each column by its title."""
+    cells = "".join(
+        f'<th scope="col"{f" class={css_class}" if css_class else ""}>{title}</th>'
+        for title, css_class in columns.items()
+    )
+    return f"<tr>{cells}</tr>"
+
+
+_RULE_HEAD = _render_table_head({"Rule": "", "Severity": "", "Findings": "num", "Models": "num", "What it checks": ""})
+_MODEL_HEAD = _render_table_head(
+    {
+        "Model": "",
+        "Errors": "num",
+        "Warnings": "num",
+        "Info": "num",
+        "Rules": "",
+        "Status": "",
+        "Links": "num",
+        "Mass <small>kg</small>": "num",
+    }
+)
+
+
+def _iter_table(
+    name: str, title: str, *, head: str, rows: Iterable[str], css_class: str = "", tools: str = ""
+) -> Iterator[str]:
+    yield (
+        f'<section id="{name}"><h2>{title}</h2>{tools}<div class="scroll" role="group" tabindex="0" aria-label="{title}">'
+        f'<table class="{css_class}"><thead>{head}</thead><tbody>\n'
+    )
+    yield from rows
+    yield "</tbody></table></div></section>\n"

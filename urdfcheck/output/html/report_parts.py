@@ -1,0 +1,102 @@
+"""The sections of a report: one for each model, launch file or package with findings."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from urdfcheck.core import ModelInfo, Run, Severity
+from urdfcheck.core.drop_test import DropTest
+from urdfcheck.core.scene import Scene
+from urdfcheck.output.shared.anchors import FindingCard, build_finding_cards
+from urdfcheck.output.shared.wording import get_base_name
+
+# Of a model with more variants, those without findings are left out.
+MOST_VARIANTS = 6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReportPart:
+    """A part of the report: a model, or the findings of a launch file or a package that belong to no model."""
+
+    id: str
+    """Id of its section, and prefix of the ids inside."""
+    title: str
+    """Name of the robot, else of the file."""
+    path: str
+    info: ModelInfo | None
+    """None for a launch file or a package."""
+    cards: tuple[FindingCard, ...]
+    scene: Scene | None
+    counts: Mapping[Severity, int]
+    """Number of findings that are not suppressed."""
+    drop: DropTest | None = None
+
+    @property
+    def file_label(self) -> str:
+        """The file and the arguments, which distinguish parts of the same title."""
+        if self.info is None:
+            return self.path
+        arguments = [f"{name}:={value}" for name, value in sorted(self.info.args.items())]
+        return " ".join((get_base_name(self.path), *arguments))
+
+    @property
+    def sections(self) -> list[tuple[str, str]]:
+        """Anchor and name of each section inside; none if there are only findings."""
+        if self.scene is None:
+            return []
+        names = {
+            "findings": "Findings",
+            "tree": "Tree",
+            **({"drop": "Drop test"} if self.drop is not None else {}),
+            "consumers": "Programs",
+            "physics": "Physics",
+            "meshes": "Meshes",
+            **({"joints": "Joints"} if self.scene.joints else {}),
+            **({"launch": "Launch"} if self.scene.launches else {}),
+            **({"info": "Information"} if self.counts.get(Severity.INFO) else {}),
+        }
+        return [(f"{self.id}-{anchor}", name) for anchor, name in names.items()]
+
+
+def collect_report_parts(run: Run) -> list[ReportPart]:
+    """Collect the models in the run's order, then everything else with findings.
+
+    Of a model with many variants, these are the first and those with findings."""
+    first = {info.path: info.id for info in reversed(run.models)}
+    variants = Counter(info.path for info in run.models)
+    with_findings = {finding.model for finding in run.findings}
+    models = [
+        info
+        for info in run.models
+        if variants[info.path] <= MOST_VARIANTS or info.id in with_findings or first[info.path] == info.id
+    ]
+    groups: dict[str, list[FindingCard]] = {info.id: [] for info in models}
+    for card in build_finding_cards(run.findings):
+        groups.setdefault(card.finding.model, []).append(card)
+    infos = {info.id: info for info in run.models}
+    scenes = {scene.model: scene for scene in run.scenes}
+    drops = {drop.model: drop for drop in run.drops}
+    parts = []
+    for number, (name, group) in enumerate(groups.items(), 1):
+        info = infos.get(name)
+        path = info.path if info else name
+        title = (info.robot if info else "") or get_base_name(path) or "This run"
+        counts: dict[Severity, int] = {}
+        for card in group:
+            if card.finding.suppressed is None:
+                counts[card.finding.severity] = counts.get(card.finding.severity, 0) + 1
+        parts.append(
+            ReportPart(
+                id=f"m{number}",
+                title=title,
+                path=path,
+                info=info,
+                cards=tuple(group),
+                scene=scenes.get(name),
+                counts=counts,
+                drop=drops.get(name),
+            )
+        )
+    return parts

@@ -1,0 +1,107 @@
+"""One model's part of the report: its facts, findings, kinematic tree and tables."""
+
+from __future__ import annotations
+
+import base64
+
+from urdfcheck.core import Run, Severity
+from urdfcheck.output.html.html_text import escape_html, format_number, render_path
+from urdfcheck.output.html.report_parts import ReportPart
+from urdfcheck.output.html.sections.drop_test_section import render_drop_test
+from urdfcheck.output.html.sections.finding_groups import render_notes, render_problems
+from urdfcheck.output.html.sections.findings_contents import render_contents
+from urdfcheck.output.html.sections.launch_section import render_launch_files
+from urdfcheck.output.html.sections.tree_section import render_tree
+from urdfcheck.output.html.tables.consumers_table import render_consumers_table
+from urdfcheck.output.html.tables.joints_table import render_joints_table
+from urdfcheck.output.html.tables.meshes_table import render_meshes_table
+from urdfcheck.output.html.tables.physics_table import render_physics_table
+from urdfcheck.output.shared.anchors import compute_severity_marks
+from urdfcheck.output.shared.robot_picture import render_scene
+from urdfcheck.output.shared.wording import format_count
+
+# Width and height of the picture, in px.
+STILL_SIZE = (960, 640)
+PROBLEMS = (Severity.ERROR, Severity.WARNING)
+STATUS_TEXTS = {
+    "needs-arguments": "Not checked: the model cannot be expanded without arguments.",
+    "failed": "Not checked: the model could not be expanded. The findings say why.",
+}
+
+
+def render_model(run: Run, part: ReportPart, *, is_only_model: bool) -> str:
+    """Render a part of the report. ``is_only_model``: no other model is drawn, so that the toolbar links to its sections."""
+    image = _render_still_image(part) if is_only_model else ""
+    head = f'<section class="model" id="{part.id}">{_render_model_head(run, part, is_only_model)}{image}'
+    # Problems are beside the drawing on a wide page.
+    beside = " beside" if part.scene is not None and any(part.counts.get(s) for s in PROBLEMS) else ""
+    problems = render_problems(run, part.cards, model_file=part.path, id_prefix=part.id)
+    body = f'<section class="findings{beside}" id="{part.id}-findings">{problems}</section>'
+    notes = render_notes(run, part.cards, model_file=part.path, id_prefix=part.id)
+    last = f'<section class="findings">{notes}</section>' if notes else ""
+    return head + body + _render_scene_sections(run, part) + last + "</section>"
+
+
+def _render_model_head(run: Run, part: ReportPart, is_only_model: bool) -> str:
+    contents = render_contents(part.cards, part.path)
+    title = escape_html(part.title)
+    info = part.info
+    if info is None:
+        path = render_path(part.path) if part.path != part.title and part.path else ""
+        return f'<div class="head"><h2>{title}</h2>{path}{contents}</div>'
+    facts = [format_count(info.links, "link"), format_count(info.joints, "joint")]
+    facts += [f"{format_number(info.mass)} kg"] if info.mass is not None else []
+    status = f'<p class="status">{STATUS_TEXTS[info.status]}</p>' if info.status in STATUS_TEXTS else ""
+    if len(run.models) == 1:
+        # The header of the page has the rest.
+        return f'<div class="head"><h2 class="sr">{title}</h2>{status}{contents}</div>'
+    state = status or f'<p class="facts">{" · ".join(facts)}</p>'
+    links = "" if is_only_model or not part.sections else _render_section_links(part)
+    path = render_path(info.path, info.args)
+    return f'<div class="head"><h2>{title}</h2>{path}{state}{links}{contents}</div>'
+
+
+def _render_still_image(part: ReportPart) -> str:
+    """Render a picture of the robot for browsers without scripts or WebGL; the style hides it from others."""
+    width, height = STILL_SIZE
+    picture = b"" if part.scene is None else render_scene(part.scene, width, height)
+    if not picture:
+        return ""
+    description = f"{part.title} with all joints at zero, seen from the front, right and above"
+    source = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
+    return f'<img class="still" width="{width}" height="{height}" alt="{escape_html(description)}" src="{source}">'
+
+
+def _render_section_links(part: ReportPart) -> str:
+    """Render links to the sections of a part, and a button for a page whose 3D view can show one of several robots."""
+    items = "".join(f'<li><a href="#{anchor}">{name}</a></li>' for anchor, name in part.sections)
+    shown = '<button type="button" class="in-3d" hidden>Show in 3D</button>'
+    name = part.title if part.info is None else f"{part.title}, {part.info.id}"
+    return f'<nav class="way" aria-label="Sections of {escape_html(name)}"><ul>{items}</ul>{shown}</nav>'
+
+
+def _render_scene_sections(run: Run, part: ReportPart) -> str:
+    scene = part.scene
+    if scene is None:
+        return ""
+
+    def render_section(css_class: str, anchor: str, content: str) -> str:
+        return f'<section class="{css_class}" id="{part.id}-{anchor}">{content}</section>'
+
+    marks = compute_severity_marks(part.cards, scene.frames)
+    tree = render_tree(scene, marks, f"Kinematic tree of {part.title}")
+    programs = render_consumers_table((card.finding for card in part.cards), run.rules)
+    sections = [render_section("kinematics", "tree", f"<h3>Kinematic tree</h3>{tree}")]
+    if part.drop is not None:
+        sections.append(render_section("drop", "drop", render_drop_test(part.drop)))
+    sections += [
+        render_section("consumers", "consumers", f"<h3>In each program</h3>{programs}"),
+        render_section("physics", "physics", f"<h3>Physics</h3>{render_physics_table(scene, marks)}"),
+        render_section("meshes", "meshes", f"<h3>Meshes and shapes</h3>{render_meshes_table(scene)}"),
+    ]
+    if scene.joints:
+        sections.append(render_section("joints", "joints", f"<h3>Joints</h3>{render_joints_table(scene, marks)}"))
+    if scene.launches:
+        launches = render_launch_files(scene, part.cards)
+        sections.append(render_section("launches", "launch", f"<h3>Launch</h3>{launches}"))
+    return "".join(sections)

@@ -1,0 +1,89 @@
+"""The head of the report: what was checked, and the verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from urdfcheck.core import ModelInfo, Run
+from urdfcheck.output.html.glyphs import render_glyph
+from urdfcheck.output.html.html_text import NO_VALUE, escape_html, format_number, render_path
+from urdfcheck.output.shared.wording import format_count, get_base_name, summarize_verdict
+
+MOST_NAMES = 3
+DEPTHS = {"source": "source only", "mesh": "source and meshes", "full": "full"}
+
+
+def make_report_title(run: Run) -> str:
+    """Make the title: the names of the robots if they fit, else the number of models; without models, the file's name."""
+    if not run.models:
+        return get_base_name(next(iter(run.unit_ids))) if len(run.unit_ids) == 1 else "No models"
+    if len(run.models) > MOST_NAMES:
+        return format_count(len(run.models), "model")
+    return ", ".join(dict.fromkeys(map(_get_robot_name, run.models)))
+
+
+def _get_robot_name(info: ModelInfo) -> str:
+    return info.robot or get_base_name(info.path)
+
+
+def render_header(run: Run, title: str, index_file: str = "") -> str:
+    """Render the header; ``index_file``: the page with the list of all models, for a page of a folder."""
+    kind, sentence = summarize_verdict(run)
+    version = escape_html(run.versions.get("urdfcheck", ""))
+    index_link = f'<a class="back" href="{escape_html(index_file)}">All models</a>' if index_file else ""
+    path = render_path(run.models[0].path, run.models[0].args) if len(run.models) == 1 else ""
+    # The page's script reveals the buttons, which do nothing without it.
+    buttons = (
+        '<button type="button" class="act fold-3d" id="fold" aria-controls="viewer" hidden>Hide 3D</button>'
+        '<button type="button" class="act" id="theme" hidden>Theme: auto</button>'
+        '<button type="button" class="act" id="help" aria-haspopup="dialog" hidden>Keys</button>'
+    )
+    return (
+        f'<header class="top"><div class="line"><p class="brand">urdfcheck <span>{version}</span></p>'
+        f'{index_link}<div class="buttons">{buttons}</div></div><h1>{escape_html(title)}</h1>{path}'
+        f'<p class="verdict {kind}">{render_glyph(kind)} {escape_html(sentence)}</p>{_render_facts(run)}</header>'
+    )
+
+
+def _render_facts(run: Run) -> str:
+    facts: list[tuple[str, str]] = []
+    if len(run.models) > MOST_NAMES:
+        facts.append(("Robots", _render_robot_names(list(dict.fromkeys(map(_get_robot_name, run.models))))))
+    if len(run.models) == 1:
+        # A sum over models is meaningless: they are often versions of one robot.
+        info = run.models[0]
+        facts += [("Links", str(info.links)), ("Joints", str(info.joints))]
+        facts += [("Mass", f"{format_number(info.mass)} kg")] if info.mass is not None else []
+    facts += [("Depth", DEPTHS[run.tier]), *_collect_file_facts(run)]
+    return '<dl class="facts">' + "".join(f"<div><dt>{k}</dt><dd>{v}</dd></div>" for k, v in facts) + "</dl>"
+
+
+def _render_robot_names(names: Sequence[str]) -> str:
+    shown = ", ".join(f"<code>{escape_html(name)}</code>" for name in names[:MOST_NAMES])
+    return shown + (f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else "")
+
+
+def _collect_file_facts(run: Run) -> list[tuple[str, str]]:
+    """Collect the models and all other files with findings, below the folder that they share; nothing for a single file."""
+    spans = (finding.location.span for finding in run.findings)
+    paths = list(dict.fromkeys([*(info.path for info in run.models), *(span.file for span in spans if span)]))
+    if len(paths) < 2 and len(run.models) == 1:
+        return []
+    folder = _find_shared_folder(paths) if len(paths) > 1 else ""
+    items = "".join(
+        f"<li><code>{escape_html(path[len(folder) :].lstrip('/') if folder else path)}</code></li>" for path in paths
+    )
+    listed = f"<ul>{items}</ul>" if paths else NO_VALUE
+    if len(paths) > 1:
+        listed = f"<details><summary>{len(paths)} files</summary>{listed}</details>"
+    name = "Files" if len(paths) > 1 else "File"
+    return [(f"{name} in <code>{escape_html(folder)}/</code>" if folder else name, listed)]
+
+
+def _find_shared_folder(paths: Sequence[str]) -> str:
+    shared = []
+    for names in zip(*(path.split("/")[:-1] for path in paths), strict=False):
+        if len(set(names)) > 1:
+            break
+        shared.append(names[0])
+    return "/".join(shared)

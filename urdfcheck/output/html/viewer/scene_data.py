@@ -1,0 +1,262 @@
+"""The data of the robot in 3D: the numbers of the scenes as JSON values, and the meshes as one string of bytes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from urdfcheck.core import Finding
+from urdfcheck.core.scene import Scene, SceneDrawing, SceneInertia, SceneJoint, SceneLink, ScenePreview, SceneShape
+from urdfcheck.output.shared.anchors import (
+    ElementKey,
+    FindingCard,
+    SeverityMark,
+    compute_severity_marks,
+    parse_element_key,
+)
+
+# Edges of the box and semi-axes of the ellipsoid of uniform density with the moments I1, I2, I3 of a mass m:
+# edge² = 6 (I2 + I3 - I1) / m, semi-axis² = 5 (I2 + I3 - I1) / (2 m), and cyclically.
+_BOX, _ELLIPSOID = 6.0, 2.5
+# Layers that show a finding best, by its code or by the family of its rule.
+_LAYERS: Mapping[str, tuple[str, ...]] = {
+    "MSH002": ("visual", "holes"),
+    "DYN004": ("visual", "ground", "com"),
+    "KIN007": ("visual", "ground"),
+    "INR": ("visual", "com", "box"),
+    "COL": ("visual", "collision", "overlaps"),
+    "GEO": ("visual", "collision"),
+    "JNT": ("visual", "axes", "frames"),
+    "KIN": ("visual", "frames"),
+    "SYM": ("visual", "axes", "frames"),
+    "DYN": ("visual", "com"),
+}
+_DEFAULT_LAYERS = ("visual",)
+# In metres: a graphics card computes with seven digits, so that no robot is visible beside anything larger.
+_LARGEST = 1e9
+_IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+def build_scene_data(models: Iterable[tuple[str, str, Scene, Sequence[FindingCard]]]) -> tuple[dict[str, Any], bytes]:
+    """Build the JSON values of models and the bytes of their meshes, each content once.
+
+    ``models``: id of their section in the page, name, scene and cards. Lengths in metres, poses 4x4 row-major; numbers with
+    seven digits."""
+    pool = _MeshPool()
+    return {"models": [_build_model(*model, pool) for model in models], "meshes": pool.entries}, b"".join(pool.data)
+
+
+def get_layers(code: str) -> tuple[str, ...]:
+    """Return the layers of the 3D view that show a finding of this rule best."""
+    return _LAYERS.get(code) or _LAYERS.get(code[:3], _DEFAULT_LAYERS)
+
+
+class _MeshPool:
+    """The drawings that the models share, each content once."""
+
+    def __init__(self) -> None:
+        self.entries: list[dict[str, Any]] = []
+        self.data: list[bytes] = []
+        self._places: dict[bytes, int] = {}
+        self._offset = 0
+
+    def add_drawing(self, drawing: SceneDrawing) -> int:
+        """Add a drawing unless its content is known, and return its index."""
+        if drawing.data not in self._places:
+            self._places[drawing.data] = len(self.entries)
+            self.entries.append(
+                {
+                    "offset": self._offset,
+                    "vertices": drawing.vertices,
+                    "faces": drawing.faces,
+                    "low": _round_values(drawing.low),
+                    "high": _round_values(drawing.high),
+                    "wide": drawing.wide,
+                    "holes": drawing.holes,
+                }
+            )
+            self.data.append(drawing.data)
+            self._offset += len(drawing.data)
+        return self._places[drawing.data]
+
+
+def _build_model(
+    section_id: str, title: str, scene: Scene, cards: Sequence[FindingCard], meshes: _MeshPool
+) -> dict[str, Any]:
+    worst = compute_severity_marks(cards)
+    active = [card for card in cards if card.finding.suppressed is None]
+    links = frozenset(link.name for link in scene.links)
+    by_pair = {
+        frozenset(pair): card.anchors[0] for card in active if len(pair := _list_named_links(card.finding, links)) == 2
+    }
+    ground = scene.ground
+    return {
+        "id": section_id,
+        "name": title,
+        "root": scene.root,
+        "links": [_build_link(link, worst, scene=scene, meshes=meshes) for link in scene.links],
+        "joints": [_build_joint(joint, worst) for joint in scene.joints],
+        "frames": [{"parent": f.parent, "child": f.child, "at": _round_values(f.pose)} for f in scene.frames if f.pose],
+        "overlaps": [
+            {
+                "a": overlap.links[0],
+                "b": overlap.links[1],
+                "points": [_round_values(overlap.point)],
+                "depth": _round_finite(overlap.depth),
+                "finding": by_pair.get(frozenset(overlap.links)),
+            }
+            for overlap in scene.overlaps
+        ],
+        "ground": None
+        if ground is None
+        else {
+            "height": _round_finite(ground.height),
+            "contacts": [{"link": link, "point": _round_values(point)} for link, point in ground.contacts],
+            "support": [_round_values(corner) for corner in ground.support],
+            "com": _round_values(ground.com),
+        },
+        "findings": _build_findings(active, scene),
+    }
+
+
+def _build_link(
+    link: SceneLink, worst: Mapping[ElementKey, SeverityMark], *, scene: Scene, meshes: _MeshPool
+) -> dict[str, Any]:
+    inertial = link.inertial
+    return {
+        "name": link.name,
+        "severity": _get_severity(worst, ("link", link.name)),
+        "at": None if link.world is None else _round_values(link.world),
+        "visual": _build_shapes(link.shapes, "visual", scene=scene, meshes=meshes),
+        "collision": _build_shapes(link.shapes, "collision", scene=scene, meshes=meshes),
+        "mass": None if inertial is None or inertial.mass is None else _round_finite(inertial.mass),
+        "com": _round_values(inertial.com) if inertial is not None and inertial.com else None,
+        "inertia": None if inertial is None else _build_inertia(inertial),
+    }
+
+
+def _get_severity(worst: Mapping[ElementKey, SeverityMark], element_key: ElementKey) -> str:
+    mark = worst.get(element_key)
+    return "" if mark is None else str(mark.severity)
+
+
+def _build_shapes(shapes: Iterable[SceneShape], role: str, *, scene: Scene, meshes: _MeshPool) -> list[dict[str, Any]]:
+    """Build the shapes that can be drawn: not malformed, not too large, and not a mesh that could not be read."""
+    drawn = []
+    for shape in shapes:
+        if shape.role != role or not shape.pose or not shape.size or not _is_drawable_size(shape.size):
+            continue
+        look = {"at": _round_values(shape.pose), "color": None if shape.color is None else _round_values(shape.color)}
+        if shape.kind == "mesh":
+            for drawing in () if shape.file is None else scene.meshes[shape.file].drawings:
+                if not all(
+                    _is_drawable_size([s * v for s, v in zip(shape.size, corner, strict=True)])
+                    for corner in (drawing.low, drawing.high)
+                ):
+                    continue
+                color = look["color"] or (None if drawing.color is None else _round_values(drawing.color))
+                scale = _round_values(shape.size)
+                drawn.append({"mesh": meshes.add_drawing(drawing), "scale": scale, **look, "color": color})
+        elif min(shape.size) > 0:
+            drawn.append({shape.kind: _round_values(shape.size), **look})
+    return drawn
+
+
+def _is_drawable_size(lengths: Iterable[float]) -> bool:
+    return all(abs(length) <= _LARGEST for length in lengths)
+
+
+def _build_inertia(inertial: SceneInertia) -> dict[str, Any] | None:
+    """Build the body that has the moments, or why there is none; None for a point mass and for malformed values."""
+    if inertial.impossible:
+        return {"impossible": inertial.impossible, "com": _round_values(inertial.com) if inertial.com else None}
+    if not inertial.mass or not inertial.com or not inertial.moments or inertial.moments[-1] <= 0.0:
+        return None
+    first, second, third = inertial.moments
+    # A square below zero is the rounding error of a flat body.
+    squares = [
+        max(0.0, s) / inertial.mass for s in (second + third - first, third + first - second, first + second - third)
+    ]
+    a, x, y = inertial.axes, inertial.com, (0.0, 0.0, 0.0, 1.0)
+    return {
+        "at": _round_values((*a[0:3], x[0], *a[3:6], x[1], *a[6:9], x[2], *y)),
+        "principal": _round_values(inertial.moments),
+        "box": _round_values([math.sqrt(_BOX * s) for s in squares]),
+        "ellipsoid": _round_values([math.sqrt(_ELLIPSOID * s) for s in squares]),
+    }
+
+
+def _build_joint(joint: SceneJoint, worst: Mapping[ElementKey, SeverityMark]) -> dict[str, Any]:
+    name, *numbers = joint.mimic or ("",)
+    factors = [_restrict_to_reachable(number) for number in numbers]
+    return {
+        "name": joint.name,
+        "type": joint.type,
+        "severity": _get_severity(worst, ("joint", joint.name)),
+        "parent": joint.parent,
+        "child": joint.child,
+        "at": _round_values(joint.pose or _IDENTITY),
+        "axis": None if joint.turn is None else _round_values(joint.turn),
+        "lower": _restrict_to_reachable(joint.lower),
+        "upper": _restrict_to_reachable(joint.upper),
+        "start": _restrict_to_reachable(joint.start) or 0,
+        "mimic": {"joint": name, "multiplier": factors[0], "offset": factors[1]}
+        if factors and None not in factors
+        else None,
+    }
+
+
+def _restrict_to_reachable(value: float | None) -> float | None:
+    """Return a position that a slider can have, None if it is beyond the largest shape that is drawn."""
+    return value if value is not None and abs(value) <= _LARGEST else None
+
+
+def _build_findings(cards: Iterable[FindingCard], scene: Scene) -> list[dict[str, Any]]:
+    previews: dict[object, list[dict[str, Any]]] = {}
+    for preview in scene.previews:
+        previews.setdefault((preview.code, preview.message_id, preview.at), []).append(_build_preview(preview))
+    links = frozenset(link.name for link in scene.links)
+    return [_build_finding(card, previews, links) for card in cards]
+
+
+def _build_finding(
+    card: FindingCard, previews: Mapping[object, list[dict[str, Any]]], links: frozenset[str]
+) -> dict[str, Any]:
+    finding = card.finding
+    keys = [key for subject in finding.subjects if (key := parse_element_key(subject)) is not None]
+    preview = previews.get((finding.code, finding.message_id, finding.location.span), [])
+    return {
+        "id": card.anchors[0],
+        "code": finding.code,
+        "severity": str(finding.severity),
+        "links": list(dict.fromkeys(name for kind, name in keys if kind == "link"))
+        or _list_named_links(finding, links),
+        "joints": list(dict.fromkeys(name for kind, name in keys if kind == "joint")),
+        "layers": [*get_layers(finding.code), *(["preview"] if preview else [])],
+        "preview": preview,
+    }
+
+
+def _list_named_links(finding: Finding, links: frozenset[str]) -> list[str]:
+    """List the links that the data of a finding name."""
+    names = (finding.data.get(key) for key in ("link", "other", "child"))
+    return list(dict.fromkeys(name for name in names if isinstance(name, str) and name in links))
+
+
+def _build_preview(preview: ScenePreview) -> dict[str, Any]:
+    if preview.inertial is None:
+        return {"joint": preview.joint, "at": _round_values(preview.pose)}
+    return {"link": preview.link, "inertia": _build_inertia(preview.inertial)}
+
+
+def _round_values(values: Iterable[float]) -> list[float | None]:
+    return [_round_finite(v) for v in values]
+
+
+def _round_finite(value: float) -> float | None:
+    """Round to seven digits; None, which is null in JSON, if not finite."""
+    if not math.isfinite(value):
+        return None
+    short = float(f"{value:.7g}")
+    return int(short) if short.is_integer() and abs(short) < 1e7 else short

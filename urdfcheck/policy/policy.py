@@ -1,0 +1,30 @@
+"""What the rules look for in a model, and how they judge it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from urdfcheck.policy.suppression import SuppressionEntry
+
+# How much is computed, each with all before it.
+TIERS = ("source", "mesh", "full")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Policy:
+    """Settings of the rules for one model, launch file or package: configuration and command line resolved."""
+
+    codes: frozenset[str]
+    """Codes of the selected rules."""
+    tier: str = "full"
+    """How much is computed: source | mesh | full."""
+    options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """Code → option → value, where it differs from the default on the rule's page."""
+    severities: Mapping[str, str] = field(default_factory=dict)
+    """Code → severity that replaces the one of the page."""
+    targets: tuple[str, ...] = ()
+    """Programs that will read the model; what one of them rejects or drops is an error."""
+    suppress: tuple[SuppressionEntry, ...] = ()
+    """Entries of the configuration that suppress findings."""

@@ -1,0 +1,57 @@
+"""How much a report holds: names come from untrusted files and may be megabytes long, and findings may be millions."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+from urdfcheck.core import Applicability, Finding, Severity
+
+# Of one rule in one model. The noisiest of 110 robots has 14.
+MAX_FINDINGS = 1_000
+# Characters of a name or a message, and of the edits of a repair. Of a hundred real robots none has half of it.
+MAX_TEXT_LENGTH, MAX_EDIT_LENGTH = 2_000, 100_000
+
+
+def truncate_texts(finding: Finding) -> Finding:
+    """Cut the middle out of texts longer than :data:`MAX_TEXT_LENGTH`; a fix that is too long is shown without its edits."""
+    fix = finding.fix
+    if fix is not None and sum(len(e.expected) + len(e.replacement) for e in fix.edits) > MAX_EDIT_LENGTH:
+        fix = replace(fix, applicability=Applicability.DISPLAY, edits=())
+    return replace(
+        finding,
+        message=_truncate(finding.message),
+        location=replace(finding.location, subject=_truncate(finding.location.subject)),
+        subjects=tuple(map(_truncate, finding.subjects)),
+        related=tuple(replace(r, subject=_truncate(r.subject)) for r in finding.related),
+        cause=None if finding.cause is None else replace(finding.cause, text=_truncate(finding.cause.text)),
+        consequences=_truncate(finding.consequences),
+        data=_truncate(finding.data),
+        fix=None if fix is None else replace(fix, title=_truncate(fix.title)),
+    )
+
+
+def _truncate(value: Any) -> Any:
+    """Truncate every text in a value of plain data."""
+    if isinstance(value, str) and len(value) > MAX_TEXT_LENGTH:
+        return f"{value[: MAX_TEXT_LENGTH // 2]}…{value[-MAX_TEXT_LENGTH // 2 :]}"
+    if isinstance(value, dict):
+        return {_truncate(key): _truncate(inner) for key, inner in value.items()}
+    return type(value)(map(_truncate, value)) if type(value) in {list, tuple} else value
+
+
+def limit_number(findings: Iterable[Finding]) -> tuple[list[Finding], dict[tuple[str, Severity], int]]:
+    """Keep the first :data:`MAX_FINDINGS` of each rule and severity: a thousand warnings hide no error.
+
+    Also return how many are left out, by code and severity.
+    """
+    counts: Counter[tuple[str, Severity]] = Counter()
+    listed: list[Finding] = []
+    for finding in findings:
+        kind = finding.code, finding.severity
+        counts[kind] += 1
+        if counts[kind] <= MAX_FINDINGS:
+            listed.append(finding)
+    return listed, {kind: count - MAX_FINDINGS for kind, count in sorted(counts.items()) if count > MAX_FINDINGS}

@@ -1,0 +1,54 @@
+"""Findings that yield to a stronger finding on the same element."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+from urdfcheck.core import Finding, Rule
+
+# `link[wheel]` of `link[wheel]/inertial/inertia@izz`, whatever the name contains.
+_ELEMENT = re.compile(r"[^/@\[]*\[.*?\](?=[/@]|$)", re.DOTALL)
+
+
+def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
+    """Drop findings whose rule page yields (``hidden_by``) to another rule that fired on the same element.
+
+    The stronger finding lists the dropped codes in its data (``hides``). A finding is dropped if all elements of its subjects
+    belong to stronger findings. A finding about a difference, which names one element in its subjects and all in its data
+    (``between``), is dropped if one of these does.
+    """
+    findings = list(findings)
+    index_by_element: dict[tuple[str, str], int] = {}
+    for index, finding in enumerate(findings):
+        for subject in finding.subjects:
+            index_by_element.setdefault((finding.code, _get_element(subject)), index)
+    dropped: set[int] = set()
+    hides: dict[int, set[str]] = {}
+    for index, finding in enumerate(findings):
+        rule = rules.get(finding.code)
+        stronger = rule.hidden_by if rule is not None else ()
+        elements = set(map(_get_element, finding.subjects))
+        between = set(map(_get_element, finding.data.get("between", ())))
+        superseding = {
+            element: index_by_element[code, element]
+            for element in elements | between
+            for code in reversed(stronger)  # the first code of the page wins
+            if (code, element) in index_by_element
+        }
+        if elements <= superseding.keys() or between & superseding.keys():
+            dropped.add(index)
+            for other in superseding.values():
+                hides.setdefault(other, set()).add(finding.code)
+    return [
+        replace(f, data={**f.data, "hides": sorted(hides[i])}) if i in hides else f
+        for i, f in enumerate(findings)
+        if i not in dropped
+    ]
+
+
+def _get_element(subject: str) -> str:
+    """Return the element that a subject belongs to."""
+    element = _ELEMENT.match(subject)
+    return element[0] if element else subject.split("/")[0].split("@")[0]

@@ -1,0 +1,139 @@
+"""What happens to a finding between the check that reports it and the report.
+
+Each finding that a check reports is admitted (`admit_finding`). When all checks of a unit ran, `settle_unit_findings` makes
+its findings ready to leave the worker process. When all units are done, `settle_run_findings` does the same for the whole run.
+The steps themselves are functions of the policy room; their order is decided here only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+from urdfcheck.core import Finding, Rule, SkippedCheck, Span
+from urdfcheck.core.merging import merge_same_text
+from urdfcheck.policy.consumers import apply_severity_policy
+from urdfcheck.policy.fix_safety import mark_unsafe_across_models, mark_unsafe_in_model
+from urdfcheck.policy.policy import Policy
+from urdfcheck.policy.report_limits import limit_number, truncate_texts
+from urdfcheck.policy.superseding import drop_superseded
+from urdfcheck.policy.suppression import mark_suppressed
+from urdfcheck.rules import load_rules
+from urdfcheck.run.jobs import Unit, UnitReport
+from urdfcheck.run.variants import merge_variants
+from urdfcheck.source.text.suppression_comments import IgnoreComment
+from urdfcheck.source.text.xml import Element
+
+
+def admit_finding(finding: Finding, rule: Rule, policy: Policy) -> Finding:
+    """Give a finding the severity that the configuration wants, and bound its length.
+
+    Called as soon as a check reports it: a thousand findings about a name of a million letters must not pile up.
+    """
+    finding = apply_severity_policy(finding, rule, policy.targets, policy.severities)
+    return truncate_texts(finding)
+
+
+@dataclass(frozen=True, slots=True)
+class SettledFindings:
+    """The findings of a unit as its report holds them."""
+
+    findings: tuple[Finding, ...]
+    needed_comments: frozenset[Span]
+    """Comments in the source that suppress some of them."""
+    unlisted: tuple[SkippedCheck, ...]
+    """Rules of which more findings were reported than the report lists."""
+
+
+def settle_unit_findings(
+    findings: Iterable[Finding],
+    *,
+    unit: Unit,
+    policy: Policy,
+    rules: Mapping[str, Rule],
+    comments: Iterable[IgnoreComment],
+    root: Element | None,
+) -> SettledFindings:
+    """Turn the admitted findings of one unit into those of its report.
+
+    ``rules``: the rules that ran; ``comments``: suppression comments of its files; ``root``: the expanded model, if any.
+    """
+    # Before merging: of six links that one macro line makes, a single one may be suppressed.
+    marked, needed = mark_suppressed(list(findings), comments, policy.suppress, unit.baseline_entries)
+    merged = merge_same_text(marked)
+    remaining = drop_superseded(merged, rules)
+    safe = mark_unsafe_in_model(remaining, root)
+    listed, unlisted = limit_number(sorted(safe, key=get_sort_key))
+    skips = [
+        SkippedCheck(code, unit.id, f"{count:,} more findings ({severity}) are not listed")
+        for (code, severity), count in unlisted.items()
+    ]
+    return SettledFindings(tuple(listed), frozenset(needed), tuple(skips))
+
+
+def settle_run_findings(
+    audited_units: Sequence[tuple[Unit, UnitReport]],
+    policy: Policy,
+    *,
+    across_models: Iterable[Finding],
+    review: Callable[[Sequence[Finding], Set[Span]], Iterable[Finding]],
+) -> tuple[Finding, ...]:
+    """Turn the findings of all units, and those about several of them, into those of the run.
+
+    ``policy``: settings of the run, for units without their own; ``across_models``: what rules of scope ``run`` report.
+    ``review`` gets all findings so far and the suppression comments that the former need; it returns the findings about
+    comments, baselines and configurations.
+    """
+    policies = {unit.id: unit.policy or policy for unit, _ in audited_units}
+    rules = load_rules()
+
+    def admit_wanted(findings: Iterable[Finding]) -> list[Finding]:
+        owners = ((finding, policies.get(finding.model, policy)) for finding in findings)
+        return [admit_finding(f, rules[f.code], owner) for f, owner in owners if f.code in owner.codes]
+
+    wanted = admit_wanted(across_models)
+    marked, needed = _suppress_by_model(wanted, audited_units, policies)
+    findings = [*(finding for _, report in audited_units for finding in report.findings), *merge_same_text(marked)]
+    findings += admit_wanted(review(findings, needed))
+    findings = mark_unsafe_across_models(findings, _list_users(audited_units))
+    findings = merge_variants(findings, [unit for unit, _ in audited_units])
+    return tuple(sorted(findings, key=get_sort_key))
+
+
+def _suppress_by_model(
+    findings: Iterable[Finding], audited_units: Iterable[tuple[Unit, UnitReport]], policies: Mapping[str, Policy]
+) -> tuple[list[Finding], set[Span]]:
+    """Mark the findings about several models that comments, configuration or baseline of their model suppress.
+
+    Also return the comments that are needed for it.
+    """
+    audited = {unit.id: (unit, report) for unit, report in audited_units}
+    marked: list[Finding] = []
+    needed: set[Span] = set()
+    for model, group in groupby(sorted(findings, key=lambda f: f.model), key=lambda f: f.model):
+        unit, report = audited[model]
+        comments = [usage.comment for usage in report.comments]
+        marked_group, needed_here = mark_suppressed(
+            list(group), comments, policies[model].suppress, unit.baseline_entries
+        )
+        marked += marked_group
+        needed |= needed_here
+    return marked, needed
+
+
+def _list_users(audited_units: Iterable[tuple[Unit, UnitReport]]) -> dict[str, set[str]]:
+    """Return for each file the ids of the models that it is part of."""
+    users: dict[str, set[str]] = {}
+    for unit, report in audited_units:
+        for name in report.files:
+            users.setdefault(name, set()).add(unit.id)
+    return users
+
+
+def get_sort_key(finding: Finding) -> tuple[Any, ...]:
+    """Return the sort key of reports: model, file and position, the most severe first, then code, message and subjects."""
+    span = finding.location.span
+    place = ("", 0, 0) if span is None else (span.file, span.line, span.col)
+    return (finding.model, *place, -finding.severity, finding.code, finding.message_id, finding.subjects)

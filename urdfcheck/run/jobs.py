@@ -1,0 +1,176 @@
+"""The plain values that cross processes: the request of a run, its units of work, and the report on each unit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from urdfcheck.core import Finding, ModelInfo, SkippedCheck
+from urdfcheck.policy.limits import ResourceLimits
+from urdfcheck.policy.policy import Policy
+from urdfcheck.policy.suppression import BaselineEntries, CommentUsage
+from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.reach import FileReach
+from urdfcheck.system.files import Stamp
+
+if TYPE_CHECKING:
+    from urdfcheck.core.drop_test import DropTest
+    from urdfcheck.core.scene import Scene
+    from urdfcheck.export.link_pairs import LinkPairs
+    from urdfcheck.export.outline import ModelOutline
+    from urdfcheck.policy.baseline import Baseline
+    from urdfcheck.policy.config import ConfigResolver
+
+# Joint configurations to sample, and with --thorough.
+SAMPLES, THOROUGH = 200, 5_000
+
+
+@dataclass(frozen=True, slots=True)
+class PackageFolders:
+    """Where packages are, beside the folders in which ROS looks for them."""
+
+    by_name: Mapping[str, Path] = field(default_factory=dict)
+    """Folder of each package that is named."""
+    search_path: tuple[Path, ...] = ()
+    """Folders in which packages are searched."""
+
+    @property
+    def all_folders(self) -> tuple[Path, ...]:
+        """Every folder that is named."""
+        return (*self.by_name.values(), *self.search_path)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AuditOptions:
+    """How every unit of a run is audited, whatever the configuration of its folder."""
+
+    samples: int = SAMPLES
+    """Number of joint configurations to sample."""
+    scene: bool = False
+    """Whether reports hold the scene that graphical outputs draw."""
+    pairs: bool = False
+    """Whether reports classify all pairs of links for an SRDF."""
+    drop: bool = False
+    """Whether models are dropped on a plane."""
+    environment: tuple[str, ...] = ()
+    """Environment variables that a xacro may read beside those of ROS."""
+    limits: ResourceLimits = field(default_factory=ResourceLimits)
+    """Time and memory for one unit."""
+    heed_comments: bool = True
+    """Whether comments in the source suppress findings."""
+    texts: Mapping[str, bytes] = field(default_factory=dict)
+    """Real path → content that replaces the file's: see :func:`urdfcheck.system.files.overlay_files`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Request:
+    """What a run is asked to do."""
+
+    paths: tuple[Path, ...]
+    """Models, launch files, packages and folders to check."""
+    root: Path
+    """Folder of the configuration; model ids are relative to it."""
+    policy: Policy
+    """Settings of the rules; they hold for all files unless ``config_resolver`` finds others."""
+    options: AuditOptions = field(default_factory=AuditOptions)
+    packages: PackageFolders = field(default_factory=PackageFolders)
+    """Packages of the command line; with ``config_resolver`` each configuration adds its own."""
+    jobs: int = 1
+    """Number of worker processes."""
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    """Values of xacro arguments."""
+    cache: Path | None = None
+    """Folder of cached results; None for no cache."""
+    allowed: tuple[Path, ...] = ()
+    """Folders below which files may be opened, beside those around paths and packages."""
+    baseline: Baseline | None = None
+    config_resolver: ConfigResolver | None = None
+    """Finds the configuration of each file, which decides about rules and packages; None: `policy` holds for all."""
+    all_arguments: bool = False
+    """See :func:`urdfcheck.source.discover.discover_targets`."""
+
+    @property
+    def reach(self) -> FileReach:
+        """Which files may be opened."""
+        return FileReach.from_paths(self.paths, (*self.packages.all_folders, *self.allowed))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unit:
+    """What one worker audits: a model with the launch files that lead to it, a launch file or a package."""
+
+    kind: str
+    """model | launch | package."""
+    path: str
+    id: str
+    """Name in the report."""
+    arguments: Mapping[str, str] = field(default_factory=dict)
+    launches: tuple[str, ...] = ()
+    is_explicit: bool = True
+    """Whether the file was named, not discovered."""
+    is_xacro: bool = False
+    """See :func:`urdfcheck.source.load.load_source`."""
+    baseline_entries: BaselineEntries = field(default_factory=dict)
+    """What the baseline accepts in this unit."""
+    baseline_home: tuple[str, str] | None = None
+    """File and root folder of its baseline; None for the run's own."""
+    baseline_name: str = ""
+    """Name of the unit in its baseline."""
+    policy: Policy | None = None
+    """Settings of the rules; None for those of the run."""
+    packages: PackageFolders | None = None
+    """Where packages are; None for those of the run."""
+    fail_on: str | None = None
+    """Least severity of a finding that fails the run; None where the run decides."""
+    varied_arguments: tuple[str, ...] = ()
+    """See :class:`urdfcheck.source.discover.ModelTarget`."""
+    is_reduced: bool = False
+    """Whether the unit was made to find the arguments that a finding takes."""
+
+    def describe_unread(self) -> ModelInfo | None:
+        """Return what a run knows of the model if it could not be read; None if the unit is not a model."""
+        if self.kind != "model":
+            return None
+        return ModelInfo.unread(path=format_path(Path(self.path)), id=self.id, arguments=self.arguments)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AuditSettings:
+    """What holds for every unit of a run, inside the worker process."""
+
+    policy: Policy
+    """Settings of the rules, unless the unit has its own."""
+    options: AuditOptions = field(default_factory=AuditOptions)
+    packages: PackageFolders = field(default_factory=PackageFolders)
+    """Where packages are, unless the unit has its own."""
+    cache: str | None = None
+    """Folder of cached results; None for no cache."""
+    reach: tuple[str, ...] | None = None
+    """Folders below which files may be opened; None for all."""
+    visible_folders: tuple[str, ...] = ()
+    """Folders that the worker process must see."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnitReport:
+    """What a worker sends back."""
+
+    findings: tuple[Finding, ...] = ()
+    skipped: tuple[SkippedCheck, ...] = ()
+    info: ModelInfo | None = None
+    scene: Scene | None = None
+    pairs: LinkPairs | None = None
+    drop: DropTest | None = None
+    outline: ModelOutline | None = None
+    sources: Mapping[str, str] = field(default_factory=dict)
+    """Text of the files with findings."""
+    failures: tuple[str, ...] = ()
+    """Failures of urdfcheck itself: they make the exit code 2."""
+    reads: Mapping[str, Stamp] = field(default_factory=dict)
+    """The files that the findings depend on, as they were."""
+    comments: tuple[CommentUsage, ...] = ()
+    """Comments that suppress findings, or would."""
+    files: tuple[str, ...] = ()
+    """Files that make up the model, as findings call them."""

@@ -1,0 +1,37 @@
+"""The warm worker: a process that loads the libraries of an audit while its parent prepares the run."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+
+from urdfcheck.rules import get_check_module, has_check, load_rules
+from urdfcheck.run.findings_cache import is_cacheable
+from urdfcheck.system import libraries, process_pool
+from urdfcheck.system.process_pool import Worker
+
+
+def start_warm_worker() -> Worker | None:
+    """Start a worker that loads what an audit needs; None where processes cannot be forked.
+
+    :raises UrdfcheckError: if a rule page is malformed.
+    """
+    if not process_pool.FORKS:
+        return None
+    libraries.prefer_own_folders()
+    # The worker inherits what both of them need, so that it is loaded once.
+    for module in ("urdfcheck.run.pipeline", "urdfcheck.run.audit"):
+        importlib.import_module(module)
+    load_rules()
+    return Worker.start(preload_modules)
+
+
+def preload_modules() -> None:
+    """Import what an audit needs, except the checks whose findings may be in the cache."""
+    libraries.prefer_own_folders()
+    importlib.import_module("numpy")
+    for rule in load_rules().values():
+        if has_check(rule) and not is_cacheable(rule):
+            importlib.import_module(get_check_module(rule))
+    with contextlib.suppress(ImportError):  # it is optional
+        importlib.import_module("py_landlock")

@@ -1,0 +1,152 @@
+"""Engines at work, each in a process of its own: one that crashes on a model says so by it, and takes nobody along."""
+
+from __future__ import annotations
+
+import contextlib
+import faulthandler
+import importlib
+import os
+import re
+import signal
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from urdfcheck.core.errors import ModelTimeout
+from urdfcheck.policy.limits import ResourceLimits
+from urdfcheck.simulators.outcome import EngineInput, LoadOutcome
+from urdfcheck.system import libraries, sandbox
+from urdfcheck.system.process_pool import Worker, WorkerDiedError, WorkerTimeoutError, map_in_processes
+
+# pinocchio last: what it makes of a model is also what urdfdom does.
+ENGINES = ("pinocchio", "urdfdom", "mujoco", "drake", "bullet", "gazebo")
+# Of what an engine prints, so many lines of so many characters are kept.
+MOST_LINES, LONGEST = 40, 400
+# Colours, and where in their sources they speak.
+_MARKS = re.compile(
+    r"\x1b\[[0-9;]*m|b3(?:Warning|Error|Printf)\[[^\]\n]*\]:\s*|b3Printf: "
+    r"|^(?:Error|Warning) \[\w+\.\w+:\d+\] *$|^ *at line \d+ in /?[\w./-]+ *$|/\S*/urdfcheck-\w+/\d+/",
+    re.MULTILINE,
+)
+# What they print whatever the model is.
+_NOISE = ("pybullet build time", "Library error: libignition-tools-backward", "Valid.")
+
+
+def list_versions() -> dict[str, str | None]:
+    """The version of each engine, None for one that is not installed."""
+    return {name: importlib.import_module(f"urdfcheck.simulators.{name}").get_version() for name in ENGINES}
+
+
+def get_install_hint(engine: str) -> str:
+    """A command, in most cases."""
+    text: str = importlib.import_module(f"urdfcheck.simulators.{engine}").INSTALL
+    return text
+
+
+def iter_outcomes(
+    jobs: Sequence[tuple[str, EngineInput]],
+    around: Sequence[str],
+    limits: ResourceLimits,
+    at_once: int = 1,
+    *,
+    apart: bool = True,
+) -> Iterator[tuple[int, LoadOutcome]]:
+    """Load robots in engines: as they come, the places of the jobs and what became of them. ``around``: the folders that the
+    processes may read. Unless ``apart``, one process does one job after the other: they must be for the same engine then."""
+    with tempfile.TemporaryDirectory(prefix="urdfcheck-", ignore_cleanup_errors=True) as folder:
+        work = []
+        for place, (engine, robot) in enumerate(jobs):
+            own = os.path.join(folder, str(place))
+            os.mkdir(own)
+            work.append((engine, robot, own, folder, tuple(around), limits))
+        timeout = limits.seconds + sandbox.PATIENCE if limits.seconds else None
+        worker = None if apart else Worker.start(_prepare_nothing)
+        for place, result in map_in_processes(
+            _load_in_engine, work, at_once, warm_worker=worker, timeout=timeout, is_spent=lambda _: apart
+        ):
+            if isinstance(result, WorkerDiedError):
+                said = _read_output(Path(folder, str(place)))
+                yield place, LoadOutcome(jobs[place][0], None, _describe_ending(result, limits), said)
+            else:
+                yield place, result
+
+
+def _prepare_nothing() -> None:
+    """Nothing: a worker that prepares itself does not look through what it was born with after each job."""
+
+
+def _describe_ending(died: WorkerDiedError, limits: ResourceLimits) -> str:
+    if isinstance(died, WorkerTimeoutError):
+        return f"does not end within {limits.seconds:g} s"
+    if died.exit_code is not None and died.exit_code < 0:
+        with contextlib.suppress(ValueError):
+            return f"crashes ({signal.Signals(-died.exit_code).name})"
+    return "ends its process" if died.exit_code is not None else "sends what is no answer"
+
+
+def _load_in_engine(
+    engine: str, robot: EngineInput, own: str, folder: str, around: Sequence[str], limits: ResourceLimits
+) -> LoadOutcome:
+    """What the process of an engine does with a robot; files that it needs go to the folder ``own``."""
+    libraries.prefer_own_folders()
+    module = importlib.import_module(f"urdfcheck.simulators.{engine}")
+    loaded, refused = None, ""
+    faulthandler.disable()  # that an engine crashes is an answer, and no news for the terminal
+    os.chdir(own)  # MuJoCo writes its warnings into a file of the working directory
+    with _capture_output(own):
+        for library in module.LIBRARIES:  # to start, some of them run programs
+            importlib.import_module(library)
+        sandbox.confine((*around, folder), (folder,), limits.memory)
+        path = Path(own, "robot.urdf")
+        path.write_bytes(robot.document)
+        try:
+            with sandbox.enforce_deadline(limits.seconds):
+                loaded = module.load(robot, str(path))
+        except ModelTimeout:
+            refused = f"does not end within {limits.seconds:g} s"
+        except (
+            Exception,
+            SystemExit,
+        ) as error:  # each of them has its own kinds; Drake would leave at a failed assertion
+            refused = next(iter(_split_lines(str(error))), type(error).__name__)
+    return LoadOutcome(engine, loaded, refused, _read_output(Path(own)))
+
+
+@contextlib.contextmanager
+def _capture_output(own: str) -> Iterator[None]:
+    """Have all that is printed, by native code too, written to a file: it is there even when the process is not any more."""
+    import ctypes
+
+    flush = getattr(ctypes.CDLL(None), "fflush", lambda _: None) if sys.platform != "win32" else (lambda _: None)
+    saved = [(stream, os.dup(stream)) for stream in (1, 2)]
+    with open(os.path.join(own, "said"), "wb", buffering=0) as file:
+        for stream, _ in saved:
+            os.dup2(file.fileno(), stream)
+    try:
+        yield
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        flush(None)
+        for stream, copy in saved:
+            os.dup2(copy, stream)
+            os.close(copy)
+
+
+def _read_output(own: Path) -> tuple[str, ...]:
+    try:
+        with (own / "said").open("rb") as file:
+            return tuple(_split_lines(file.read(MOST_LINES * LONGEST).decode("utf-8", "replace")))
+    except OSError:
+        return ()
+
+
+def _split_lines(text: str) -> list[str]:
+    lines = (line.strip()[:LONGEST] for line in _MARKS.sub(_remove_mark, text).split("\n"))
+    return list(dict.fromkeys(line for line in lines if line and not line.startswith(_NOISE)))[:MOST_LINES]
+
+
+def _remove_mark(mark: re.Match[str]) -> str:
+    """A message begins behind most of them; the folder of our own file is left out of its path."""
+    return "" if mark[0].startswith(("/", "\x1b")) else "\n"

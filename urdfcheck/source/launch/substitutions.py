@@ -1,0 +1,139 @@
+"""Substitutions of XML launch files, as far as they are known without running anything."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from urdfcheck.source.launch.python_launch_file import MAX_LENGTH
+from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.text.xml import Attribute, Element
+
+_SUBSTITUTION = re.compile(r"\$\(([^()]*)\)")
+_NESTED = re.compile(r"\$\([^()]*(?:\([^()]*\)[^()]*)*\)")
+_ARGUMENT = re.compile(r"^\s*\$\((?:arg|var)\s+([^\s()]+)\s*\)\s*$")
+
+
+@dataclass(frozen=True, slots=True)
+class UnresolvedReason:
+    """Why a path of a launch file could not be resolved.
+
+    ``kind``: package (``name`` is not found) | argument (``name`` has no value) | file (the path ``name`` does not exist) |
+    circle (the arguments refer to each other) | launch-time (the substitution ``name`` is only known at launch).
+    """
+
+    kind: str
+    name: str = ""
+
+
+# The value of an argument, or the reason why it is unknown.
+Value = tuple[str | None, UnresolvedReason | None]
+
+
+class SubstitutionResolver:
+    """Resolves the substitutions of one launch file with the arguments that it gets."""
+
+    def __init__(self, root: Element, path: Path, finder: PackageFinder, *, passed: Mapping[str, Value]) -> None:
+        self.path = path
+        self.finder = finder
+        self.obstacle: UnresolvedReason | None = None
+        self.values: dict[str, Attribute] = {}
+        self.known: dict[str, Value] = dict(passed)
+        self.pending: list[str] = []
+        for element in root.walk():
+            if element.tag in {"arg", "let"} and (element.parent is None or element.parent.tag != "include"):
+                value = element.attributes.get("value") or element.attributes.get("default")
+                if value is not None and element.get("name") not in passed and self.is_active(element):
+                    self.values.setdefault(element.get("name"), value)
+
+    def is_active(self, element: Element | None) -> bool:
+        """Whether no ``if`` or ``unless`` on the element and around it excludes it, as far as their values are known."""
+        while element is not None:
+            for name, excluded in (("if", {"false", "0"}), ("unless", {"true", "1"})):
+                if (self.resolve_text(element.get(name)) or "").strip().lower() in excluded:
+                    return False
+            element = element.parent
+        return True
+
+    def has_known_conditions(self, element: Element | None) -> bool:
+        """Whether the value of every ``if`` and ``unless`` on the element and around it is known."""
+        while element is not None:
+            if any(self.resolve_text(element.get(name)) is None for name in ("if", "unless")):
+                return False
+            element = element.parent
+        return True
+
+    def resolve_value(self, text: str) -> Value:
+        """Return the text with its substitutions resolved, or None and the reason."""
+        self.obstacle = None
+        value = self.resolve_text(text)
+        return value, None if value is not None else self.obstacle
+
+    def find_definition(self, attribute: Attribute) -> Attribute:
+        """Return the attribute in which the value is typed, for one that only reads an argument."""
+        for _ in range(len(self.values)):
+            match = _ARGUMENT.match(attribute.value)
+            if match is None or match.group(1) not in self.values:
+                break
+            attribute = self.values[match.group(1)]
+        return attribute
+
+    def resolve_text(self, text: str) -> str | None:
+        """Return the text with its substitutions resolved, or None; then ``obstacle`` is the reason."""
+        for _ in range(MAX_LENGTH):
+            match = _SUBSTITUTION.search(text)
+            if match is None or len(text) > MAX_LENGTH:
+                break
+            value = self._resolve_substitution(match.group(1).split())
+            if value is None:
+                return None
+            text = text[: match.start()] + value + text[match.end() :]
+        _, opened, rest = text.partition("$(")
+        if opened:  # an expression that contains parentheses, or a text that grows without end
+            self.obstacle = UnresolvedReason("launch-time", rest[:80])
+            return None
+        return text
+
+    def _resolve_substitution(self, words: list[str]) -> str | None:
+        verb, rest = (words[0], words[1:]) if words else ("", [])
+        if verb in {"find", "find-pkg-share"} and len(rest) == 1:
+            folder = self.finder.find(rest[0])
+            if folder is None:
+                self.obstacle = UnresolvedReason("package", rest[0])
+            return None if folder is None else str(folder)
+        if verb in {"arg", "var"} and len(rest) == 1:
+            return self._resolve_argument(rest[0])
+        if verb == "dirname":
+            return str(self.path.absolute().parent)
+        self.obstacle = UnresolvedReason("launch-time", " ".join(words))
+        return None
+
+    def _resolve_argument(self, name: str) -> str | None:
+        if name not in self.values and name not in self.known:
+            self.obstacle = UnresolvedReason("argument", name)
+            return None
+        if name in self.pending:
+            self.obstacle = UnresolvedReason("circle")
+            return None
+        if name not in self.known:  # once each: arguments that contain each other several times would never end
+            self.pending.append(name)
+            value = self.resolve_text(self.values[name].value)
+            self.pending.pop()
+            self.known[name] = (value, None if value is not None else self.obstacle)
+        value, obstacle = self.known[name]
+        self.obstacle = obstacle or self.obstacle
+        return value
+
+
+def split_command(text: str) -> tuple[str, ...]:
+    """Return the words of a command line; a substitution is part of one word."""
+    # $(find pkg) contains a blank: each substitution stays together while the shell's quotes are parsed.
+    protected = _NESTED.sub(lambda m: m.group(0).replace(" ", "\0"), text)
+    try:
+        words = shlex.split(protected)
+    except ValueError:
+        words = protected.split()
+    return tuple(w.replace("\0", " ") for w in words)

@@ -1,0 +1,127 @@
+"""What the files around a model mention of the properties, macros and arguments that its xacro files define.
+
+A definition that no file of the model uses may be used by another model of the package, or by a package that depends on it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
+
+from urdfcheck.source.load import Source
+from urdfcheck.source.package.finder import format_path, has_dependency_entry
+from urdfcheck.source.xacro.usage import (
+    ARGUMENT,
+    FORWARDED,
+    find_expression_names,
+    iter_elements_by_tag,
+    strip_namespace,
+)
+from urdfcheck.system.files import read_regular, walk
+
+# Files that a xacro file can include. Larger ones are expanded models or data, in which expressions are not written.
+_INCLUDED_SUFFIXES = frozenset({".xacro", ".urdf", ".xml", ".gazebo", ".srdf"})
+_MAX_BYTES = 500_000
+# Files that hand arguments to a xacro file: launch files, tests and build files.
+_CALLER_SUFFIXES = (".launch", ".launch.xml", ".py", ".cmake", "CMakeLists.txt", ".yaml", ".yml", ".sh", ".test")
+# Beyond this many files the search stops, and it is unknown which definitions are used.
+_MAX_FILES = 20_000
+
+# The patterns below stop at the next opening bracket: none searches to the end of the text from each of many places.
+_BLOCK = re.compile(r"""insert_block\s+name\s*=\s*["']([^"']+)["']""")
+_CALLED = re.compile(r"""<xacro:([^\s<>/"'=]+)""")
+_CALLED_BY_NAME = re.compile(r"""<xacro:call\s[^<>]{0,1000}?macro\s*=\s*["']([^"'<>]*)""")
+_DECLARED = re.compile(r"""<xacro:arg\s[^<>]{0,1000}?name\s*=\s*["']([^"'<>]*)""")
+# `name:=value` of a command, {"name": value} and name="…" of Python and CMake, name: of yaml.
+_PASSED = re.compile(r"""(?<!\w)([A-Za-z_]\w*)["']?\s*(?::?=|:)""")
+
+
+@dataclass(frozen=True, slots=True)
+class XacroMentions:
+    """The names that files mention."""
+
+    names: set[str] = field(default_factory=set)
+    """Names that expressions, inserted blocks and forwarding defaults read."""
+    macros: set[str] = field(default_factory=set)
+    """Macros that are called, with expressions as typed."""
+    arguments: set[str] = field(default_factory=set)
+    """Arguments that are read, declared or passed."""
+    complete: bool = True
+    """Whether all files were searched."""
+
+
+@lru_cache(maxsize=1)
+def collect_outside_mentions(source: Source) -> XacroMentions:
+    """Collect what the files mention that the model does not reach.
+
+    These are the files in the model's package or folder, and the files of the packages around it that name this package.
+    """
+    package = source.package
+    mentions = XacroMentions()
+    count = 0
+    for folder, package_name in _iter_using_folders(source):
+        if package_name and not source.finder.can_open(folder):
+            if has_dependency_entry(folder, package_name):
+                return replace(mentions, complete=False)
+            continue
+        for path in _iter_caller_files(folder, deep=package is not None):
+            count += 1
+            if count > _MAX_FILES:
+                return replace(mentions, complete=False)
+            if format_path(path) in source.trees or not source.finder.can_open(path):
+                continue
+            try:
+                text = read_regular(path, _MAX_BYTES).decode("utf-8", "replace")
+            except OSError:
+                continue
+            if package_name in text:
+                _add_mentions(text, path, mentions)
+    return mentions
+
+
+def has_unseen_includes(source: Source) -> bool:
+    """Whether the model has an include that was not followed and that :func:`collect_outside_mentions` may not read."""
+    reached = {name.rsplit("/", 1)[-1] for name in source.trees}
+    own_package = "" if source.package is None else f"$(find {source.package.name})"
+    for include in iter_elements_by_tag(source.trees, "xacro:include"):
+        filename = include.get("filename")
+        outside = "$(find" in filename and not (own_package and own_package in filename)
+        # Without a package, only the model's own folder is searched, not the folders around or below it.
+        outside |= source.package is None and ("/" in filename or "$" in filename)
+        if outside and filename.rsplit("/", 1)[-1] not in reached:
+            return True
+    return False
+
+
+def _iter_using_folders(source: Source) -> Iterator[tuple[Path, str]]:
+    """Yield the folders whose files may use the model's definitions, each with a name that such a file contains."""
+    package = source.package
+    if package is None:
+        yield source.path.parent, ""
+        return
+    yield package.path, ""
+    for folder in source.finder.list_workspace_packages().values():
+        if folder != package.path and package.path not in folder.parents and folder not in package.path.parents:
+            yield folder, package.name
+
+
+def _iter_caller_files(folder: Path, *, deep: bool) -> Iterator[Path]:
+    for here, names, files in walk(folder):
+        names[:] = [name for name in names if deep and not name.startswith(".")]
+        for name in files:
+            path = Path(here, name)
+            if (path.suffix in _INCLUDED_SUFFIXES or name.endswith(_CALLER_SUFFIXES)) and path.is_file():
+                yield path
+
+
+def _add_mentions(text: str, path: Path, mentions: XacroMentions) -> None:
+    if path.suffix in _INCLUDED_SUFFIXES:
+        mentions.names.update(_BLOCK.findall(text), FORWARDED.findall(text), find_expression_names(text))
+        mentions.macros.update(map(strip_namespace, _CALLED.findall(text)))
+        mentions.macros.update(map(strip_namespace, _CALLED_BY_NAME.findall(text)))
+        mentions.arguments.update(mentions.names, ARGUMENT.findall(text), _DECLARED.findall(text))
+    if path.name.endswith(_CALLER_SUFFIXES):
+        mentions.arguments.update(_PASSED.findall(text))

@@ -1,0 +1,32 @@
+"""yaml files by their path, as far as they may be opened."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.text.xml import SourceFile, XmlError
+from urdfcheck.source.text.yaml import YamlReadError, YamlValue, parse_located_yaml
+
+
+def read_located_yaml(path: Path, finder: PackageFinder) -> YamlValue | None:
+    """Return the content of a file; None if it is empty, cannot be read or may not be opened.
+
+    :raises YamlReadError: as :func:`~urdfcheck.source.text.yaml.parse_located_yaml`.
+    """
+    if not finder.can_open(path) or not os.path.isfile(path):
+        return None
+    try:
+        return parse_located_yaml(SourceFile.read(path, format_path(path)))
+    except (OSError, XmlError):  # XmlError: its encoding or size
+        return None
+
+
+def find_yaml_error(path: Path, finder: PackageFinder) -> YamlReadError | None:
+    """Return why a file is not yaml; None if it is, or may not be opened."""
+    try:
+        read_located_yaml(path, finder)
+    except YamlReadError as error:
+        return error
+    return None

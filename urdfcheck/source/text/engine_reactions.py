@@ -1,0 +1,68 @@
+"""What urdfdom and the engines do with elements that they cannot read, and with meshes that they cannot open."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from urdfcheck.source.text.grammar import CHILDREN
+from urdfcheck.source.text.xml import Element
+
+
+def describe_loss(element: Element) -> str:
+    """Describe what urdfdom does with an element that it cannot read (checked with urdfdom 6).
+
+    It stops reading a link at the first part that fails: inertial, then visuals, then collisions.
+    """
+    if element.tag in {"color", "texture"}:
+        return "ignores the colour"
+    while element.parent is not None and element.parent.tag not in {"robot", "link"}:
+        element = element.parent
+    return {
+        "inertial": "drops the inertial, and with it every visual and collision of the link",
+        "visual": "drops every visual and collision of the link",
+        "collision": "drops every collision of the link",
+        "material": "ignores the material",
+    }.get(element.tag, "refuses the whole file")
+
+
+# Elements that engines with their own parsers load without required attributes, found by leaving them out one by one.
+_LENIENT_TAGS: Mapping[str, frozenset[str]] = {
+    "mujoco": frozenset({"limit", "material", "safety_controller"}),
+    "drake": frozenset({"mass", "inertia", "limit", "material", "axis", "safety_controller"}),
+    "bullet": frozenset({"limit", "mimic", "color", "axis", "safety_controller"}),
+}
+
+
+def describe_engine_reactions(element: Element, names: Iterable[str]) -> dict[str, str]:
+    """Describe what MuJoCo, Drake and Bullet do with an element that lacks these required attributes."""
+    parts = [element]
+    while parts[-1].parent is not None:
+        parts.append(parts[-1].parent)
+    lenient = {engine for engine, tags in _LENIENT_TAGS.items() if element.tag in tags}
+    if element.tag in CHILDREN["geometry"] and any(part.tag == "visual" for part in parts):
+        lenient.add("mujoco")  # it does not read them
+    if element.tag == "inertia" and not {"ixx", "iyy", "izz"} & set(names):
+        lenient.add("bullet")
+    return {engine: "loads it with a default" if engine in lenient else "refuses the file" for engine in _LENIENT_TAGS}
+
+
+def is_collision_part(element: Element) -> bool:
+    """Whether an element is part of a ``<collision>``."""
+    inner: Element | None = element
+    while inner is not None and inner.tag != "collision":
+        inner = inner.parent
+    return inner is not None
+
+
+def describe_missing_mesh(parts: Iterable[Element]) -> dict[str, str]:
+    """Describe what MuJoCo does with meshes that it cannot open: it never opens those of visuals (checked with MuJoCo 4.0)."""
+    collides = any(map(is_collision_part, parts))
+    return {"mujoco": "refuses to compile" if collides else "loads it: it leaves out what is only drawn"}
+
+
+def describe_unreadable_mesh(parts: Iterable[Element]) -> dict[str, str]:
+    """Describe what MuJoCo and Drake do with mesh files that exist but cannot be read (checked with MuJoCo 4.0, Drake 1.51)."""
+    shapes = list(parts)
+    collides = any(map(is_collision_part, shapes))
+    drake = "refuses the model when contacts are looked for" if collides else "loads it, and cannot draw the shape"
+    return {**describe_missing_mesh(shapes), "drake": drake}

@@ -1,0 +1,179 @@
+"""What an expansion reads from outside: files in reach, packages that are found, and some environment variables."""
+
+from __future__ import annotations
+
+import fnmatch
+import os
+from collections.abc import Callable
+from glob import has_magic
+from pathlib import Path
+from typing import Any
+from xml.dom import minidom
+from xml.parsers import expat
+
+from urdfcheck.core import Location
+from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.text.xml import Element, SourceFile, XmlError, find_unbound_prefix, parse_xml
+from urdfcheck.source.xacro.expressions import ExpressionRefusedError
+from urdfcheck.source.xacro.origins import attach_origins
+from urdfcheck.source.xacro.trace import (
+    NODES_OF_FILE,
+    ExpansionStoppedError,
+    ExpansionTrace,
+    UnknownPackageError,
+    YamlFileError,
+)
+
+# The variables that any file may read: they are the same for all who build it for one distribution of ROS.
+READABLE_ENVIRONMENT = frozenset({"ROS_DISTRO", "ROS_PYTHON_VERSION", "ROS_VERSION"})
+
+
+class FileAccess:
+    """Replacements for xacro's own access to files, packages and the environment."""
+
+    def __init__(
+        self, path: Path, finder: PackageFinder, *, extra_environment: frozenset[str], trace: ExpansionTrace
+    ) -> None:
+        self.path = path
+        self.finder = finder
+        self.environment = READABLE_ENVIRONMENT | extra_environment
+        self.trace = trace
+        self.files: dict[str, SourceFile] = {}
+        self.trees: dict[str, Element] = {}
+        self._reported: set[tuple[str, Location]] = set()
+
+    def get_current_file(self) -> str:
+        """Return the file that is being read."""
+        import xacro
+
+        return str(xacro.filestack[-1] if xacro.filestack else self.path)
+
+    def ensure_reach(self, path: Path) -> None:
+        """Stop the expansion if a file may not be opened.
+
+        :raises ExpansionStoppedError: if it lies out of reach.
+        """
+        if not self.finder.can_open(path):
+            name = format_path(path)
+            raise ExpansionStoppedError("out-of-reach", f"{name} lies outside of what may be read", path=name)
+
+    def wrap_parse(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap ``xacro.parse``, which reads the model and its includes."""
+
+        def parse_located(inp: Any, filename: str | None = None) -> Any:
+            return original(inp, filename) if inp is not None or filename is None else self._parse_file(Path(filename))
+
+        return parse_located
+
+    def _parse_file(self, path: Path) -> minidom.Document:
+        import xacro
+
+        name = format_path(path)
+        self.trace.count_nodes(NODES_OF_FILE)
+        self.ensure_reach(path)
+        try:
+            source = SourceFile.read(path, name)
+        except OSError as error:
+            xacro.filestack.pop()
+            raise xacro.XacroException(f"{error.strerror}: {error.filename}", exc=error) from error
+        tree = parse_xml(source)
+        unbound = find_unbound_prefix(tree)
+        if unbound is not None:
+            element, prefix = unbound
+            assert element.span is not None
+            raise XmlError("prefix", f"the prefix {prefix!r} is not declared (xmlns:{prefix}=…)", element.span)
+        self.files[name] = source
+        self.trees[name] = tree
+        try:
+            document = minidom.parseString(source.text)
+        except expat.ExpatError as error:  # of namespaces, which the located tree does not look at
+            at = source.locate_character(error.lineno, error.offset + 1)
+            raise XmlError("malformed", expat.ErrorString(error.code), at) from error
+        assert document.documentElement is not None
+        attach_origins(document.documentElement, tree)
+        return document
+
+    def find_matching_files(self, pattern: str) -> list[str]:
+        """Return the files that a pattern matches, as glob does, without listing a folder out of reach."""
+        places = [""]
+        for part in Path(pattern).parts:
+            if has_magic(part):
+                places = [os.path.join(folder, name) for folder in places for name in self._match_names(folder, part)]
+            else:
+                places = [os.path.join(folder, part) for folder in places]
+        for path in places:
+            self.ensure_reach(Path(path))  # before its existence is probed
+        return [path for path in places if os.path.lexists(path)]
+
+    def _match_names(self, folder: str, pattern: str) -> list[str]:
+        folder = folder or os.curdir
+        self.ensure_reach(Path(folder))
+        names = [n for n in _list_file_names(folder) if pattern.startswith(".") or not n.startswith(".")]
+        self.trace.count_nodes(len(names))
+        return fnmatch.filter(names, pattern)
+
+    def load_yaml(self, filename: str, evaluate_number: Callable[[str], float]) -> Any:
+        """Return a yaml file's content in xacro's wrappers, which record what is read of it."""
+        import xacro
+
+        from urdfcheck.source.text.yaml import YamlReadError
+        from urdfcheck.source.xacro.yaml_values import read_yaml
+
+        path = Path(xacro.abs_filename_spec(filename))
+        self.trace.count_nodes(NODES_OF_FILE)
+        self.ensure_reach(path)
+        name = format_path(path)
+        xacro.filestack.append(filename)
+        try:
+            return read_yaml(SourceFile.read(path, name), self.trace.record_read, evaluate_number)
+        except YamlReadError as error:
+            raise YamlFileError(name, str(error), error.span, tag=error.tag) from error
+        except XmlError as error:
+            if error.reason == "too-large":
+                raise
+            raise YamlFileError(name, str(error), error.span) from error
+        except (xacro.XacroException, ExpressionRefusedError):
+            raise
+        except Exception as error:
+            # yaml's message names line and column, and spans several lines.
+            text = " ".join(str(error).split())
+            raise xacro.XacroException(f"yaml file {filename}: {text}") from error
+        finally:
+            xacro.filestack.pop()
+
+    def find_package(self, package: str) -> str:
+        """Return the folder of a package: ``$(find p)``.
+
+        :raises UnknownPackageError: if it is not found.
+        """
+        folder = self.finder.find(package)
+        if folder is None:
+            raise UnknownPackageError(package)
+        return str(folder)
+
+    def read_environment(self, name: str) -> str:
+        """Return a variable's value: ``$(env NAME)``. A variable that a file must not read counts as not set."""
+        import xacro.substitution_args as substitution
+
+        if name not in self.environment:
+            raise substitution.SubstitutionException(f"environment variable {name!r} is not read")
+        if name not in os.environ:
+            raise substitution.SubstitutionException(f"environment variable {name!r} is not set")
+        return os.environ[name]
+
+    def read_optional_environment(self, name: str, default: Any = "") -> Any:
+        """Return a variable's value or the default: ``$(optenv NAME default)``."""
+        if name in self.environment:
+            return os.environ.get(name, default)
+        at = self.trace.locate_cause()
+        if (name, at) not in self._reported:
+            self._reported.add((name, at))
+            self.trace.report_problem("environment-ignored", f"{name} is not read", at, variable=name)
+        return default
+
+
+def _list_file_names(folder: str) -> list[str]:
+    try:
+        return sorted(os.listdir(folder))
+    except OSError:
+        return []
