@@ -24,7 +24,8 @@ def check(subject: Source | LaunchContext | Package, rule: Rule) -> Iterator[Fin
     if isinstance(subject, Source):
         yield from _check_model(subject, rule)
     elif isinstance(subject, LaunchContext):
-        yield from _check_companion_file(rule, "launch", problems=subject.launch.problems, files=subject.launch.files)
+        launch = subject.launch
+        yield from _check_companion_file(rule, "launch", problems=launch.problems, files=launch.files)
     else:
         files = {} if subject.file is None else {subject.file.name: subject.file}
         yield from _check_companion_file(rule, "manifest", problems=subject.problems, files=files)
