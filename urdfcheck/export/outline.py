@@ -1,4 +1,4 @@
-"""A model as plain comparable values, so that two models of one package can be held side by side."""
+"""A model as plain comparable values, to compare two models of one package."""
 
 from __future__ import annotations
 
@@ -13,24 +13,33 @@ from urdfcheck.source.text.xml import Element
 Value = tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ModelOutline:
-    """``parts`` maps ``link[wheel_1]/inertial/mass@value`` to its value; extensions are counted in ``extensions``."""
+    """A model as plain comparable values."""
 
     model: str
+    """Id of the model; empty until the outlines are compared."""
     robot: str
+    """Name of the robot."""
     package: str | None
+    """Path of the package."""
     path: str
+    """Name of the source."""
     is_xacro: bool
     location: Location
+    """Of the robot's name."""
     links: frozenset[str]
+    """Names."""
     joints: frozenset[str]
+    """Names."""
     parts: Mapping[str, Value]
+    """Subjects such as ``link[wheel_1]/inertial/mass@value``, with their values."""
     extensions: Mapping[str, int]
+    """Count of each other element by tag."""
 
 
 def build_outline(model: Model) -> ModelOutline:
-    """The outline of a model; ``model`` (its id) is filled in by whoever compares."""
+    """Build the outline of a model; ``model``, its id, stays empty."""
     parts: dict[str, Value] = {}
     extensions: dict[str, int] = {}
     for element in model.robot.children:
@@ -63,6 +72,6 @@ def _locate_robot_name(robot: Element) -> Location:
 
 
 def _normalize_value(value: str) -> Value:
-    """Numbers compare as numbers (``1`` and ``1.0`` are one value), everything else as words."""
+    """Normalize a value so that numbers compare as numbers (``1`` and ``1.0`` are equal), everything else as words."""
     words = value.split()
     return tuple(word if parse_number(word) is None else repr(parse_number(word)) for word in words)

@@ -1,4 +1,4 @@
-"""What outputs that draw need of a model, as plain values."""
+"""Plain-data snapshot of a model for graphical outputs."""
 
 from __future__ import annotations
 
@@ -32,19 +32,19 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Indices
     from urdfcheck.facts.mesh.measure import MeshFacts
 
-# Triangles of one model that a report draws; more are made fewer. SO-101 has 320,000 and needs 1.4 MB.
+# The most triangles of one model in a report; more are reduced. SO-101 has 320,000 and needs 1.4 MB.
 MOST_TRIANGLES = 250_000
-# A mesh that has a small part of them keeps at least so many.
+# A mesh with a small share of them keeps at least this many.
 FEWEST_TRIANGLES = 2_000
-# Edges of holes in one mesh that are drawn.
+# The most edges of holes that are drawn of one mesh.
 MOST_HOLES = 3_000
 
 
 def build_scene(model: Model, model_id: str, launches: Sequence[Launch], findings: Iterable[Finding] = ()) -> Scene:
-    """The scene of a model, with the static transforms of the launch files that start it, and what the repairs of its findings
-    make of it.
+    """Build the scene of a model, with the static transforms of the launch files that start it, and previews of the repairs of
+    its findings.
 
-    A broken tree still gives links and joints: the report shows them without placements.
+    With a broken tree the links and joints have no placements.
     """
     try:
         root, order = model.tree.root, model.tree.order
@@ -108,12 +108,12 @@ def _build_inertia(inertial: Inertial) -> SceneInertia:
         return SceneInertia(mass, com)
     moments, axes = compute_principal_frame(tensor)
     return SceneInertia(
-        mass,
-        com,
-        tuple(list_inertia_components(tensor)),
-        tuple(map(float, moments)),
-        _flatten_matrix(axes),
-        _explain_impossible(inertial, mass),
+        mass=mass,
+        com=com,
+        tensor=tuple(list_inertia_components(tensor)),
+        moments=tuple(map(float, moments)),
+        axes=_flatten_matrix(axes),
+        impossible=_explain_impossible(inertial, mass),
     )
 
 
@@ -123,13 +123,13 @@ def _explain_impossible(inertial: Inertial, mass: float | None) -> str:
     assert inertial.tensor is not None
     if mass is not None and mass <= 0.0 and inertial.tensor.any():
         return "an inertia without a positive mass"
-    found = check_inertia_validity(inertial.tensor)
-    first, second, third = found.moments
-    if not found.finite or (not found.positive_definite and inertial.tensor.any()):
+    validity = check_inertia_validity(inertial.tensor)
+    first, second, third = validity.moments
+    if not validity.finite or (not validity.positive_definite and inertial.tensor.any()):
         return f"the smallest principal moment is {first:.3g} kg m²"
     element = inertial.tensor_element
     if (
-        found.triangle_inequality
+        validity.triangle_inequality
         or element is None
         or measure_tensor_rounding([element.get(name) for name in TENSOR_NAMES]).explained_by_rounding
     ):
@@ -158,13 +158,13 @@ def _build_shape(model: Model, shape: Shape, files: dict[Path, int]) -> SceneSha
 
 
 def _find_color(model: Model, shape: Shape) -> tuple[float, ...] | None:
-    """Of the shape's material, or of the robot's material of this name."""
-    own = shape.element.find_child("material")
-    if own is None:
+    """Find the colour of the shape's material, or of the robot's material of this name."""
+    material = shape.element.find_child("material")
+    if material is None:
         return None
-    named = (m for m in model.robot.find_children("material") if m.get("name") == own.get("name"))
-    for material in (own, *named):
-        color = read_attribute_numbers(material.find_child("color"), "rgba", 4, ())
+    named = (m for m in model.robot.find_children("material") if m.get("name") == material.get("name"))
+    for candidate in (material, *named):
+        color = read_attribute_numbers(candidate.find_child("color"), "rgba", 4, ())
         if color and all(0.0 <= part <= 1.0 for part in color):
             return color
     return None
@@ -213,7 +213,7 @@ def _read_number(element: Element, name: str, default: float) -> float:
 
 
 def _list_mesh_files(model: Model) -> Iterator[Path]:
-    """The mesh files that the links use and that can be looked at, in the order of the document."""
+    """Iterate over the existing mesh files that the links use, in document order."""
     for use in model.meshes.uses:
         if use.resource.path is not None and use.resource.exists:
             yield use.resource.path
@@ -226,47 +226,48 @@ def _build_meshes(model: Model, files: Sequence[Path]) -> Iterator[SceneMesh]:
     share = 1.0 if total <= MOST_TRIANGLES else MOST_TRIANGLES / total
     drawings: dict[str, tuple[SceneDrawing, ...]] = {}
     for path in files:
-        name, digest, found = format_path(path), model.meshes.digests.get(path, ""), facts.get(path)
-        if found is None:
+        name, digest, mesh = format_path(path), model.meshes.digests.get(path, ""), facts.get(path)
+        if mesh is None:
             error = model.meshes.errors.get(path)
             yield SceneMesh(name, digest, problem="" if error is None else error.message)
             continue
         if digest not in drawings:
-            drawings[digest] = tuple(_build_drawings(found, share))
-        extents = found.bounds[1] - found.bounds[0]
+            drawings[digest] = tuple(_build_drawings(mesh, share))
+        extents = mesh.bounds[1] - mesh.bounds[0]
         yield SceneMesh(
             name=name,
             digest=digest,
-            format=found.format,
+            format=mesh.format,
             bytes=path.stat().st_size,
-            triangles=found.n_triangles,
+            triangles=mesh.n_triangles,
             extents=tuple(map(float, extents)),
-            unit=found.unit,
-            watertight=found.watertight,
-            open_edges=found.open_edges,
+            unit=mesh.unit,
+            watertight=mesh.watertight,
+            open_edges=mesh.open_edges,
             drawings=drawings[digest],
         )
 
 
 def _build_drawings(facts: MeshFacts, share: float) -> Iterator[SceneDrawing]:
-    """What is drawn of a mesh, one for each of its colours; the first has the holes of all."""
+    """Build the drawings of a mesh, one for each of its colours; the first has the holes of all."""
     import numpy as np
 
     colors = facts.colors
     if colors is None:
-        yield _build_drawing(facts, facts.faces, None, share, _select_hole_edges(facts))
+        yield _build_drawing(facts, facts.faces, color=None, share=share, holes=_select_hole_edges(facts))
         return
     of_face, rgba = colors
     holes = _select_hole_edges(facts)
     for place in np.unique(of_face):
         color = None if place < 0 else tuple(map(float, rgba[place]))
-        yield _build_drawing(facts, facts.faces[of_face == place], color, share, holes)
+        yield _build_drawing(facts, facts.faces[of_face == place], color=color, share=share, holes=holes)
         holes = holes[:0]
 
 
 def _build_drawing(
     facts: MeshFacts,
     faces: Indices,
+    *,
     color: tuple[float, ...] | None,
     share: float,
     holes: Array,
@@ -275,12 +276,20 @@ def _build_drawing(
 
     packed = pack_mesh(facts.vertices, faces, holes, max_faces=max(FEWEST_TRIANGLES, round(share * len(faces))))
     low, high = (tuple(map(float, ends)) for ends in (packed.low, packed.high))
-    size = packed.n_vertices, packed.n_faces, packed.n_hole_edges, needs_wide_indices(packed.n_vertices)
-    return SceneDrawing(*size, low, high, packed.data, color)
+    return SceneDrawing(
+        vertices=packed.n_vertices,
+        faces=packed.n_faces,
+        holes=packed.n_hole_edges,
+        wide=needs_wide_indices(packed.n_vertices),
+        low=low,
+        high=high,
+        data=packed.data,
+        color=color,
+    )
 
 
 def _select_hole_edges(facts: MeshFacts) -> Array:
-    """The ends (n, 2, 3) of its open edges, of the longest where there are many."""
+    """Select the ends (n, 2, 3) of the open edges, up to the `MOST_HOLES` longest."""
     import numpy as np
 
     if not facts.open_edges:
@@ -330,19 +339,19 @@ def _build_ground(model: Model) -> SceneGround | None:
     if not len(points):
         return None
     com = np.average([w.com for w in weights], axis=0, weights=[w.mass for w in weights])
-    now = compute_ground_support(points, owners, com)
+    support = compute_ground_support(points, owners, com)
     return SceneGround(
         height=float(points[:, 2].min()),
         contacts=tuple(
-            (name, tuple(map(float, at))) for name, at in compute_contact_points(model, points, owners, now).items()
+            (name, tuple(map(float, at))) for name, at in compute_contact_points(model, points, owners, support).items()
         ),
-        support=tuple(tuple(map(float, corner)) for corner in now.polygon),
+        support=tuple(tuple(map(float, corner)) for corner in support.polygon),
         com=tuple(map(float, com)),
     )
 
 
 def _build_previews(model: Model, findings: Iterable[Finding]) -> Iterator[ScenePreview]:
-    """What the repairs of findings make of joints' origins and of inertials."""
+    """Build previews of what the repairs of findings make of joints' origins and of inertials."""
     from urdfcheck.model.repairs.edit_preview import preview_edits
 
     for finding in findings:
