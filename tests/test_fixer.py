@@ -25,8 +25,9 @@ from test_rules import FIXED, cases
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Applicability, Edit, Finding, Location, ModelInfo, Rule, Run, Severity, Span, UrdfcheckError
 from urdfcheck.fix import fixer, patch
-from urdfcheck.fix.fixer import FixResult, compute_fixes, find_regression, select_disjoint
+from urdfcheck.fix.fixer import FixResult, compute_fixes, select_disjoint
 from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError
+from urdfcheck.fix.regression import find_regression
 from urdfcheck.policy import config
 from urdfcheck.run import pipeline as engine
 from urdfcheck.run.audit import audit_unit

@@ -11,6 +11,9 @@ from typing import Any, Protocol, runtime_checkable
 # What ends a line for every span: str.splitlines() would also break at form feeds and Unicode separators.
 NEWLINE = re.compile(r"\r\n|\n|\r")
 
+# The family of rules about urdfcheck itself, its configuration and its comments.
+OWN_FAMILY = "URC"
+
 
 class Severity(IntEnum):
     """How bad a finding is. ``error``: a reference parser refuses or drops it, or it is impossible."""
@@ -184,6 +187,11 @@ class Finding:
     model: str = ""
     suppressed: Suppression | None = None
     variants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def is_about_urdfcheck(self) -> bool:
+        """Whether it is about urdfcheck, its configuration or its comments, not about a model."""
+        return self.code.startswith(OWN_FAMILY)
 
     @property
     def cause_text(self) -> str | None:

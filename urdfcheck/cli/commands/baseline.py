@@ -63,7 +63,11 @@ def main(words: Sequence[str]) -> int:
         say("nothing to check: no model, launch file or package was found there")
         return OK if options.allow_empty else NOTHING
     seen = baseline.BaselineView(
-        outcome.findings, outcome.models, outcome.complete_rules, outcome.skipped, outcome.tier
+        findings=outcome.findings,
+        models=outcome.models,
+        complete_rules=outcome.complete_rules,
+        skipped=outcome.skipped,
+        tier=outcome.tier,
     )
     for home, names in sorted(outcome.baseline_unit_names.items(), key=lambda item: item[0] or ("", "")):
         own = seen.select_models(names)
