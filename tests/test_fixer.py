@@ -374,7 +374,16 @@ def finding(code: str, subject: str = "link[a]", hides: Sequence[str] = ()) -> F
 
 def run_of(*findings: Finding, status: str = "checked", failures: tuple[str, ...] = ()) -> Run:
     info = ModelInfo(path="m", robot="r", args={}, links=1, joints=0, mass=None, status=status, id="m")
-    return Run((info,), findings, (), {}, {}, {}, unit_ids=frozenset({"m"}), failures=failures)
+    return Run(
+        models=(info,),
+        findings=findings,
+        skipped=(),
+        rules={},
+        versions={},
+        sources={},
+        unit_ids=frozenset({"m"}),
+        failures=failures,
+    )
 
 
 def test_what_is_worse() -> None:

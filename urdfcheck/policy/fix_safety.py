@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterable, Mapping, Set
+from collections.abc import Iterable, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 
 from urdfcheck.core import Applicability, Edit, Finding, Span
@@ -20,7 +21,7 @@ def mark_unsafe_in_model(findings: Iterable[Finding], root: Element | None) -> l
     return [_mark_unsafe(f) if any(map(made.makes_several_elements, _list_safe_edits(f))) else f for f in findings]
 
 
-def mark_unsafe_across_models(findings: Iterable[Finding], users: Mapping[str, Set[str]]) -> list[Finding]:
+def mark_unsafe_across_models(findings: Iterable[Finding], users: Mapping[str, AbstractSet[str]]) -> list[Finding]:
     """Demote a fix to *unsafe* if another model expands the same text and does not report the same finding with a safe fix.
 
     ``users``: file → ids of the models that it is part of.

@@ -90,23 +90,22 @@ def mark_suppressed(
     taken: set[tuple[str, str, Span | None, tuple[str, ...]]] = set()
     marked = []
     for finding in findings:
-        if finding.suppressed is None and not finding.is_about_urdfcheck:
-            reasons = []
-            for places in _list_places(finding):
-                needed = [c for place in places for c in covering.find_covering_comments(finding.code, place)]
-                used.update(comment.span for comment in needed)
-                reasons.append(needed[0].reason if needed else "")
-            reason = Suppression("source", reasons[0]) if all(reasons) else None
-            reason = reason or next(
-                (Suppression("configuration", e.reason) for e in entries if e.covers(finding)), None
-            )
-            # A text of which a macro makes the same element twice becomes one finding, and is one entry of the baseline.
-            same = finding.code, finding.message_id, finding.location.span, finding.subjects
-            if reason is None and (same in taken or _take_baseline_entry(left, finding)):
-                taken.add(same)
-                reason = Suppression("baseline", "in the baseline")
-            finding = finding if reason is None else replace(finding, suppressed=reason)
-        marked.append(finding)
+        if finding.suppressed is not None or finding.is_about_urdfcheck:
+            marked.append(finding)
+            continue
+        reasons = []
+        for places in _list_places(finding):
+            needed = [c for place in places for c in covering.find_covering_comments(finding.code, place)]
+            used.update(comment.span for comment in needed)
+            reasons.append(needed[0].reason if needed else "")
+        reason = Suppression("source", reasons[0]) if all(reasons) else None
+        reason = reason or next((Suppression("configuration", e.reason) for e in entries if e.covers(finding)), None)
+        # A text of which a macro makes the same element twice becomes one finding, and is one entry of the baseline.
+        same = finding.code, finding.message_id, finding.location.span, finding.subjects
+        if reason is None and (same in taken or _take_baseline_entry(left, finding)):
+            taken.add(same)
+            reason = Suppression("baseline", "in the baseline")
+        marked.append(replace(finding, suppressed=reason))
     return marked, used
 
 

@@ -131,7 +131,7 @@ def _find_variant_files(units: Iterable[Unit]) -> dict[str, tuple[str, int]]:
     """Return file and number of arguments, by id, of the models of which the run has several variants."""
     found = {unit.id: (os.path.realpath(unit.path), len(unit.arguments)) for unit in units if unit.kind == "model"}
     number = Counter(file for file, _ in found.values())
-    return {id: (file, length) for id, (file, length) in found.items() if number[file] > 1}
+    return {name: (file, length) for name, (file, length) in found.items() if number[file] > 1}
 
 
 def _get_defect_key(finding: Finding) -> tuple[Any, ...]:
