@@ -8,6 +8,7 @@ from typing import Any
 from urdfcheck.core import Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
+from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.likeness.sibling_robots import PackageNames
 from urdfcheck.model.motion.controllers import (
     AssociatedConfiguration,
@@ -19,7 +20,6 @@ from urdfcheck.model.motion.controllers import (
     measure_wheel_radii,
     measure_wheel_separations,
 )
-from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.ros.controllers import Controller
 from urdfcheck.source.text.yaml import YamlValue, find_yaml_error
@@ -28,9 +28,10 @@ from urdfcheck.source.text.yaml import YamlValue, find_yaml_error
 MOST_HINTS = 100
 
 
-def check(subject: Model | Launch, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
-    if isinstance(subject, Launch):
-        model, found = subject.model, [] if subject.model is None else find_launched_configs(subject, subject.model)
+def check(subject: Model | LaunchContext, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
+    if isinstance(subject, LaunchContext):
+        model = subject.model
+        found = [] if model is None else find_launched_configs(subject.launch, model)
     else:
         model, found = subject, find_controller_configs(subject)
         yield from _check_parameter_files(subject, rule)

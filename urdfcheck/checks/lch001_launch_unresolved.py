@@ -8,6 +8,7 @@ from pathlib import Path
 
 from urdfcheck.core import Confidence, Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_name_hint
+from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.launch_file import (
     BrokenInclude,
     DescriptionSource,
@@ -25,7 +26,8 @@ from urdfcheck.source.text.xml import Element
 _SHOWN = 80
 
 
-def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
+def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
+    launch = context.launch
     if launch.python is not None:
         yield from _check_python_launch(launch.python, launch.finder, rule)
     for description in launch.descriptions:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from itertools import zip_longest
 
 from urdfcheck.core import Edit, Finding, Location, Rule
-from urdfcheck.source.launch.launch_file import Launch, get_executable
+from urdfcheck.model.launch_context import LaunchContext
+from urdfcheck.source.launch.launch_file import get_executable
 from urdfcheck.source.text.tokens import Token, tokenize_attribute
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
@@ -64,8 +65,9 @@ _TOOLS = {
 _PACKAGES = frozenset({"gazebo_ros", "ros_gz_sim", "ros_ign_gazebo"})
 
 
-def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
-    robot = launch.model.name if launch.model is not None else ""
+def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
+    launch = context.launch
+    robot = context.model.name if context.model is not None else ""
     for node in launch.nodes:
         tool = _TOOLS.get(get_executable(node))
         args = node.attributes.get("args")

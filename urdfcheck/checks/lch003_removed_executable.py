@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Finding, Rule
-from urdfcheck.source.launch.launch_file import Launch, get_executable
+from urdfcheck.model.launch_context import LaunchContext
+from urdfcheck.source.launch.launch_file import get_executable
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element
@@ -46,7 +47,8 @@ _SUCCESSORS = {
 }
 
 
-def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
+def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
+    launch = context.launch
     successors = _SUCCESSORS.get(launch.dialect, {})
     for node in launch.nodes:
         attribute = node.attributes.get("type") or node.attributes.get("exec")

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.launch_file import Launch, is_included_by_sibling
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
@@ -15,7 +16,8 @@ _EVAL = re.compile(r"\$\(eval\s")
 _NAME = re.compile(r"\w+")
 
 
-def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
+def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
+    launch = context.launch
     if launch.root is None:
         return
     read = _collect_read_names(launch.root)

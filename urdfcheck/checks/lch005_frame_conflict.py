@@ -8,15 +8,16 @@ from typing import Any
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import find_nearest_name
 from urdfcheck.model import Model
+from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.shapes.extent import find_lowest_point
-from urdfcheck.source.launch.launch_file import Launch, StaticTransform
+from urdfcheck.source.launch.launch_file import StaticTransform
 
 # The line that the SolidWorks exporter writes into every launch file, whatever the robot is.
 _EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)
 
 
-def check(launch: Launch, rule: Rule, *, height_tol: float, likeness: float) -> Iterator[Finding]:
-    model = launch.model
+def check(context: LaunchContext, rule: Rule, *, height_tol: float, likeness: float) -> Iterator[Finding]:
+    launch, model = context.launch, context.model
     placed = {t.child for t in launch.transforms}
     for transform in launch.transforms:
         if model is not None and transform.child in model.link_by_name:

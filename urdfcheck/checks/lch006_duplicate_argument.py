@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.source.launch.launch_file import Launch
+from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
 
 _SCOPES = frozenset({"launch", "group", "include"})
 
 
-def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
+def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
+    launch = context.launch
     # `.launch.xml` is how ROS 2 calls them, also where nothing in the file tells.
     ros1 = launch.dialect == "ros1" and not launch.name.endswith(".xml")
     for first, second in _iter_repeated_arguments(launch.root, ros1) if launch.root is not None else ():

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.source.launch.launch_file import Launch, get_executable
+from urdfcheck.model.launch_context import LaunchContext
+from urdfcheck.source.launch.launch_file import get_executable
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
 
 
-def check(launch: Launch, rule: Rule) -> Iterator[Finding]:
+def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
+    launch = context.launch
     if launch.root is None:
         return
     for element in launch.root.walk():

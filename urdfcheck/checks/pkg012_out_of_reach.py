@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
+from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source
 from urdfcheck.source.resources import ResourceUse, find_machine_path, is_misspelt, list_resource_uses
@@ -13,7 +14,8 @@ from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.xacro.usage import locate_expression
 
 
-def check(subject: Source | Launch, rule: Rule) -> Iterator[Finding]:
+def check(context: Source | LaunchContext, rule: Rule) -> Iterator[Finding]:
+    subject = context.launch if isinstance(context, LaunchContext) else context
     for problem in subject.problems:
         if problem.kind == "out-of-reach":
             yield _build_unread_finding(problem, subject, rule)

@@ -7,19 +7,22 @@ from dataclasses import replace
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule
 from urdfcheck.model import Model
+from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.tree import TreeTooDeepError
-from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package
 
 
-def check(subject: Source | Launch | Package | Model, rule: Rule) -> Iterator[Finding]:
+def check(subject: Source | LaunchContext | Package | Model, rule: Rule) -> Iterator[Finding]:
     if isinstance(subject, Model):
         yield from _check_mesh_sizes(subject, rule)
         yield from _check_tree_depth(subject, rule)
         return
-    message = "model" if isinstance(subject, Source) else "launch" if isinstance(subject, Launch) else "manifest"
-    for problem in subject.problems:
+    if isinstance(subject, LaunchContext):
+        message, problems = "launch", subject.launch.problems
+    else:
+        message, problems = ("model" if isinstance(subject, Source) else "manifest"), subject.problems
+    for problem in problems:
         if problem.kind == "too-large":
             at = replace(problem.location, subject=problem.location.subject or "robot")
             yield rule.finding(message, at=at, related=problem.related, error=problem.message, **problem.data)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Applicability, Edit, Finding, Location, Rule
+from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.load import Source
 
@@ -13,8 +14,11 @@ _DIRECT = re.compile(r"^Using (\w+)\(\) directly is deprecated\. Use (\w+)\.")
 _IN_ORDER = re.compile(r"(?<!\S)(--inorder|-i)(\s+|$)")
 
 
-def check(subject: Source | Launch, rule: Rule) -> Iterator[Finding]:
-    yield from _check_options(subject, rule) if isinstance(subject, Launch) else _check_functions(subject, rule)
+def check(subject: Source | LaunchContext, rule: Rule) -> Iterator[Finding]:
+    if isinstance(subject, LaunchContext):
+        yield from _check_options(subject.launch, rule)
+    else:
+        yield from _check_functions(subject, rule)
 
 
 def _check_functions(source: Source, rule: Rule) -> Iterator[Finding]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.source.launch.launch_file import Launch
+from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.ros.srdf import find_broken_srdfs
@@ -20,11 +20,11 @@ _CAUSES = (("version https://git-lfs", "git_lfs"), ("<!doctype html", "web_page"
 _OUR_CHOICE = "doctype"
 
 
-def check(subject: Source | Launch | Package, rule: Rule) -> Iterator[Finding]:
+def check(subject: Source | LaunchContext | Package, rule: Rule) -> Iterator[Finding]:
     if isinstance(subject, Source):
         yield from _check_model(subject, rule)
-    elif isinstance(subject, Launch):
-        yield from _check_companion_file(subject.problems, subject.files, "launch", rule)
+    elif isinstance(subject, LaunchContext):
+        yield from _check_companion_file(subject.launch.problems, subject.launch.files, "launch", rule)
     else:
         files = {} if subject.file is None else {subject.file.name: subject.file}
         yield from _check_companion_file(subject.problems, files, "manifest", rule)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.source.launch.launch_file import Launch
+from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.text.tokens import build_rename_edits
@@ -24,13 +24,13 @@ _FORMATS = {
 }
 
 
-def check(subject: Source | Launch | Package, rule: Rule) -> Iterator[Finding]:
+def check(subject: Source | LaunchContext | Package, rule: Rule) -> Iterator[Finding]:
     if isinstance(subject, Source):
         yield from _check_model(subject, rule)
         return
-    wanted = "launch" if isinstance(subject, Launch) else "package"
-    if subject.root is not None and subject.root.tag != wanted:
-        yield rule.finding(wanted, at=subject.root, tag=subject.root.tag)
+    wanted, root = ("launch", subject.launch.root) if isinstance(subject, LaunchContext) else ("package", subject.root)
+    if root is not None and root.tag != wanted:
+        yield rule.finding(wanted, at=root, tag=root.tag)
 
 
 def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:

@@ -37,7 +37,7 @@ def format_name_hint(name: str, known: Iterable[str]) -> str:
 
 
 def join_names(names: Iterable[str], most: int = 6) -> str:
-    """``a, b, c and 4 more``."""
+    """Join names as in ``a, b, c and 4 more``."""
     names = list(names)
     shown = ", ".join(names[:most])
     return f"{shown} and {len(names) - most} more" if len(names) > most else shown

@@ -1,4 +1,4 @@
-"""The pairs of links that MoveIt need not check for collisions, as plain values and as a semantic description (SRDF)."""
+"""The pairs of links that MoveIt need not check for collisions, as plain values and as semantic description (SRDF)."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from urdfcheck.system.files import read_regular
 if TYPE_CHECKING:
     from urdfcheck.model import Model
 
-# Configurations that are looked at, and with --thorough. Of 55 pairs of a seven-joint arm with a hand 30 do not collide in
+# Joint configurations to sample, and with --thorough. Of 55 pairs of a seven-joint arm with a hand 30 do not collide in
 # 200 of them, 22 in 5,000: an audit may miss a collision, a file that switches its check off should not.
 SAMPLES, THOROUGH = 5_000, 20_000
-# How a file that may be written over begins.
+# Begins a file that may be overwritten.
 MARKER = "Written by urdfcheck srdf"
 _COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 _TAG = re.compile(r"<([A-Za-z_][\w:.-]*)")
@@ -29,19 +29,21 @@ _RULE_OF_THREE = 3.0
 
 @dataclass(frozen=True, slots=True)
 class LinkPair:
-    """Two links with collision geometry, ``links`` in alphabetical order as Setup Assistant writes them. ``reason``: Adjacent
-    | Default | Always | Never, None where the pair must be checked; ``proven``: that they never meet is no sample's word;
-    ``seen``: whether a sample met."""
+    """Two links with collision geometry."""
 
     links: tuple[str, str]
+    """In alphabetical order, as Setup Assistant writes them."""
     reason: str | None
+    """Adjacent | Default | Always | Never; None if the pair must be checked."""
     proven_never: bool
+    """Whether a proof, not a sample, shows that they never collide."""
     seen_colliding: bool
+    """Whether they collide in a sample."""
 
 
 @dataclass(frozen=True, slots=True)
 class LinkPairs:
-    """All pairs of a robot, in the order of their names; ``samples``: how many configurations were looked at."""
+    """All pairs of a robot, in the order of their names; ``samples``: number of sampled configurations."""
 
     robot: str
     samples: int
@@ -49,9 +51,9 @@ class LinkPairs:
 
 
 def compute_link_pairs(model: Model) -> LinkPairs:
-    """The pairs of a model, judged as MoveIt's Setup Assistant does.
+    """Classify the pairs of a model as MoveIt's Setup Assistant does.
 
-    :raises Unavailable: when its collisions are not known.
+    :raises FactUnavailableError: if its collisions are not known.
     """
     from urdfcheck.model.motion.collisions import self_collisions  # loads numpy
     from urdfcheck.model.motion.moveit_pairs import classify_link_pairs
@@ -78,7 +80,7 @@ def explain_missing_pairs(failures: Iterable[str], skipped: Iterable[SkippedChec
 
 
 def has_foreign_content(file: Path) -> bool:
-    """Whether a file is there that :func:`render_srdf` did not make, or to which something was added."""
+    """Whether a file exists that :func:`render_srdf` did not write, or to which something was added."""
     try:
         text = read_regular(file).decode("utf-8", "replace")
     except OSError:
@@ -88,7 +90,7 @@ def has_foreign_content(file: Path) -> bool:
 
 
 def render_srdf(link_pairs: LinkPairs) -> str:
-    """A semantic description that holds the ``disable_collisions`` of a robot and, in comments, what they rest on."""
+    """Render a semantic description with the ``disable_collisions`` of a robot and, in comments, their evidence."""
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f"<!-- {MARKER} {__version__}: the pairs of links that MoveIt need not check for collisions.",

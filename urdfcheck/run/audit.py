@@ -20,6 +20,7 @@ from urdfcheck.core.scene import Scene
 from urdfcheck.export.link_pairs import LinkPairs, compute_link_pairs
 from urdfcheck.export.outline import ModelOutline, build_outline
 from urdfcheck.model import Model
+from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.policy import TIERS
 from urdfcheck.rules import has_check, load_check, load_rules
@@ -201,10 +202,10 @@ class _UnitAudit:
         """Check the launch files of the unit with the model that they lead to."""
         paths = (self.unit.path,) if self.unit.kind == "launch" else self.unit.launches
         for path in map(Path, paths):
-            launch = replace(load_launch(path, self.make_finder(path)), model=model)
+            launch = load_launch(path, self.make_finder(path))
             self.loaded_launches.append(launch)
             self.texts.update({name: file.text for name, file in launch.files.items()})
-            self.run_checks("launch", launch)
+            self.run_checks("launch", LaunchContext(launch, model))
 
     def audit_package(self) -> None:
         """Check a package."""
@@ -368,7 +369,7 @@ def _describe_model(unit: Unit, source: Source, model: Model | None) -> ModelInf
     path = format_path(Path(unit.path))
     if model is None:
         status = "needs-arguments" if source.find_problems("argument-missing") else "failed"
-        return ModelInfo.unread(path=path, id=unit.id, arguments=unit.arguments, status=status)
+        return ModelInfo.unread(path=path, model_id=unit.id, arguments=unit.arguments, status=status)
     masses = [link.inertial.mass for link in model.links if link.inertial is not None]
     known_masses = [mass for mass in masses if mass is not None]
     return ModelInfo(

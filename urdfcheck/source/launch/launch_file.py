@@ -13,7 +13,6 @@ import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location, Span
 from urdfcheck.source.launch.python_launch_file import (
@@ -29,9 +28,6 @@ from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
 from urdfcheck.system.files import read_regular
-
-if TYPE_CHECKING:
-    from urdfcheck.model.robot import Model
 
 # How many times launch files are included before it counts as a circle.
 MAX_INCLUDES = 64
@@ -122,7 +118,7 @@ class Launch:
     """One launch file. ``dialect``: ros1 | ros2 | python; ``root`` is None for Python and for broken XML.
 
     ``files`` holds it and those that it includes, ``broken`` the includes that lead nowhere. ``python`` is what could be read
-    of one in Python. ``model`` is the model that its robot_description leads to, once it is loaded. ``scope`` is this file as
+    of one in Python. ``scope`` is this file as
     it is launched with the defaults of its arguments, and ``scopes`` the included ones by their elements.
     """
 
@@ -137,7 +133,6 @@ class Launch:
     finder: PackageFinder
     package: Package | None
     python: PythonLaunch | None = None
-    model: Model | None = None
     broken_includes: tuple[BrokenInclude, ...] = ()
     scope: LaunchScope | None = None
     scopes: Mapping[Element, LaunchScope] = field(default_factory=dict)

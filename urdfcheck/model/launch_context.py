@@ -1,0 +1,17 @@
+"""What a check of scope ``launch`` gets: a launch file together with the robot that it loads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from urdfcheck.model.robot import Model
+from urdfcheck.source.launch.launch_file import Launch
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LaunchContext:
+    """A launch file and the model that is checked with it."""
+
+    launch: Launch
+    model: Model | None
+    """None where the launch file is checked on its own, or the model could not be expanded."""
