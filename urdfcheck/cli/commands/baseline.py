@@ -97,7 +97,11 @@ def _update_baselines(outcome: Run, previous: Baseline | None, file: Path, root:
     from urdfcheck.policy import baseline
 
     view = baseline.BaselineView(
-        outcome.findings, outcome.models, outcome.complete_rules, outcome.skipped, outcome.tier
+        findings=outcome.findings,
+        models=outcome.models,
+        complete_rules=outcome.complete_rules,
+        skipped=outcome.skipped,
+        tier=outcome.tier,
     )
     for home, names in sorted(outcome.baseline_unit_names.items(), key=lambda item: item[0] or ("", "")):
         unit_view = view.select_models(names)
