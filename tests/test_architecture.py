@@ -34,7 +34,7 @@ HEAVY = {
 }
 
 # Beside the rooms: what truly belongs to all of them.
-LOOSE = {"__init__", "__main__", "rules", "api"}
+LOOSE = {"__init__", "__main__", "api", "rules", "version"}
 # A folder that holds one module per rule.
 CATALOGUE = {"checks"}
 # Beginnings of function names; those of booleans too.

@@ -9,7 +9,8 @@ From Python, :func:`check` does what the command does::
         print(finding.code, finding.severity, finding.message)
 """
 
-__version__ = "0.1.0"
+from urdfcheck.version import __version__
+
 # Type checkers take it for typing's, whose import would double the time that the import of this package takes.
 TYPE_CHECKING = False
 

@@ -20,9 +20,9 @@ from itertools import zip_longest
 from pathlib import Path
 
 import urdfcheck
-from urdfcheck import rules as catalogue
 from urdfcheck.core import NEWLINE, Finding, Run, Severity
 from urdfcheck.policy.policy import Policy
+from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import PackageFolders, Request
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 
@@ -91,7 +91,7 @@ def main() -> None:
 
 def claims(corpus: Path) -> Iterator[Claim]:
     """All findings of the rules about inertia and symmetry, at warning or above, in the order of the corpus."""
-    rules = catalogue.load_rules()
+    rules = load_rules()
     judged = {code for code in rules if code.startswith(FAMILIES)}
     codes = frozenset(judged.union(*(rules[code].hidden_by for code in judged)))
     for entry in json.loads((corpus / "corpus.json").read_text(encoding="utf-8")):

@@ -18,10 +18,10 @@ from injections import declared, truth, written
 from parts import SPLITS, part
 from robots import Robot, robots
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Rule
 from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.model import Model
+from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
@@ -61,9 +61,7 @@ def _whole(split: str, seed: int) -> list[str]:
     first: list[float] = []
     again: list[float] = []
     loads: list[float] = []
-    wanted = [
-        rule for rule in catalogue.load_rules().values() if rule.code.startswith(_CODES) and catalogue.has_check(rule)
-    ]
+    wanted = [rule for rule in load_rules().values() if rule.code.startswith(_CODES) and has_check(rule)]
     for robot in robots(split, seed, quick=False):
         links = len(robot.root.findall("link"))
         stored = [mesh.export(file_type="stl") for mesh in robot.meshes.values()]
@@ -111,7 +109,7 @@ def _turn(robot: Robot, folder: Path, rules: list[Rule]) -> tuple[float, float]:
         recall = FindingsCache(about)
         for rule in rules:
             options = {name: option.default for name, option in rule.options.items()}
-            find = partial(catalogue.load_check(rule), about, rule, **options)
+            find = partial(load_check(rule), about, rule, **options)
             _ = recall.recall_findings(rule, options, find) if is_cacheable(rule) else list(find())
         recall.save()
         return time.perf_counter() - began

@@ -16,10 +16,10 @@ from parts import SPLITS
 from robots import Robot, robots, text, write_body
 from scoring import LEAST_EFFECT, effect
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.policy.policy import Policy
+from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Request
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 
@@ -107,7 +107,7 @@ def _findings(robot: Robot, root: ET.Element) -> list[Finding]:
             mesh.export(folder / file)
         urdf = folder / "robot.urdf"
         ET.ElementTree(root).write(urdf)
-        codes = frozenset(c for c in catalogue.load_rules() if c.startswith(("INR", "SYM", "MSH")))
+        codes = frozenset(c for c in load_rules() if c.startswith(("INR", "SYM", "MSH")))
         found = run(Request(paths=(urdf,), root=folder, policy=Policy(codes=codes)), IN_THIS_PROCESS)
     return [f for f in found.findings if f.code in _ALL]
 

@@ -15,18 +15,18 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from urdfcheck import __version__
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Severity, SkippedCheck
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.dataset.journal import TEMPORARY, Journal, open_new_file, translate_os_errors
 from urdfcheck.output.html import index_page
 from urdfcheck.output.shared.audit import unit_lines
+from urdfcheck.rules import has_check, load_rules
 from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
 from urdfcheck.run.pipeline import audit_session, is_empty_candidate, plan_units
 from urdfcheck.run.summary import collect_versions, report_foreign_libraries
 from urdfcheck.source.discover import Plan
 from urdfcheck.source.package.finder import format_path
+from urdfcheck.version import __version__
 
 LINES, INDEX = "audit.jsonl", "index.html"
 # Environment variables that decide where packages are found.
@@ -142,7 +142,7 @@ def write_results(folder: Path, texts: Callable[[], Iterable[bytes]]) -> unit_li
         _replace_file(folder / LINES, (text + b"\n" for text in texts()))
         summary = unit_lines.AuditSummary.from_rows(map(unit_lines.parse_unit_line, texts()))
         page = index_page.iter_audit_page(
-            summary, map(unit_lines.parse_unit_line, texts()), rules=catalogue.load_rules(), version=__version__
+            summary, map(unit_lines.parse_unit_line, texts()), rules=load_rules(), version=__version__
         )
         _replace_file(folder / INDEX, (part.encode() for part in page))
     return summary
@@ -173,8 +173,8 @@ def _encode_run_line(request: Request, found: Plan) -> bytes:
     alone = "it compares the models of a run with each other: urdfcheck check does"
     skipped += [
         SkippedCheck(code, "", alone)
-        for code, rule in catalogue.load_rules().items()
-        if rule.scopes == ("run",) and code in request.policy.codes and catalogue.has_check(rule)
+        for code, rule in load_rules().items()
+        if rule.scopes == ("run",) and code in request.policy.codes and has_check(rule)
     ]
     failures = [f"{path}: {reason}" for path, reason in found.missing]
     return unit_lines.build_unit_line("run", "", "", findings=findings, skipped=skipped, failures=failures)

@@ -18,8 +18,8 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck import __version__
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.version import __version__
 
 if TYPE_CHECKING:
     from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from urdfcheck import __version__
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.rules import find_pages_folder, load_families, load_rules
+from urdfcheck.version import __version__
 
 # Marks what is still to be written; the test of the pages rejects it.
 TO_DO = "TODO"

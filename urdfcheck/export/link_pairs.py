@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from urdfcheck import __version__
 from urdfcheck.core import Finding, Severity, SkippedCheck
 from urdfcheck.source.text.xml import quote_attribute
 from urdfcheck.system.files import read_regular
+from urdfcheck.version import __version__
 
 if TYPE_CHECKING:
     from urdfcheck.model import Model

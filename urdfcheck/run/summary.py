@@ -10,7 +10,6 @@ from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from pathlib import Path
 
-from urdfcheck import __version__
 from urdfcheck.core import Finding, Location, Rule, Run, SkippedCheck, Span
 from urdfcheck.policy import baseline
 from urdfcheck.policy.suppression import report_bad_comments
@@ -21,6 +20,7 @@ from urdfcheck.source.discover import Plan
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.system import libraries
 from urdfcheck.system.files import read_regular
+from urdfcheck.version import __version__
 
 # Libraries whose versions a full report lists.
 DISTRIBUTIONS = ("xacro", "numpy", "pin", "coal", "trimesh")

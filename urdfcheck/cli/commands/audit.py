@@ -53,10 +53,10 @@ def main(words: Sequence[str]) -> int:
         raise UrdfcheckError(f"--backend {options.backend}: write local, dask=ADDRESS, ray or ray=ADDRESS")
     warm_worker = start_warm_worker() if backend == "local" else None
 
-    from urdfcheck import rules as catalogue
     from urdfcheck.dataset import cluster
     from urdfcheck.dataset.audit import INDEX, LINES, audit_dataset
     from urdfcheck.output.shared.audit import summary_text
+    from urdfcheck.rules import load_rules
     from urdfcheck.run.pipeline import Execution, stream_reports
     from urdfcheck.system import libraries
 
@@ -76,7 +76,7 @@ def main(words: Sequence[str]) -> int:
     if not done.checked and not done.unchanged:
         say("nothing to check: no model, launch file or package was found there")
         return OK if options.allow_empty else NOTHING
-    sys.stdout.write(summary_text.render_audit_summary(done.summary, catalogue.load_rules()))
+    sys.stdout.write(summary_text.render_audit_summary(done.summary, load_rules()))
     unchanged = f"{done.unchanged:,} unchanged, " if done.unchanged else ""
     say(f"{unchanged}{done.checked:,} checked; {options.output / LINES}, {options.output / INDEX}")
     fail_on = options.fail_on or settings.fail_on

@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from urdfcheck import __version__
 from urdfcheck.cli.commands.job_summary import append_summary, find_summary_file
 from urdfcheck.cli.options import (
     EPILOG,
@@ -35,6 +34,7 @@ from urdfcheck.cli.terminal import (
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output import DRAWING_FORMATS, FORMATS
 from urdfcheck.run.preload import start_warm_worker
+from urdfcheck.version import __version__
 
 if TYPE_CHECKING:
     from urdfcheck.core import Finding, Run

@@ -85,14 +85,14 @@ def main(words: Sequence[str]) -> int:
 
 
 def _list_commands() -> list[CompletedCommand]:
-    from urdfcheck import rules as catalogue
     from urdfcheck.output import FORMATS, PICTURE_FORMAT
     from urdfcheck.policy.config import TARGETS
+    from urdfcheck.rules import load_rules
 
-    codes = tuple(catalogue.load_rules())
+    codes = tuple(load_rules())
     values = {
         "CODES": ("ALL", *dict.fromkeys(code[:3] for code in codes), *codes),
-        "CODE": (*codes, *(rule.name for rule in catalogue.load_rules().values())),
+        "CODE": (*codes, *(rule.name for rule in load_rules().values())),
         "NAMES": tuple(TARGETS),
         "FORMAT=FILE": tuple(f"{name}=" for name in (*FORMATS, PICTURE_FORMAT)),
     }

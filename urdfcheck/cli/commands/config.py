@@ -183,20 +183,20 @@ def _iter_rule_settings(
     sections: Sequence[tuple[tuple[str | int, ...], Mapping[str, Any]]],
     at: Mapping[tuple[str | int, ...], str],
 ) -> Iterator[RuleSetting]:
-    from urdfcheck import rules as catalogue
+    from urdfcheck.rules import load_rules, select_rules
 
     severities: dict[str, str] = {}
     options: dict[tuple[str, str], str] = {}
     for where, section in sections:
         # In the order of the configuration: a word that means fewer rules comes later, and wins.
-        for word in sorted(section.get("severity", {}), key=lambda w: -len(catalogue.select_rules([w]))):
+        for word in sorted(section.get("severity", {}), key=lambda w: -len(select_rules([w]))):
             place = (*where, "severity", word)
-            severities.update(dict.fromkeys(catalogue.select_rules([word]), at[place]))
-        for word in sorted(section.get("options", {}), key=lambda w: -len(catalogue.select_rules([w]))):
+            severities.update(dict.fromkeys(select_rules([word]), at[place]))
+        for word in sorted(section.get("options", {}), key=lambda w: -len(select_rules([w]))):
             for name in section["options"][word]:
                 place = (*where, "options", word, name)
-                options.update(dict.fromkeys(((code, name) for code in catalogue.select_rules([word])), at[place]))
-    for code, rule in catalogue.load_rules().items():
+                options.update(dict.fromkeys(((code, name) for code in select_rules([word])), at[place]))
+    for code, rule in load_rules().items():
         if code in policy.codes and policy.severities.get(code, str(rule.severity)) != str(rule.severity):
             value = policy.severities[code]
             yield RuleSetting(
@@ -229,8 +229,8 @@ def _print_report(report: ConfigReport) -> None:
     from rich.console import Console
     from rich.text import Text
 
-    from urdfcheck import rules as catalogue
     from urdfcheck.output.shared.inert import escape_one_line
+    from urdfcheck.rules import load_rules
 
     def make_row(name: str, value: str, source: str) -> Text:
         line = Text(" " * INDENT).append(escape_one_line(name).ljust(NAMES), "" if value else "dim")
@@ -248,7 +248,7 @@ def _print_report(report: ConfigReport) -> None:
     lines.append(Text.assemble("  models are named from ", (escape_one_line(report.root), "")))
     lines.append(Text())
     lines += [make_row(s.name, str(s.value), s.source) for s in report.settings]
-    lines.append(make_row("rules", f"{len(report.selected)} of {len(catalogue.load_rules())}", ""))
+    lines.append(make_row("rules", f"{len(report.selected)} of {len(load_rules())}", ""))
     severities = [
         make_row(r.code, f"{r.name}: {r.default} → {r.value}", r.source) for r in report.rules if r.option is None
     ]

@@ -57,14 +57,14 @@ def main(words: Sequence[str]) -> int:
     from dataclasses import replace
 
     from urdfcheck import output
-    from urdfcheck import rules as catalogue
     from urdfcheck.core import Severity
+    from urdfcheck.rules import load_rules
     from urdfcheck.run.pipeline import Execution, run
     from urdfcheck.system import libraries
 
     first = start_warm_worker()
     # The findings about the file explain why there is no model.
-    wanted = {RULE, *(code for code, rule in catalogue.load_rules().items() if "file" in rule.scopes)}
+    wanted = {RULE, *(code for code, rule in load_rules().items() if "file" in rule.scopes)}
     formats = {options.format, *(name for name, _ in outputs)}
     if "html" not in formats:
         options.select = [",".join(sorted(wanted))]

@@ -40,12 +40,12 @@ def main(words: Sequence[str]) -> int:
 
     from dataclasses import replace
 
-    from urdfcheck import rules as catalogue
+    from urdfcheck.rules import load_rules
     from urdfcheck.simulators.comparison import compare_engines
     from urdfcheck.system import libraries
 
     libraries.prefer_own_folders()
-    request, settings = build_access_request(options, options.model, frozenset(catalogue.load_rules()))
+    request, settings = build_access_request(options, options.model, frozenset(load_rules()))
     done = compare_engines(replace(request, jobs=os.cpu_count() or 1))
     if options.format == "json":
         print_document(json.dumps(_build_document(done), indent=1, ensure_ascii=False, allow_nan=False) + "\n")

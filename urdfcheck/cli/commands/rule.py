@@ -20,16 +20,11 @@ def main(words: Sequence[str]) -> int:
     """Run the command."""
     options = build_parser().parse_args(words)
 
-    from urdfcheck import rules as catalogue
+    from urdfcheck.rules import explain_rule, load_rules, select_rules
 
     if options.code is None:
-        for rule in catalogue.load_rules().values():
+        for rule in load_rules().values():
             say(f"{rule.code}  {rule.severity!s:7}  {rule.confidence!s:9}  {rule.name}")
         return OK
-    say(
-        "\n\n".join(
-            catalogue.explain_rule(catalogue.load_rules()[code])
-            for code in sorted(catalogue.select_rules([options.code]))
-        )
-    )
+    say("\n\n".join(explain_rule(load_rules()[code]) for code in sorted(select_rules([options.code]))))
     return OK

@@ -40,12 +40,12 @@ def main(words: Sequence[str]) -> int:
 
     from dataclasses import replace
 
-    from urdfcheck import rules as catalogue
+    from urdfcheck.rules import load_rules
     from urdfcheck.run.pipeline import audit_single_model
     from urdfcheck.system import libraries
 
     # The findings about the file explain why there is no model.
-    codes = frozenset(code for code, rule in catalogue.load_rules().items() if "file" in rule.scopes)
+    codes = frozenset(code for code, rule in load_rules().items() if "file" in rule.scopes)
     libraries.prefer_own_folders()
     request, _ = build_access_request(options, options.model, codes)
     audit_options = replace(request.options, samples=THOROUGH if options.thorough else SAMPLES, pairs=True)
