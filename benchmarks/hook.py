@@ -1,9 +1,9 @@
-"""How long the pre-commit hook takes on one changed file whose meshes are known, all in one run.
+"""Measure the pre-commit hook on one changed file whose meshes are cached.
 
 ``python benchmarks/hook.py [repeats]`` prints wall and processor time of whole processes and their ratios to an empty Python
 and to ``import pinocchio``. It runs the installed command as pre-commit does, in a repository with the robot, and changes the
-file before each turn, so that what was found for the same text is never taken again. The sides take turns. The budget: 0.5 s on a
-machine that does nothing else. ``URDFCHECK_CORPUS`` adds real robots.
+file before each turn, so that findings for the same text are never reused. The sides take turns. The budget: 0.5 s on an idle
+machine. ``URDFCHECK_CORPUS`` adds real robots.
 """
 
 from __future__ import annotations
@@ -40,18 +40,22 @@ CORPUS = (
 )
 
 
-@dataclass
+@dataclass(kw_only=True)
 class Side:
-    """A command, where it is run, the file that is changed before, and what its turns took: wall and processor seconds."""
+    """A command that is measured."""
 
     command: Sequence[str]
     folder: Path
+    """Working directory."""
     changed: Path | None = None
+    """The file that is changed before each turn."""
     walls: list[float] = field(default_factory=list)
+    """Wall seconds of each turn."""
     processors: list[float] = field(default_factory=list)
+    """Processor seconds of each turn."""
 
-    def turn(self, number: int, cache: str) -> None:
-        """Run it once."""
+    def run_turn(self, number: int, cache: str) -> None:
+        """Change the file and run the command once."""
         if self.changed is not None and self.changed.suffix != ".STL":
             text = self.changed.read_text(encoding="utf-8").partition("<!-- turn")[0]
             self.changed.write_text(f"{text}<!-- turn {number} -->\n", encoding="utf-8")
@@ -61,7 +65,7 @@ class Side:
         environment = {**os.environ, "URDFCHECK_CACHE_DIR": cache}
         before = os.times()
         began = time.perf_counter()
-        done = subprocess.run(self.command, cwd=self.folder, env=environment, capture_output=True)
+        done = subprocess.run(self.command, cwd=self.folder, env=environment, capture_output=True, check=False)
         self.walls.append(time.perf_counter() - began)
         after = os.times()
         self.processors.append(sum(after[2:4]) - sum(before[2:4]))
@@ -69,12 +73,12 @@ class Side:
             raise SystemExit(f"{' '.join(self.command)} ended with {done.returncode}:\n{done.stderr.decode()[-2000:]}")
 
 
-def sides(folder: Path) -> Iterable[tuple[str, Side]]:
-    """What is compared, each robot in a repository of its own."""
+def make_sides(folder: Path) -> Iterable[tuple[str, Side]]:
+    """Yield what is compared, each robot in its own repository."""
     script = Path(sys.executable).with_name("urdfcheck")
     command = [str(script)] if script.exists() else [sys.executable, "-m", "urdfcheck"]
-    yield "empty python", Side([sys.executable, "-c", "pass"], folder)
-    yield "import pinocchio", Side([sys.executable, "-c", "import pinocchio"], folder)
+    yield "empty python", Side(command=[sys.executable, "-c", "pass"], folder=folder)
+    yield "import pinocchio", Side(command=[sys.executable, "-c", "import pinocchio"], folder=folder)
     corpus = os.environ.get("URDFCHECK_CORPUS")
     robots = [(FIXTURES, robot) for robot in OWN] + [(Path(corpus), robot) for robot in CORPUS if corpus]
     for number, (root, (name, robot, changed, arguments)) in enumerate(robots):
@@ -82,26 +86,27 @@ def sides(folder: Path) -> Iterable[tuple[str, Side]]:
         shutil.copytree(root / robot, repository / Path(robot).name)
         subprocess.run(["git", "init", "--quiet", repository], check=True)
         file = Path(Path(robot).name, changed)
-        yield name, Side([*command, "--allow-empty", *arguments, str(file)], repository, repository / file)
+        words = [*command, "--allow-empty", *arguments, str(file)]
+        yield name, Side(command=words, folder=repository, changed=repository / file)
 
 
 def main() -> None:
     repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 15
-    # As pip leaves an installed package; an environment may forbid Python to write bytecode by itself.
+    # As pip does it for an installed package; an environment may forbid Python to write bytecode.
     compileall.compile_dir(Path(urdfcheck.__file__).parent, quiet=1)
     with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as cache:
-        compared = dict(sides(Path(folder)))
+        compared = dict(make_sides(Path(folder)))
         for number in range(repeats + 1):
             for side in compared.values():
-                side.turn(number, cache)
+                side.run_turn(number, cache)
     print(f"median of {repeats} turns; least in brackets; × is against import pinocchio")
     pinocchio = compared["import pinocchio"]
     for name, side in compared.items():
-        told = []
+        columns = []
         for times, others in ((side.walls[1:], pinocchio.walls[1:]), (side.processors[1:], pinocchio.processors[1:])):
             ratio = statistics.median(times) / statistics.median(others)
-            told.append(f"{statistics.median(times) * 1e3:6.0f} ms ({min(times) * 1e3:5.0f}) {ratio:5.2f} ×")
-        print(f"{name:20} wall {told[0]}   processor {told[1]}")
+            columns.append(f"{statistics.median(times) * 1e3:6.0f} ms ({min(times) * 1e3:5.0f}) {ratio:5.2f} ×")
+        print(f"{name:20} wall {columns[0]}   processor {columns[1]}")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""How long the command takes against an empty Python and against importing Pinocchio, all in one run.
+"""Measure the start of the command against an empty Python and against ``import pinocchio``.
 
 ``python benchmarks/startup.py [repeats]`` prints medians of whole processes and their ratios. The budgets: ``--help`` and
 ``rule`` under 3 empty Pythons, ``--tier source`` of a robot with 30 links under one ``import pinocchio``.
@@ -27,29 +27,29 @@ JOINT = """<joint name="joint_{i}" type="revolute"><origin xyz="0 0 0.2"/><paren
 """
 
 
-def robot(links: int) -> str:
-    """A serial arm."""
+def make_arm(links: int) -> str:
+    """Return the URDF of a serial arm."""
     parts = [LINK.format(i=i) for i in range(links)] + [JOINT.format(i=i, p=i - 1) for i in range(1, links)]
     return '<robot name="arm">\n' + "".join(parts) + "</robot>\n"
 
 
-def seconds(command: list[str], repeats: int) -> float:
-    """The median wall time of a process."""
+def measure_seconds(command: list[str], repeats: int) -> float:
+    """Return the median wall time of a process."""
     times = []
     for _ in range(repeats):
         began = time.perf_counter()
-        subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
         times.append(time.perf_counter() - began)
     return statistics.median(times)
 
 
 def main() -> None:
     repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 15
-    # As pip leaves an installed package; an environment may forbid Python to write bytecode by itself.
+    # As pip does it for an installed package; an environment may forbid Python to write bytecode.
     compileall.compile_dir(Path(urdfcheck.__file__).parent, quiet=1)
     with tempfile.TemporaryDirectory() as folder:
         arm = Path(folder, "arm.urdf")
-        arm.write_text(robot(30))
+        arm.write_text(make_arm(30))
         python = [sys.executable]
         check = [*python, "-m", "urdfcheck"]
         rows = {
@@ -61,8 +61,8 @@ def main() -> None:
             "full, 30 links": [*check, str(arm)],
         }
         for command in rows.values():  # compile and warm the disk cache
-            subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        measured = {name: seconds(command, repeats) for name, command in rows.items()}
+            subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+        measured = {name: measure_seconds(command, repeats) for name, command in rows.items()}
     print(f"{platform.machine()}, {platform.system()}, Python {platform.python_version()}, median of {repeats}")
     for name, took in measured.items():
         empty, pinocchio = took / measured["empty python"], took / measured["import pinocchio"]

@@ -211,8 +211,8 @@ def test_what_cannot_be_read_is_given_to_no_engine(tmp_path: Path, capsys: pytes
 
 def test_an_engine_that_crashes_says_so_and_takes_nobody_along() -> None:
     ensure_asked("pinocchio")
-    robot = EngineInput(b'<robot name="r"><link name="a"/></robot>')
-    nested = EngineInput(b'<robot name="r">' + chain(20_000) + b"</robot>")
+    robot = EngineInput(document=b'<robot name="r"><link name="a"/></robot>')
+    nested = EngineInput(document=b'<robot name="r">' + chain(20_000) + b"</robot>")
     first, second = (dict(iter_outcomes([("urdfdom", r)], [], ResourceLimits()))[0] for r in (nested, robot))
     assert "crashes" in first.refused
     assert second.loaded is not None
@@ -232,9 +232,15 @@ def chain(levels: int) -> bytes:
 
 MOTION = EngineDynamics(("j",), (((0.5,),),), ((2.0,),), (-4.0,))
 TYPED = TypedRobot(
-    "base", {"base": "base", "arm": "arm"}, ("j",), {"base": 1.0, "arm": 2.0}, {"j": (-1.0, 1.0)}, 1, MOTION
+    root="base",
+    heads={"base": "base", "arm": "arm"},
+    joints=("j",),
+    masses={"base": 1.0, "arm": 2.0},
+    limits={"j": (-1.0, 1.0)},
+    shapes=1,
+    motion=MOTION,
 )
-LOADED = LoadedRobot({"base": 0.0, "arm": 2.0}, ("j",), {"j": (-1.0, 1.0)}, 1, MOTION)
+LOADED = LoadedRobot(links={"base": 0.0, "arm": 2.0}, joints=("j",), limits={"j": (-1.0, 1.0)}, shapes=1, motion=MOTION)
 
 
 @pytest.mark.parametrize(
@@ -262,12 +268,14 @@ LOADED = LoadedRobot({"base": 0.0, "arm": 2.0}, ("j",), {"j": (-1.0, 1.0)}, 1, M
 def test_what_an_engine_did_is_judged_by_what_was_typed(
     loaded: LoadedRobot | None, verdict: Verdict, words: str
 ) -> None:
-    judgement = judge_outcome(EngineInput(b"", TYPED, ("arm",)), LoadOutcome("mujoco", loaded, "no such file"))
+    judgement = judge_outcome(
+        EngineInput(document=b"", typed=TYPED, moved_links=("arm",)), LoadOutcome("mujoco", loaded, "no such file")
+    )
     assert judgement.verdict is verdict
     assert " ".join(judgement.reasons).startswith(words)
 
 
 def test_of_what_is_no_tree_the_missing_links_are_seen() -> None:
-    assert judge_outcome(EngineInput(b"", None, ("arm", "hand")), LoadOutcome("bullet", LOADED)).reasons == (
-        "without link hand",
-    )
+    assert judge_outcome(
+        EngineInput(document=b"", moved_links=("arm", "hand")), LoadOutcome("bullet", LOADED)
+    ).reasons == ("without link hand",)

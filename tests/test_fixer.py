@@ -26,8 +26,9 @@ from test_rules import FIXED, cases
 from urdfcheck import rules as catalogue
 from urdfcheck.core import Applicability, Edit, Finding, Location, ModelInfo, Rule, Run, Severity, Span, UrdfcheckError
 from urdfcheck.fix import fixer, patch
-from urdfcheck.fix.fixer import FixResult, compute_fixes, find_regression, select_disjoint
+from urdfcheck.fix.fixer import FixResult, compute_fixes, select_disjoint
 from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError
+from urdfcheck.fix.regression import find_regression
 from urdfcheck.policy import config
 from urdfcheck.run import pipeline as engine
 from urdfcheck.run.audit import audit_unit
@@ -374,7 +375,16 @@ def finding(code: str, subject: str = "link[a]", hides: Sequence[str] = ()) -> F
 
 def run_of(*findings: Finding, status: str = "checked", failures: tuple[str, ...] = ()) -> Run:
     info = ModelInfo(path="m", robot="r", args={}, links=1, joints=0, mass=None, status=status, id="m")
-    return Run((info,), findings, (), {}, {}, {}, unit_ids=frozenset({"m"}), failures=failures)
+    return Run(
+        models=(info,),
+        findings=findings,
+        skipped=(),
+        rules={},
+        versions={},
+        sources={},
+        unit_ids=frozenset({"m"}),
+        failures=failures,
+    )
 
 
 def test_what_is_worse() -> None:

@@ -49,7 +49,7 @@ _HEADER = re.compile(r"^```toml\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 def find_pages_folder() -> Path:
-    """Where the pages are: in the installed package, or in the source tree beside it."""
+    """Return the folder of the pages: in the installed package, or in the source tree beside it."""
     installed = Path(__file__).parent / "_rules"
     return installed if installed.is_dir() else Path(__file__).parent.parent / "rules"
 
@@ -72,7 +72,7 @@ def load_families() -> Mapping[str, RuleFamily]:
 
 @cache
 def load_rules() -> Mapping[str, Rule]:
-    """All rules by code, in the order of their codes."""
+    """Return all rules by code, in the order of their codes."""
     pages = sorted(find_pages_folder().glob("[A-Z][A-Z][A-Z][0-9][0-9][0-9]-*.md"))
     loaded = [load_page(page) for page in pages]
     return MappingProxyType({rule.code: rule for rule in loaded})
@@ -81,7 +81,7 @@ def load_rules() -> Mapping[str, Rule]:
 def load_page(path: Path) -> Rule:
     """Read one page.
 
-    :raises UrdfcheckError: when the page is not a rule page; the message names the page and what is missing.
+    :raises UrdfcheckError: if the file is not a rule page; the message names the page and what is missing.
     """
     text = path.read_text(encoding="utf-8")
     title, header = _TITLE.match(text), _HEADER.search(text)
@@ -134,7 +134,7 @@ def load_page(path: Path) -> Rule:
 
 
 def explain_rule(rule: Rule) -> str:
-    """A rule's page for a reader: its header in words instead of TOML, then its sections as they stand."""
+    """Return a rule's page for a reader: its header in words instead of TOML, then its sections unchanged."""
     facts = [
         f"{rule.severity}, {rule.confidence}",
         f"since {rule.since} ({rule.status})",
@@ -156,25 +156,25 @@ def explain_rule(rule: Rule) -> str:
 
 
 def has_check(rule: Rule) -> bool:
-    """Whether the rule has a check module; rules about urdfcheck itself (URC) are found by the engine."""
+    """Whether the rule has a check module; most rules about urdfcheck itself (URC) have none."""
     return importlib.util.find_spec(get_check_module(rule)) is not None
 
 
 def get_check_module(rule: Rule) -> str:
-    """The name of the rule's check module."""
+    """Return the name of the rule's check module."""
     return f"urdfcheck.checks.{rule.stem}"
 
 
 def load_check(rule: Rule) -> Check:
-    """The ``check`` function of the module with the page's stem."""
+    """Return the ``check`` function of the module with the page's stem."""
     check: Check = importlib.import_module(get_check_module(rule)).check
     return check
 
 
 def select_rules(names: Iterable[str]) -> set[str]:
-    """The codes meant by codes, prefixes (``INR``, ``JNT0``), rule names, tags or ``ALL``.
+    """Return the codes that codes, prefixes (``INR``, ``JNT0``), rule names, tags or ``ALL`` mean.
 
-    :raises UrdfcheckError: for a word that means no rule; the message names the nearest.
+    :raises UrdfcheckError: for a word that means no rule; the message suggests the nearest.
     """
     found: set[str] = set()
     for word in names:

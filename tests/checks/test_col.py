@@ -473,16 +473,16 @@ def test_what_is_not_asked_for_is_not_computed(tmp_path: Path) -> None:
 def test_each_joint_runs_into_what_a_search_without_bounds_finds(tmp_path: Path) -> None:
     """Every pair at every step, in the order of the steps: the first that meets, and where."""
     model = model_of(tmp_path, arm(7))
-    bench, rest = self_collisions(model).setup, poses.make_neutral_configuration(model)
+    setup, rest = self_collisions(model).setup, poses.make_neutral_configuration(model)
     expected = []
     for i, hinge in enumerate(rest.joints):
         for limit in (-2.5, 2.5):
             values = np.repeat(rest.values, 33, axis=0)
             values[:, i] = np.linspace(0.0, limit, 33)
-            hits = bench.colliders.detect_collisions(
-                bench.compute_placements(poses.JointConfigurations(rest.joints, values)), bench.pairs
+            hits = setup.colliders.detect_collisions(
+                setup.compute_placements(poses.JointConfigurations(rest.joints, values)), setup.pairs
             )
-            for k, (relation, _) in enumerate(bench.relations):
+            for k, (relation, _) in enumerate(setup.relations):
                 if relation == "adjacent":
                     hits[k] = np.logical_and.accumulate(hits[k, ::-1])[::-1]
             hits[hits[:, 0]] = False

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence, Set
+from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -153,7 +154,7 @@ class TestRun:
         reviews: Iterable[Finding] = (),
         policy: Policy = EVERYTHING,
     ) -> tuple[Finding, ...]:
-        def review(findings: Sequence[Finding], needed: Set[Span]) -> Iterator[Finding]:
+        def review(findings: Sequence[Finding], needed: AbstractSet[Span]) -> Iterator[Finding]:
             self.reviewed = [f.code for f in findings]
             self.needed = needed
             yield from reviews

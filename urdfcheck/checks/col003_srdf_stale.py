@@ -68,8 +68,10 @@ def _check_duplicate_pairs(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
 
 
 def _check_hidden_collisions(model: Model, rule: Rule) -> Iterator[Finding]:
-    """Report disabled pairs that Setup Assistant would leave enabled: one finding for each reason, at the pair that collides
-    most."""
+    """Report disabled pairs that Setup Assistant would leave enabled.
+
+    The pairs with one reason are one finding, at the pair that collides most.
+    """
     if not any(srdf.disabled_pairs for srdf in semantic_descriptions(model)):
         return
     missed: dict[frozenset[str], tuple[CollisionPair, int]] = {}

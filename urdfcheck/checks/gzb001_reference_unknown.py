@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint, join_names
+from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_count, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute
 
-# What is left of ``${side}`` when its dollar sign is lost; with it, it is XML that nothing has expanded.
+# ``${side}`` without its dollar sign; with the dollar sign it is XML that nothing has expanded.
 _TEMPLATE = re.compile(r"(?<!\$)\{[^{}]*\}")
 
 
@@ -36,24 +36,24 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 edits=build_replacement_edits(uses, near) if near is not None else (),
                 reference=name,
                 near=format_name_hint(name, known),
-                content=_list_child_tags(uses),
+                content=_join_child_tags(uses),
             )
 
 
 def _build_template_finding(rule: Rule, uses: list[Attribute]) -> Finding:
-    """One finding for all references that one script has left as it found them."""
+    """Report together all references that a script failed to fill in."""
     finding = rule.finding(
         "template",
         at=uses[0],
         related=uses[1:10],
         names=join_names(dict.fromkeys(use.value for use in uses)),
-        which="1 <gazebo> block refers" if len(uses) == 1 else f"{len(uses)} <gazebo> blocks refer",
+        which=format_count(len(uses), "<gazebo> block refers", "<gazebo> blocks refer"),
         example=_TEMPLATE.findall(uses[0].value)[0],
-        content=_list_child_tags(uses),
+        content=_join_child_tags(uses),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(use.location.subject for use in uses)))
 
 
-def _list_child_tags(uses: list[Attribute]) -> str:
-    """What the blocks would set."""
+def _join_child_tags(uses: list[Attribute]) -> str:
+    """Join the names of the settings in the blocks."""
     return ", ".join(dict.fromkeys(child.tag for use in uses for child in use.owner.children)) or "content"

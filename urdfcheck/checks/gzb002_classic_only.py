@@ -7,9 +7,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
-from urdfcheck.source.text.tokens import build_replacement_edits, find_content_span
+from urdfcheck.model.repairs.edits import edit_content
+from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
 
 # Libraries of gazebo_ros_pkgs, gazebo_ros2_control, gazebo_ros_control and hector_gazebo: all are built for Classic.
@@ -40,7 +41,7 @@ _REPLACEMENTS = {
     "hector_gazebo_ros_magnetic": "gz-sim-magnetometer-system with a magnetometer sensor",
     "hector_gazebo_ros_sonar": _SENSOR_SYSTEM,
 }
-# Its successor reads the same parameters: only the names change.
+# The successor of this plugin reads the same parameters: only the names change.
 _SUCCEEDED = "gazebo_ros2_control"
 _CONTROL = {"filename": "gz_ros2_control-system", "name": "gz_ros2_control::GazeboSimROS2ControlPlugin"}
 _HARDWARE = "gz_ros2_control/GazeboSimSystem"
@@ -71,48 +72,43 @@ def _build_material_finding(rule: Rule, elements: list[Element]) -> Finding:
         "material",
         at=places[0],
         related=places[1:],
-        which="1 material has a name" if len(elements) == 1 else f"{len(elements)} materials have names",
+        which=format_count(len(elements), "material has a name", "materials have names"),
         names=join_names(dict.fromkeys(element.text.strip() for element in elements)),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(element.subject for element in elements)))
 
 
 def _build_plugin_finding(rule: Rule, plugins: Mapping[str, list[Attribute]]) -> Finding:
-    """One finding for all libraries: the robot was written for Classic."""
+    """Report all libraries together: the robot was written for Classic."""
     places = list({use.span: use for uses in plugins.values() for use in uses}.values())
     finding = rule.finding(
         "plugin",
         at=places[0],
         related=places[1:],
         edits=_propose_edits(plugins[_SUCCEEDED]) if _SUCCEEDED in plugins else (),
-        which="1 plugin is" if len(places) == 1 else f"{len(places)} plugins are",
+        which=format_count(len(places), "plugin is", "plugins are"),
         libraries=join_names(uses[0].value.strip() for uses in plugins.values()),
-        replacement="; ".join(_describe_replacement(library, len(plugins) > 1) for library in plugins),
+        replacement="; ".join(_describe_replacement(library, with_name=len(plugins) > 1) for library in plugins),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
 
 
-def _describe_replacement(library: str, named: bool) -> str:
-    known = _REPLACEMENTS.get(library)
-    if known is None:
-        known = (
-            _SENSOR_SYSTEM
-            if _SENSORS.search(library)
-            else "a gz-sim system that does the same, there is none of that name"
-        )
-    return (f"for {library} " if named else "") + known.format_map(_CONTROL)
+def _describe_replacement(library: str, *, with_name: bool) -> str:
+    unknown = "a gz-sim system that does the same, there is none of that name"
+    replacement = _REPLACEMENTS.get(library) or (_SENSOR_SYSTEM if _SENSORS.search(library) else unknown)
+    return (f"for {library} " if with_name else "") + replacement.format_map(_CONTROL)
 
 
 def _propose_edits(uses: list[Attribute]) -> tuple[Edit, ...]:
-    """The edits that name the successor's library and class; none where one of them is not typed."""
-    found: list[Edit] = []
+    """Return the edits that name the successor's library and class; nothing unless all are typed literally."""
+    changes: list[Edit] = []
     for name, successor in _CONTROL.items():
         attributes = [use.owner.attributes[name] for use in uses if name in use.owner.attributes]
         edits = build_replacement_edits(attributes, successor)
         if len(attributes) < len(uses) or not edits:
             return ()
-        found += edits
-    return tuple(found)
+        changes += edits
+    return tuple(changes)
 
 
 def _check_hardware_plugins(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -120,6 +116,5 @@ def _check_hardware_plugins(model: Model, rule: Rule) -> Iterator[Finding]:
         for plugin in (e for e in control.walk() if e.tag == "plugin"):
             typed = plugin.text.strip()
             if typed.startswith("gazebo_ros2_control/"):
-                span = find_content_span(plugin, model.source.files)
-                edits = [Edit(span, typed, _HARDWARE)] if span is not None and typed.endswith("/GazeboSystem") else []
+                edits = edit_content(plugin, _HARDWARE, model.source.files) if typed.endswith("/GazeboSystem") else []
                 yield rule.finding("hardware", at=plugin, edits=edits, plugin=typed, control=control.get("name"))

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
-from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model import Joint, Model
 from urdfcheck.model.fixed_joint_lumping import (
     PRESERVE,
     FixedJointReduction,
@@ -18,61 +18,59 @@ from urdfcheck.model.fixed_joint_lumping import (
     is_true_flag,
     reduce_fixed_joints,
 )
-from urdfcheck.source.text.tokens import build_replacement_edits
-from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.model.repairs.edits import edit_literal
+from urdfcheck.source.text.xml import Element
 
-# What sdformat writes into each collision, and into each visual, of the link that a block names.
+# The settings that sdformat writes into each collision, and into each visual, of the link that a block names.
 _COLLISION = frozenset({
     "mu1", "mu2", "fdir1", "kp", "kd", "minDepth", "maxVel", "maxContacts", "laserRetro", "collision",
 })  # fmt: skip
 _VISUAL = frozenset({"material", "visual"})
-
-
-# What still matters when the joint is gone: the rest only sets how a moving joint is solved.
+# These still matter when the joint is gone; the rest only sets how a moving joint is solved.
 _FUNCTIONAL_TAGS = frozenset({"sensor", "plugin"})
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    reduction, kept = reduce_fixed_joints(model), find_preserved_names(model)
+    reduction, preserved = reduce_fixed_joints(model), find_preserved_names(model)
     blocks = [block for block in model.robot.find_children("gazebo") if block.get("reference")]
     collisions, visuals = _group_unreached_shapes(reduction.collisions), _group_unreached_shapes(reduction.visuals)
-    lost: dict[bool, list[Element]] = {}
+    lost: dict[str, list[Element]] = {}
     for block in blocks:
-        reference = block.attributes["reference"]
-        link, joint = model.link_by_name.get(reference.value), model.joint_by_name.get(reference.value)
-        yield from _check_preserve_flag(model, block, reference, link, joint, rule)
-        if link is not None:
-            yield from _check_surface_settings("collision", _COLLISION, block, collisions[link.name], rule)
-            yield from _check_surface_settings("visual", _VISUAL, block, visuals[link.name], rule)
-        elif joint is not None and is_merged_joint(joint, kept):
+        name = block.get("reference")
+        joint = model.joint_by_name.get(name)
+        yield from _check_preserve_flag(model, rule, block)
+        if name in model.link_by_name:
+            yield from _check_surface_settings(rule, "collision", block, shapes=collisions[name])
+            yield from _check_surface_settings(rule, "visual", block, shapes=visuals[name])
+        elif joint is not None and is_merged_joint(joint, preserved):
             tags = {child.tag for child in block.children}.difference(PRESERVE)
             if tags:
-                lost.setdefault(bool(tags & _FUNCTIONAL_TAGS), []).append(block)
-    for matters, of in lost.items():
-        yield _build_group_finding(model, of, reduction, rule, "joint" if matters else "joint-settings")
-    yield from _check_gravity_flags(model, blocks, reduction, rule)
-    yield from _check_dropped_links(model, reduction, kept, rule)
+                lost.setdefault("joint" if tags & _FUNCTIONAL_TAGS else "joint-settings", []).append(block)
+    for message, lost_blocks in lost.items():
+        yield _build_lost_finding(model, rule, message, blocks=lost_blocks, reduction=reduction)
+    yield from _check_gravity_flags(model, rule, blocks, reduction=reduction)
+    yield from _check_dropped_links(model, rule, reduction, preserved=preserved)
 
 
 def _group_unreached_shapes(shapes: tuple[MergedShape, ...]) -> defaultdict[str, tuple[list[MergedShape], int]]:
-    """The shapes of each link that do not get what a block says of it, and how many it has."""
-    found: defaultdict[str, tuple[list[MergedShape], int]] = defaultdict(lambda: ([], 0))
+    """Return the shapes of each link that the settings of its block do not reach, and the number of all its shapes."""
+    groups: defaultdict[str, tuple[list[MergedShape], int]] = defaultdict(lambda: ([], 0))
     for shape in shapes:
-        lost, count = found[shape.link]
+        lost, count = groups[shape.link]
         if not shape.is_reached_by(shape.link):
             lost.append(shape)
-        found[shape.link] = lost, count + 1
-    return found
+        groups[shape.link] = lost, count + 1
+    return groups
 
 
 def _format_tags(tags: list[str]) -> str:
     return join_names(dict.fromkeys(tags))
 
 
-def _build_group_finding(
-    model: Model, blocks: list[Element], reduction: FixedJointReduction, rule: Rule, message: str
+def _build_lost_finding(
+    model: Model, rule: Rule, message: str, *, blocks: list[Element], reduction: FixedJointReduction
 ) -> Finding:
-    """One finding for all joints that are merged away with what blocks say of them: it comes from one habit."""
+    """Report together all joints that are merged away with their settings."""
     names = [block.get("reference") for block in blocks]
     joint = model.joint_by_name[names[0]]
     lost = [child.tag for block in blocks for child in block.children if child.tag not in PRESERVE]
@@ -92,10 +90,10 @@ def _build_group_finding(
 
 
 def _check_surface_settings(
-    role: str, tags: frozenset[str], block: Element, shapes: tuple[list[MergedShape], int], rule: Rule
+    rule: Rule, role: str, block: Element, *, shapes: tuple[list[MergedShape], int]
 ) -> Iterator[Finding]:
-    """Settings for the shapes of a link that do not arrive at all of them."""
-    settings = [child for child in block.children if child.tag in tags]
+    """Report settings that do not reach all collisions, or all visuals, of a link."""
+    settings = [child for child in block.children if child.tag in (_COLLISION if role == "collision" else _VISUAL)]
     lost, count = shapes
     if settings and lost:
         first = lost[0]
@@ -117,9 +115,9 @@ def _check_surface_settings(
 
 
 def _check_gravity_flags(
-    model: Model, blocks: list[Element], reduction: FixedJointReduction, rule: Rule
+    model: Model, rule: Rule, blocks: list[Element], *, reduction: FixedJointReduction
 ) -> Iterator[Finding]:
-    """Gravity switched off for a link that is a small part of a body: the whole body loses it."""
+    """Report gravity that is switched off for a small part of a body: the whole body loses it."""
     off: dict[str, dict[str, Element]] = {}
     for block in blocks:
         flags = [child for child in block.find_children("turnGravityOff") if is_true_flag(child)]
@@ -128,24 +126,25 @@ def _check_gravity_flags(
             off.setdefault(body, {}).setdefault(block.get("reference"), flags[0])
     masses: dict[str, float] = {}
     for name, body in reduction.body_by_link.items():
-        masses[body] = masses.get(body, 0.0) + _get_mass(model.link_by_name[name])
+        masses[body] = masses.get(body, 0.0) + _get_mass(model, name)
     for body, flagged in off.items():
-        own = sum(_get_mass(model.link_by_name[name]) for name in flagged)
+        own = sum(_get_mass(model, name) for name in flagged)
         if body not in flagged and own < 0.5 * masses[body]:
             first, *others = flagged.values()
             links = join_names(flagged)
             yield rule.finding("gravity", at=first, related=others, links=links, body=body, own=own, total=masses[body])
 
 
-def _get_mass(link: Link) -> float:
-    mass = None if link.inertial is None else link.inertial.mass
-    return 0.0 if mass is None or mass < 0 else mass
+def _get_mass(model: Model, link: str) -> float:
+    """Return the mass of a link in kg, 0 if it is missing, malformed or negative."""
+    declared = model.mass_by_name.get(link)
+    return 0.0 if declared is None or declared.mass < 0 else declared.mass
 
 
-def _check_preserve_flag(
-    model: Model, block: Element, reference: Attribute, link: Link | None, joint: Joint | None, rule: Rule
-) -> Iterator[Finding]:
-    """A request to keep a joint that is made for something else than a fixed joint."""
+def _check_preserve_flag(model: Model, rule: Rule, block: Element) -> Iterator[Finding]:
+    """Report a request to keep a joint whose subject is not a fixed joint."""
+    reference = block.attributes["reference"]
+    link, joint = model.link_by_name.get(reference.value), model.joint_by_name.get(reference.value)
     flag = next((child for child in block.children if child.tag in PRESERVE and is_true_flag(child)), None)
     if flag is None or (joint is not None and joint.type == "fixed"):
         return
@@ -158,7 +157,7 @@ def _check_preserve_flag(
         yield rule.finding(
             "link",
             at=reference,
-            edits=build_replacement_edits([reference], above.name) if above is not None and alone else (),
+            edits=edit_literal(reference, above.name) if above is not None and alone else (),
             flag=flag.tag,
             link=link.name,
             joint=f"joint {above.name}" if above is not None and fixed else "the fixed joint that is meant",
@@ -166,18 +165,18 @@ def _check_preserve_flag(
 
 
 def _check_dropped_links(
-    model: Model, reduction: FixedJointReduction, kept: Mapping[str, Element], rule: Rule
+    model: Model, rule: Rule, reduction: FixedJointReduction, *, preserved: Mapping[str, Element]
 ) -> Iterator[Finding]:
-    """Joints that are kept although the link below has no mass: sdformat leaves out such a link and all that hangs on it."""
-    heavy = {body for name, body in reduction.body_by_link.items() if _get_mass(model.link_by_name[name]) > 0.0}
-    above: dict[str, Joint] = {}  # the uppermost such joint of each link that is left out
+    """Report preserved joints whose link below has no mass: sdformat drops such a link with everything behind it."""
+    heavy = {body for name, body in reduction.body_by_link.items() if _get_mass(model, name) > 0.0}
+    above: dict[str, Joint] = {}  # the uppermost such joint of each link that is dropped
     hanging: dict[str, int] = {}
     for link in model.tree.order[1:]:
         joint = model.tree.parent_joint[link]
         first = above.get(joint.parent)
         if first is not None:
             hanging[first.name] += 1
-        elif joint.type == "fixed" and joint.name in kept and link not in heavy:
+        elif joint.type == "fixed" and joint.name in preserved and link not in heavy:
             first = joint
             hanging[joint.name] = 0
         if first is not None:
@@ -185,9 +184,9 @@ def _check_dropped_links(
     for name, count in hanging.items():
         yield rule.finding(
             "dropped",
-            at=kept[name],
+            at=preserved[name],
             related=[model.joint_by_name[name]],
-            flag=kept[name].tag,
+            flag=preserved[name].tag,
             joint=name,
             link=model.joint_by_name[name].child,
             others=f" and what hangs on it ({count})" if count else "",
@@ -195,9 +194,12 @@ def _check_dropped_links(
 
 
 def _propose_edits(model: Model, block: Element) -> list[Edit]:
-    """Ask sdformat to keep the joint, first thing in the block. A link without mass would then be left out."""
+    """Return the edit that asks sdformat, first thing in the block, to keep the joint.
+
+    Nothing if its link has no mass: sdformat would drop the link.
+    """
     span, joint = block.span, model.joint_by_name[block.get("reference")]
-    if span is None or span.file not in model.source.files or _get_mass(model.link_by_name[joint.child]) == 0.0:
+    if span is None or span.file not in model.source.files or _get_mass(model, joint.child) == 0.0:
         return []
     text = model.source.files[span.file].text[span.start : span.end]
     if text.endswith("/>") or "$" in text:

@@ -6,15 +6,15 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from urdfcheck.core import Edit, FactUnavailableError, Finding, Location, Rule, Severity
+from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names, split_name_words
 from urdfcheck.model import Model
 from urdfcheck.model.fixed_joint_lumping import FixedJointReduction, reduce_fixed_joints
-from urdfcheck.source.text.tokens import build_replacement_edits, find_content_span
+from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
 
-# Sensor::Load of sdformat 12 to 15, and what only Gazebo Classic has.
+# The types in Sensor::Load of sdformat 12 to 15, and those that only Gazebo Classic has.
 _TYPES = frozenset({
     "none", "air_pressure", "air_speed", "altimeter", "boundingbox", "boundingbox_camera", "camera", "contact", "custom",
     "depth", "depth_camera", "force_torque", "gps", "gpu_lidar", "gpu_ray", "imu", "lidar", "logical_camera", "magnetometer",
@@ -23,21 +23,22 @@ _TYPES = frozenset({
 })  # fmt: skip
 _RENDERED = re.compile(r"camera|depth|rgbd|thermal|segmentation|boundingbox|gpu_")
 _FRAMES = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id", "optical_frame_id", "frameName", "frame_name"})
-# Frames that somebody else publishes.
+# Frames that other programs publish.
 _EXTERNAL_FRAMES = frozenset({"world", "map", "odom", "earth", "ground_plane"})
-# More links than that were not typed by anybody, and each unknown frame is compared with all of them.
+# Each unknown frame is compared with all links; more links than this were generated and not typed.
 _MOST_COMPARED = 1_000
-# How many names of collisions are told.
+# Names of collisions that a message lists.
 _MOST_NAMED = 4
 _NEW_GAZEBO = re.compile(r"(?:lib)?(?:gz|ignition-gazebo|gz_ros2_control|ign_ros2_control)[-_]")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _GazeboSensor:
-    """``reference``: the link or joint that its block names."""
+    """A ``<sensor>`` in a ``<gazebo>`` block."""
 
     element: Element
     reference: str
+    """The link or joint that the block names."""
 
     @property
     def name(self) -> str:
@@ -48,6 +49,19 @@ class _GazeboSensor:
         return self.element.get("type").strip()
 
 
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class _UnknownCollision:
+    """A collision that a contact sensor names and that no shape of SDF is called."""
+
+    sensor: _GazeboSensor
+    element: Element
+    name: str
+    body: str
+    """The sensor's link in SDF."""
+    candidates: tuple[str, ...]
+    """The first few names of the shapes of the sensor's own link in SDF."""
+
+
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     blocks = [block for block in model.robot.find_children("gazebo") if block.get("reference")]
     sensors = [_GazeboSensor(e, b.get("reference")) for b in blocks for e in b.children if e.tag == "sensor"]
@@ -55,7 +69,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for sensor in sensors:
         yield from _check_type(sensor, rule)
         yield from _check_update_rate(sensor, rule)
-        yield from _check_frames(model, sensor, folded, rule)
+        yield from _check_frames(model, rule, sensor, folded=folded)
     if _is_for_new_gazebo(model):
         for sensor in sensors:
             yield from _check_cpu_lidar(sensor, rule)
@@ -65,16 +79,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     except FactUnavailableError:
         return
     yield from _check_duplicate_names(sensors, reduction, rule)
-    for sensor, element, name, body, own in _iter_unknown_collisions(sensors, reduction):
-        span = find_content_span(element, model.source.files)
+    for unknown in _iter_unknown_collisions(sensors, reduction):
+        element, names, files = unknown.element, unknown.candidates, model.source.files
         yield rule.finding(
             "collision",
-            at=element.location if span is None else Location(element.subject, span, element.via),
-            edits=[Edit(span, element.text.strip(), own[0])] if span is not None and len(own) == 1 else [],
-            sensor=sensor.name,
-            collision=name,
-            body=body,
-            names=" or ".join(own) or "there is none",
+            at=locate_content(element, files),
+            edits=edit_content(element, names[0], files) if len(names) == 1 else (),
+            sensor=unknown.sensor.name,
+            collision=unknown.name,
+            body=unknown.body,
+            names=" or ".join(names) or "there is none",
         )
 
 
@@ -86,7 +100,7 @@ def _check_type(sensor: _GazeboSensor, rule: Rule) -> Iterator[Finding]:
     yield rule.finding(
         "type",
         at=typed,
-        edits=() if meant is None else build_replacement_edits([typed], meant),
+        edits=() if meant is None else edit_literal(typed, meant),
         sensor=sensor.name,
         type=sensor.type,
         near=format_name_hint(sensor.type, _TYPES),
@@ -94,14 +108,15 @@ def _check_type(sensor: _GazeboSensor, rule: Rule) -> Iterator[Finding]:
 
 
 def _check_update_rate(sensor: _GazeboSensor, rule: Rule) -> Iterator[Finding]:
-    """A camera or lidar that renders a picture in every time step."""
+    """Report a camera or lidar that renders a picture in every time step."""
     rate = sensor.element.find_child("update_rate")
     if _RENDERED.search(sensor.type) and (rate is None or parse_number(rate.text.strip()) == 0.0):
         at = sensor.element if rate is None else rate
         yield rule.finding("rate", at=at, severity=Severity.INFO, sensor=sensor.name, type=sensor.type)
 
 
-def _check_frames(model: Model, sensor: _GazeboSensor, folded: Mapping[str, str], rule: Rule) -> Iterator[Finding]:
+def _check_frames(model: Model, rule: Rule, sensor: _GazeboSensor, *, folded: Mapping[str, str]) -> Iterator[Finding]:
+    """Report frames that are not links; ``folded`` has the names of the links by their lower case."""
     for element in sensor.element.walk():
         frame = element.text.strip().lstrip("/")
         if element.tag not in _FRAMES or not frame or frame in _EXTERNAL_FRAMES or frame in model.link_by_name:
@@ -110,12 +125,11 @@ def _check_frames(model: Model, sensor: _GazeboSensor, folded: Mapping[str, str]
             continue
         respelled = folded.get(frame.lower())
         meant = respelled or _guess_frame(frame, sensor, model)
-        span = find_content_span(element, model.source.files)
         yield rule.finding(
             "frame" if meant is not None else "frame-elsewhere",
-            at=element.location if span is None else Location(element.subject, span, element.via),
+            at=locate_content(element, model.source.files),
             severity=Severity.WARNING if meant is not None else Severity.INFO,
-            edits=[Edit(span, element.text.strip(), respelled)] if span is not None and respelled is not None else [],
+            edits=() if respelled is None else edit_content(element, respelled, model.source.files),
             sensor=sensor.name,
             frame=frame,
             meant=meant or "",
@@ -123,7 +137,7 @@ def _check_frames(model: Model, sensor: _GazeboSensor, folded: Mapping[str, str]
 
 
 def _guess_frame(frame: str, sensor: _GazeboSensor, model: Model) -> str | None:
-    """The link that an unknown frame may mean: the sensor's own, where only the word for link is another."""
+    """Return the link that an unknown frame may mean: the sensor's own if only the words "link" and "frame" differ."""
     if sensor.reference in model.link_by_name and _strip_kind_words(frame) == _strip_kind_words(sensor.reference):
         return sensor.reference
     return find_nearest_name(frame, model.link_by_name) if len(model.link_by_name) <= _MOST_COMPARED else None
@@ -142,12 +156,12 @@ def _is_for_new_gazebo(model: Model) -> bool:
 def _check_cpu_lidar(sensor: _GazeboSensor, rule: Rule) -> Iterator[Finding]:
     typed = sensor.element.attributes.get("type")
     if typed is not None and sensor.type in {"ray", "lidar"}:
-        edits = build_replacement_edits([typed], "gpu_lidar")
+        edits = edit_literal(typed, "gpu_lidar")
         yield rule.finding("cpu-lidar", at=typed, edits=edits, sensor=sensor.name, type=sensor.type)
 
 
 def _check_duplicate_topics(sensors: list[_GazeboSensor], rule: Rule) -> Iterator[Finding]:
-    """Sensors of one type that publish under one name."""
+    """Report sensors of one type that publish under one name."""
     alike: dict[tuple[str, str], list[Element]] = {}
     for sensor in sensors:
         topic = sensor.element.find_child("topic")
@@ -162,19 +176,19 @@ def _check_duplicate_topics(sensors: list[_GazeboSensor], rule: Rule) -> Iterato
 def _check_duplicate_names(
     sensors: list[_GazeboSensor], reduction: FixedJointReduction, rule: Rule
 ) -> Iterator[Finding]:
-    """Sensors that have one name in one link of SDF: all but the first are left out."""
-    named: dict[tuple[str, str], list[_GazeboSensor]] = {}
+    """Report sensors with one name in one link of SDF, which drops all but the first."""
+    groups: dict[tuple[str, str], list[_GazeboSensor]] = {}
     for sensor in sensors:
         if sensor.name and sensor.reference in reduction.body_by_link:
-            named.setdefault((reduction.body_by_link[sensor.reference], sensor.name), []).append(sensor)
-    for (body, name), of in named.items():
-        if len(of) > 1:
-            links = dict.fromkeys(sensor.reference for sensor in of)
+            groups.setdefault((reduction.body_by_link[sensor.reference], sensor.name), []).append(sensor)
+    for (body, name), alike in groups.items():
+        if len(alike) > 1:
+            links = dict.fromkeys(sensor.reference for sensor in alike)
             merged = f" of {' and '.join(links)}, which Gazebo merges," if len(links) > 1 else ""
             yield rule.finding(
                 "twice",
-                at=of[1].element.attributes["name"],
-                related=[of[0].element.attributes["name"]],
+                at=alike[1].element.attributes["name"],
+                related=[alike[0].element.attributes["name"]],
                 name=name,
                 body=body,
                 merged=merged,
@@ -183,20 +197,24 @@ def _check_duplicate_names(
 
 def _iter_unknown_collisions(
     sensors: list[_GazeboSensor], reduction: FixedJointReduction
-) -> Iterator[tuple[_GazeboSensor, Element, str, str, tuple[str, ...]]]:
-    """The collisions that contact sensors name and that no shape of SDF is called: the sensor, the element and the name in it,
-    the link in SDF, and what shapes of the sensor's own link are called there (the first few)."""
+) -> Iterator[_UnknownCollision]:
     names = {(shape.body, shape.name) for shape in reduction.collisions}
-    own: dict[str, tuple[str, ...]] = {}
+    names_by_link: dict[str, tuple[str, ...]] = {}
     for shape in reduction.collisions:
-        known = own.get(shape.link, ())
-        own[shape.link] = (*known, shape.name) if len(known) < _MOST_NAMED else known
+        listed = names_by_link.get(shape.link, ())
+        names_by_link[shape.link] = (*listed, shape.name) if len(listed) < _MOST_NAMED else listed
     for sensor in sensors:
         body = reduction.body_by_link.get(sensor.reference)
         contact = sensor.element.find_child("contact")
         if body is None or contact is None or sensor.type != "contact":
             continue
         for element in contact.find_children("collision"):
-            name = element.text.strip().rpartition("::")[2]  # the names of links and models may stand before it
+            name = element.text.strip().rpartition("::")[2]  # without the names of models and links before it
             if name and (body, name) not in names:
-                yield sensor, element, name, body, own.get(sensor.reference, ())
+                yield _UnknownCollision(
+                    sensor=sensor,
+                    element=element,
+                    name=name,
+                    body=body,
+                    candidates=names_by_link.get(sensor.reference, ()),
+                )

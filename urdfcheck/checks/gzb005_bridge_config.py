@@ -45,7 +45,7 @@ _KEYS = frozenset({
     "subscriber_queue", "lazy", "publish_optical_frame", "qos_profile", "frame_id",
 })  # fmt: skip
 _TEMPLATE = re.compile(r"[$<>{}%]")
-# Files with bridges that are looked for in one package, and files whose text is looked at for that.
+# At most this many bridge configurations are checked in one package, and this many yaml files read to find them.
 _MOST_CONFIGS, _MOST_READ = 100, 2_000
 
 
@@ -55,7 +55,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     for path in _find_bridge_configs(package.path, package.finder):
         try:
             content = read_located_yaml(path, package.finder)
-        except YamlReadError:  # whoever loads it says so
+        except YamlReadError:  # the program that loads it reports it
             continue
         for entry in () if content is None else content.items:
             if entry.get("ros_type_name") is not None or entry.get("gz_type_name") is not None:
@@ -63,8 +63,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
 
 
 def _find_bridge_configs(folder: Path, finder: PackageFinder) -> list[Path]:
-    """The yaml files of a package that name types of both sides."""
-    found: list[Path] = []
+    """Return the yaml files of a package that name types of both sides."""
+    configs: list[Path] = []
     read = 0
     for place, names, files in walk(folder):
         names[:] = [name for name in names if not name.startswith(".") and name not in BUILD_FOLDERS]
@@ -77,9 +77,9 @@ def _find_bridge_configs(folder: Path, finder: PackageFinder) -> list[Path]:
                 text = read_regular(path)
             except OSError:
                 continue
-            if b"ros_type_name" in text and b"gz_type_name" in text and len(found) < _MOST_CONFIGS:
-                found.append(path)
-    return found
+            if b"ros_type_name" in text and b"gz_type_name" in text and len(configs) < _MOST_CONFIGS:
+                configs.append(path)
+    return configs
 
 
 def _check_entry(entry: YamlValue, rule: Rule) -> Iterator[Finding]:
@@ -111,7 +111,7 @@ def _check_types(entry: YamlValue, rule: Rule) -> Iterator[Finding]:
     if ros.text not in _PAIRS:
         whole = ros.text.replace("/", "/msg/") if "/msg/" not in ros.text else ros.text
         meant = whole if whole in _PAIRS else find_only_near_name(ros.text, _PAIRS)
-        if meant is not None:  # any other may be bridged by a newer release
+        if meant is not None:  # a newer release may bridge any other type
             yield rule.finding("ros-type", at=ros, edits=ros.build_edits(meant), type=ros.text, meant=meant)
     elif kind not in _PAIRS[ros.text]:
         partners = _PAIRS[ros.text]

@@ -37,7 +37,7 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
         typed = measure_tensor_rounding(declared.texts, rel_tol)
         data = _collect_data(declared, excess, typed)
         if excess < rounding and typed.explained_by_rounding:
-            yield _build_rounded_finding(rule, declared, propose_repair(model, declared.link), data)
+            yield _build_rounded_finding(rule, declared, repair=propose_repair(model, declared.link), data=data)
             continue
         if whole is not None and whole.is_physically_valid(rel_tol):
             if whole.link_is_negligible:
@@ -69,7 +69,7 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
 
 
 def _build_rounded_finding(
-    rule: Rule, declared: DeclaredTensor, repair: InertialProposal, data: dict[str, Any]
+    rule: Rule, declared: DeclaredTensor, *, repair: InertialProposal, data: dict[str, Any]
 ) -> Finding:
     """Report a tensor that rounding explains, with the repair of a mistake but not with the drawn part's numbers."""
     return rule.finding(

@@ -114,32 +114,32 @@ def _build_rounded_finding(rule: Rule, wrong: _IndefiniteTensor) -> Finding:
 
 def _build_indefinite_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor) -> Finding:
     negative = [i for i in DIAGONAL if wrong.declared.components[i] < 0]
-    return (
-        _build_negative_finding(model, rule, wrong, negative)
-        if negative
-        else _build_product_finding(model, rule, wrong)
-    )
+    if negative:
+        return _build_negative_finding(model, rule, wrong, entries=negative)
+    return _build_product_finding(model, rule, wrong)
 
 
-def _build_negative_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor, negative: Sequence[int]) -> Finding:
-    """Report negative diagonal entries; the edit drops their signs if that makes the tensor possible and no better repair is
-    known."""
+def _build_negative_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor, *, entries: Sequence[int]) -> Finding:
+    """Report negative diagonal ``entries``.
+
+    The edit drops their signs if that makes the tensor possible and no better repair is known.
+    """
     declared, components = wrong.declared, wrong.declared.components
     repair = propose_repair(model, declared.link)
     only_sign = _is_possible([abs(v) if i in DIAGONAL else v for i, v in enumerate(components)])
     message = "negative_sign" if only_sign and not repair.message else "negative"
     return rule.finding(
         message,
-        at=declared.get_attribute(negative[0]),
+        at=declared.get_attribute(entries[0]),
         cause="sign" if only_sign else _guess_cause(components),
-        edits=_drop_signs(declared, negative) if message == "negative_sign" else repair.edits,
+        edits=_drop_signs(declared, entries) if message == "negative_sign" else repair.edits,
         consequences={"gazebo": wrong.gazebo},
         link=declared.link.name,
         fused=wrong.fused,
         found=repair.message,
         remedy=repair.remedy,
-        names=", ".join(f"{TENSOR_NAMES[i]} = {components[i]:g}" for i in negative),
-        values=" ".join(f'{TENSOR_NAMES[i]}="{abs(components[i]):g}"' for i in negative),
+        names=", ".join(f"{TENSOR_NAMES[i]} = {components[i]:g}" for i in entries),
+        values=" ".join(f'{TENSOR_NAMES[i]}="{abs(components[i]):g}"' for i in entries),
     )
 
 

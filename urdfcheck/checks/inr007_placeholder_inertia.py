@@ -76,16 +76,16 @@ def _count_masses(suspects: Iterable[_PlaceholderInertial]) -> int:
 
 def _iter_placeholders(model: Model) -> Iterator[_PlaceholderInertial]:
     for body in list_rigid_bodies(model):
-        found = {
+        descriptions = {
             name: what
             for name in body.links
             if (what := _describe_placeholder(model, model.link_by_name[name])) is not None
         }
-        shares = compute_body_shares(model, body.links) if found else {}
-        for name, what in found.items():
+        shares = compute_body_shares(model, body.links) if descriptions else {}
+        for name, description in descriptions.items():
             if name in shares and shares[name][1] >= NEGLIGIBLE_SHARE:
                 declared, mass = model.tensor_by_name[name], model.mass_by_name[name].mass
-                yield _PlaceholderInertial(declared, mass, what, misfit=_measure_misfit(model, declared, mass))
+                yield _PlaceholderInertial(declared, mass, description, misfit=_measure_misfit(model, declared, mass))
 
 
 def _describe_placeholder(model: Model, link: Link) -> str | None:

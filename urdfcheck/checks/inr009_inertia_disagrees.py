@@ -95,16 +95,18 @@ def _is_possible(judged: DiagnosedInertial) -> bool:
 
 
 def _is_rounded_uniform(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:
-    """Whether the tensor is that of the drawn part, rounded to the typed digits: 0.01, 0.01 and 0.02 are the moments of a plate
-    without thickness, and to one digit of a thick one."""
-    own, drawn = judged.declared, measure_link_geometry(model, tensor.link)
+    """Whether the tensor is that of the drawn part, rounded to the typed digits.
+
+    0.01, 0.01 and 0.02 are the moments of a plate without thickness, and to one digit those of a thick one.
+    """
+    declared, drawn = judged.declared, measure_link_geometry(model, tensor.link)
     if drawn is None:
         return False
-    uniform = own.rotation.T @ compute_solid_inertia(drawn.solid, own.mass) @ own.rotation
+    uniform = declared.rotation.T @ compute_solid_inertia(drawn.solid, declared.mass) @ declared.rotation
     rows, columns = np.triu_indices(3)
     halves = np.array(list_half_units(tensor.texts))
     halves[halves == 0.0] = halves.max()  # a zero was rounded like its neighbours
-    return bool((np.abs(own.tensor - uniform)[rows, columns] <= halves).all())
+    return bool((np.abs(declared.tensor - uniform)[rows, columns] <= halves).all())
 
 
 def _build_cause_finding(
@@ -150,20 +152,21 @@ def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial,
 
 
 def _collect_data(model: Model, link: Link, judged: DiagnosedInertial) -> dict[str, Any]:
-    own, diagnosis = judged.declared, judged.diagnosis
+    declared, diagnosis = judged.declared, judged.diagnosis
     drawn = measure_link_geometry(model, link)
-    moments, _ = compute_principal_moments(own.inertia)
-    uniform = None if drawn is None else compute_principal_moments(compute_solid_inertia(drawn.solid, own.mass))[0]
-    measured = ""
-    if drawn is not None and uniform is not None:
+    moments, _ = compute_principal_moments(declared.inertia)
+    expected = measured = ""
+    if drawn is not None:
+        uniform, _ = compute_principal_moments(compute_solid_inertia(drawn.solid, declared.mass))
+        expected = join_numbers(uniform, digits=3)
         measured = _describe_mismatch(judged, drawn, moments=moments, uniform=uniform)
     return {
         "link": link.name,
         "detail": diagnosis.detail,
         "twins": join_names(judged.twins),
-        "mass": f"{own.mass:g}",
+        "mass": f"{declared.mass:g}",
         "moments": join_numbers(moments, digits=3),
-        "expected": "" if uniform is None else join_numbers(uniform, digits=3),
+        "expected": expected,
         "measured": measured,
         # One macro line makes many links, each with its own numbers and one mistake: these do not tell findings apart.
         "mismatch": {

@@ -49,13 +49,14 @@ def _find_mimic_loop(model: Model, start: Joint) -> tuple[str, ...]:
 
 def _check_range(rule: Rule, joint: Joint, leader: Joint, *, reference: Attribute, slack: float) -> Iterator[Finding]:
     """Report a follower whose own limits are narrower than its leader's range demands."""
-    own, led = joint.position_range, leader.position_range
+    follower_range, leader_range = joint.position_range, leader.position_range
     multiplier = _read_coefficient(reference.owner, "multiplier", 1.0)
     offset = _read_coefficient(reference.owner, "offset", 0.0)
-    if own is None or led is None or multiplier is None or offset is None:
+    if follower_range is None or leader_range is None or multiplier is None or offset is None:
         return
-    low, high = sorted(multiplier * q + offset for q in led)
-    beyond = max(own[0] - low, high - own[1])
+    lower, upper = follower_range
+    low, high = sorted(multiplier * q + offset for q in leader_range)
+    beyond = max(lower - low, high - upper)
     if beyond > slack:
         yield rule.finding(
             "range",
@@ -66,8 +67,8 @@ def _check_range(rule: Rule, joint: Joint, leader: Joint, *, reference: Attribut
             leader=leader.name,
             low=low,
             high=high,
-            lower=own[0],
-            upper=own[1],
+            lower=lower,
+            upper=upper,
             beyond=beyond,
             unit=joint.position_unit,
         )

@@ -59,7 +59,7 @@ class _SuspectWheel:
 
     @property
     def names(self) -> dict[str, Any]:
-        """What every message about the wheel needs."""
+        """The data that all messages about the wheel share."""
         return {"joint": self.joint.name, "wheel": self.joint.child, "axis": _format_axis(self.axis)}
 
 

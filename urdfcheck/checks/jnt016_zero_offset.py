@@ -57,8 +57,10 @@ def _has_few_decimals(text: str, most: int) -> bool:
 
 
 def _is_asymmetric(model: Model, joint: Joint, eccentric: float) -> bool:
-    """Whether the moved part is known not to be round about the axis: it carries another joint, or its mass or its drawing is
-    eccentric."""
+    """Whether the moved part is known not to be round about the axis.
+
+    It carries another joint, or its mass or its drawing is eccentric.
+    """
     try:
         body = model.tree.list_body_links(joint.child)
         carries = any(other.type != "fixed" for name in body for other in model.tree.child_joints[name])

@@ -24,8 +24,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     root = model.tree.root
     # A root of this name is the world: each part below it is converted separately.
     heads = [joint.child for joint in model.tree.child_joints[root]] if root == "world" else [root]
-    kept = _list_preserved_joints(model)
-    bodies = {head: [model.link_by_name[name] for name in _list_merged_links(model, head, kept)] for head in heads}
+    preserved = _list_preserved_joints(model)
+    bodies = {head: [model.link_by_name[name] for name in _list_merged_links(model, head, preserved)] for head in heads}
     if not bodies or any(_has_mass(links) for links in bodies.values()):
         return
     head, links = next(iter(bodies.items()))
@@ -41,13 +41,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     )
 
 
-def _list_merged_links(model: Model, head: str, kept: frozenset[str]) -> list[str]:
+def _list_merged_links(model: Model, head: str, preserved: frozenset[str]) -> list[str]:
     """Return the links that the conversion merges into ``head``: those behind fixed joints that nothing preserves."""
     queue, merged = [head], []
     while queue:
         merged.append(queue.pop())
         joints = model.tree.child_joints[merged[-1]]
-        queue.extend(joint.child for joint in joints if joint.type == "fixed" and joint.name not in kept)
+        queue.extend(joint.child for joint in joints if joint.type == "fixed" and joint.name not in preserved)
     return merged
 
 

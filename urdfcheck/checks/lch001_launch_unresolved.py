@@ -22,7 +22,7 @@ from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import Element
 
-# How much of a command a message shows.
+# The characters of a command that a message shows.
 _SHOWN = 80
 
 
@@ -33,13 +33,13 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     for description in launch.descriptions:
         if description.unresolved is not None:
             at = locate_text(description.at, description.file, launch.files)
-            yield from _check_description(launch, description, description.unresolved, at, rule)
+            yield from _check_description(launch, rule, description, obstacle=description.unresolved, at=at)
     for include in launch.broken_includes:
         yield from _check_include(launch, include, rule)
 
 
 def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterator[Finding]:
-    """An include that leads nowhere."""
+    """Report an include that leads nowhere."""
     at, name = include.at, include.unresolved.name
     if include.unresolved.kind == "file":
         yield rule.finding("include-file", at=at, path=name, near=_suggest_file(name, launch.finder))
@@ -47,15 +47,16 @@ def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterat
         yield rule.finding("include-circle", at=at, path=name)
     else:
         names = [argument.get("name") for argument in list_declared_arguments(_find_root(at.owner))]
-        if name not in names:  # one without a default is handed over at launch
+        if name not in names:  # one without a default gets its value at launch
             yield rule.finding(
                 "include-argument", at=at, file=at.value, argument=name, near=format_name_hint(name, names)
             )
 
 
 def _check_description(
-    launch: Launch, description: DescriptionSource, obstacle: UnresolvedReason, at: Location, rule: Rule
+    launch: Launch, rule: Rule, description: DescriptionSource, *, obstacle: UnresolvedReason, at: Location
 ) -> Iterator[Finding]:
+    """Report why a launch file cannot load its description."""
     path = _find_launch_file(description, launch)
     if obstacle.kind == "package":
         package = launch.finder.find_package_of(path.absolute())
@@ -69,7 +70,9 @@ def _check_description(
         if obstacle.name not in names:
             near = format_name_hint(obstacle.name, names)
             yield rule.finding("argument", at=at, file=description.file, argument=obstacle.name, near=near)
-        elif not is_included_by_sibling(path):  # one without a default is handed over at launch, or by that other file
+        elif not is_included_by_sibling(
+            path
+        ):  # one without a default gets its value at launch, or from that other file
             yield _build_unknown_finding(rule, at, f"argument {obstacle.name!r} has no default")
     elif obstacle.kind == "file":
         yield rule.finding("file", at=at, path=obstacle.name, near=_suggest_file(obstacle.name, launch.finder))
@@ -112,7 +115,7 @@ def _check_python_launch(python: PythonLaunch, finder: PackageFinder, rule: Rule
 
 
 def _find_launch_file(description: DescriptionSource, launch: Launch) -> Path:
-    """The launch file, included or not, that a description stands in."""
+    """Return the launch file, included or not, that contains a description."""
     span = description.at.span
     file = None if span is None else launch.files.get(span.file)
     return launch.path if file is None else file.path
@@ -130,7 +133,7 @@ def _format_suggestions(names: list[str]) -> str:
 
 def _suggest_file(path: str, finder: PackageFinder) -> str:
     folder = Path(path).parent
-    if not finder.can_open(folder / "any"):  # what lies there is nobody's to know
+    if not finder.can_open(folder / "any"):  # the report must not reveal files out of reach
         return ""
     try:
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.model.launch_context import LaunchContext
+from urdfcheck.model.repairs.edits import edit_literals
 from urdfcheck.source.launch.static_transforms import get_executable
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.values import parse_number
@@ -15,12 +16,14 @@ from urdfcheck.source.text.xml import Attribute, Element
 
 @dataclass(frozen=True, slots=True)
 class _Successor:
-    """What is started instead. ``drop_in``: it reads the same arguments."""
+    """The executable that replaces a removed one."""
 
     package: str
     executable: str
     since: str
+    """The release that removed the old one."""
     drop_in: bool = True
+    """Whether it reads the same arguments."""
 
 
 _SUCCESSORS = {
@@ -74,14 +77,11 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
 
 
 def _has_period(node: Element) -> bool:
-    """Whether a static transform ends in the period of tf: tf2_ros would take nine words for a quaternion."""
+    """Whether a static transform ends in the period of tf, with which tf2_ros would misread nine words as a quaternion."""
     words = node.get("args").split()
     return node.get("pkg") == "tf" and len(words) in {9, 10} and parse_number(words[-1]) is not None
 
 
 def _propose_edits(node: Element, attribute: Attribute, successor: _Successor) -> list[Edit]:
     wanted = ((node.attributes["pkg"], successor.package), (attribute, successor.executable))
-    changed = [(a, value) for a, value in wanted if a.value != value]
-    if any(a.span is None or not a.literal for a, _ in changed):
-        return []
-    return [Edit(a.span, a.typed, value) for a, value in changed if a.span is not None]
+    return edit_literals((part, text) for part, text in wanted if part.value != text)

@@ -21,7 +21,7 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     if launch.root is None:
         return
     read = _collect_read_names(launch.root)
-    handed_on = _has_pass_all_include(launch)
+    passes_all = _has_pass_all_include(launch)
     verb = "var" if launch.dialect == "ros2" else "arg"
     included: bool | None = None
     for argument in launch.arguments:
@@ -29,7 +29,7 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
         if not name:
             continue
         if name not in read:
-            if not handed_on:
+            if not passes_all:
                 edits = build_removal_edits(argument, launch.files)
                 yield rule.finding("unused", at=argument, edits=edits, argument=name, verb=verb)
         elif not any(key in argument.attributes for key in ("default", "value", "doc", "description")):
@@ -39,13 +39,13 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
 
 
 def _collect_read_names(root: Element) -> set[str]:
-    """The names in `$(arg x)`, `$(var x)` and, because it may name arguments in several ways, every word of `$(eval …)`."""
+    """Return the names in `$(arg x)` and `$(var x)`, and every word of a text with `$(eval …)`, which has several syntaxes."""
     texts = [text for e in root.walk() for text in (e.text, *(a.value for a in e.attributes.values()))]
     read = {name for text in texts for name in _READ.findall(text)}
     return read.union(*(_NAME.findall(text) for text in texts if _EVAL.search(text)))
 
 
 def _has_pass_all_include(launch: Launch) -> bool:
-    """ROS 1 hands all arguments to an include when told so, ROS 2 always."""
+    """Whether an include gets all arguments: in ROS 2 each does, in ROS 1 on request."""
     includes = [] if launch.root is None else [e for e in launch.root.walk() if e.tag == "include"]
     return any(launch.dialect == "ros2" or e.get("pass_all_args") in {"true", "1"} for e in includes)

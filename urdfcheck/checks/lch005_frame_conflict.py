@@ -23,13 +23,13 @@ def check(context: LaunchContext, rule: Rule, *, height_tol: float, likeness: fl
         if model is not None and transform.child in model.link_by_name:
             yield from _check_model_link(rule, transform, model)
         elif _is_footprint(transform, model):
-            yield from _check_footprint(rule, transform, model, height_tol)
+            yield from _check_footprint(rule, transform, model, height_tol=height_tol)
         elif model is not None and transform.parent not in placed:
-            yield from _check_unknown_parent(rule, transform, model, likeness)
+            yield from _check_unknown_parent(rule, transform, model, likeness=likeness)
 
 
 def _check_model_link(rule: Rule, transform: StaticTransform, model: Model) -> Iterator[Finding]:
-    """A transform to a link of the model: it needs none, unless it is the root and hangs below the world."""
+    """Report a transform to a link of the model, which only a root below the world needs."""
     joint = next((j for j in model.joints if j.child == transform.child), None)
     data: dict[str, Any] = {"parent": transform.parent, "child": transform.child}
     if joint is not None:
@@ -41,14 +41,14 @@ def _check_model_link(rule: Rule, transform: StaticTransform, model: Model) -> I
 
 
 def _is_footprint(transform: StaticTransform, model: Model | None) -> bool:
-    """Whether the footprint hangs below the link that it should carry."""
+    """Whether the transform places the footprint below the link that should be its child."""
     if "footprint" not in transform.child or "footprint" in transform.parent:
         return False
     return transform.parent == "base_link" if model is None else transform.parent in model.link_by_name
 
 
 def _check_footprint(
-    rule: Rule, transform: StaticTransform, model: Model | None, height_tol: float
+    rule: Rule, transform: StaticTransform, model: Model | None, *, height_tol: float
 ) -> Iterator[Finding]:
     exported = (transform.parent, transform.child, transform.xyz, transform.rpy) == _EXPORTED
     cause = "solidworks-exporter" if exported else None
@@ -71,8 +71,10 @@ def _check_footprint(
     )
 
 
-def _check_unknown_parent(rule: Rule, transform: StaticTransform, model: Model, likeness: float) -> Iterator[Finding]:
-    """A parent that the model lacks but for a letter or two; any other may come from a driver."""
+def _check_unknown_parent(
+    rule: Rule, transform: StaticTransform, model: Model, *, likeness: float
+) -> Iterator[Finding]:
+    """Report a parent that differs from a link by a letter or two; any other unknown parent may come from a driver."""
     near = find_nearest_name(transform.parent, model.link_by_name, likeness)
     if transform.parent not in model.link_by_name and near is not None:
         yield rule.finding("unknown-frame", at=transform.at, parent=transform.parent, child=transform.child, near=near)

@@ -14,12 +14,12 @@ _SCOPES = frozenset({"launch", "group", "include"})
 
 def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
-    # `.launch.xml` is how ROS 2 calls them, also where nothing in the file tells.
+    # `.launch.xml` is the ending of ROS 2, even if nothing in the file shows its dialect.
     ros1 = launch.dialect == "ros1" and not launch.name.endswith(".xml")
     for first, second in _iter_repeated_arguments(launch.root, ros1) if launch.root is not None else ():
         equal = _get_value(first) == _get_value(second)
-        handed = second.parent is not None and second.parent.tag == "include"
-        message = "ros1" if ros1 else "handed" if handed else "ros2"
+        in_include = second.parent is not None and second.parent.tag == "include"
+        message = "ros1" if ros1 else "handed" if in_include else "ros2"
         yield rule.finding(
             message,
             at=second,
@@ -36,9 +36,13 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
 def _iter_repeated_arguments(
     scope: Element, ros1: bool, enclosing_scopes: tuple[dict[str, Element], ...] = ()
 ) -> Iterator[tuple[Element, Element]]:
-    """Each argument that is declared again in a scope, with its first declaration. ``known``: what was declared around it so
-    far, which a group of ROS 1 knows; what is handed to an include never mixes with that. What stands under a condition may
-    be the other choice, and is left out."""
+    """Iterate over the first and each further declaration of an argument in one scope.
+
+    Arguments under a condition are left out: they may be alternatives.
+
+    :param enclosing_scopes: the declarations so far around a group, which ROS 1 shares with it; arguments of an include are a
+        scope of their own.
+    """
     own: dict[str, Element] = {}
     enclosing_scopes = (*enclosing_scopes, own) if ros1 and scope.tag == "group" else (own,)
     for element in scope.children:

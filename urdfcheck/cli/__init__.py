@@ -1,4 +1,4 @@
-"""The command line, a module for each command. Only the standard library is imported before there is something to check."""
+"""The command line, a module per command. Only the standard library is imported until there is something to check."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from urdfcheck.core.errors import UrdfcheckError
 __all__ = ["FAILED", "FINDINGS", "NOTHING", "OK", "compute_exit_code", "main"]
 
 COMMANDS = ("check", "audit", "rule", "srdf", "cache", "baseline", "engines", "drop", "config", "init", "completion")
-# Words that later versions use as commands: a file of this name is written ./diff.
+# Words that later versions will use as commands; a file of such a name is written ./diff.
 RESERVED = ("diff", "lsp")
 
 
@@ -29,7 +29,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except UrdfcheckError as error:
         erase_progress()
         say(f"urdfcheck: {error}", sys.stderr)
-    except BrokenPipeError:  # the reader of our output has gone: head, less
+    except BrokenPipeError:  # the reader of the output has exited: head, less
         silence_stdout()
         return OK
     except OSError as error:
@@ -43,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run_command(words: list[str]) -> int:
     for word in words[: words.index("--") if "--" in words else None]:
-        # A stranger's file, named by a pattern of the shell or by pre-commit: -ohtml=… would write where its name says.
+        # An untrusted file name may come from a shell pattern or from pre-commit: -ohtml=… would write where it says.
         if word.startswith("-") and os.path.lexists(word):
             raise UrdfcheckError(f"{word} is a file of this name, and would be taken for an option: write ./{word}")
     name = words[0] if words else ""

@@ -1,4 +1,4 @@
-"""The options that several commands share, and what they and the configuration ask for."""
+"""Options that several commands share, and their conversion to a request."""
 
 from __future__ import annotations
 
@@ -18,9 +18,11 @@ if TYPE_CHECKING:
 # How the command line spells the fields of `RunOptions`.
 _SPELLING = {
     **{name: f"--{name}" for name in ("tier", "target", "timeout", "memory", "jobs")},
-    **{"packages": "--package", "package_paths": "--package-path", "allow_read": "--allow-read"},
+    "packages": "--package",
+    "package_paths": "--package-path",
+    "allow_read": "--allow-read",
 }
-# No report has such a name.
+# Suffixes that no report has.
 MODELS = frozenset({".urdf", ".xacro", ".srdf", ".sdf", ".launch"})
 EPILOG = """\
 exit codes: 0 nothing at or above --fail-on, 1 findings, 2 urdfcheck or its configuration failed, 3 nothing to check
@@ -28,7 +30,7 @@ urdfcheck rule lists the rules, urdfcheck rule CODE explains one"""
 
 
 class CommandParser(argparse.ArgumentParser):
-    """A word of the command line may be a stranger's file name: what is wrong with it is told like everything else."""
+    """Escapes its error messages, because a word of the command line may be an untrusted file name."""
 
     def error(self, message: str) -> NoReturn:
         from urdfcheck.output.shared.inert import escape_for_log
@@ -37,7 +39,7 @@ class CommandParser(argparse.ArgumentParser):
 
 
 def add_options(p: argparse.ArgumentParser) -> None:
-    """The options that decide about what is checked, and how."""
+    """Add the options that decide what is checked, and how."""
     p.add_argument("--tier", choices=("source", "mesh", "full"), help="how much to compute (default: full)")
     p.add_argument("--select", action="append", metavar="CODES", help="only these rules: codes, prefixes, names, tags")
     p.add_argument("--ignore", action="append", metavar="CODES", help="not these rules")
@@ -60,7 +62,7 @@ def add_options(p: argparse.ArgumentParser) -> None:
 
 
 def add_access_options(p: argparse.ArgumentParser) -> None:
-    """The options that decide about what a model is read with, and what that may take."""
+    """Add the options that decide what a model is read with, and its limits."""
     p.add_argument("--arg", action="append", default=[], metavar="NAME:=VALUE", help="xacro argument for all models")
     p.add_argument("--package", action="append", default=[], metavar="NAME=DIR", help="where a ROS package is")
     p.add_argument("--package-path", action="append", default=[], metavar="DIR", help="folder that holds packages")
@@ -81,6 +83,10 @@ def add_access_options(p: argparse.ArgumentParser) -> None:
 
 
 def ensure_paths(options: argparse.Namespace) -> None:
+    """Reject a command line without paths.
+
+    :raises UrdfcheckError: if there is none, or an empty one.
+    """
     if not options.paths:
         raise UrdfcheckError("name at least one model, launch file, package or folder (urdfcheck . for this folder)")
     if "" in options.paths:
@@ -88,7 +94,7 @@ def ensure_paths(options: argparse.Namespace) -> None:
 
 
 def parse_output(text: str) -> tuple[str, Path]:
-    """The format and the file of an ``--output``."""
+    """Split an ``--output`` into format and file."""
     from urdfcheck.output import FORMATS, PICTURE_FORMAT
 
     output_format, assigned, file = text.partition("=")
@@ -99,7 +105,7 @@ def parse_output(text: str) -> tuple[str, Path]:
 
 
 def is_folder_output(text: str) -> bool:
-    """Whether an ``--output`` asks for a folder of pages: it is there, or its name ends with a slash or without a suffix."""
+    """Whether an ``--output`` means a folder of pages: an existing one, or a name that ends with a slash or has no suffix."""
     output_format, _, file = text.partition("=")
     if output_format != "html":
         return False
@@ -108,25 +114,25 @@ def is_folder_output(text: str) -> bool:
 
 
 def parse_outputs(texts: Sequence[str], paths: Sequence[str]) -> list[tuple[str, Path]]:
-    """The formats and files of all ``--output``; two reports do not go into one file, and none into the place of a model.
+    """Split each ``--output`` into format and file.
 
-    :raises UrdfcheckError: when that is asked for.
+    :raises UrdfcheckError: if two reports would share a file, or one would replace a model.
     """
-    found = [parse_output(text) for text in texts]
-    taken: dict[str, str] = {}
+    outputs = [parse_output(text) for text in texts]
+    text_by_path: dict[str, str] = {}
     inputs = {os.path.realpath(path) for path in paths}
-    for text, (_, file) in zip(texts, found, strict=True):
+    for text, (_, file) in zip(texts, outputs, strict=True):
         real = os.path.realpath(file)
         if os.path.exists(real) and not os.path.isfile(real) and not os.path.isdir(real):
-            continue  # /dev/null takes any number
-        if real in taken:
-            raise UrdfcheckError(f"--output {text}: {taken[real]} goes into the same file")
+            continue  # /dev/null takes any number of reports
+        if real in text_by_path:
+            raise UrdfcheckError(f"--output {text}: {text_by_path[real]} goes into the same file")
         if (real in inputs and os.path.isfile(real)) or file.suffix.lower() in MODELS:
             raise UrdfcheckError(
                 f"--output {text}: that is the file of a model, and a report would be put in its place"
             )
-        taken[real] = text
-    return found
+        text_by_path[real] = text
+    return outputs
 
 
 def read_options(options: argparse.Namespace, paths: Sequence[str]) -> RunOptions:

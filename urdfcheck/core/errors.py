@@ -1,4 +1,4 @@
-"""The exceptions that mean something to the caller. A module of their own: the command needs them before anything else."""
+"""The exceptions that callers handle. A separate module, because the command needs them before anything else."""
 
 
 class UrdfcheckError(Exception):
@@ -6,8 +6,8 @@ class UrdfcheckError(Exception):
 
 
 class FactUnavailableError(Exception):
-    """A fact cannot be had for this model; the text says why. The engine lists the check as skipped."""
+    """A fact is not available for this model; the text says why. The check is listed as skipped."""
 
 
 class ModelTimeout(BaseException):
-    """The time of the model that is being checked is over. No Exception: whoever handles those must not go on."""
+    """The model exceeds its time limit. Derives from BaseException so that ``except Exception`` cannot swallow it."""

@@ -11,9 +11,12 @@ from typing import Any, Protocol, runtime_checkable
 # What ends a line for every span: str.splitlines() would also break at form feeds and Unicode separators.
 NEWLINE = re.compile(r"\r\n|\n|\r")
 
+# The family of rules about urdfcheck itself, its configuration and its comments.
+OWN_FAMILY = "URC"
+
 
 class Severity(IntEnum):
-    """How bad a finding is. ``error``: a reference parser refuses or drops it, or it is impossible."""
+    """How bad a finding is. ``error``: a reference parser rejects or drops something, or it is impossible."""
 
     INFO = 1
     WARNING = 2
@@ -24,7 +27,10 @@ class Severity(IntEnum):
 
     @classmethod
     def parse(cls, text: str) -> Severity:
-        """:raises ValueError: when ``text`` names no severity."""
+        """Return the severity of this name.
+
+        :raises ValueError: if there is none.
+        """
         try:
             return cls[text.upper()]
         except KeyError:
@@ -54,9 +60,10 @@ class Applicability(str, Enum):
 class Verdict(IntEnum):
     """What a program does with a defect, the worst last, as the sentences of the pages' ``[consumers]`` begin.
 
-    ``loads``: takes the model as it was typed; ``ignores``, ``replaces``, ``swaps``: what it simulates or plans with is not
-    what was typed; ``computes NaN``: loads it, and has no number to show for it; ``drops``: a link, a joint or a shape is
-    missing, with all below it; ``refuses``: there is no model."""
+    ``loads``: takes the model as typed; ``ignores``, ``replaces``, ``swaps``: simulates or plans with other values;
+    ``computes NaN``: loads it without usable numbers; ``drops``: a link, a joint or a shape is missing, with all below it;
+    ``refuses``: there is no model.
+    """
 
     LOADS = 0
     IGNORES = 1
@@ -71,7 +78,7 @@ class Verdict(IntEnum):
 
     @classmethod
     def from_sentence(cls, sentence: str) -> Verdict:
-        """The verdict that a sentence begins with."""
+        """Return the verdict that a sentence begins with."""
         first = sentence.partition(" ")[0].rstrip(",:;")
         return cls.NAN if sentence.startswith("computes NaN") else _VERDICTS.get(first, cls.LOADS)
 
@@ -100,7 +107,7 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Location:
-    """Where a finding is: its subject in the model, its text, and the calls that brought the text there.
+    """The place of a finding: its subject in the model, its text, and the calls that brought the text there.
 
     ``subject`` reads like ``link[wheel_1]/inertial/inertia@izz``; ``via`` holds macro calls and includes, outermost first.
     """
@@ -116,7 +123,7 @@ class Location:
 
 
 class Located(Protocol):
-    """Anything that knows where it was typed: an element, an attribute, a link, a joint."""
+    """Anything with a place in the source: an element, an attribute, a link, a joint."""
 
     @property
     def location(self) -> Location: ...
@@ -124,7 +131,7 @@ class Located(Protocol):
 
 @runtime_checkable
 class Computed(Located, Protocol):
-    """A located thing whose text was computed from definitions that stand elsewhere."""
+    """Anything located whose text was computed from definitions elsewhere."""
 
     def collect_definitions(self) -> Iterable[Located]: ...
 
@@ -191,19 +198,24 @@ class Finding:
     variants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
+    def is_about_urdfcheck(self) -> bool:
+        """Whether it is about urdfcheck, its configuration or its comments, not about a model."""
+        return self.code.startswith(OWN_FAMILY)
+
+    @property
     def cause_text(self) -> str | None:
-        """What its cause says beyond the message."""
-        # A message that says it goes on with a small letter.
+        """Text of its cause, unless the message contains it."""
+        # Inside a message it begins with a lower-case letter.
         return None if self.cause is None or self.cause.text[1:] in self.message else self.cause.text
 
     @property
     def fingerprints(self) -> tuple[str, ...]:
-        """One per subject; they change neither with lines nor with the working directory."""
+        """One per subject, independent of lines and of the working directory."""
         import hashlib  # loads OpenSSL: only outputs that show fingerprints pay for it
 
         return tuple(
             hashlib.sha256(
-                # A file name may be no text in any encoding.
+                # A file name may not be valid text in any encoding.
                 "\0".join((self.code, self.model, subject, self.message_id)).encode(errors="surrogatepass")
             ).hexdigest()[:32]
             for subject in self.subjects

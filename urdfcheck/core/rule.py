@@ -1,4 +1,4 @@
-"""A rule as its page declares it, and the findings that it makes. Standard library only."""
+"""A rule as its page declares it, and the findings that it reports. Standard library only."""
 
 from __future__ import annotations
 
@@ -39,31 +39,44 @@ class RuleFamily:
     layers: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Rule:
-    """A rule as its page in ``rules/`` declares it. ``concerns``: the only programs that mind such a defect, empty where it is
-    one whoever reads the model. ``fix``: the best that its findings offer; ``display`` is advice."""
+    """A rule as its page in ``rules/`` declares it."""
 
     code: str
     name: str
     severity: Severity
     confidence: Confidence
     status: str
+    """preview | stable | deprecated."""
     since: str
+    """Version of urdfcheck."""
     scopes: tuple[str, ...]
+    """What its check gets: file | model | launch | package | run."""
     needs: tuple[str, ...]
+    """What its check computes: source | mesh | dynamics | collision | simulator | package."""
     tags: tuple[str, ...]
     hidden_by: tuple[str, ...]
+    """Codes of rules that supersede it on the same element."""
     concerns: tuple[str, ...]
+    """The only programs that mind such a defect; empty if it is one for every program."""
     depends_on_targets: bool
+    """Whether it reports other findings for other targets."""
     fix: Applicability
+    """The best that its findings offer; ``display`` is advice."""
     options: Mapping[str, RuleOption]
     messages: Mapping[str, str]
+    """Message id → template."""
     fixes: Mapping[str, str]
+    """Message id → template of the repair."""
     causes: Mapping[str, str]
+    """Cause id → template."""
     consumers: Mapping[str, Any]
+    """Program → what it does with the defect; or message id → such a mapping."""
     stem: str
+    """Name of its check module."""
     page: str
+    """Text of its page."""
     layers: tuple[str, ...] = ("visual",)
     """What the 3D view of the report shows for a finding: layers of its viewer."""
 
@@ -87,16 +100,16 @@ class Rule:
         consequences: Mapping[str, str] | None = None,
         **data: Any,
     ) -> Finding:
-        """A finding of this rule: ``message`` is an id of the page's ``[messages]``, ``data`` fills its templates.
+        """Return a finding of this rule: ``message`` is an id of the page's ``[messages]``, ``data`` fills its templates.
 
         The repair is the page's ``[fixes]`` template of the same id; ``edits`` make it applicable. ``consequences``: what single
-        programs do where that depends on the case; the others do what the page says.
+        programs do, where that depends on the case; for the others the page says it.
 
-        :raises KeyError: when the page lacks the message, the cause or a value that a template names.
+        :raises KeyError: if the page lacks the message or the cause, or ``data`` lacks a value of a template.
         """
         location = at if isinstance(at, Location) else at.location
         edits = tuple(edits)
-        # Where the properties, arguments and yaml keys stand that a computed value was made of.
+        # The properties, arguments and yaml keys that a computed value was made from.
         definitions: Iterable[Located] = at.collect_definitions() if isinstance(at, Computed) else ()
         places = [r if isinstance(r, Location) else r.location for r in (*related, *definitions)]
         consumers = {k: v for k, v in self.consumers.items() if isinstance(v, str)}

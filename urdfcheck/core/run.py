@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelInfo:
-    """What a run knows of one model."""
+    """One model of a run."""
 
     path: str
     robot: str
@@ -35,59 +35,68 @@ class ModelInfo:
     """Duration of the check."""
 
     @classmethod
-    def unread(cls, *, path: str, id: str, arguments: Mapping[str, str], status: str = "failed") -> ModelInfo:
+    def unread(cls, *, path: str, model_id: str, arguments: Mapping[str, str], status: str = "failed") -> ModelInfo:
         """Return the line of a model that could not be read."""
-        return cls(path=path, robot="", args=dict(arguments), links=0, joints=0, mass=None, status=status, id=id)
+        return cls(path=path, robot="", args=dict(arguments), links=0, joints=0, mass=None, status=status, id=model_id)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
-    """The whole outcome, immutable: what every output renders. ``sources`` holds the text of files with findings;
-    ``rules`` are those that were selected, ``tier`` how much was computed (source | mesh | full), ``units`` counts the
-    models, launch files and packages that were looked at, ``ids`` names them, ``targets`` names who will read the models,
-    ``judged`` has the rules by the id of a unit whose findings this run could not have missed there,
-    ``homes`` how each baseline (its file and the folder of its names; None for the run's own) calls the units, by their ids;
-    ``partial`` says that the run was interrupted, ``fail_on`` from which severity on the findings of a model fail the run, by
-    its id; ``drops``: the drop tests, where they were asked for; ``baselines``: the files that say which findings are known."""
+    """Immutable outcome of a run: the only input of every output."""
 
     models: tuple[ModelInfo, ...]
     findings: tuple[Finding, ...]
+    """In the order of the report; suppressed ones included."""
     skipped: tuple[SkippedCheck, ...]
     rules: Mapping[str, Rule]
+    """The selected rules, by code."""
     versions: Mapping[str, str]
+    """Versions of urdfcheck, Python and libraries."""
     sources: Mapping[str, str]
+    """Text of the files with findings, by name."""
     scenes: tuple[Scene, ...] = ()
+    """The models as graphical outputs draw them, if the request asks for them."""
     drops: tuple[DropTest, ...] = ()
+    """The drop tests, if the request asks for them."""
     seconds: float = 0.0
     failures: tuple[str, ...] = ()
+    """Paths that do not exist, and failures of urdfcheck itself: they make the exit code 2."""
     units: int = 0
+    """Number of checked models, launch files and packages."""
     unit_ids: frozenset[str] = frozenset()
     complete_rules: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    """Unit id → rules of which this run cannot have missed a finding; decides which baseline entries are stale."""
     baseline_unit_names: Mapping[tuple[str, str] | None, Mapping[str, str]] = field(default_factory=dict)
+    """File and root folder of a baseline (None for the run's own) → unit id → name of the unit in that baseline."""
     tier: str = "full"
+    """How much was computed: source | mesh | full."""
     targets: tuple[str, ...] = ()
+    """Programs that will read the models."""
     partial: bool = False
+    """Whether the run was interrupted."""
     fail_on: Mapping[str, str] = field(default_factory=dict)
+    """Model id → least severity of a finding that fails the run, where a configuration sets it."""
     baselines: frozenset[str] = frozenset()
+    """Names of the baseline files."""
 
     def count_findings(self, severity: Severity) -> int:
-        """Findings of exactly this severity that are not suppressed."""
+        """Count the findings of exactly this severity that are not suppressed."""
         return sum(f.severity == severity for f in self.active_findings)
 
     def find_variant_arguments(self, finding: Finding) -> Mapping[str, str]:
-        """The arguments that it takes to see a finding of a model with several variants."""
+        """Return the arguments that reproduce a finding of a model with several variants."""
         if not finding.variants:
             return {}
         return next((info.args for info in self.models if info.id == finding.model), {})
 
     @property
     def active_findings(self) -> tuple[Finding, ...]:
-        """The findings that nobody knows yet."""
+        """The findings that are not suppressed."""
         return tuple(f for f in self.findings if f.suppressed is None)
 
     @property
     def suppressed_counts(self) -> Mapping[str, int]:
-        """How many findings are known, by who says so: source, configuration, baseline."""
+        """Number of suppressed findings by source, configuration and baseline."""
         counts = dict.fromkeys(("source", "configuration", "baseline"), 0)
         for finding in self.findings:
             if finding.suppressed is not None:

@@ -1,7 +1,7 @@
-"""The audit of many models: each is finished on its own, kept as it comes, and never held in memory together.
+"""The audit of many models: the result of each is written as soon as it is finished, and memory does not grow with them.
 
-What is in the folder: ``audit.jsonl`` and ``index.html``, whole and in the order of the plan whatever finished first, and
-``journal``, by which the next run knows what it need not do again.
+The folder contains ``audit.jsonl`` and ``index.html``, written atomically and in the order of the plan whichever model
+finished first, and ``journal``, from which the next run knows what it need not do again.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from urdfcheck.source.discover import Plan
 from urdfcheck.source.package.finder import format_path
 
 LINES, INDEX = "audit.jsonl", "index.html"
-# Variables that decide about where packages are.
+# Environment variables that decide where packages are found.
 _ENVIRONMENT = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "HOME")
 
 Stream = Callable[[Sequence[Unit], AuditSettings], Generator[tuple[int, UnitReport], None, None]]
@@ -37,14 +37,15 @@ Stream = Callable[[Sequence[Unit], AuditSettings], Generator[tuple[int, UnitRepo
 
 @dataclass(frozen=True, slots=True)
 class AuditOutcome:
-    """What an audit came to. ``checked`` and ``unchanged`` count the units that were checked now, and those that were not
-    because nothing of them changed since. ``worst``: the worst severity of the units whose findings count from each severity on,
-    None for those of which the command decides."""
+    """The outcome of an audit."""
 
     summary: unit_lines.AuditSummary
     checked: int
+    """Number of units that were checked."""
     unchanged: int
+    """Number of units that were not, because none of their files has changed."""
     worst: Mapping[str | None, Severity] = field(default_factory=dict)
+    """``fail-on`` → worst severity of the units for which it is configured; None: the command decides."""
 
 
 def audit_dataset(
@@ -55,24 +56,25 @@ def audit_dataset(
     restart: bool = False,
     progress: Callable[[int, int], object] | None = None,
 ) -> AuditOutcome:
-    """Check everything that the request's paths mean, and write the folder.
+    """Check everything that the request's paths lead to, and write the folder.
 
-    ``stream`` does the work: the places of units and their reports, as they come. What the folder holds from an earlier audit
-    is kept where nothing changed; ``restart`` forgets it. ``progress`` is called with how many units have been checked and
-    how many are to be.
+    Results of an earlier audit in the folder are kept where no file has changed.
 
-    :raises UrdfcheckError: when the folder is not an audit's, or of one with other settings, or cannot be written; when
-        nothing is there to be checked but paths that are wrong; when the user interrupts.
+    :param stream: checks units; yields the index of each and its report as they finish.
+    :param restart: whether to forget earlier results.
+    :param progress: is called with the number of units that have been checked, and that are to be checked.
+    :raises UrdfcheckError: if the folder holds something else or results under other settings, or cannot be written; if no
+        path can be checked; if the user interrupts.
     """
-    found, units = plan_units(request)
-    if not units and found.missing:
-        path, reason = found.missing[0]
+    plan, units = plan_units(request)
+    if not units and plan.missing:
+        path, reason = plan.missing[0]
         raise UrdfcheckError(f"{path} {reason}")
     if not units:
         return AuditOutcome(unit_lines.AuditSummary(), 0, 0)
     keys = [_compute_unit_key(unit) for unit in units]
     with (
-        audit_session(request, units, found.reach or request.reach) as settings,
+        audit_session(request, units, plan.reach or request.reach) as settings,
         Journal(folder, _describe_settings(request, settings), frozenset(keys), restart=restart) as journal,
     ):
         todo = [index for index, key in enumerate(keys) if key not in journal]
@@ -81,8 +83,8 @@ def audit_dataset(
             with contextlib.closing(stream([units[i] for i in todo], settings)) as reports:
                 for place, report in reports:
                     unit = units[todo[place]]
-                    text = b"" if is_empty_candidate(unit, report, found) else encode_unit_line(unit, report)
-                    # What failed is tried again next time.
+                    text = b"" if is_empty_candidate(unit, report, plan) else encode_unit_line(unit, report)
+                    # A failure is not kept: it is tried again next time.
                     journal.add(keys[todo[place]], text, {} if report.failures else report.reads)
                     checked += 1
                     if progress is not None:
@@ -95,7 +97,7 @@ def audit_dataset(
                 f"interrupted: {finished:,} of {len(units):,} models and files are finished and kept in {folder}; "
                 "the same command goes on from there"
             ) from None
-        last = _encode_run_line(request, found)
+        last = _encode_run_line(request, plan)
         summary = write_results(folder, lambda: _iter_ordered_lines(journal, keys, last))
         worst = _find_worst_severities(units, keys, journal, summary)
         journal.trim()
@@ -118,7 +120,7 @@ def _find_worst_severities(
 
 
 def encode_unit_line(unit: Unit, report: UnitReport) -> bytes:
-    """The unit's line in ``audit.jsonl``."""
+    """Encode the unit's line of ``audit.jsonl``."""
     info = report.info
     if info is not None and "SOURCE_DATE_EPOCH" in os.environ:
         info = replace(info, seconds=0.0)
@@ -135,7 +137,7 @@ def encode_unit_line(unit: Unit, report: UnitReport) -> bytes:
 
 
 def write_results(folder: Path, texts: Callable[[], Iterable[bytes]]) -> unit_lines.AuditSummary:
-    """Write the lines and the page about them, each whole or not at all; ``texts`` gives the lines as often as it is called."""
+    """Write the lines and the page about them, each atomically; ``texts`` yields the lines whenever it is called."""
     with translate_os_errors(folder):
         _replace_file(folder / LINES, (text + b"\n" for text in texts()))
         summary = unit_lines.AuditSummary.from_rows(map(unit_lines.parse_unit_line, texts()))
@@ -165,7 +167,7 @@ def _iter_ordered_lines(journal: Journal, keys: Sequence[str], last: bytes) -> I
 
 
 def _encode_run_line(request: Request, found: Plan) -> bytes:
-    """The line of what belongs to no unit: paths that are wrong, and what only a run as a whole could show."""
+    """Encode the line of what belongs to no unit: wrong paths, and rules that only a whole run could check."""
     findings = report_foreign_libraries() if "URC907" in request.policy.codes else []
     skipped = [SkippedCheck("ALL", path, reason) for path, reason in found.unused]
     alone = "it compares the models of a run with each other: urdfcheck check does"
@@ -179,7 +181,7 @@ def _encode_run_line(request: Request, found: Plan) -> bytes:
 
 
 def _describe_settings(request: Request, settings: AuditSettings) -> dict[str, Any]:
-    """All that the outcome for a unit depends on beside the unit and its files, by the name that a user has for it."""
+    """Return all that a unit's result depends on besides its files, by the names that users know."""
     variables = {name: os.environ.get(name) for name in sorted({*_ENVIRONMENT, *settings.options.environment})}
     return {
         "versions": collect_versions(full=True),
@@ -198,7 +200,7 @@ def _describe_settings(request: Request, settings: AuditSettings) -> dict[str, A
         "--thorough": settings.options.samples,
         "--timeout, --memory": list(asdict(settings.options.limits).values()),
         "--env": list(settings.options.environment),
-        # Values may be secrets.
+        # The values may be secrets.
         "environment": hashlib.sha256(json.dumps(variables).encode()).hexdigest(),
     }
 

@@ -1,8 +1,7 @@
-"""The work of an audit on the machines of a cluster that is already there: Dask's or Ray's, through joblib.
+"""Distribute an audit to the machines of an existing cluster (Dask or Ray) through joblib.
 
-A process of the cluster lives long, has threads and may not have children of multiprocessing: it neither gives anything up
-nor reads a stranger's file. It starts a program that does what the command does on this machine: a process for the models
-that is confined, watched and ended.
+A process of the cluster is long-lived, has threads and must not have children of multiprocessing, so it is not confined and
+reads no untrusted file. It starts a program that does what the command does locally: run confined and supervised processes.
 """
 
 from __future__ import annotations
@@ -28,21 +27,21 @@ if TYPE_CHECKING:
     Numbered = tuple[int, Unit]
 
 BACKENDS = ("dask", "ray")
-# Models of a task: so many that loading the libraries once for all of them counts for little, if there are enough for every
-# core of the cluster; and so few that a machine that is lost takes little along, and no core waits long for the last.
+# Least and most models of a task, and tasks per core: enough models that loading the libraries costs little, and few enough
+# that a lost machine loses little work and no core waits long for the last task.
 LEAST, MOST, TASKS = 8, 32, 4
-# Variables that say where packages are, here and not on the machine of the cluster.
+# Environment variables that say where packages are; those of this machine count, not those of the cluster.
 _OURS = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH", "ROS_DISTRO", "ROS_VERSION")
-# Python looks for modules in the folder where `-c` is started: there is nothing but its own.
+# With `-c`, Python imports from its working directory: it is started in a folder with nothing but its own modules.
 _PROGRAM = [sys.executable, "-c", "from urdfcheck.dataset.cluster import serve_task; serve_task()"]
 
 
 def stream_on_cluster(
     units: Sequence[Unit], settings: AuditSettings, backend: str, address: str | None
 ) -> Generator[tuple[int, UnitReport], None, None]:
-    """Audit each unit on the cluster: the places of the units and their reports as they come.
+    """Audit each unit on the cluster; yields the index of each unit and its report as they finish.
 
-    :raises UrdfcheckError: when joblib or the cluster's library is not installed, or nothing answers at the address.
+    :raises UrdfcheckError: if joblib or the cluster's library is not installed, or nothing answers at the address.
     """
     if not units:
         return
@@ -64,12 +63,12 @@ def stream_on_cluster(
                 with contextlib.closing(parallel(tasks)) as results:
                     for reports in results:
                         yield from reports
-            else:  # Ray's backend gives results only all together
+            else:  # Ray's backend returns all results of a call together
                 with joblib.Parallel(n_jobs=-1, batch_size=1) as parallel:
                     while some := list(islice(tasks, cores)):
                         for reports in parallel(some):
                             yield from reports
-        except Exception as error:  # whatever the cluster's library has for machines that are gone
+        except Exception as error:  # the cluster's library has exceptions of its own for lost machines
             raise UrdfcheckError(f"the cluster failed: {type(error).__name__}: {_get_first_line(error)}") from None
 
 
@@ -80,7 +79,7 @@ def _split_chunks(units: Sequence[Numbered], cores: int) -> Iterator[Sequence[Nu
 
 @contextlib.contextmanager
 def _connect_ray(address: str | None) -> Iterator[Any]:
-    """A connection to a Ray cluster, by its name in joblib."""
+    """Connect to a Ray cluster; yields its name in joblib."""
     try:
         import ray
         from ray.util.joblib import register_ray
@@ -99,12 +98,12 @@ def _connect_ray(address: str | None) -> Iterator[Any]:
 
 @contextlib.contextmanager
 def _connect_dask(address: str | None) -> Iterator[Any]:
-    """A connection to a Dask cluster, as a backend of joblib."""
+    """Connect to a Dask cluster; yields a backend of joblib."""
     try:
         from distributed import Client
     except ImportError:
         raise _make_install_error("dask") from None
-    # That a machine was lost and its work goes to another is the scheduler's affair.
+    # The scheduler logs lost machines and moves their work: that needs no message.
     logging.disable(logging.ERROR)
     try:
         try:
@@ -122,7 +121,7 @@ def _get_first_line(error: Exception) -> str:
 
 
 def _make_dask_backend(client: Any) -> Any:
-    """joblib's backend for Dask. Its own waits for ever for a task that Dask has given up."""
+    """Make a joblib backend for Dask. joblib's own waits forever for a task that Dask has given up."""
     from joblib._dask import DaskDistributedBackend
 
     class Backend(DaskDistributedBackend):  # type: ignore[misc]
@@ -150,7 +149,7 @@ def _make_install_error(backend: str) -> UrdfcheckError:
 def run_task(
     units: Sequence[Numbered], settings: AuditSettings, folder: str, environment: Mapping[str, str | None], version: str
 ) -> list[tuple[int, UnitReport]]:
-    """What a process of the cluster does with a task: have it done, and say what of it could not be."""
+    """Run a task in a process of the cluster, through a program; report the units that it did not finish."""
     from urdfcheck.run.jobs import UnitReport
 
     variables = {**os.environ, **{name: value for name, value in environment.items() if value is not None}}
@@ -165,20 +164,20 @@ def run_task(
         cwd=os.path.dirname(os.__file__),
         env=variables,
     )
-    said, complaint = process.communicate(pickle.dumps((units, settings, folder, version)))
-    done: dict[int, UnitReport] = dict(_iter_reports(said))
-    why = complaint.decode("utf-8", "replace").strip().rpartition("\n")[2] or f"exit code {process.returncode}"
+    output, errors = process.communicate(pickle.dumps((units, settings, folder, version)))
+    done: dict[int, UnitReport] = dict(_iter_reports(output))
+    reason = errors.decode("utf-8", "replace").strip().rpartition("\n")[2] or f"exit code {process.returncode}"
     return [
-        (number, done.get(number) or UnitReport(failures=(f"{unit.id}: a machine of the cluster failed: {why}",)))
+        (number, done.get(number) or UnitReport(failures=(f"{unit.id}: a machine of the cluster failed: {reason}",)))
         for number, unit in units
     ]
 
 
-def _iter_reports(said: bytes) -> Iterator[tuple[int, UnitReport]]:
-    """What the program wrote, as far as it came."""
+def _iter_reports(output: bytes) -> Iterator[tuple[int, UnitReport]]:
+    """Yield the reports that the program wrote before it ended."""
     import io
 
-    stream = io.BytesIO(said)
+    stream = io.BytesIO(output)
     while True:
         try:
             yield pickle.load(stream)
@@ -187,12 +186,12 @@ def _iter_reports(said: bytes) -> Iterator[tuple[int, UnitReport]]:
 
 
 def serve_task() -> None:
-    """The program: reads a task from standard input, and writes each report to standard output as soon as it is there."""
+    """Read a task from standard input and write each report to standard output as soon as it is finished."""
     units, settings, folder, version = pickle.load(sys.stdin.buffer)
     if version != __version__:
         sys.exit(f"urdfcheck {__version__} is installed there, and {version} here")
     try:
-        os.chdir(folder)  # files are called by where they lie from there
+        os.chdir(folder)  # paths in reports are relative to it
     except OSError as error:
         sys.exit(f"{folder}: {error.strerror}")
     from urdfcheck.run.pipeline import stream_reports as reports_of
@@ -203,7 +202,7 @@ def serve_task() -> None:
         except OSError:
             settings = replace(settings, cache=None)
     out = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # nobody else writes there
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # nothing else may write there
     for place, report in reports_of([unit for _, unit in units], settings, 1):
         pickle.dump((units[place][0], report), out)
-        out.flush()  # who has gone is noticed: a broken pipe ends this program
+        out.flush()  # a broken pipe ends this program

@@ -1,11 +1,11 @@
-"""What an audit of many models has finished, kept as it comes, so that the next run goes on from there.
+"""The resume file of an audit of many models: each result as soon as it is finished, so that the next run continues there.
 
-The file begins with a line that says under which settings everything in it was found. After it stand the entries, in the
-order in which they came: a line of JSON (whose entry, the files that it rests on, the length and checksum of the text) and
-the text itself on the next line. It only grows, so that whatever stops a run can spoil no more than the last entry.
+The file begins with a header line that holds the settings of the audit. The entries follow in the order in which they were
+finished: a line of JSON (key, the files that the result depends on, length and checksum of the text) and the text itself on
+the next line. The file only grows, so an abort can damage no more than the last entry.
 
-It is believed only where it was written: a journal that came with a dataset could say that all is well. The first line names the
-inode, which nobody knows before the file is there.
+A journal is trusted only where it was written: one that came with a dataset could claim that all models are fine. The header
+contains the inode, which cannot be known before the file exists.
 """
 
 from __future__ import annotations
@@ -14,32 +14,38 @@ import contextlib
 import json
 import os
 import zlib
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterator, Mapping
+from collections.abc import Set as AbstractSet
 from functools import lru_cache
 from io import BufferedReader, BufferedWriter
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.system.files import Stamp, read_stamp
 
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
 NAME = "journal"
 _FIRST = b'{"urdfcheck audit": 1, '
 _PLACE = "inode"
-# What is written aside and then put in the place of another file.
+# Prefix of files that are written aside and then replace another file.
 TEMPORARY = ".urdfcheck-"
-# Of so many files it is known for a while whether they are as they were: those that models share.
+# The stamps of this many files are cached, because models share files.
 _REMEMBERED = 10_000
 
 
 class Journal:
-    """The entries of a folder by key; only one process at a time has it open."""
+    """The entries of a folder by key. Only one process at a time may open it."""
 
-    def __init__(self, folder: Path, settings: Mapping[str, Any], wanted: Set[str], *, restart: bool = False) -> None:
-        """Open the journal of a folder, or begin it. Of what it holds, only entries of ``wanted`` keys are of use whose files
-        are as they were; ``restart`` forgets all.
+    def __init__(
+        self, folder: Path, settings: Mapping[str, Any], wanted: AbstractSet[str], *, restart: bool = False
+    ) -> None:
+        """Open or begin the journal of a folder. Entries of keys that are not ``wanted``, or whose files have changed, are
+        ignored; ``restart`` ignores all.
 
-        :raises UrdfcheckError: when the folder holds something else, was begun under other settings, is in use, or cannot be
+        :raises UrdfcheckError: if the folder holds something else, was begun under other settings, is in use, or cannot be
             written.
         """
         self._folder = folder
@@ -56,7 +62,7 @@ class Journal:
             self.close()
             raise
 
-    def __enter__(self) -> Journal:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -69,9 +75,9 @@ class Journal:
         return key in self._places
 
     def read_text(self, key: str) -> bytes:
-        """The text of an entry.
+        """Read the text of an entry.
 
-        :raises KeyError: for a key without one.
+        :raises KeyError: if the key has none.
         """
         _, start, length = self._places[key]
         with open(self._descriptor, "rb", closefd=False) as file:
@@ -79,9 +85,9 @@ class Journal:
             return file.read(length)
 
     def add(self, key: str, text: bytes, reads: Mapping[str, Stamp]) -> None:
-        """Keep an entry: one line of text, and the files that decide about it as they were.
+        """Append an entry: a line of text, and the stamps of the files that it depends on.
 
-        :raises UrdfcheckError: when it cannot be written; everything else is still there.
+        :raises UrdfcheckError: if it cannot be written; the other entries remain.
         """
         head = json.dumps({"key": key, "bytes": len(text), "sum": zlib.crc32(text), "reads": reads}).encode() + b"\n"
         with translate_os_errors(self._folder):
@@ -91,7 +97,7 @@ class Journal:
         self._end += len(head) + len(text) + 1
 
     def trim(self) -> None:
-        """Drop the entries that are of no use any more: the file is written anew. Without room for that it stays as it is."""
+        """Rewrite the file without superseded entries. Without space for that it stays as it is."""
         if not self._superseded:
             return
         temporary = self._folder / f"{TEMPORARY}{NAME}"
@@ -106,26 +112,26 @@ class Journal:
             finally:
                 temporary.unlink(missing_ok=True)
 
-    def _scan(self, wanted: Set[str], restart: bool) -> int:
-        """Look through the entries, and cut off what was not finished; where the next one goes."""
-        first = _encode_header(self._settings, self._descriptor)
+    def _scan(self, wanted: AbstractSet[str], restart: bool) -> int:
+        """Read all entries and cut off an incomplete one; return the offset of the next entry."""
+        expected = _encode_header(self._settings, self._descriptor)
         with open(self._descriptor, "rb", closefd=False) as file:
             file.seek(0)
-            known = file.readline()
-            if restart or not known.endswith(b"\n"):
+            header = file.readline()
+            if restart or not header.endswith(b"\n"):
                 os.ftruncate(self._descriptor, 0)
                 self._end = 0
-                self._append(first)
-                return len(first)
-            if known != first:
-                raise UrdfcheckError(_explain_other_settings(self._folder, known, first))
-            end = len(known)
-            fresh = _Freshness()
+                self._append(expected)
+                return len(expected)
+            if header != expected:
+                raise UrdfcheckError(_explain_other_settings(self._folder, header, expected))
+            end = len(header)
+            are_unchanged = _Freshness()
             while (entry := _read_entry(file)) is not None:
                 head, text = entry
                 start = end + len(head)
                 facts = json.loads(head)
-                useful = facts["key"] in wanted and fresh(facts["reads"])
+                useful = facts["key"] in wanted and are_unchanged(facts["reads"])
                 self._superseded = self._superseded or facts["key"] in self._places or not useful
                 self._places.pop(facts["key"], None)
                 if useful:
@@ -135,7 +141,7 @@ class Journal:
         return end
 
     def _append(self, data: bytes) -> None:
-        """Append all of it, or nothing."""
+        """Append all of the data, or nothing."""
         os.lseek(self._descriptor, self._end, os.SEEK_SET)
         rest = memoryview(data)
         try:
@@ -147,13 +153,13 @@ class Journal:
 
 
 class _Freshness:
-    """Whether files are as they were."""
+    """Compares files with their recorded stamps."""
 
     def __init__(self) -> None:
         self._stamp = lru_cache(_REMEMBERED)(read_stamp)
 
     def __call__(self, reads: Mapping[str, object]) -> bool:
-        """An entry that rests on no file that is there may rest on anything."""
+        """Whether all files are unchanged; False if none of them existed, because then the entry may depend on anything."""
         return any(reads.values()) and all(self._read_stamp(path) == known for path, known in reads.items())
 
     def _read_stamp(self, path: str) -> object:
@@ -163,7 +169,7 @@ class _Freshness:
 
 @contextlib.contextmanager
 def translate_os_errors(folder: Path) -> Iterator[None]:
-    """Turn what goes wrong with the files of a folder into a clear word."""
+    """Turn an OSError about the files of a folder into a UrdfcheckError."""
     try:
         yield
     except OSError as error:
@@ -171,14 +177,14 @@ def translate_os_errors(folder: Path) -> Iterator[None]:
 
 
 def open_new_file(path: Path) -> BufferedWriter:
-    """A new file, opened for writing: never one that a link of its name leads to."""
+    """Open a new file for writing; a link of that name is removed, not followed."""
     path.unlink(missing_ok=True)
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
     return os.fdopen(os.open(path, flags, 0o666), "wb")
 
 
 def _open_journal(folder: Path) -> int:
-    """The journal of a folder, opened; begun where there is none and nothing else."""
+    """Open the journal of a folder; begin one in an empty folder."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / NAME
     flags = os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
@@ -200,28 +206,28 @@ def _open_journal(folder: Path) -> int:
 def _lock_journal(descriptor: int, folder: Path) -> None:
     try:
         import fcntl
-    except ImportError:  # Windows: nobody looks
+    except ImportError:  # Windows has no such lock
         return
     try:
-        # One that a worker does not inherit: it may outlive a killed audit. It goes with the first descriptor that is closed.
+        # Workers do not inherit this lock, and they may outlive a killed audit. Closing any descriptor of the file releases it.
         fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except (BlockingIOError, PermissionError):
         raise UrdfcheckError(f"another audit is at work in {folder}") from None
-    except OSError:  # a file system that has no locks
+    except OSError:  # the file system has no locks
         return
 
 
 def _read_entry(file: BufferedReader) -> tuple[bytes, bytes] | None:
-    """The next entry, None where there is no whole one."""
+    """Read the next entry; None if there is no complete one."""
     head = file.readline()
     try:
         facts = json.loads(head)
         text = file.read(facts["bytes"] + 1)
-        whole = len(text) == facts["bytes"] + 1 and zlib.crc32(text[:-1]) == facts["sum"]
-        whole = whole and isinstance(facts["key"], str) and isinstance(facts["reads"], dict)
+        complete = len(text) == facts["bytes"] + 1 and zlib.crc32(text[:-1]) == facts["sum"]
+        complete = complete and isinstance(facts["key"], str) and isinstance(facts["reads"], dict)
     except (ValueError, KeyError, TypeError):
         return None
-    return (head, text[:-1]) if whole else None
+    return (head, text[:-1]) if complete else None
 
 
 def _encode_header(settings: Mapping[str, Any], descriptor: int) -> bytes:

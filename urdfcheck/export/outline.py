@@ -1,4 +1,4 @@
-"""A model as plain comparable values, so that two models of one package can be held side by side."""
+"""A model as plain comparable values, to compare two models of one package."""
 
 from __future__ import annotations
 
@@ -13,11 +13,12 @@ from urdfcheck.source.text.xml import Element
 Value = tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ModelOutline:
-    """``parts`` maps ``link[wheel_1]/inertial/mass@value`` to its value; extensions are counted in ``extensions``."""
+    """A model as plain comparable values."""
 
     model: str
+    """The model's id."""
     robot: str
     package: str | None
     path: str
@@ -26,11 +27,13 @@ class ModelOutline:
     links: frozenset[str]
     joints: frozenset[str]
     parts: Mapping[str, Value]
+    """``link[wheel_1]/inertial/mass@value`` to its value."""
     extensions: Mapping[str, int]
+    """How many elements there are of each other tag, such as ``gazebo``."""
 
 
 def build_outline(model: Model) -> ModelOutline:
-    """The outline of a model; ``model`` (its id) is filled in by whoever compares."""
+    """Build the outline of a model; the caller fills in ``model``, its id."""
     parts: dict[str, Value] = {}
     extensions: dict[str, int] = {}
     for element in model.robot.children:
@@ -63,6 +66,6 @@ def _locate_robot_name(robot: Element) -> Location:
 
 
 def _normalize_value(value: str) -> Value:
-    """Numbers compare as numbers (``1`` and ``1.0`` are one value), everything else as words."""
+    """Return numbers in one notation (``1`` and ``1.0`` are one value), and everything else as words."""
     words = value.split()
     return tuple(word if parse_number(word) is None else repr(parse_number(word)) for word in words)

@@ -1,4 +1,4 @@
-"""What outputs that draw need of a model, as plain values."""
+"""A model as plain values for the outputs that draw it."""
 
 from __future__ import annotations
 
@@ -36,19 +36,19 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Indices
     from urdfcheck.facts.mesh.measure import MeshFacts
 
-# Triangles of one model that a report draws; more are made fewer. SO-101 has 320,000 and needs 1.4 MB.
+# Triangles of one model that a report draws; larger meshes are simplified. SO-101 has 320,000 and needs 1.4 MB.
 MOST_TRIANGLES = 250_000
-# A mesh that has a small part of them keeps at least so many.
+# A mesh with a small share of them keeps at least this many.
 FEWEST_TRIANGLES = 2_000
 # Edges of holes in one mesh that are drawn.
 MOST_HOLES = 3_000
 
 
 def build_scene(model: Model, model_id: str, launches: Sequence[Launch], findings: Iterable[Finding] = ()) -> Scene:
-    """The scene of a model, with the static transforms of the launch files that start it, and what the repairs of its findings
-    make of it.
+    """Build the scene of a model.
 
-    A broken tree still gives links and joints: the report shows them without placements.
+    With the static transforms of the launch files that start it, and with what the repairs of its findings make of it. A
+    broken tree still gives links and joints: the report shows them without placements.
     """
     try:
         root, order = model.tree.root, model.tree.order
@@ -61,7 +61,9 @@ def build_scene(model: Model, model_id: str, launches: Sequence[Launch], finding
         links=tuple(_build_link(model, model.link_by_name[name], files) for name in order),
         joints=tuple(_build_joint(model, joint) for joint in model.joints),
         frames=tuple(
-            SceneFrame(t.parent, t.child, _compute_pose(t), t.at.span) for la in launches for t in la.transforms
+            SceneFrame(parent=t.parent, child=t.child, pose=_compute_pose(t), span=t.at.span)
+            for launch in launches
+            for t in launch.transforms
         ),
         meshes=tuple(_build_meshes(model, list(files))),
         overlaps=tuple(_find_overlaps(model)),
@@ -109,36 +111,35 @@ def _build_inertia(inertial: Inertial) -> SceneInertia:
 
     mass, com, tensor = inertial.mass, inertial.origin.xyz or (), inertial.tensor_in_link
     if tensor is None:
-        return SceneInertia(mass, com)
+        return SceneInertia(mass=mass, com=com)
     moments, axes = compute_principal_frame(tensor)
     return SceneInertia(
-        mass,
-        com,
-        tuple(list_inertia_components(tensor)),
-        tuple(map(float, moments)),
-        _flatten_matrix(axes),
-        _explain_impossible(inertial, mass),
+        mass=mass,
+        com=com,
+        tensor=tuple(list_inertia_components(tensor)),
+        moments=tuple(map(float, moments)),
+        axes=_flatten_matrix(axes),
+        impossible=_explain_impossible(inertial),
     )
 
 
-def _explain_impossible(inertial: Inertial, mass: float | None) -> str:
+def _explain_impossible(inertial: Inertial) -> str:
+    """Explain why no body has an inertia; empty where one can, or where the tensor is not known."""
     from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, measure_tensor_rounding
 
-    assert inertial.tensor is not None
-    if mass is not None and mass <= 0.0 and inertial.tensor.any():
-        return "an inertia without a positive mass"
-    found = check_inertia_validity(inertial.tensor)
-    first, second, third = found.moments
-    if not found.finite or (not found.positive_definite and inertial.tensor.any()):
-        return f"the smallest principal moment is {first:.3g} kg m²"
-    element = inertial.tensor_element
-    if (
-        found.triangle_inequality
-        or element is None
-        or measure_tensor_rounding([element.get(name) for name in TENSOR_NAMES]).explained_by_rounding
-    ):
+    tensor, mass, element = inertial.tensor, inertial.mass, inertial.tensor_element
+    if tensor is None or element is None:
         return ""
-    return f"{first:.3g} + {second:.3g} < {third:.3g} kg m²: the principal moments break the triangle inequality"
+    if mass is not None and mass <= 0.0 and tensor.any():
+        return "an inertia without a positive mass"
+    validity = check_inertia_validity(tensor)
+    least, middle, largest = validity.moments
+    if not validity.finite or (not validity.positive_definite and tensor.any()):
+        return f"the smallest principal moment is {least:.3g} kg m²"
+    typed = [element.get(name) for name in TENSOR_NAMES]
+    if validity.triangle_inequality or measure_tensor_rounding(typed).explained_by_rounding:
+        return ""
+    return f"{least:.3g} + {middle:.3g} < {largest:.3g} kg m²: the principal moments break the triangle inequality"
 
 
 def _find_world_pose(model: Model, link: str) -> tuple[float, ...] | None:
@@ -162,13 +163,13 @@ def _build_shape(model: Model, shape: Shape, files: dict[Path, int]) -> SceneSha
 
 
 def _find_color(model: Model, shape: Shape) -> tuple[float, ...] | None:
-    """Of the shape's material, or of the robot's material of this name."""
-    own = shape.element.find_child("material")
-    if own is None:
+    """Find the colour of the shape's material, or of the robot's material of this name."""
+    shape_material = shape.element.find_child("material")
+    if shape_material is None:
         return None
-    named = (m for m in model.robot.find_children("material") if m.get("name") == own.get("name"))
-    for material in (own, *named):
-        color = read_attribute_numbers(material.find_child("color"), "rgba", 4, ())
+    of_this_name = (m for m in model.robot.find_children("material") if m.get("name") == shape_material.get("name"))
+    for material in (shape_material, *of_this_name):
+        color = read_attribute_numbers(material.find_child("color"), "rgba", count=4, default=())
         if color and all(0.0 <= part <= 1.0 for part in color):
             return color
     return None
@@ -198,14 +199,16 @@ def _build_joint(model: Model, joint: Joint) -> SceneJoint:
         pose=() if pose is None else _flatten_matrix(pose),
         turn=tuple(v / length for v in typed) if typed is not None and length > 0.0 else None,
         start=min(max(0.0, lower), upper) if lower is not None and upper is not None and lower <= upper else 0.0,
-        mimic=None
-        if mimic is None
-        else (mimic.get("joint"), _read_number(mimic, "multiplier", 1.0), _read_number(mimic, "offset", 0.0)),
+        mimic=None if mimic is None else _read_mimic(mimic),
         effort=joint.get_limit_value("effort"),
         velocity=joint.get_limit_value("velocity"),
         damping=read_attribute_number(dynamics, "damping"),
         friction=read_attribute_number(dynamics, "friction"),
     )
+
+
+def _read_mimic(mimic: Element) -> tuple[str, float, float]:
+    return mimic.get("joint"), _read_number(mimic, "multiplier", 1.0), _read_number(mimic, "offset", 0.0)
 
 
 def _read_number(element: Element, name: str, default: float) -> float:
@@ -217,7 +220,7 @@ def _read_number(element: Element, name: str, default: float) -> float:
 
 
 def _list_mesh_files(model: Model) -> Iterator[Path]:
-    """The mesh files that the links use and that can be looked at, in the order of the document."""
+    """Yield the mesh files that the links use and that can be opened, in document order."""
     for use in model.meshes.uses:
         if use.resource.path is not None and use.resource.exists:
             yield use.resource.path
@@ -230,47 +233,48 @@ def _build_meshes(model: Model, files: Sequence[Path]) -> Iterator[SceneMesh]:
     share = 1.0 if total <= MOST_TRIANGLES else MOST_TRIANGLES / total
     drawings: dict[str, tuple[SceneDrawing, ...]] = {}
     for path in files:
-        name, digest, found = format_path(path), model.meshes.digests.get(path, ""), facts.get(path)
-        if found is None:
+        name, digest, mesh = format_path(path), model.meshes.digests.get(path, ""), facts.get(path)
+        if mesh is None:
             error = model.meshes.errors.get(path)
             yield SceneMesh(name, digest, problem="" if error is None else error.message)
             continue
         if digest not in drawings:
-            drawings[digest] = tuple(_build_drawings(found, share))
-        extents = found.bounds[1] - found.bounds[0]
+            drawings[digest] = tuple(_build_drawings(mesh, share))
+        extents = mesh.bounds[1] - mesh.bounds[0]
         yield SceneMesh(
             name=name,
             digest=digest,
-            format=found.format,
+            format=mesh.format,
             bytes=path.stat().st_size,
-            triangles=found.n_triangles,
+            triangles=mesh.n_triangles,
             extents=tuple(map(float, extents)),
-            unit=found.unit,
-            watertight=found.watertight,
-            open_edges=found.open_edges,
+            unit=mesh.unit,
+            watertight=mesh.watertight,
+            open_edges=mesh.open_edges,
             drawings=drawings[digest],
         )
 
 
 def _build_drawings(facts: MeshFacts, share: float) -> Iterator[SceneDrawing]:
-    """What is drawn of a mesh, one for each of its colours; the first has the holes of all."""
+    """Yield the drawings of a mesh, one for each of its colours; the first has the holes of all."""
     import numpy as np
 
     colors = facts.colors
     if colors is None:
-        yield _build_drawing(facts, facts.faces, None, share, _select_hole_edges(facts))
+        yield _build_drawing(facts, facts.faces, color=None, share=share, holes=_select_hole_edges(facts))
         return
     of_face, rgba = colors
     holes = _select_hole_edges(facts)
-    for place in np.unique(of_face):
-        color = None if place < 0 else tuple(map(float, rgba[place]))
-        yield _build_drawing(facts, facts.faces[of_face == place], color, share, holes)
+    for index in np.unique(of_face):
+        color = None if index < 0 else tuple(map(float, rgba[index]))
+        yield _build_drawing(facts, facts.faces[of_face == index], color=color, share=share, holes=holes)
         holes = holes[:0]
 
 
 def _build_drawing(
     facts: MeshFacts,
     faces: Indices,
+    *,
     color: tuple[float, ...] | None,
     share: float,
     holes: Array,
@@ -279,12 +283,20 @@ def _build_drawing(
 
     packed = pack_mesh(facts.vertices, faces, holes, max_faces=max(FEWEST_TRIANGLES, round(share * len(faces))))
     low, high = (tuple(map(float, ends)) for ends in (packed.low, packed.high))
-    size = packed.n_vertices, packed.n_faces, packed.n_hole_edges, needs_wide_indices(packed.n_vertices)
-    return SceneDrawing(*size, low, high, packed.data, color)
+    return SceneDrawing(
+        vertices=packed.n_vertices,
+        faces=packed.n_faces,
+        holes=packed.n_hole_edges,
+        wide=needs_wide_indices(packed.n_vertices),
+        low=low,
+        high=high,
+        data=packed.data,
+        color=color,
+    )
 
 
 def _select_hole_edges(facts: MeshFacts) -> Array:
-    """The ends (n, 2, 3) of its open edges, of the longest where there are many."""
+    """Return the ends (n, 2, 3) of its open edges, of the longest where there are many."""
     import numpy as np
 
     if not facts.open_edges:
@@ -308,7 +320,7 @@ def _find_overlaps(model: Model) -> Iterator[SceneOverlap]:
     for pair in pairs:
         contact = pair.contact
         if pair.relation == "far" and contact is not None and not contact.touching:
-            yield SceneOverlap(pair.links, tuple(map(float, contact.point)), contact.depth)
+            yield SceneOverlap(links=pair.links, point=tuple(map(float, contact.point)), depth=contact.depth)
 
 
 def _build_ground(model: Model) -> SceneGround | None:
@@ -334,20 +346,20 @@ def _build_ground(model: Model) -> SceneGround | None:
     if not len(points):
         return None
     com = np.average([w.com for w in weights], axis=0, weights=[w.mass for w in weights])
-    now = compute_ground_support(points, owners, com)
+    support = compute_ground_support(points, owners, com)
     return SceneGround(
         height=float(points[:, 2].min()),
         contacts=tuple(
             (name, tuple(map(float, at)))
-            for name, at in compute_contact_points(model, points, owners, support=now).items()
+            for name, at in compute_contact_points(model, points, owners, support=support).items()
         ),
-        support=tuple(tuple(map(float, corner)) for corner in now.polygon),
+        support=tuple(tuple(map(float, corner)) for corner in support.polygon),
         com=tuple(map(float, com)),
     )
 
 
 def _build_previews(model: Model, findings: Iterable[Finding]) -> Iterator[ScenePreview]:
-    """What the repairs of findings make of joints' origins and of inertials."""
+    """Yield what the repairs of findings make of joints' origins and of inertials."""
     from urdfcheck.model.repairs.edit_preview import preview_edits
 
     for finding in findings:
@@ -359,12 +371,20 @@ def _build_previews(model: Model, findings: Iterable[Finding]) -> Iterator[Scene
             changed = None if origin is None else preview_edits(origin, finding.fix.edits)
             pose = None if changed is None else Pose(changed).matrix
             if pose is not None:
-                yield ScenePreview(finding.code, finding.message_id, span, joint=joint.name, pose=_flatten_matrix(pose))
+                yield ScenePreview(
+                    code=finding.code,
+                    message_id=finding.message_id,
+                    at=span,
+                    joint=joint.name,
+                    pose=_flatten_matrix(pose),
+                )
         for link in model.links:
             changed = None if link.inertial is None else preview_edits(link.inertial.element, finding.fix.edits)
             if changed is not None:
                 after = _build_inertia(Inertial(changed))
-                yield ScenePreview(finding.code, finding.message_id, span, link=link.name, inertial=after)
+                yield ScenePreview(
+                    code=finding.code, message_id=finding.message_id, at=span, link=link.name, inertial=after
+                )
 
 
 def _flatten_matrix(matrix: Array) -> tuple[float, ...]:

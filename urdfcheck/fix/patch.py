@@ -25,14 +25,14 @@ _MARKUP = re.compile("[<>&\"']")
 
 
 class EditRefusedError(Exception):
-    """An edit is not made; why, as a sentence about the file."""
+    """An edit is refused; the text is a sentence about the file."""
 
 
 class EditableFiles:
-    """The files that may be changed: those below the given paths, and those of the repository or package around each of them.
+    """The files that may be changed: those below the given paths, and in the repository or package around each of them.
 
-    Not changed are installed files, what lies in other folders of packages that were named (``folders``), what is hidden, and
-    a file that a symbolic link leads to outside of all this.
+    Not changed are installed files, files in other named package folders (``folders``), and files that a symbolic link leads
+    to outside of all this.
     """
 
     def __init__(self, paths: Iterable[Path], folders: Iterable[Path]) -> None:
@@ -47,9 +47,9 @@ class EditableFiles:
         }
 
     def ensure_editable(self, path: Path) -> str:
-        """The real path of a file that may be changed.
+        """Return the real path of a file that may be changed.
 
-        :raises Refused: of any other.
+        :raises EditRefusedError: for any other file.
         """
         real = resolve_real_path(path)
         if real is None or not self._is_own(real):
@@ -85,7 +85,7 @@ class EditableFiles:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EditableText:
-    """A file that may be changed, and what stands in it. ``path`` is its real one."""
+    """A file that may be changed, and its content. ``path`` is the real path."""
 
     name: str
     path: str
@@ -94,9 +94,9 @@ class EditableText:
 
     @classmethod
     def read(cls, name: str, editable: EditableFiles, texts: Mapping[str, bytes]) -> EditableText:
-        """The file that findings call ``name``, or what ``texts`` puts in its place.
+        """Read the file that findings call ``name``, or the content that ``texts`` replaces it by.
 
-        :raises Refused: when it may not be changed, or its bytes are not those of its text.
+        :raises EditRefusedError: if it may not be changed, or encoding its text again gives other bytes.
         """
         path = editable.ensure_editable(Path(name))
         try:
@@ -114,11 +114,14 @@ class EditableText:
         return cls(name, path, data, file)
 
     def ensure_applicable(self, edit: Edit) -> None:
-        """:raises Refused: when the text is not what the edit expects, or it would make other markup of it."""
+        """Refuse an edit of other text than it expects, or one that would change the markup.
+
+        :raises EditRefusedError: with the reason.
+        """
         text, span = self.file.text, edit.span
         if not 0 <= span.start <= span.end <= len(text) or text[span.start : span.end] != edit.expected:
             raise EditRefusedError("the text is not the one that the finding was about")
-        # A name that a stranger gave to a file or a link must not become an attribute.
+        # A name that a stranger chose for a file or a link must not become an attribute.
         if edit.expected and not _MARKUP.search(edit.expected) and _MARKUP.search(edit.replacement):
             raise EditRefusedError("the new text would have to be quoted")
         try:
@@ -127,7 +130,7 @@ class EditableText:
             raise EditRefusedError(f"the new text cannot be written as {self.file.encoding}") from None
 
     def apply_edits(self, edits: Iterable[Edit]) -> bytes:
-        """The bytes of the file after edits that do not overlap. Their line breaks become those of the file."""
+        """Return the content after edits that do not overlap. Their line breaks become those of the file."""
         text = self.file.text
         first = NEWLINE.search(text)
         newline = "\n" if first is None else first.group()
@@ -140,7 +143,7 @@ class EditableText:
 
 
 def iter_diff_lines(path: str, before: bytes, after: bytes) -> Iterator[str]:
-    """The lines of a unified diff of one file."""
+    """Yield the lines of a unified diff of one file."""
     name = format_path(Path(path))
     old, new = (_split_lines(path, data) for data in (before, after))
     for number, line in enumerate(difflib.unified_diff(old, new, name, name, lineterm="")):
@@ -150,17 +153,17 @@ def iter_diff_lines(path: str, before: bytes, after: bytes) -> Iterator[str]:
 
 
 def _split_lines(path: str, data: bytes) -> list[str]:
-    """The lines of a file, each with a newline, but the last where the file lacks it."""
+    """Return the lines of a file, each with its newline; the last may lack it."""
     with overlay_files({path: data}):
         text = SourceFile.read(Path(path), path).text
     return re.findall("[^\n]*\n|[^\n]+", NEWLINE.sub("\n", text))
 
 
 def write_files(changes: Mapping[str, tuple[bytes, bytes]]) -> None:
-    """Put the second bytes in the place of the first ones, by real paths, each file whole or not at all.
+    """Replace the first content by the second, by real path; each file is written whole or not at all.
 
-    :raises UrdfcheckError: when a file is not what it was any more, or cannot be written, or on an interrupt. No file is changed
-        then, unless the system fails in the middle of renaming; the message says which are.
+    :raises UrdfcheckError: if a file has changed meanwhile or cannot be written, or on an interrupt. Then no file is changed,
+        unless the system fails in the middle of renaming; the message says which are.
     """
     waiting: dict[str, str] = {}
     path = ""
@@ -183,12 +186,12 @@ def write_files(changes: Mapping[str, tuple[bytes, bytes]]) -> None:
         raise UrdfcheckError(f"interrupted; {_describe_written(waiting)}") from None
     finally:
         for place in waiting.values():
-            with contextlib.suppress(FileNotFoundError):  # it has taken the other's place
+            with contextlib.suppress(FileNotFoundError):  # it has replaced the old file
                 os.unlink(place)
 
 
 def _write_beside(path: str, data: bytes) -> str:
-    """A new file with these bytes in the same folder, with the rights of the file at ``path``."""
+    """Write a new file in the same folder, with the rights of the file at ``path``; return its path."""
     status = os.stat(path)
     handle, place = tempfile.mkstemp(dir=os.path.dirname(path), prefix=f".{os.path.basename(path)}.")
     try:
@@ -208,7 +211,7 @@ def _write_beside(path: str, data: bytes) -> str:
 
 
 def _describe_written(waiting: Mapping[str, str]) -> str:
-    """Which files were fixed: those whose new one is not where it waited any more."""
+    """Say which files were fixed: those whose new file is not where it waited."""
     done = [path for path, place in waiting.items() if not os.path.lexists(place)]
     return f"these files were fixed: {_format_paths(done)}" if done else "no file was changed"
 

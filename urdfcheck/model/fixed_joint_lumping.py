@@ -1,5 +1,7 @@
-"""What Gazebo makes of links that fixed joints connect: sdformat merges them into one, and applies the settings of `<gazebo
-reference="…">` blocks by the names that it gives their shapes.
+"""How Gazebo merges links that fixed joints connect.
+
+sdformat makes them one link, and applies the settings of `<gazebo reference="…">` blocks by the names that it gives their
+shapes.
 
 Source: sdformat, parser_urdf.cc (ReduceFixedJoints, CreateCollisions, CreateCollision, InsertSDFExtensionCollision), and
 the same for visuals; alike in all versions from 4 (Gazebo Classic) on.
@@ -88,10 +90,10 @@ def is_true_flag(element: Element) -> bool:
 
 
 def _list_links_outwards(model: Model) -> list[str]:
-    """Return the links in the order in which sdformat collects their shapes: each before what hangs on it, branch by
-    branch.
+    """Return the links in the order in which sdformat collects their shapes.
 
-    urdfdom keeps joints by name, which gives the order of the branches.
+    Each comes before what hangs on it, branch by branch. urdfdom keeps joints by name, which gives the order of the
+    branches.
     """
     names: list[str] = []
     stack = [model.tree.root]

@@ -11,8 +11,8 @@ from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 
-# Similarity (2 x common letters / all letters) of two words, one of which may be the other misspelled: `weel` and `wheel` have 0.89,
-# `left` and `right` 0.44, `front` and `rear` 0.22, `upper` and `lower` 0.6.
+# Similarity (2 x common letters / all letters) of two words, one of which may be the other misspelled: `weel` and `wheel` have
+# 0.89, `left` and `right` 0.44, `front` and `rear` 0.22, `upper` and `lower` 0.6.
 _ALIKE = 0.7
 # Each unknown name is compared with all links, letter by letter. Nobody types more links, or longer names.
 _MOST_COMPARED, _LONGEST_COMPARED = 1_000, 200

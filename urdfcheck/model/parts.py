@@ -396,7 +396,7 @@ def _read_numbers(
     element: Element | None, name: str, *, count: int, default: tuple[float, ...]
 ) -> tuple[float, ...] | None:
     """Read the numbers of an attribute to compute with, see `_filter_computable`."""
-    values = read_attribute_numbers(element, name, count, default)
+    values = read_attribute_numbers(element, name, count=count, default=default)
     known = [_filter_computable(v) for v in values or ()]
     return None if values is None or None in known else tuple(v for v in known if v is not None)
 

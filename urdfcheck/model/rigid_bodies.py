@@ -73,8 +73,9 @@ def is_point_mass(inertial: Inertial) -> bool:
 
 @fact
 def compute_body_mass(model: Model, links: tuple[str, ...]) -> float | None:
-    """Compute the total mass in kg of some links, those without ``<inertial>`` counting nothing; None when one is
-    malformed.
+    """Compute the total mass in kg of some links; None when one is malformed.
+
+    A link without ``<inertial>`` counts nothing.
 
     :raises FactUnavailableError: when the tree is broken.
     """
@@ -122,8 +123,9 @@ def compute_body_inertia(model: Model, links: tuple[str, ...]) -> tuple[float, A
 
 
 def find_merged_body(model: Model, link: Link) -> MergedBody | None:
-    """Return the body that a link with an inertial is part of; None when nothing else in it has mass, or when that is not
-    known.
+    """Return the body that a link with an inertial is part of.
+
+    None when nothing else in it has mass, or when that is not known.
     """
     try:
         names = model.tree.list_body_links(link.name)

@@ -1,8 +1,9 @@
-"""``pytest --urdfcheck``: the robot models below the given paths are tests, next to those of the code.
+"""``pytest --urdfcheck``: the robot models below the given paths become tests, next to those of the code.
 
-A test for each model, launch file and package, as ``urdfcheck check`` finds them with its configuration. All of them are
-checked in one run of urdfcheck, in a process of its own; a test waits for its result. With pytest-xdist each of its processes
-has one, and asks for the models one at a time. Everybody's pytest imports this module: without ``--urdfcheck`` it costs nothing.
+There is one test for each model, launch file and package that ``urdfcheck check`` finds with its configuration. All of them
+are checked in one run of urdfcheck in a separate process (:mod:`urdfcheck.cli.commands.serve`); a test waits for its result.
+With pytest-xdist each worker has such a process and requests one model at a time. pytest imports this module wherever urdfcheck
+is installed: without ``--urdfcheck`` it must cost nothing.
 """
 
 from __future__ import annotations
@@ -20,14 +21,14 @@ from typing import Any
 
 import pytest
 
-# Python looks for modules in the folder where `-c` is started: there is nothing but its own.
+# With `-c`, Python imports from its working directory: it is started in a folder with nothing but its own modules.
 _PROGRAM = [sys.executable, "-c", "from urdfcheck.cli.commands.serve import serve; serve()"]
 _KNOWN = (".urdf", ".xacro", ".launch", ".launch.xml", "_launch.xml", ".launch.py", "_launch.py", "package.xml")
 _GRACE = 5.0
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """The options of the plugin."""
+    """Add the options of the plugin."""
     group = parser.getgroup("urdfcheck", "robot models as tests")
     group.addoption("--urdfcheck", action="store_true", help="check the robot models, a test for each (urdfcheck)")
     group.addoption(
@@ -39,14 +40,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Collect models only where that was asked for."""
+    """Collect models if ``--urdfcheck`` is given."""
     config.addinivalue_line("markers", "urdfcheck: a robot model that urdfcheck checks")
     if config.getoption("--urdfcheck"):
         config.pluginmanager.register(_ModelCollector(config), "urdfcheck-models")
 
 
 class _ModelCollector:
-    """The models of a session."""
+    """Collects the models of a session."""
 
     def __init__(self, config: pytest.Config) -> None:
         self.config = config
@@ -57,7 +58,7 @@ class _ModelCollector:
     def pytest_collection(self) -> None:
         self.checker = _CheckerProcess(self.config)
         if self.config.pluginmanager.has_plugin("dsession"):
-            self.checker.end()  # pytest-xdist has its processes collect; here it is said what is wrong with the options
+            self.checker.end()  # the workers of pytest-xdist collect; here only wrong options are reported
             return
         for number, unit in enumerate(self.checker.units):
             for home in self.checker.iter_home_files(unit):
@@ -73,7 +74,7 @@ class _ModelCollector:
 
 
 class _ModelTestFile(pytest.File):
-    """A file with models: more than one where the configuration names several sets of arguments."""
+    """A file with a model, or several where the configuration names several sets of arguments."""
 
     def __init__(self, *, units: list[tuple[int, str]], checker: _CheckerProcess, **more: Any) -> None:
         super().__init__(**more)
@@ -87,7 +88,7 @@ class _ModelTestFile(pytest.File):
 
 
 class _ModelItem(pytest.Item):
-    """The check of one model."""
+    """The test of one model."""
 
     def __init__(self, *, number: int, checker: _CheckerProcess, **more: Any) -> None:
         super().__init__(**more)
@@ -96,17 +97,17 @@ class _ModelItem(pytest.Item):
         self.add_marker("urdfcheck")
 
     def runtest(self) -> None:
-        fared = self.checker.get_result(
+        result = self.checker.get_result(
             self.number, (i.number for i in self.session.items if isinstance(i, _ModelItem))
         )
-        if fared["outcome"] == "skipped":
-            pytest.skip(f"{self.path.name}: {fared['text']}")
-        if fared["outcome"] != "passed":
-            raise _ModelFailedError(fared["text"])
-        self.add_report_section("call", "urdfcheck", fared["text"])
+        if result["outcome"] == "skipped":
+            pytest.skip(f"{self.path.name}: {result['text']}")
+        if result["outcome"] != "passed":
+            raise _ModelFailedError(result["text"])
+        self.add_report_section("call", "urdfcheck", result["text"])
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *_: Any) -> Any:
-        """The findings, as the command prints them."""
+        """Return the findings as the command prints them."""
         return str(excinfo.value) if isinstance(excinfo.value, _ModelFailedError) else super().repr_failure(excinfo)
 
     def reportinfo(self) -> tuple[Path, None, str]:
@@ -114,18 +115,18 @@ class _ModelItem(pytest.Item):
 
 
 class _ModelFailedError(Exception):
-    """A model has findings, or could not be checked; the text says it."""
+    """A model has findings, which the text lists, or could not be checked."""
 
 
 class _CheckerProcess:
-    """The process that does the work, and what it has answered so far."""
+    """The process that checks the models, and its answers."""
 
     def __init__(self, config: pytest.Config) -> None:
         folder = config.invocation_params.dir
         given = [folder / argument.partition("::")[0] for argument in config.args]
         self.paths = [path for path in given if path.is_dir() or path.name.endswith(_KNOWN)]
-        # A process of pytest-xdist gets some of the tests, and does not know which.
-        self.whole = not hasattr(config, "workerinput")
+        # A worker of pytest-xdist runs some of the tests and does not know which.
+        self.runs_all_tests = not hasattr(config, "workerinput")
         self.asked: set[int] = set()
         self.answers: dict[int, dict[str, Any]] = {}
         self.units: list[dict[str, Any]] = []
@@ -134,15 +135,15 @@ class _CheckerProcess:
         words = shlex.split(config.getoption("--urdfcheck-args"))
         if level := config.getoption("--urdfcheck-fail-on"):
             words.append(f"--fail-on={level}")
-        if not self.whole:
+        if not self.runs_all_tests:
             words.append("--jobs=1")
         terminal = config.get_terminal_writer()
-        self.complaints = tempfile.TemporaryFile()  # noqa: SIM115 (it is open as long as the process)
+        self.error_file = tempfile.TemporaryFile()  # noqa: SIM115 (it is open as long as the process)
         self.process = subprocess.Popen(
             _PROGRAM,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=self.complaints,
+            stderr=self.error_file,
             cwd=os.path.dirname(os.__file__),
             encoding="utf-8",
             errors="surrogatepass",
@@ -162,19 +163,19 @@ class _CheckerProcess:
         self.units = first["units"]
 
     def iter_home_files(self, unit: dict[str, Any]) -> Iterator[str]:
-        """The file that a unit is a test of, as a real path: its own if pytest comes there, else the one that leads to it."""
-        own = os.path.join(unit["path"], "package.xml") if unit["kind"] == "package" else unit["path"]
+        """Yield the real path of the file whose test a unit is: its own if pytest collects it, else one that leads to it."""
+        own_file = os.path.join(unit["path"], "package.xml") if unit["kind"] == "package" else unit["path"]
         given = [os.path.realpath(path) for path in self.paths]
-        for file in (own, *unit["launches"], *(path for path in given if os.path.isfile(path))):
+        for file in (own_file, *unit["launches"], *(path for path in given if os.path.isfile(path))):
             real = os.path.realpath(file)
             if any(real == path or real.startswith(path + os.sep) for path in given):
                 yield real
                 return
 
-    def get_result(self, number: int, all_: Iterable[int]) -> dict[str, Any]:
-        """How a unit fared; the first who asks has all of them checked."""
+    def get_result(self, number: int, all_numbers: Iterable[int]) -> dict[str, Any]:
+        """Return the result of a unit; the first request has all units checked."""
         if number not in self.asked:
-            wanted = sorted({*all_} - self.asked) if self.whole else [number]
+            wanted = sorted({*all_numbers} - self.asked) if self.runs_all_tests else [number]
             self.asked.update(wanted)
             self.send(wanted)
         while number not in self.answers:
@@ -182,12 +183,12 @@ class _CheckerProcess:
             if "error" in answer:
                 raise _ModelFailedError(f"urdfcheck failed: {answer['error']}")
             self.answers[answer["unit"]] = answer
-        return self.answers[number]  # it stays: a plugin may run a test twice
+        return self.answers[number]  # kept, because a plugin may run a test twice
 
-    def send(self, what: object) -> None:
+    def send(self, message: object) -> None:
         assert self.process.stdin is not None
-        with contextlib.suppress(OSError):  # it has gone: its answer says so
-            print(json.dumps(what), file=self.process.stdin, flush=True)
+        with contextlib.suppress(OSError):  # it has exited: receive() reports that
+            print(json.dumps(message), file=self.process.stdin, flush=True)
 
     def receive(self) -> dict[str, Any]:
         assert self.process.stdout is not None
@@ -197,10 +198,10 @@ class _CheckerProcess:
         from urdfcheck.output.shared.inert import escape_for_log
 
         self.process.wait()
-        self.complaints.seek(0)
-        said = self.complaints.read().decode("utf-8", "replace").strip()
+        self.error_file.seek(0)
+        errors = self.error_file.read().decode("utf-8", "replace").strip()
         return {
-            "error": escape_for_log(said.rpartition("\n")[2])
+            "error": escape_for_log(errors.rpartition("\n")[2])
             or f"its process ended (exit code {self.process.returncode})"
         }
 
@@ -215,6 +216,6 @@ class _CheckerProcess:
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
-        for file in (self.process.stdin, self.process.stdout, self.complaints):
+        for file in (self.process.stdin, self.process.stdout, self.error_file):
             with contextlib.suppress(OSError):
                 file.close()

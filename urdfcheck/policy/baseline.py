@@ -1,4 +1,4 @@
-"""The baseline: a file of findings that are known, so that a team sees only what is new.
+"""The baseline: a file of accepted findings, so that a team sees only new ones.
 
 An entry is what the fingerprint of a finding is made of: the model's id, the code, the subject and the message id. Neither a
 moved line nor another working directory changes it. A line for each entry, in a fixed order: the file is reviewed, and merged.
@@ -16,17 +16,17 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Location, ModelInfo, SkippedCheck, Span, UrdfcheckError
+from urdfcheck.rules import load_rules
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import is_below, resolve_real_path
 from urdfcheck.system.files import read_regular
 
-# What it is called beside the configuration when nobody says otherwise.
+# Its default name, beside the configuration.
 DEFAULT_NAME = "urdfcheck-baseline.json"
 SCHEMA = "urdfcheck-baseline/1"
 MAX_FILE_SIZE = 64 * 1024**2
-# How often one finding can be known of one subject: more than a model of the largest size has elements.
+# Bound of an entry's count: more than the largest model has elements.
 MAX_COUNT = 10**6
 
 EntryKey = tuple[str, str, str]
@@ -35,28 +35,30 @@ _ARGUMENTS = re.compile(r" [^\s=:]+:=.*", re.DOTALL)
 
 @dataclass(frozen=True, slots=True)
 class Baseline:
-    """The entries by the id of their model: how often each (code, subject, message id) is known. ``path`` is the file, ``text``
-    what it holds, ``root`` the folder that the ids are relative to."""
+    """A baseline file that was read."""
 
     path: Path
     root: Path
+    """Folder that the ids of models are relative to."""
     text: str = ""
+    """Content of the file."""
     models: Mapping[str, Mapping[EntryKey, int]] = field(default_factory=dict)
+    """Model id → (code, subject, message id) → how often it is accepted."""
 
     def get_entries(self, model: str) -> Mapping[EntryKey, int]:
-        """What is known of a model."""
+        """Return the entries of a model."""
         return self.models.get(model, {})
 
     @property
     def size(self) -> int:
-        """How many findings it knows."""
+        """Number of findings that it accepts."""
         return sum(sum(entries.values()) for entries in self.models.values())
 
 
 def read_baseline(path: Path, root: Path) -> Baseline:
-    """A baseline file.
+    """Read a baseline file.
 
-    :raises UrdfcheckError: when it cannot be read or is none.
+    :raises UrdfcheckError: if it cannot be read or is not a baseline.
     """
     name = format_path(path)
     try:
@@ -88,7 +90,7 @@ def _parse_entries(rows: Any) -> Counter[EntryKey]:
 
 
 def render_baseline(models: Mapping[str, Mapping[EntryKey, int]]) -> str:
-    """The text of a baseline file."""
+    """Render a baseline file."""
     blocks = []
     for model, entries in sorted(models.items()):
         rows = []
@@ -102,7 +104,7 @@ def render_baseline(models: Mapping[str, Mapping[EntryKey, int]]) -> str:
 
 
 def collect_entries(findings: Iterable[Finding]) -> dict[str, Counter[EntryKey]]:
-    """What a baseline has to know so that these findings count no more; what is suppressed otherwise is left out."""
+    """Return the entries that accept these findings, without those that are suppressed otherwise."""
     models: dict[str, Counter[EntryKey]] = {}
     for finding in findings:
         if not is_baseline_candidate(finding):
@@ -114,41 +116,44 @@ def collect_entries(findings: Iterable[Finding]) -> dict[str, Counter[EntryKey]]
 
 
 def is_baseline_candidate(finding: Finding) -> bool:
-    """Whether a baseline knows a finding, or would: not those about urdfcheck itself, nor what is suppressed otherwise."""
-    known = finding.suppressed is None or finding.suppressed.kind == "baseline"
-    return known and not finding.code.startswith("URC")
+    """Whether a baseline accepts a finding, or could: not if it is about urdfcheck itself, or suppressed otherwise."""
+    is_candidate = finding.suppressed is None or finding.suppressed.kind == "baseline"
+    return is_candidate and not finding.is_about_urdfcheck
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class BaselineView:
-    """What a run saw of the models of one baseline, under the names that it has for them. ``judged``: see
-    :class:`~urdfcheck.core.Run`; ``tier``: how much was computed."""
+    """What a run reports on the models of one baseline, under the names that the baseline has for them."""
 
     findings: Sequence[Finding]
     models: Sequence[ModelInfo]
     complete_rules: Mapping[str, Collection[str]]
+    """See :class:`~urdfcheck.core.Run`."""
     skipped: Sequence[SkippedCheck]
     tier: str = "full"
+    """How much was computed."""
 
     def select_models(self, names: Mapping[str, str]) -> BaselineView:
-        """The part about these models, under these names."""
+        """Return the part about these models, under these names."""
         return BaselineView(
-            [
+            findings=[
                 replace(f, model=names[f.model], variants={names[m]: s for m, s in f.variants.items() if m in names})
                 for f in self.findings
                 if f.model in names
             ],
-            [replace(info, id=names[info.id]) for info in self.models if info.id in names],
-            {names[model]: codes for model, codes in self.complete_rules.items() if model in names},
-            [replace(skip, model=names[skip.model]) for skip in self.skipped if skip.model in names],
-            self.tier,
+            models=[replace(info, id=names[info.id]) for info in self.models if info.id in names],
+            complete_rules={names[model]: codes for model, codes in self.complete_rules.items() if model in names},
+            skipped=[replace(skip, model=names[skip.model]) for skip in self.skipped if skip.model in names],
+            tier=self.tier,
         )
 
 
 def find_stale_entries(baseline: Baseline, view: BaselineView) -> dict[str, Counter[EntryKey]]:
-    """The entries whose finding is gone, by model. What was not looked for in a model cannot be known to be gone; with less
-    than all computed, a rule may find the same and have less to say about it. An entry of a model whose file does not exist any
-    more is always stale."""
+    """Return the entries whose finding is gone, by model.
+
+    Without a check a finding is not known to be gone; at a lower tier a rule may report the same with another message. Entries
+    of a model whose file does not exist any more are always stale.
+    """
     there = collect_entries(view.findings)
     checked = set(view.complete_rules).difference(info.id for info in view.models if info.status != "checked")
     met = set(view.complete_rules).union(info.id for info in view.models)
@@ -173,14 +178,14 @@ def find_stale_entries(baseline: Baseline, view: BaselineView) -> dict[str, Coun
 
 
 def _is_gone(root: Path, name: str) -> bool:
-    """Whether a file of the folder is not there. What lies outside is not looked for: the baseline may be a stranger's."""
+    """Whether a file of the folder does not exist. Paths outside are not probed: the baseline may be a stranger's."""
     real = resolve_real_path(root / name)
     return real is not None and is_below(real, os.path.realpath(root)) and not os.path.lexists(real)
 
 
 def report_stale_entries(baseline: Baseline, stale: Mapping[str, Mapping[EntryKey, int]]) -> Iterator[Finding]:
-    """A finding of URC904 for each model with stale entries, at the first of them."""
-    rule = catalogue.load_rules()["URC904"]
+    """Yield a finding URC904 for each model with stale entries, at the first of them."""
+    rule = load_rules()["URC904"]
     spans = _locate_entries(baseline)
     for model, entries in stale.items():
         first, *others = sorted(entries)
@@ -199,7 +204,7 @@ def report_stale_entries(baseline: Baseline, stale: Mapping[str, Mapping[EntryKe
 
 
 def _locate_entries(baseline: Baseline) -> dict[tuple[str, EntryKey], Span]:
-    """Where the entries stand that are written as `render_baseline` writes them, a line for each."""
+    """Return the places of entries that are written as `render_baseline` does, one per line."""
     name, model, offset = format_path(baseline.path), "", 0
     found: dict[tuple[str, EntryKey], Span] = {}
     for number, line in enumerate(baseline.text.split("\n"), 1):
@@ -226,11 +231,11 @@ def _locate_entries(baseline: Baseline) -> dict[tuple[str, EntryKey], Span]:
 def remove_stale_entries(
     baseline: Baseline, stale: Mapping[str, Mapping[EntryKey, int]]
 ) -> dict[str, Counter[EntryKey]]:
-    """The entries that are left when the stale ones are taken out."""
+    """Return the entries without the stale ones."""
     return {model: Counter(entries) - Counter(stale.get(model, {})) for model, entries in baseline.models.items()}
 
 
 def renew_entries(baseline: Baseline, view: BaselineView) -> dict[str, Counter[EntryKey]]:
-    """The entries after a run: those of its findings, and of what it did not look for as they were while their files exist."""
+    """Return the entries after a run: those of its findings, and the old ones of what it did not check, if the file exists."""
     left, there = remove_stale_entries(baseline, find_stale_entries(baseline, view)), collect_entries(view.findings)
     return {model: left.get(model, Counter()) | there.get(model, Counter()) for model in {**left, **there}}

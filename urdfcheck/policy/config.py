@@ -12,11 +12,11 @@ from typing import Any
 
 import tomli
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Severity, UrdfcheckError
 from urdfcheck.policy.baseline import DEFAULT_NAME
 from urdfcheck.policy.policy import TIERS, Policy
 from urdfcheck.policy.suppression import SuppressionEntry
+from urdfcheck.rules import load_rules, select_rules
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
@@ -25,7 +25,7 @@ from urdfcheck.system.files import read_regular
 
 # The largest pyproject.toml of well-known projects has 60 kB; tomli takes a second for each megabyte.
 MAX_FILE_SIZE = 4 * 1024**2
-# Entries of a list or table, and characters of a text: the file may be a stranger's, and each is tried on each model.
+# Entries of a list or table, and characters of a text: the file may be a stranger's, and each entry is tried on each model.
 MAX_ENTRIES, MAX_TEXT_LENGTH = 1_000, 1_000
 OWN_FILE, PROJECT_FILE = "urdfcheck.toml", "pyproject.toml"
 FAIL_ON = ("error", "warning", "info", "never")
@@ -33,39 +33,43 @@ _KINDS = {float: "a number", int: "a whole number", str: "a text", bool: "true o
 TARGETS = ("gazebo", "mujoco", "drake", "bullet", "isaac", "moveit", "rviz", "pinocchio", "ros2_control", "kdl")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Section:
-    """What the table, or a ``[[paths]]`` section for the files that its ``match`` means, asks for about the rules. ``select``,
-    ``ignore`` and ``severity`` are codes, whatever words they were typed as; None where nothing is said. ``key`` leads to it in
-    the table."""
+    """Settings of the rules in the table, or in a ``[[paths]]`` section; None where nothing is set."""
 
     match: tuple[str, ...] = ()
+    """Patterns of the files that the section is for."""
     select: frozenset[str] | None = None
+    """Codes, whatever words they were typed as."""
     ignore: frozenset[str] | None = None
     severity: Mapping[str, str] = field(default_factory=dict)
+    """Code → severity."""
     options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """Code → option → value."""
     target: tuple[str, ...] | None = None
     key: Key = ()
+    """Path of the section in the table."""
 
 
 @dataclass(frozen=True, slots=True)
 class NamedModel:
-    """A ``[[models]]`` entry: the file is checked with these arguments. ``name`` is None where it has none."""
+    """A ``[[models]]`` entry: the file is checked with these arguments, under this name if it has one."""
 
     path: Path
     name: str | None
     arguments: Mapping[str, str]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Config:
-    """What holds for the files below ``root``, which models are named from, before the command line has its say. ``file`` is
-    where it stands, None for the defaults; ``sections`` begins with the table itself; ``suppress``: patterns for models, empty
-    for all, and what is known of them."""
+    """The configuration of the files below a folder, without the command line."""
 
     root: Path
+    """The folder; ids of models are relative to it."""
     file: Path | None = None
+    """The configuration file; None for the defaults."""
     sections: tuple[Section, ...] = (Section(),)
+    """The table itself, then its ``[[paths]]``."""
     fail_on: str = "error"
     tier: str = "full"
     exclude: tuple[str, ...] = ()
@@ -74,30 +78,31 @@ class Config:
     baseline: Path | None = None
     models: tuple[NamedModel, ...] = ()
     suppress: tuple[tuple[str, SuppressionEntry], ...] = ()
+    """Entries with the pattern of the models that they are for, empty for all."""
 
     @property
     def target(self) -> tuple[str, ...]:
-        """Who will read the models, unless a section says otherwise."""
+        """Programs that will read the models, unless a section names others."""
         return self.sections[0].target or ()
 
     def excludes(self, path: Path) -> bool:
-        """Whether a file that is found in a folder is to be passed over."""
+        """Whether a file that is discovered in a folder is skipped."""
         return bool(self.exclude) and match_any_pattern(self.exclude, split_relative_path(path, self.root))
 
     def get_sections(self, path: Path) -> tuple[Section, ...]:
-        """The table, and the sections that mean a file."""
+        """Return the table, and the sections that match a file."""
         names = split_relative_path(path, self.root)
         return tuple(s for i, s in enumerate(self.sections) if not i or match_any_pattern(s.match, names))
 
     def get_suppressions(self, path: Path) -> tuple[SuppressionEntry, ...]:
-        """What is known of a file."""
+        """Return the suppressions for a file."""
         names = split_relative_path(path, self.root)
         return tuple(entry for pattern, entry in self.suppress if not pattern or match_any_pattern([pattern], names))
 
 
 @dataclass(frozen=True, slots=True)
 class CliOverrides:
-    """What the command line says about the rules; it wins. None where it says nothing."""
+    """Settings of the command line, which override every configuration; None where it sets nothing."""
 
     select: frozenset[str] | None = None
     ignore: frozenset[str] | None = None
@@ -119,16 +124,17 @@ class EffectiveConfig:
 
 @dataclass(slots=True)
 class ConfigResolver:
-    """The configurations of a run: for each file the nearest, read once. ``isolated``: no file is asked. ``paths``: those that
-    were given; where no file says anything, all below one of them is named from the same folder."""
+    """Finds the configuration of each file: the nearest one above it, read once."""
 
     overrides: CliOverrides = field(default_factory=CliOverrides)
     isolated: bool = False
+    """Whether configuration files are ignored."""
     paths: tuple[Path, ...] = ()
+    """Paths of the command line; without a configuration file, ids below one of them are relative to the same folder."""
     _configs_by_folder: dict[Path, Config | None] = field(default_factory=dict)
 
     def for_path(self, path: Path) -> Config:
-        """The configuration for a file or folder.
+        """Return the configuration of a file or folder.
 
         :raises UrdfcheckError: as for :func:`find_config`.
         """
@@ -155,15 +161,15 @@ class ConfigResolver:
         return found
 
     def resolve(self, config: Config, path: Path) -> EffectiveConfig:
-        """What holds for a file of this configuration."""
+        """Return the effective configuration of a file."""
         return resolve_config(config, config.get_sections(path), config.get_suppressions(path), self.overrides)
 
 
 def resolve_config(
     config: Config, sections: Sequence[Section], suppressions: tuple[SuppressionEntry, ...], overrides: CliOverrides
 ) -> EffectiveConfig:
-    """The sections one after the other, each over those before it, and the command line over all of them."""
-    codes = frozenset(catalogue.load_rules()) if overrides.select is None else overrides.select
+    """Merge the sections, each over those before it, and the command line over all of them."""
+    codes = frozenset(load_rules()) if overrides.select is None else overrides.select
     severities: dict[str, str] = {}
     options: dict[str, dict[str, Any]] = {}
     targets: tuple[str, ...] = ()
@@ -192,8 +198,9 @@ def resolve_config(
 
 
 def find_config(start: Path) -> Config:
-    """The configuration for a path; without one, the defaults with the enclosing git repository (or the working
-    directory) as root.
+    """Return the configuration of a path.
+
+    Without one, return the defaults with the enclosing git repository (or the working directory) as root.
 
     :raises UrdfcheckError: for a file that is not TOML, an unknown key or a value of the wrong type.
     """
@@ -201,17 +208,19 @@ def find_config(start: Path) -> Config:
 
 
 def make_default_config(start: Path) -> Config:
-    """What holds for a path where no file is to say anything. Models are named from the repository, or from where their baseline
-    lies, or from the working directory."""
+    """Return the defaults, for a path without a configuration file.
+
+    Ids of models are relative to the repository, or the folder of their baseline, or the working directory.
+    """
     start = start.absolute()
     for folder in (start, *start.parents):
         if (folder / ".git").exists() or (folder / DEFAULT_NAME).is_file():
-            return Config(folder)
-    return Config(Path.cwd())
+            return Config(root=folder)
+    return Config(root=Path.cwd())
 
 
 def _read_folder_config(folder: Path) -> Config | None:
-    """The configuration in a folder."""
+    """Read the configuration in a folder."""
     own, project = folder / OWN_FILE, folder / PROJECT_FILE
     if own.is_file():
         text = _read_text(own)
@@ -226,7 +235,7 @@ def _read_folder_config(folder: Path) -> Config | None:
 
 
 def read_typed_table(config: Config) -> tuple[Mapping[str, Any], Mapping[Key, str]]:
-    """The table of a configuration as it is typed, and where each of its keys stands, as ``file:line``."""
+    """Return the table of a configuration as typed, and the place of each of its keys as ``file:line``."""
     if config.file is None:
         return {}, {}
     text = _read_text(config.file)
@@ -239,7 +248,7 @@ def read_typed_table(config: Config) -> tuple[Mapping[str, Any], Mapping[Key, st
 
 
 def _read_text(path: Path) -> str:
-    """The text of a configuration, which may be a stranger's: of bounded size, and where its name says."""
+    """Read a configuration, which may be a stranger's: of bounded size, and not through a link out of reach."""
     try:
         if not FileReach.from_paths([path], []).can_open(path):
             raise UrdfcheckError(f"{format_path(path)}: {OUT_OF_REACH}")
@@ -252,7 +261,7 @@ def _parse_toml(path: Path, text: str) -> dict[str, Any]:
     try:
         table: dict[str, Any] = tomli.loads(text)
         return table
-    # A number of more digits than Python reads is a ValueError of its own.
+    # A number with more digits than Python reads raises a plain ValueError.
     except (ValueError, RecursionError) as error:
         raise UrdfcheckError(f"{format_path(path)}: {error}") from None
 
@@ -279,17 +288,17 @@ def _parse_config(path: Path, text: str, table: Any, key: Key) -> Config:
     if baseline is not None and not FileReach.from_paths([path], []).can_open(root / baseline):
         raise reader.make_type_error("baseline", "a file of the repository (name it on the command line)")
     return Config(
-        root,
-        path,
-        tuple(_parse_section(r, key) for r in (reader, *reader.read_tables("paths", _SECTION_KEYS))),
-        reader.read_choice("fail-on", FAIL_ON, "error"),
-        reader.read_choice("tier", TIERS, "full"),
-        reader.read_words("exclude") or (),
-        {name: root / folder for name, folder in packages.items()},
-        tuple(root / p for p in package_path),
-        None if baseline is None else root / baseline,
-        _parse_models(reader),
-        tuple(_parse_suppression(entry) for entry in reader.read_tables("suppress", _SUPPRESS_KEYS)),
+        root=root,
+        file=path,
+        sections=tuple(_parse_section(r, key) for r in (reader, *reader.read_tables("paths", _SECTION_KEYS))),
+        fail_on=reader.read_choice("fail-on", FAIL_ON, "error"),
+        tier=reader.read_choice("tier", TIERS, "full"),
+        exclude=reader.read_words("exclude") or (),
+        packages={name: root / folder for name, folder in packages.items()},
+        package_path=tuple(root / p for p in package_path),
+        baseline=None if baseline is None else root / baseline,
+        models=_parse_models(reader),
+        suppress=tuple(_parse_suppression(entry) for entry in reader.read_tables("suppress", _SUPPRESS_KEYS)),
     )
 
 
@@ -303,13 +312,13 @@ def _parse_section(reader: _TableReader, table: Key) -> Section:
         if (wrong := explain_unknown_target(name)) is not None:
             raise reader.make_error(("target", number), wrong)
     return Section(
-        match,
-        reader.read_codes("select"),
-        reader.read_codes("ignore"),
-        reader.read_severities(),
-        reader.read_options(),
-        target,
-        reader.key[len(table) :],
+        match=match,
+        select=reader.read_codes("select"),
+        ignore=reader.read_codes("ignore"),
+        severity=reader.read_severities(),
+        options=reader.read_options(),
+        target=target,
+        key=reader.key[len(table) :],
     )
 
 
@@ -343,7 +352,7 @@ def _parse_suppression(entry: _TableReader) -> tuple[str, SuppressionEntry]:
 
 
 def _suggest_file(path: Path, typed: str) -> str:
-    """A file beside one that is not there, with a name like its."""
+    """Suggest a file with a similar name beside one that does not exist."""
     try:
         known = os.listdir(path.parent)
     except OSError:
@@ -353,7 +362,7 @@ def _suggest_file(path: Path, typed: str) -> str:
 
 
 def explain_unknown_target(name: str) -> str | None:
-    """What is to say of a target that is none, and None of one that is."""
+    """Return the complaint about an unknown target; None for a known one."""
     return (
         None
         if name in TARGETS
@@ -367,7 +376,7 @@ def _suggest_word(word: str, known: Iterable[str]) -> str:
 
 
 class _TableReader:
-    """Typed access to a table; every complaint names the file and the line."""
+    """Typed access to a table; every error names file and line."""
 
     def __init__(self, path: Path, text: str, table: Any, key: Key) -> None:
         self.path = path
@@ -378,7 +387,7 @@ class _TableReader:
         self.table: Mapping[str, Any] = table
 
     def describe_place(self, key: Key) -> str:
-        """Where a key of this table stands, or what is nearest around it."""
+        """Return ``file:line`` of a key of this table, or of the nearest key around it."""
         try:
             found = locate_keys(self.source_text)
         except RecursionError:
@@ -394,7 +403,10 @@ class _TableReader:
         return self.make_error((key,), f"{key} must be {wanted}")
 
     def ensure_bounded(self, key: str, value: Any) -> None:
-        """:raises UrdfcheckError: when a list or table has more, or a text in it is longer, than anybody writes."""
+        """Bound the size of a list or table.
+
+        :raises UrdfcheckError: if it has more entries, or a text in it is longer, than anyone writes.
+        """
         if len(value) > MAX_ENTRIES:
             raise self.make_type_error(key, f"at most {MAX_ENTRIES:,} entries")
         if any(isinstance(v, str) and len(v) > MAX_TEXT_LENGTH for v in value):
@@ -455,7 +467,7 @@ class _TableReader:
         return dict(value)
 
     def read_arguments(self) -> dict[str, str]:
-        """Values of xacro arguments: texts, or numbers and booleans as xacro reads them."""
+        """Read values of xacro arguments: texts, or numbers and booleans as xacro reads them."""
         value = self.table.get("arguments", {})
         if not isinstance(value, dict):
             raise self.make_type_error("arguments", "a table: { name = value }")
@@ -478,7 +490,7 @@ class _TableReader:
 
     def select_rules(self, key: Key, word: str) -> set[str]:
         try:
-            return catalogue.select_rules([word])
+            return select_rules([word])
         except UrdfcheckError as error:
             raise self.make_error(key, str(error)) from None
 
@@ -496,7 +508,7 @@ class _TableReader:
             except ValueError as error:
                 raise self.make_error(("severity", word), str(error)) from None
             meant.append((self.select_rules(("severity", word), word), severity))
-        # What means fewer rules is closer to each of them, wherever it stands.
+        # A word for fewer rules is more specific, wherever it appears.
         found: dict[str, str] = {}
         for codes, severity in sorted(meant, key=lambda m: -len(m[0])):
             found.update(dict.fromkeys(codes, severity))
@@ -520,9 +532,9 @@ class _TableReader:
         return found
 
     def match_option(self, key: Key, codes: Iterable[str], given: Any) -> dict[str, Any]:
-        """The value for each of the rules that have such an option."""
+        """Return the value for each of the rules that have such an option."""
         word, name = str(key[-2]), str(key[-1])
-        rules = [catalogue.load_rules()[code] for code in sorted(codes)]
+        rules = [load_rules()[code] for code in sorted(codes)]
         found: dict[str, Any] = {}
         for rule in rules:
             option = rule.options.get(name)

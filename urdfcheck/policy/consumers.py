@@ -1,4 +1,4 @@
-"""What the programs that read a model will do with it, as the findings tell it, and how bad that is for those that will."""
+"""Predicted behaviour of each program that reads a model, and the severity override for the declared targets."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from urdfcheck.core import Finding, Rule, Severity, Verdict
 
-# In the order of the tables. Other programs are named on the pages where only they are concerned (xacro, roslaunch, colcon).
+# In the order of the tables. Pages name other programs where only these are concerned (xacro, roslaunch, colcon).
 CONSUMERS = ("urdfdom", "pinocchio", "mujoco", "drake", "bullet", "gazebo", "isaac", "kdl", "moveit", "rviz")
 OTHERS = (
     *(
@@ -24,34 +24,33 @@ OTHERS = (
     ),
     "yourdfpy",
 )
-# They let urdfdom read the file: where it has no robot, they have none.
+# They read the file through urdfdom: what it rejects or drops, they do not get.
 THROUGH_URDFDOM = frozenset({"pinocchio", "gazebo", "kdl", "moveit", "rviz"})
 
 
 @dataclass(frozen=True, slots=True)
 class ConsumerOutcome:
-    """What becomes of a model in one program: the worst of what its findings say, and the rules that say so."""
+    """What one program does with a model: the worst verdict of its findings, and the rules that report it."""
 
     verdict: Verdict
     codes: tuple[str, ...]
 
 
 def predict_outcomes(findings: Iterable[Finding]) -> dict[str, ConsumerOutcome]:
-    """What each of :data:`CONSUMERS` will do with the model that these findings are about. That a finding is known changes
-    nothing about it."""
-    told: dict[str, dict[Verdict, dict[str, None]]] = {name: {} for name in CONSUMERS}
+    """Predict what each of :data:`CONSUMERS` does with the model of these findings, suppressed ones included."""
+    codes_by_verdict: dict[str, dict[Verdict, dict[str, None]]] = {name: {} for name in CONSUMERS}
     for finding in findings:
         for name in CONSUMERS:
-            told[name].setdefault(get_verdict(finding.consequences, name), {})[finding.code] = None
-    found = {}
-    for name, verdicts in told.items():
+            codes_by_verdict[name].setdefault(get_verdict(finding.consequences, name), {})[finding.code] = None
+    predicted = {}
+    for name, verdicts in codes_by_verdict.items():
         worst = max(verdicts, default=Verdict.LOADS)
-        found[name] = ConsumerOutcome(worst, tuple(sorted(verdicts[worst])) if worst > Verdict.LOADS else ())
-    return found
+        predicted[name] = ConsumerOutcome(worst, tuple(sorted(verdicts[worst])) if worst > Verdict.LOADS else ())
+    return predicted
 
 
 def get_verdict(consequences: Mapping[str, str], consumer: str) -> Verdict:
-    """What one program does with one defect."""
+    """Return what one program does with one defect."""
     sentence = consequences.get(consumer)
     if sentence is None and consumer in THROUGH_URDFDOM:
         through = Verdict.from_sentence(consequences.get("urdfdom", ""))
@@ -62,7 +61,7 @@ def get_verdict(consequences: Mapping[str, str], consumer: str) -> Verdict:
 def apply_severity_policy(
     finding: Finding, rule: Rule, targets: Sequence[str], severities: Mapping[str, str]
 ) -> Finding:
-    """The finding as bad as the configuration says (``severities``, by code), or else as :func:`apply_target_severity` does."""
+    """Give a finding the severity of the configuration (``severities``, by code), or else that for the targets."""
     wanted = severities.get(finding.code)
     return (
         apply_target_severity(finding, rule, targets)
@@ -72,8 +71,10 @@ def apply_severity_policy(
 
 
 def apply_target_severity(finding: Finding, rule: Rule, targets: Sequence[str]) -> Finding:
-    """The finding as bad as it is for those who will read the model: what one of them refuses or drops is an error, and what
-    the rule says to concern others alone is worth knowing. Without targets it is as bad as its page says."""
+    """Raise a finding to an error if a target rejects or drops something, and lower it to an info if it concerns no target.
+
+    Without targets it keeps the severity of its page.
+    """
     if not targets:
         return finding
     worst = max(get_verdict(finding.consequences, target) for target in targets)

@@ -1,10 +1,11 @@
-"""Edits of text that makes more than the finding is about: nobody but the author knows whether the rest is meant to change."""
+"""Fixes that edit text which makes more than the finding is about: only the author knows whether the rest should change."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterable, Mapping, Set
+from collections.abc import Iterable, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 
 from urdfcheck.core import Applicability, Edit, Finding, Span
@@ -12,8 +13,7 @@ from urdfcheck.source.text.xml import Element
 
 
 def mark_unsafe_in_model(findings: Iterable[Finding], root: Element | None) -> list[Finding]:
-    """The findings of one model, their fixes unsafe where a macro makes several elements of the text that they change.
-    ``root`` is the expanded model."""
+    """Demote a fix to *unsafe* if a macro makes several elements of the text that it changes. ``root``: the expanded model."""
     findings = list(findings)
     if root is None or not any(map(_list_safe_edits, findings)):
         return findings
@@ -21,9 +21,11 @@ def mark_unsafe_in_model(findings: Iterable[Finding], root: Element | None) -> l
     return [_mark_unsafe(f) if any(map(made.makes_several_elements, _list_safe_edits(f))) else f for f in findings]
 
 
-def mark_unsafe_across_models(findings: Iterable[Finding], users: Mapping[str, Set[str]]) -> list[Finding]:
-    """The findings of a run, their fixes unsafe where another model is made of the text as well and does not have the finding
-    there, or its fix is unsafe. ``users``: for each file the ids of the models that are made of it."""
+def mark_unsafe_across_models(findings: Iterable[Finding], users: Mapping[str, AbstractSet[str]]) -> list[Finding]:
+    """Demote a fix to *unsafe* if another model expands the same text and does not report the same finding with a safe fix.
+
+    ``users``: file → ids of the models that it is part of.
+    """
     findings = list(findings)
     safe: dict[tuple[str, str, Edit], set[str]] = {}
     for finding in findings:
@@ -42,7 +44,7 @@ def _get_edit_key(finding: Finding, edit: Edit) -> tuple[str, str, Edit]:
 
 
 def _list_safe_edits(finding: Finding) -> list[Edit]:
-    """The edits of a safe fix that change what a model is made of: a comment makes nothing."""
+    """Return the edits of a safe fix that change what a model is made of; edits of comments do not."""
     if finding.fix is None or finding.fix.applicability is not Applicability.SAFE:
         return []
     return [edit for edit in finding.fix.edits if not edit.expected.strip().startswith("<!--")]
@@ -54,7 +56,7 @@ def _mark_unsafe(finding: Finding) -> Finding:
 
 
 class _ElementCounts:
-    """How many elements of a model were made of each start tag."""
+    """Number of elements that a model has of each start tag."""
 
     def __init__(self, root: Element) -> None:
         self.count_by_span = Counter(e.span for e in root.walk() if e.span is not None)
@@ -63,7 +65,7 @@ class _ElementCounts:
             self.spans_by_file.setdefault(span.file, []).append(span)
 
     def makes_several_elements(self, edit: Edit) -> bool:
-        """Whether several elements were made of the tags that an edit changes; of text between tags the one before it tells."""
+        """Whether the tags that an edit changes make several elements; text between tags belongs to the tag before it."""
         tags = self.spans_by_file.get(edit.span.file, [])
         first = bisect_right(tags, edit.span.start, key=lambda tag: tag.start) - 1
         end = bisect_right(tags, max(edit.span.end - 1, edit.span.start), key=lambda tag: tag.start)

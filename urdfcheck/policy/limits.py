@@ -1,4 +1,4 @@
-"""How much time and memory the check of one model may take."""
+"""Time and memory for the check of one model."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class ResourceLimits:
-    """``seconds`` of the clock for one model, launch file or package; ``memory`` in MiB for the process that checks it.
-
-    The defaults are generous: of 110 robots none took 4 seconds or 220 MiB, without a cache.
-    """
+    """Limits of one worker. The defaults are generous: of 110 robots none took 4 seconds or 220 MiB without a cache."""
 
     seconds: float = 300.0
+    """Wall-clock time for one model, launch file or package; 0 for no limit."""
     memory: int = 4096
+    """MiB for the process that checks it."""

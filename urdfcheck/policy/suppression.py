@@ -1,7 +1,7 @@
-"""Findings that somebody knows already: by a comment in the source, an entry of the configuration, or the baseline.
+"""Findings that are suppressed: by a comment in the source, an entry of the configuration, or the baseline.
 
-They stay in the report, and count no more. All of this happens before findings are merged, so that of six links that one
-macro line makes a single one can be known.
+They stay in the report but do not count. Suppression precedes merging, so that of six links that one macro line makes a
+single one can be suppressed.
 """
 
 from __future__ import annotations
@@ -15,41 +15,43 @@ from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Applicability, Edit, Finding, Location, Span, Suppression, UrdfcheckError
+from urdfcheck.core.findings import OWN_FAMILY
+from urdfcheck.rules import load_rules, select_rules
 from urdfcheck.source.text.suppression_comments import IgnoreComment
 
-# What the baseline knows of one model: how often a code, subject and message id.
+# What the baseline accepts in one model: how often each code, subject and message id.
 BaselineEntries = Mapping[tuple[str, str, str], int]
-# Findings about urdfcheck and its configuration: a comment of the checked file must not silence them.
-OWN_PREFIX = "URC"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class CommentUsage:
-    """A comment after a unit was checked. ``codes``: what its words mean, ``wrong``: the complaint about a word that means
-    nothing; ``used``: it covered a finding; ``unknown``: why it cannot be said that it is needless, empty where it can;
-    ``line``: the edit that takes it out."""
+    """A suppression comment after its unit was checked."""
 
     comment: IgnoreComment
     codes: frozenset[str]
+    """Rules that its selectors mean."""
     complaint: str
+    """What is wrong with a selector that means no rule; empty if all mean one."""
     is_used: bool
+    """Whether it suppresses a finding."""
     doubt: str
+    """Why an unused comment may be needed all the same; empty without such a reason."""
     removal: Edit
+    """Deletes the comment."""
 
 
 @dataclass(frozen=True, slots=True)
 class SuppressionEntry:
-    """An entry of the configuration: findings of these codes about subjects of this pattern are known. ``subject``: ``*`` and
-    ``?`` as in file names, everything else as it stands; a pattern that names an element covers all in it."""
+    """An entry of the configuration that suppresses findings of these codes about subjects of this pattern."""
 
     codes: frozenset[str]
     subject: str
+    """Pattern: ``*`` and ``?`` as in file names, everything else literally. One that names an element covers all in it."""
     reason: str
 
     def covers(self, finding: Finding) -> bool:
-        """Whether the finding is of the codes, and all its subjects are meant."""
+        """Whether the finding has one of the codes, and the pattern matches all its subjects."""
         literal = self.subject.replace("[", "[[]")  # fnmatch takes no longer for many asterisks than for one
         return finding.code in self.codes and all(
             any(fnmatchcase(subject, literal + end) for end in ("", "/*", "@*")) for subject in finding.subjects
@@ -58,16 +60,16 @@ class SuppressionEntry:
 
 @cache
 def resolve_selectors(selectors: tuple[str, ...]) -> tuple[frozenset[str], str]:
-    """The codes that the words of a comment mean, and what is wrong with the first word that means none."""
+    """Return the codes that the selectors of a comment mean, and what is wrong with the first one that means none."""
     codes: set[str] = set()
     for word in selectors:
         try:
-            meant = catalogue.select_rules([word])
+            meant = select_rules([word])
         except UrdfcheckError as error:
             return frozenset(codes), str(error)
-        if all(code.startswith(OWN_PREFIX) for code in meant):
+        if all(code.startswith(OWN_FAMILY) for code in meant):
             return frozenset(codes), f"{word} is about urdfcheck itself and cannot be suppressed"
-        codes |= {code for code in meant if not code.startswith(OWN_PREFIX)}
+        codes |= {code for code in meant if not code.startswith(OWN_FAMILY)}
     return frozenset(codes), ""
 
 
@@ -77,10 +79,10 @@ def mark_suppressed(
     entries: Sequence[SuppressionEntry],
     baseline_entries: BaselineEntries,
 ) -> tuple[list[Finding], set[Span]]:
-    """The findings, those that are known marked with the reason, and the comments that were needed for it.
+    """Mark the findings that are suppressed with the reason; also return the comments that this needs.
 
-    A comment counts with a reason only. It covers a finding whose text it covers, or any call that brought that text there; of a
-    finding about several elements comments have to cover all.
+    Only comments with a reason count. A comment covers a finding if it covers its text or a call that brought the text there;
+    if a finding is about several elements, comments must cover all of them.
     """
     covering = _CommentIndex(comments)
     left = Counter(baseline_entries)
@@ -88,29 +90,31 @@ def mark_suppressed(
     taken: set[tuple[str, str, Span | None, tuple[str, ...]]] = set()
     marked = []
     for finding in findings:
-        if finding.suppressed is None and not finding.code.startswith(OWN_PREFIX):
-            reasons = []
-            for places in _list_places(finding):
-                needed = [c for place in places for c in covering.find_covering_comments(finding.code, place)]
-                used.update(comment.span for comment in needed)
-                reasons.append(needed[0].reason if needed else "")
-            reason = Suppression("source", reasons[0]) if all(reasons) else None
-            reason = reason or next(
-                (Suppression("configuration", e.reason) for e in entries if e.covers(finding)), None
-            )
-            # One text of which a macro makes the same element twice is one finding, and one entry, in the end.
-            same = finding.code, finding.message_id, finding.location.span, finding.subjects
-            if reason is None and (same in taken or _take_baseline_entry(left, finding)):
-                taken.add(same)
-                reason = Suppression("baseline", "in the baseline")
-            finding = finding if reason is None else replace(finding, suppressed=reason)
-        marked.append(finding)
+        if finding.suppressed is not None or finding.is_about_urdfcheck:
+            marked.append(finding)
+            continue
+        reasons = []
+        for places in _list_places(finding):
+            needed = [c for place in places for c in covering.find_covering_comments(finding.code, place)]
+            used.update(comment.span for comment in needed)
+            reasons.append(needed[0].reason if needed else "")
+        reason = Suppression("source", reasons[0]) if all(reasons) else None
+        reason = reason or next((Suppression("configuration", e.reason) for e in entries if e.covers(finding)), None)
+        # A text of which a macro makes the same element twice becomes one finding, and is one entry of the baseline.
+        same = finding.code, finding.message_id, finding.location.span, finding.subjects
+        if reason is None and (same in taken or _take_baseline_entry(left, finding)):
+            taken.add(same)
+            reason = Suppression("baseline", "in the baseline")
+        marked.append(replace(finding, suppressed=reason))
     return marked, used
 
 
 class _CommentIndex:
-    """Comments with a reason by the text that they cover. Such pieces of text, elements or lines, lie beside or in each other: of
-    those that hold a place each is found from the one in it, however many comments a file has."""
+    """Comments with a reason by the text that they cover.
+
+    Such pieces of text, elements or lines, are disjoint or nested: from the innermost piece around a place the index walks
+    outwards, however many comments a file has.
+    """
 
     def __init__(self, comments: Iterable[IgnoreComment]) -> None:
         # By file and piece: the comments on it, by the codes that they mean.
@@ -123,7 +127,7 @@ class _CommentIndex:
         self.enclosing = {file: list(_find_enclosing_pieces(pieces)) for file, pieces in self.pieces.items()}
 
     def find_covering_comments(self, code: str, place: Span) -> Iterator[IgnoreComment]:
-        """The comments that cover findings of this code at this place, the nearest first, each once or more often."""
+        """Yield the comments that cover findings of this code at this place, innermost first; some more than once."""
         pieces = self.pieces.get(place.file, [])
         index = bisect_right(pieces, (place.start, 1)) - 1
         while index >= 0:
@@ -136,7 +140,7 @@ class _CommentIndex:
 
 
 def _find_enclosing_pieces(pieces: Sequence[tuple[int, int]]) -> Iterator[int]:
-    """For each piece of text (its start, and its end below zero) the index of the smallest one that it lies in, or -1."""
+    """Yield for each piece of text (its start and negated end) the index of the smallest piece around it, or -1."""
     open_since: list[int] = []
     for index, (start, _) in enumerate(pieces):
         while open_since and -pieces[open_since[-1]][1] <= start:
@@ -146,14 +150,14 @@ def _find_enclosing_pieces(pieces: Sequence[tuple[int, int]]) -> Iterator[int]:
 
 
 def _list_places(finding: Finding) -> Iterator[list[Span]]:
-    """For each element that a finding is about, the texts of which a comment may cover any."""
+    """Yield for each element that a finding is about the texts of which a comment must cover one."""
     others = set(finding.subjects) - {finding.location.subject}
     for place in (finding.location, *(r for r in finding.related if r.subject in others)):
         yield [*([] if place.span is None else [place.span]), *place.via]
 
 
 def _take_baseline_entry(left: Counter[tuple[str, str, str]], finding: Finding) -> bool:
-    """Whether the baseline knows all subjects of a finding; it knows each as often as it has it."""
+    """Whether the baseline accepts all subjects of a finding; each entry is used as often as it counts."""
     keys = [(finding.code, subject, finding.message_id) for subject in finding.subjects]
     if any(left[key] <= 0 for key in keys):
         return False
@@ -169,21 +173,30 @@ def assess_comment(
     skipped_codes: Collection[str],
     doubt: str,
 ) -> CommentUsage:
-    """What is known of a comment after the check of a unit: ``ran`` are the codes that were looked for, ``skipped`` those of
-    them that could not be, ``doubt`` why the file may need the comment although this unit does not."""
-    codes, wrong = resolve_selectors(comment.selectors)
+    """Assess a comment after the check of a unit.
+
+    ``checked_codes``: rules that were selected; ``skipped_codes``: those of them that could not run; ``doubt``: why the file
+    may need the comment although this unit does not.
+    """
+    codes, complaint = resolve_selectors(comment.selectors)
     missing = sorted(codes - set(checked_codes))
     blind = sorted(codes if "ALL" in skipped_codes else codes & set(skipped_codes))
-    unknown = doubt
     if missing and not codes & set(checked_codes):
-        unknown = f"{missing[0]} was not looked for"
+        doubt = f"{missing[0]} was not looked for"
     elif blind:
-        unknown = f"{blind[0]} could not be checked"
-    return CommentUsage(comment, codes, wrong, is_used, unknown, _make_removal_edit(comment.span, text))
+        doubt = f"{blind[0]} could not be checked"
+    return CommentUsage(
+        comment=comment,
+        codes=codes,
+        complaint=complaint,
+        is_used=is_used,
+        doubt=doubt,
+        removal=_make_removal_edit(comment.span, text),
+    )
 
 
 def _make_removal_edit(span: Span, text: str) -> Edit:
-    """The edit that takes a comment out; the whole line where nothing else stands in it."""
+    """Return the edit that deletes a comment, with its line if that holds nothing else."""
     begin = span.start - span.col + 1
     newline = re.compile(r"[ \t]*(\r\n|\n|\r)").match(text, span.end)
     if newline is not None and not text[begin : span.start].strip(" \t"):
@@ -193,17 +206,17 @@ def _make_removal_edit(span: Span, text: str) -> Edit:
 
 
 def report_bad_comments(comments: Iterable[tuple[str, CommentUsage]]) -> Iterator[Finding]:
-    """What is wrong with the comments that the units of a run met, as findings of URC902 and URC903.
+    """Yield findings URC902 and URC903 about the comments in the units of a run.
 
-    ``comments``: each with the id of its unit. One that any unit needed is needed; one that a unit cannot judge is left alone.
+    ``comments``: each with the id of its unit. A comment is needed if any unit needs it, and ignored if a unit has doubts.
     """
     by_place: dict[Span, list[tuple[str, CommentUsage]]] = {}
-    for unit, judgement in comments:
-        by_place.setdefault(judgement.comment.span, []).append((unit, judgement))
-    for span, seen in by_place.items():
-        model, first = seen[0]
+    for unit, usage in comments:
+        by_place.setdefault(usage.comment.span, []).append((unit, usage))
+    for span, usages in by_place.items():
+        model, first = usages[0]
         comment, at = first.comment, Location(f"comment[{', '.join(first.comment.selectors)}]", span)
-        rules, named = catalogue.load_rules(), ", ".join(comment.selectors)
+        rules, named = load_rules(), ", ".join(comment.selectors)
         data: dict[str, Any] = {}
         if not comment.selectors:
             message = "malformed"
@@ -212,7 +225,7 @@ def report_bad_comments(comments: Iterable[tuple[str, CommentUsage]]) -> Iterato
         elif not comment.reason:
             yield replace(rules["URC903"].finding("no-reason", at=at, codes=named), model=model)
             continue
-        elif any(judgement.is_used or judgement.doubt for _, judgement in seen):
+        elif any(usage.is_used or usage.doubt for _, usage in usages):
             continue
         else:
             message, data = "unused", {"codes": named}

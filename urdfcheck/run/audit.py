@@ -369,7 +369,7 @@ def _describe_model(unit: Unit, source: Source, model: Model | None) -> ModelInf
     path = format_path(Path(unit.path))
     if model is None:
         status = "needs-arguments" if source.find_problems("argument-missing") else "failed"
-        return ModelInfo.unread(path=path, id=unit.id, arguments=unit.arguments, status=status)
+        return ModelInfo.unread(path=path, model_id=unit.id, arguments=unit.arguments, status=status)
     masses = [link.inertial.mass for link in model.links if link.inertial is not None]
     known_masses = [mass for mass in masses if mass is not None]
     return ModelInfo(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from functools import cache
 
 from urdfcheck.core import Span
@@ -16,7 +17,7 @@ from urdfcheck.source.text.suppression_comments import IgnoreComment
 def assess_comments(
     comments: Iterable[IgnoreComment],
     *,
-    needed: Set[Span],
+    needed: AbstractSet[Span],
     texts: Mapping[str, str],
     unit: Unit,
     source: Source | None,

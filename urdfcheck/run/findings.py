@@ -7,7 +7,8 @@ The steps themselves are functions of the policy room; their order is decided he
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
@@ -78,7 +79,7 @@ def settle_run_findings(
     policy: Policy,
     *,
     across_models: Iterable[Finding],
-    review: Callable[[Sequence[Finding], Set[Span]], Iterable[Finding]],
+    review: Callable[[Sequence[Finding], AbstractSet[Span]], Iterable[Finding]],
 ) -> tuple[Finding, ...]:
     """Turn the findings of all units, and those about several of them, into those of the run.
 

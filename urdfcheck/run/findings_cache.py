@@ -1,4 +1,4 @@
-"""Findings that need not be found again: of rules that look at nothing but a model and its meshes, while neither changes."""
+"""Cache of findings: those of rules that depend on nothing but a model and its meshes, while neither changes."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from urdfcheck.model import Model
 from urdfcheck.rules import find_pages_folder
 from urdfcheck.system.array_cache import find_library_origin
 
-# What the findings are computed with, beside urdfcheck itself.
+# Libraries that compute the findings, beside urdfcheck itself.
 _LIBRARIES = ("numpy", "scipy", "trimesh", "collada", "pinocchio")
 _HERE = Path(__file__).parent.parent
 
 
 class FindingsCache:
-    """The findings of earlier runs on one model, found again under a digest of all that they depend on."""
+    """The findings of earlier runs on one model, stored under a digest of all that they depend on."""
 
     def __init__(self, model: Model) -> None:
         import numpy as np
@@ -37,20 +37,20 @@ class FindingsCache:
     def recall_findings(
         self, rule: Rule, options: Mapping[str, Any], find: Callable[[], Iterable[Finding]]
     ) -> list[Finding]:
-        """What ``find`` gives, or gave: only for rules of which `is_cacheable` is true."""
+        """Return what ``find`` returns, or returned earlier; only for rules of which `is_cacheable` is true."""
         key = f"{rule.code} {sorted(options.items())}"
         if key in self._stored:
             return [_restore_finding(plain) for plain in self._stored[key]]
         found = list(find())
         try:
             self._stored[key] = json.loads(json.dumps([asdict(finding) for finding in found]))
-        except TypeError:  # a number that only numpy knows: then it is found anew each time
+        except TypeError:  # a numpy number, which JSON does not know: not cached
             return found
         self._new = True
         return found
 
     def save(self) -> None:
-        """Write what is new."""
+        """Write what is new to the cache."""
         if self._new:
             self._entry["all"] = {"text": self._array(json.dumps(self._stored).encode(), dtype="u1")}
 
@@ -74,7 +74,7 @@ def _iter_digest_parts(model: Model) -> Iterator[str]:
         yield name
         yield file.text
     if model.source.is_xacro:
-        # What packages, yaml files and the environment put into it.
+        # Includes what packages, yaml files and the environment contribute.
         for element in model.robot.walk():
             yield f"{element.tag} {len(element.children)}"
             yield element.text
@@ -91,7 +91,7 @@ def _iter_digest_parts(model: Model) -> Iterator[str]:
 
 @cache
 def _stamp_sources() -> str:
-    """What changes whenever urdfcheck or a library does: sizes and times of its files."""
+    """Return what changes whenever urdfcheck or a library does: sizes and times of its files."""
     files = sorted((*_HERE.rglob("*.py"), *find_pages_folder().glob("*.md")))
     stamps = [f"{path} {status.st_size} {status.st_mtime_ns}" for path in files for status in (path.stat(),)]
     return "\n".join((*stamps, *(str(find_library_origin(library)) for library in _LIBRARIES)))

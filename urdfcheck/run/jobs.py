@@ -133,7 +133,7 @@ class Unit:
         """Return what a run knows of the model if it could not be read; None if the unit is not a model."""
         if self.kind != "model":
             return None
-        return ModelInfo.unread(path=format_path(Path(self.path)), id=self.id, arguments=self.arguments)
+        return ModelInfo.unread(path=format_path(Path(self.path)), model_id=self.id, arguments=self.arguments)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -22,6 +22,7 @@ from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.policy import baseline
 from urdfcheck.policy.baseline import Baseline
 from urdfcheck.policy.config import Config
+from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.rules import find_pages_folder
 from urdfcheck.run.audit import audit_unit, report_stopped_unit
 from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit, UnitReport
@@ -371,16 +372,20 @@ def stream_reports(
     limits = settings.options.limits
     longest = limits.seconds + sandbox.PATIENCE if limits.seconds else None
     warm_worker, on_idle = execution.warm_worker, execution.on_idle
-    for place, result in map_in_processes(
+    for place, answer in map_in_processes(
         _audit_in_worker, work, at_once, warm_worker=warm_worker, on_idle=on_idle, timeout=longest, is_spent=_is_stopped
     ):
-        unit = units[order[place]]
-        if isinstance(result, WorkerTimeoutError):
-            result = UnitReport(info=unit.describe_unread(), findings=(report_stopped_unit(unit, limits, "killed"),))
-        elif isinstance(result, WorkerDiedError):
-            failure = f"the worker for {unit.id} {_describe_exit(result.exit_code)}"
-            result = UnitReport(info=unit.describe_unread(), failures=(failure,))
-        yield order[place], result
+        yield order[place], _report_answer(units[order[place]], answer, limits)
+
+
+def _report_answer(unit: Unit, answer: UnitReport | WorkerDiedError, limits: ResourceLimits) -> UnitReport:
+    """Return the report of a worker, or one about its end."""
+    if isinstance(answer, WorkerTimeoutError):
+        return UnitReport(info=unit.describe_unread(), findings=(report_stopped_unit(unit, limits, "killed"),))
+    if isinstance(answer, WorkerDiedError):
+        failure = f"the worker for {unit.id} {_describe_exit(answer.exit_code)}"
+        return UnitReport(info=unit.describe_unread(), failures=(failure,))
+    return answer
 
 
 def _is_stopped(report: UnitReport) -> bool:

@@ -1,14 +1,16 @@
-"""The warm worker: a process that loads the libraries of an audit while its parent prepares the run."""
+"""The warm worker: a process that loads the libraries of an audit while its parent prepares the run.
+
+The commands import this module before they read their options, so it imports nothing else of urdfcheck itself.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import importlib
+from typing import TYPE_CHECKING
 
-from urdfcheck.rules import get_check_module, has_check, load_rules
-from urdfcheck.run.findings_cache import is_cacheable
-from urdfcheck.system import libraries, process_pool
-from urdfcheck.system.process_pool import Worker
+if TYPE_CHECKING:
+    from urdfcheck.system.process_pool import Worker
 
 
 def start_warm_worker() -> Worker | None:
@@ -16,6 +18,9 @@ def start_warm_worker() -> Worker | None:
 
     :raises UrdfcheckError: if a rule page is malformed.
     """
+    from urdfcheck.rules import load_rules
+    from urdfcheck.system import libraries, process_pool
+
     if not process_pool.FORKS:
         return None
     libraries.prefer_own_folders()
@@ -23,11 +28,15 @@ def start_warm_worker() -> Worker | None:
     for module in ("urdfcheck.run.pipeline", "urdfcheck.run.audit"):
         importlib.import_module(module)
     load_rules()
-    return Worker.start(preload_modules)
+    return process_pool.Worker.start(preload_modules)
 
 
 def preload_modules() -> None:
     """Import what an audit needs, except the checks whose findings may be in the cache."""
+    from urdfcheck.rules import get_check_module, has_check, load_rules
+    from urdfcheck.run.findings_cache import is_cacheable
+    from urdfcheck.system import libraries
+
     libraries.prefer_own_folders()
     importlib.import_module("numpy")
     for rule in load_rules().values():

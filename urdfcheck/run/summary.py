@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from pathlib import Path
 
@@ -40,7 +41,7 @@ def build_run(request: Request, plan: Plan, audited_units: AuditedUnits, seconds
     unit_names = _group_by_baseline(units)
     baselines = list(_read_baselines(request, unit_names))
 
-    def review(findings: Sequence[Finding], needed: Set[Span]) -> Iterator[Finding]:
+    def review(findings: Sequence[Finding], needed: AbstractSet[Span]) -> Iterator[Finding]:
         """Report on comments, libraries, configurations and baselines, given all findings about models."""
         view = baseline.BaselineView(
             findings=findings, models=models, complete_rules=complete_rules, skipped=skipped, tier=request.policy.tier

@@ -1,4 +1,4 @@
-"""A xacro with arguments is many robots: what several of them show is one finding, told with the fewest arguments it takes."""
+"""Variants of a xacro with arguments: what several of them show is one finding, with the fewest arguments that reproduce it."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from typing import Any
 from urdfcheck.core import Finding, Severity
 from urdfcheck.run.jobs import Unit, UnitReport
 
-# Of one file: how many sets of arguments are tried to find smaller ones that show a finding.
+# Sets of arguments of one file that are tried to find smaller ones that show a finding.
 MAX_TRIED = 100
 
 
 def merge_variants(findings: Iterable[Finding], units: Iterable[Unit]) -> list[Finding]:
-    """The findings with those made one that several sets of arguments of one file show at the same text: it names all of these,
-    and is told of the one with the fewest arguments."""
+    """Merge findings that several sets of arguments of one file show at the same text.
+
+    The merged finding belongs to the variant with the fewest arguments and lists all (``variants``).
+    """
     files = _find_variant_files(units)
     alike: dict[tuple[Any, ...], list[Finding]] = {}
     found: list[Finding] = []
@@ -37,7 +39,7 @@ def merge_variants(findings: Iterable[Finding], units: Iterable[Unit]) -> list[F
 
 
 def _split_by_subjects(group: list[Finding]) -> list[list[Finding]]:
-    """Findings at one text: where a model has several, by their subjects, and by their order where these are the same."""
+    """Split findings at one text: if a model has several, by their subjects, and equal ones by their order."""
     if len({finding.model for finding in group}) == len(group):
         return [group]
     seen: Counter[tuple[str, tuple[str, ...]]] = Counter()
@@ -49,9 +51,11 @@ def _split_by_subjects(group: list[Finding]) -> list[list[Finding]]:
 
 
 def propose_smaller_variants(units: Sequence[Unit], reports: Mapping[int, UnitReport]) -> list[Unit]:
-    """Variants that nobody has checked and that may show a finding with fewer arguments than any that does: for the finding with
-    the smallest set, halves of it are left out, then quarters and so on (Zeller and Hildebrandt, Simplifying and Isolating
-    Failure-Inducing Input, 2002)."""
+    """Propose unchecked variants that may show a finding with fewer arguments.
+
+    For each finding, halves of its smallest set of arguments are left out, then quarters and so on (Zeller and Hildebrandt,
+    Simplifying and Isolating Failure-Inducing Input, 2002).
+    """
     tried = {_get_identity(unit) for unit in units if unit.kind == "model"}
     more = Counter(unit.path for unit in units if unit.is_reduced)
     best: dict[tuple[Any, ...], tuple[Unit, Finding]] = {}
@@ -75,8 +79,7 @@ def propose_smaller_variants(units: Sequence[Unit], reports: Mapping[int, UnitRe
 
 
 def _reduce_failed_variants(units: Sequence[Unit], reports: Mapping[int, UnitReport]) -> list[Unit]:
-    """The variants that could not be expanded for the same reason as one with fewer arguments, without what that has: nothing
-    else can be seen of them before."""
+    """Drop from variants that fail to expand the arguments that alone make another variant fail: they hide everything else."""
     failed: dict[tuple[Any, ...], list[Unit]] = {}
     for place, unit in enumerate(units):
         info = reports[place].info
@@ -94,7 +97,7 @@ def _reduce_failed_variants(units: Sequence[Unit], reports: Mapping[int, UnitRep
 
 
 def _drop_arguments(unit: Unit, names: Collection[str]) -> Unit:
-    """The variant with the defaults of these arguments."""
+    """Return the variant with the defaults of these arguments."""
     arguments = {name: value for name, value in unit.arguments.items() if name not in names}
     varied = tuple(name for name in unit.varied_arguments if name not in names)
     named = unit.id.removesuffix(format_arguments(unit.arguments)) + format_arguments(arguments)
@@ -102,7 +105,7 @@ def _drop_arguments(unit: Unit, names: Collection[str]) -> Unit:
 
 
 def _halve_arguments(unit: Unit, tried: Collection[tuple[str, frozenset[tuple[str, str]]]]) -> list[Unit]:
-    """The variants that leave out as many arguments at a time as has not been tried."""
+    """Return the variants that leave out the largest groups of arguments that have not been tried."""
     size = len(unit.varied_arguments)
     while len(unit.varied_arguments) > 1 and size > 1:
         size = (size + 1) // 2
@@ -120,19 +123,19 @@ def _get_identity(unit: Unit) -> tuple[str, frozenset[tuple[str, str]]]:
 
 
 def format_arguments(arguments: Mapping[str, str]) -> str:
-    """How arguments stand behind the path in the id of a model."""
+    """Return the arguments as they follow the path in the id of a model."""
     return "".join(f" {name}:={value}" for name, value in sorted(arguments.items()))
 
 
 def _find_variant_files(units: Iterable[Unit]) -> dict[str, tuple[str, int]]:
-    """Of the models of which the run has several variants, by their ids: the file, and the number of arguments."""
+    """Return file and number of arguments, by id, of the models of which the run has several variants."""
     found = {unit.id: (os.path.realpath(unit.path), len(unit.arguments)) for unit in units if unit.kind == "model"}
     number = Counter(file for file, _ in found.values())
-    return {id: (file, length) for id, (file, length) in found.items() if number[file] > 1}
+    return {name: (file, length) for name, (file, length) in found.items() if number[file] > 1}
 
 
 def _get_defect_key(finding: Finding) -> tuple[Any, ...]:
-    """What is one defect in all variants: the same text, whose value comes from the same definitions."""
+    """Return what identifies one defect in all variants: the same text, with a value from the same definitions."""
     span = finding.location.span
     made_of = frozenset(place.span for place in finding.related if place.subject.startswith(("property[", "yaml[")))
     return finding.code, finding.message_id, finding.subjects if span is None else (span, made_of)

@@ -1,6 +1,6 @@
-"""The programs that read robot models, each loading one for real: a module for each, with the same names.
+"""The engines that load robot models, one module each, all with the same names.
 
-``INSTALL`` is how to get it, ``LIBRARIES`` what it imports, ``version()`` what is installed (None: nothing), and
-``load(robot, path)`` what it makes of the model in a file; whatever it raises is its refusal. They run native code on a
-stranger's file and may end the process that they are in: see :mod:`urdfcheck.simulators.processes`.
+``INSTALL`` says how to install the engine, ``LIBRARIES`` names its Python modules, ``get_version()`` returns the installed
+version (None: not installed), and ``load(robot, path)`` returns the model as the engine loaded it from a file; any exception is a
+rejection. Engines run native code on an untrusted file and may crash: see :mod:`urdfcheck.simulators.processes`.
 """

@@ -11,12 +11,12 @@ from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, LoadedRobo
 
 INSTALL = "pip install 'urdfcheck[engines]'"
 LIBRARIES = ("pybullet",)
-# Seconds of the one step that shows an acceleration.
+# Seconds of the one step that measures an acceleration.
 _STEP = 1e-4
 
 
 def get_version() -> str | None:
-    """The installed version."""
+    """Return the installed version."""
     try:
         return distribution("pybullet")
     except PackageNotFoundError:
@@ -24,7 +24,7 @@ def get_version() -> str | None:
 
 
 def load(robot: EngineInput, path: str) -> LoadedRobot:
-    """With a fixed base and the inertias of the file; without that flag it takes those of the collision shapes."""
+    """Load with a fixed base and the inertias of the file; without that flag Bullet computes them from the collision shapes."""
     import pybullet
 
     pybullet.connect(pybullet.DIRECT)
@@ -32,7 +32,7 @@ def load(robot: EngineInput, path: str) -> LoadedRobot:
         pybullet.setGravity(0, 0, -9.81)
         body = pybullet.loadURDF(path, useFixedBase=True, flags=pybullet.URDF_USE_INERTIA_FROM_FILE)
         infos = [pybullet.getJointInfo(body, i) for i in range(pybullet.getNumJoints(body))]
-        # As much of a name as it keeps.
+        # Bullet truncates long names.
         names = [pybullet.getBodyInfo(body)[0], *(info[12] for info in infos)]
         known = {_decode_name(info[1]): info for info in infos}
         return LoadedRobot(
@@ -51,7 +51,7 @@ def _decode_name(name: bytes) -> str:
 
 
 def _read_limits(info: Any) -> tuple[float, float] | None:
-    """It marks a joint without limits with a range that is inside out."""
+    """Read the limits of a joint; Bullet marks a joint without limits by an inverted range."""
     lower, upper = info[8], info[9]
     return None if (lower, upper) in {(0.0, -1.0), (1.0, -1.0)} else (lower, upper)
 
@@ -59,7 +59,7 @@ def _read_limits(info: Any) -> tuple[float, float] | None:
 def _compute_dynamics_or_nan(
     pybullet: Any, body: int, infos: list[Any], known: dict[str, Any], robot: EngineInput
 ) -> EngineDynamics | None:
-    """No numbers where it loads a model with which it cannot compute."""
+    """Compute the dynamics; NaN for a model that Bullet loads but cannot compute."""
     try:
         return _compute_dynamics(pybullet, body, infos, known, robot)
     except (SystemError, pybullet.error):
@@ -74,7 +74,7 @@ def _compute_dynamics(
         return None
     if not robot.joints:
         return EngineDynamics()
-    # Numbers go in and out in the order of the places in its state.
+    # Bullet's vectors are in the order of its state.
     order = sorted(robot.joints, key=lambda name: known[name][3])
     rows = [order.index(name) for name in robot.joints]
     masses, torques = [], []
@@ -83,15 +83,15 @@ def _compute_dynamics(
         matrix = pybullet.calculateMassMatrix(body, q)
         masses.append(tuple(tuple(matrix[i][j] for j in rows) for i in rows))
         zero = [0.0] * len(q)
-        held = pybullet.calculateInverseDynamics(body, q, zero, zero)
-        torques.append(tuple(held[i] for i in rows))
+        holding = pybullet.calculateInverseDynamics(body, q, zero, zero)
+        torques.append(tuple(holding[i] for i in rows))
     return EngineDynamics(
         robot.joints, tuple(masses), tuple(torques), _measure_accelerations(pybullet, body, known, robot)
     )
 
 
 def _measure_accelerations(pybullet: Any, body: int, known: dict[str, Any], robot: EngineInput) -> Vector:
-    """The speeds after one short step of the simulation, in which no motor, damping or friction has a part."""
+    """Measure the accelerations by one short step without motors, damping and friction."""
     for index in range(-1, len(known)):
         pybullet.changeDynamics(body, index, linearDamping=0, angularDamping=0, jointDamping=0, lateralFriction=0)
     for name, value in zip(robot.joints, robot.start, strict=True):

@@ -1,4 +1,4 @@
-"""One model in every engine that is installed, beside what the findings say that these do with it."""
+"""Load a model in every installed engine and compare the results with the predictions of the findings."""
 
 from __future__ import annotations
 
@@ -18,27 +18,28 @@ from urdfcheck.system import libraries, sandbox
 from urdfcheck.system.process_pool import map_in_processes
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class EngineRow:
-    """An engine: its version, what became of the model, what that is, and what was said about it before. ``because``: the
-    findings that say the worst."""
+    """The result of one engine."""
 
     engine: str
     version: str
     outcome: LoadOutcome
     judgement: EngineJudgement
     predicted: Verdict
+    """The worst that findings predict for the engine."""
     codes: tuple[str, ...]
+    """Codes of the findings that predict it."""
 
     @property
     def is_surprise(self) -> bool:
-        """Whether the engine did what no finding says, or did not what one says."""
+        """Whether the engine did not do what the findings predict."""
         return not matches_prediction(self.predicted, self.judgement)
 
 
 @dataclass(frozen=True, slots=True)
 class EngineComparison:
-    """``info`` of the model, the engines that are installed, and how to get the others."""
+    """A model in all installed engines; ``missing``: how to install the others."""
 
     info: ModelInfo
     rows: tuple[EngineRow, ...]
@@ -46,13 +47,13 @@ class EngineComparison:
 
 
 def compare_engines(request: Request) -> EngineComparison:
-    """Load the one model that the request's paths mean in all engines.
+    """Load the one model that the request's paths lead to in all engines.
 
-    :raises UrdfcheckError: when they mean none, or several, or the model cannot be read at all.
+    :raises UrdfcheckError: if they lead to none, or to several, or the model cannot be read at all.
     """
     versions = list_versions()
     names = [name for name in ENGINES if versions[name] is not None]
-    # What only some read is told to those for whom it is.
+    # Findings that depend on the targets are predictions for the installed engines.
     request = replace(request, policy=replace(request.policy, targets=tuple(name for name in names if name in TARGETS)))
     report = engine.audit_single_model(request)
     found, units = engine.plan_units(request)
@@ -71,19 +72,27 @@ def compare_engines(request: Request) -> EngineComparison:
 
 
 def predict_verdict(engine: str, findings: Sequence[Finding]) -> tuple[Verdict, tuple[str, ...]]:
-    """The worst that findings say an engine does, and the codes of those that say it."""
-    told = outcomes_of(findings)[engine]
-    return told.verdict, told.codes
+    """Return the worst that findings predict for an engine, and their codes."""
+    outcome = outcomes_of(findings)[engine]
+    return outcome.verdict, outcome.codes
 
 
 def _make_row(
     name: str, version: str, outcome: LoadOutcome, robot: EngineInput, findings: Sequence[Finding]
 ) -> EngineRow:
-    return EngineRow(name, version, outcome, judge_outcome(robot, outcome), *predict_verdict(name, findings))
+    predicted, codes = predict_verdict(name, findings)
+    return EngineRow(
+        engine=name,
+        version=version,
+        outcome=outcome,
+        judgement=judge_outcome(robot, outcome),
+        predicted=predicted,
+        codes=codes,
+    )
 
 
 def _read_input(unit: Unit, settings: AuditSettings) -> EngineInput | None:
-    """What a worker process does with a unit."""
+    """Read the model of a unit in a worker process."""
     libraries.prefer_own_folders()
     sandbox.confine(settings.visible_folders, (), settings.options.limits.memory)
     from urdfcheck.model import Model

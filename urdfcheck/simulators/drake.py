@@ -15,7 +15,7 @@ LIBRARIES = ("pydrake.multibody.parsing", "pydrake.multibody.plant")
 
 
 def get_version() -> str | None:
-    """The installed version."""
+    """Return the installed version."""
     try:
         return distribution("drake")
     except PackageNotFoundError:
@@ -23,7 +23,7 @@ def get_version() -> str | None:
 
 
 def load(robot: EngineInput, path: str) -> LoadedRobot:
-    """With contacts, and the root welded to the world, for it would fall freely; how it moves is asked of one without shapes."""
+    """Load with contacts and the root welded to the world; the dynamics are computed with a plant without shapes."""
     from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
     from pydrake.systems.framework import DiagramBuilder
 
@@ -31,7 +31,7 @@ def load(robot: EngineInput, path: str) -> LoadedRobot:
     plant, scene = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
     links, joints = _parse_model(plant, robot, path)
     context = builder.Build().CreateDefaultContext()
-    # Convex hulls are made when the first contact is looked for.
+    # Convex hulls are computed by the first contact query.
     scene.get_query_output_port().Eval(scene.GetMyContextFromRoot(context)).HasCollisions()
     bare = MultibodyPlant(0.0)
     _, moved = _parse_model(bare, robot, path)
@@ -49,7 +49,7 @@ def load(robot: EngineInput, path: str) -> LoadedRobot:
 
 
 def _parse_model(plant: Any, robot: EngineInput, path: str) -> tuple[list[Any], dict[str, Any]]:
-    """The links of the model, and its joints by name."""
+    """Parse the model into the plant; return its links, and its joints by name."""
     from pydrake.multibody.parsing import Parser
 
     (instance,) = Parser(plant).AddModels(Path(path))
@@ -82,8 +82,10 @@ def _compute_dynamics(plant: Any, context: Any, joints: dict[str, Any], robot: E
 
 
 def _compute_accelerations(plant: Any, context: Any, rows: list[int]) -> Vector:
-    """At the last configuration; no numbers where Drake stops at a body that nothing can hold. In continuous time it knows no
-    constraints, which mimicking joints are."""
+    """Compute the accelerations at the last configuration; NaN where Drake rejects a body without inertia.
+
+    Empty for a plant with constraints, such as mimic joints, which Drake does not support in continuous time.
+    """
     if plant.num_velocities() != len(rows) or plant.num_constraints():
         return ()
     try:

@@ -1,4 +1,4 @@
-"""A model as an engine gets it, and as its author typed it."""
+"""The input of the engines: the model as a document, and its numbers as its author typed them."""
 
 from __future__ import annotations
 
@@ -21,36 +21,42 @@ from urdfcheck.system.files import read_regular
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
-# Random configurations that are compared, and what they begin with: any will do, and the same ones every time.
+# Number of random configurations that are compared, and their seed, so that they are always the same.
 SAMPLES, SEED = 4, 20
-# A prismatic joint is moved by up to so many metres; others by up to half a turn.
+# Metres by which a prismatic joint is moved at most; others are moved by up to half a turn.
 REACH = 0.5
-# A mass matrix of more joints has more numbers than are worth sending. Of a hundred published robots none has 150.
+# No dynamics are computed for more joints, because mass matrices grow too large. Of 100 published robots none has 150.
 MOST_JOINTS = 300
-# Where a joint has no limits it starts here, for at 0 an axis of a symmetric robot may hold it by chance.
+# Start position (rad or m) of joints without limits: at 0 a symmetric robot may be balanced by chance.
 _START = 0.3
 _FILENAME = re.compile(rb"""(\bfilename\s*=\s*)("[^"]*"|'[^']*')""")
 
 
 def build_input(source: Source, model: Model | None) -> EngineInput | None:
-    """The model for engines; None where it could not be read or expanded at all."""
+    """Build the input of the engines; None for a model that could not be read or expanded."""
     document = _read_document(source)
     if document is None:
         return None
     if model is None:
-        return EngineInput(document)
+        return EngineInput(document=document)
     document = _FILENAME.sub(lambda m: m[1] + _replace_filename(m[2], _resolve_meshes(model)), document)
     children = {joint.child for joint in model.joints if joint.type not in {"fixed", ""}}
     moved = tuple(dict.fromkeys(link.name for link in model.links if link.name in children))
     try:
         order = model.tree.order
     except FactUnavailableError:
-        return EngineInput(document, moved_links=moved)
+        return EngineInput(document=document, moved_links=moved)
     moving = [model.tree.parent_joint[name] for name in order[1:]]
     joints = [joint for joint in moving if _has_one_dof(joint)]
     samples = tuple(_iter_samples(joints))
     start = tuple(_choose_start(joint) for joint in joints)
-    robot = EngineInput(document, None, moved, tuple(j.name for j in joints), samples, start)
+    robot = EngineInput(
+        document=document,
+        moved_links=moved,
+        joints=tuple(joint.name for joint in joints),
+        samples=samples,
+        start=start,
+    )
     typed = TypedRobot(
         root=model.tree.root,
         heads={name: model.tree.list_body_links(name)[0] for name in order},
@@ -64,7 +70,7 @@ def build_input(source: Source, model: Model | None) -> EngineInput | None:
 
 
 def _read_document(source: Source) -> bytes | None:
-    """The bytes of a URDF as they are; of a xacro what it expands to."""
+    """Return the bytes of a URDF as they are, or of the expanded xacro."""
     if source.is_xacro:
         if source.root is None:
             return None
@@ -86,7 +92,7 @@ def _iter_xml(element: Element) -> Iterator[str]:
 
 
 def _resolve_meshes(model: Model) -> Mapping[str, str]:
-    """The absolute paths of the meshes that were found, by what was typed for them."""
+    """Map the typed names of meshes that were found to their absolute paths."""
     finder, base = model.source.finder, model.source.path.parent
     typed = {
         s.mesh_filename.value
@@ -104,7 +110,7 @@ def _replace_filename(literal: bytes, meshes: Mapping[str, str]) -> bytes:
 
 
 def _has_one_dof(joint: Joint) -> bool:
-    """Whether it has one degree of freedom."""
+    """Whether a joint has one degree of freedom that moves."""
     return joint.type in {"revolute", "continuous", "prismatic"}
 
 
@@ -137,14 +143,14 @@ def _choose_start(joint: Joint) -> float:
 
 
 def _compute_dynamics(model: Model, robot: EngineInput) -> EngineDynamics | None:
-    """What Pinocchio computes for the numbers as they were typed; None where one is missing, or nobody could compute with it."""
+    """Compute the dynamics of the typed numbers with Pinocchio; None where one is missing or malformed."""
     import numpy as np
     import pinocchio as pin
 
     built = pin.Model()
     supports: dict[str, tuple[int, Array]] = {model.tree.root: (0, np.eye(4))}
     waiting = list(model.tree.child_joints[model.tree.root])
-    while waiting:  # what hangs on a joint comes right behind it: Pinocchio relies on that
+    while waiting:  # depth first: Pinocchio requires the descendants of a joint to follow it directly
         joint = waiting.pop()
         waiting += model.tree.child_joints[joint.child]
         base, before = supports[joint.parent]
@@ -171,7 +177,7 @@ def _compute_dynamics(model: Model, robot: EngineInput) -> EngineDynamics | None
 
 
 def _make_joint_model(joint: Joint) -> Any:
-    """As Pinocchio calls it; None for a type that nobody knows."""
+    """Make Pinocchio's model of a joint; None for an unknown type."""
     import numpy as np
     import pinocchio as pin
 
@@ -188,7 +194,7 @@ def _make_joint_model(joint: Joint) -> Any:
 
 
 def make_inertia(mass: float, centre: Array, tensor: Array) -> Any:
-    """A ``pinocchio.Inertia``, also one that no body can have: what it is made from is checked, what it is set to is not."""
+    """Make a ``pinocchio.Inertia``, also an impossible one: its constructor validates, its setters do not."""
     import pinocchio as pin
 
     body = pin.Inertia.Zero()
@@ -197,7 +203,7 @@ def make_inertia(mass: float, centre: Array, tensor: Array) -> Any:
 
 
 def compute_dynamics(built: Any, robot: EngineInput) -> EngineDynamics | None:
-    """How a ``pinocchio.Model`` moves; None where it lacks a joint."""
+    """Compute the dynamics of a ``pinocchio.Model``; None where it lacks a joint."""
     import numpy as np
     import pinocchio as pin
 
@@ -225,6 +231,6 @@ def _make_configuration(built: Any, parts: Sequence[Any], values: Vector) -> Arr
 
     q: Array = pin.neutral(built)
     for part, value in zip(parts, values, strict=True):
-        # A joint without limits is the point of a circle.
+        # A continuous joint is represented by cosine and sine.
         q[part.idx_q : part.idx_q + part.nq] = value if part.nq == 1 else (math.cos(value), math.sin(value))
     return q

@@ -1,7 +1,7 @@
-"""Gazebo, as far as its parser of models (libsdformat) decides: what URDF becomes when it is converted to SDF.
+"""Gazebo, represented by its parser (libsdformat), which converts URDF to SDF.
 
-The library of a Debian or Ubuntu package is called by the two functions that its command ``gz sdf`` calls. What the converted
-model moves like is computed by Pinocchio.
+The library of a Debian or Ubuntu package is called through the two functions that the command ``gz sdf`` uses. Pinocchio computes
+the dynamics of the converted model.
 """
 
 from __future__ import annotations
@@ -21,31 +21,31 @@ from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, LoadedRobo
 
 INSTALL = "apt install libsdformat-dev (Debian), or Gazebo itself"
 LIBRARIES = ("pinocchio",)
-# Where packages of Debian, Ubuntu, ROS and of Gazebo install libraries, and what they call them, the newest last.
+# Where packages of Debian, Ubuntu, ROS and Gazebo install the library, and its names.
 _FOLDERS = ("/usr/lib", "/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/local/lib")
 _LIBRARY = re.compile(r"lib(?:gz-)?sdformat(\d+)\.so\.(\d+\.[\d.]+)")
-# Digits that it is told to print, and what it writes for no limit.
+# Digits that it prints, and the number that it writes for no limit.
 _DIGITS, _NONE = 17, 1e16
-# Of a plugin's elements it may print names that are none in XML, or have a prefix that is not declared.
+# It may print elements of plugins with names that are invalid in XML or have an undeclared prefix.
 _PREFIX = re.compile(r"(?<=[<\s/])([\w.-]+):+(?=[\w.-]+[\s=>/])")
 _TENSOR = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))
 
 
 def get_version() -> str | None:
-    """The installed version."""
+    """Return the installed version."""
     found = _find_library()
     return None if found is None else found[1]
 
 
 def load(robot: EngineInput, path: str) -> LoadedRobot:
-    """The model as it is after conversion. Gazebo spawns none that does not pass the check."""
+    """Load the converted model. Gazebo spawns no model that fails the check."""
     found = _find_library()
     if found is None:
         raise RuntimeError("libsdformat is not installed")
     library = ctypes.CDLL(found[0])
     if library.cmdCheck(os.fsencode(path)) != 0:
         raise RuntimeError("sdformat finds errors")
-    # Versions differ in how many of these they take, and older ones do not look at the others.
+    # Versions differ in the number of these parameters; older ones ignore the rest.
     library.cmdPrint.argtypes = [ctypes.c_char_p, *[ctypes.c_int] * 2, ctypes.c_float, *[ctypes.c_int] * 3]
     printed = Path(path).with_name("converted.sdf")
     with _redirect_stdout(printed):
@@ -55,7 +55,7 @@ def load(robot: EngineInput, path: str) -> LoadedRobot:
     if model is None:
         raise RuntimeError("the converted file holds no model")
     joints = {joint.get("name", ""): joint for joint in model.iter("joint")}
-    frames = [frame.get("name", "") for frame in model.iter("frame")]  # what is left of a joint that was merged
+    frames = [frame.get("name", "") for frame in model.iter("frame")]  # a merged joint leaves a frame
     return LoadedRobot(
         links={link.get("name", ""): _read_number(link, "inertial/mass", 1.0) for link in model.iter("link")},
         joints=(*joints, *frames),
@@ -66,7 +66,7 @@ def load(robot: EngineInput, path: str) -> LoadedRobot:
 
 
 def _find_library() -> tuple[str, str] | None:
-    """The path and the version of the newest one."""
+    """Return path and version of the newest installed library."""
     found = []
     for folder in _FOLDERS:
         for name in os.listdir(folder) if os.path.isdir(folder) else ():
@@ -78,7 +78,7 @@ def _find_library() -> tuple[str, str] | None:
 
 @contextmanager
 def _redirect_stdout(path: Path) -> Iterator[None]:
-    """Have what a library prints written to a file."""
+    """Redirect the output of native code to a file."""
     flush = ctypes.CDLL(None).fflush
     flush(None)
     saved = os.dup(1)
@@ -109,7 +109,7 @@ def _read_limits(joint: ET.Element) -> tuple[float, float] | None:
 
 
 def _compute_dynamics(model: ET.Element, robot: EngineInput) -> EngineDynamics | None:
-    """As Pinocchio computes it from the numbers of the converted model."""
+    """Compute the dynamics of the converted model with Pinocchio."""
     import numpy as np
     import pinocchio as pin
 
@@ -122,7 +122,7 @@ def _compute_dynamics(model: ET.Element, robot: EngineInput) -> EngineDynamics |
     built = pin.Model()
     supports: dict[str, tuple[int, Any]] = {name: (0, pin.SE3.Identity()) for name in {"world", *links} - moved}
     waiting = [joint for name in supports for joint in behind.get(name, ())]
-    while waiting:  # what hangs on a joint comes right behind it: Pinocchio relies on that
+    while waiting:  # depth first: Pinocchio requires the descendants of a joint to follow it directly
         joint = waiting.pop()
         child = (joint.findtext("child") or "").strip()
         waiting += behind.pop(child, [])
@@ -145,11 +145,11 @@ def _compute_dynamics(model: ET.Element, robot: EngineInput) -> EngineDynamics |
             body = make_inertia(_read_number(inertial, "mass", 1.0), np.zeros(3), tensor)
             built.appendBodyToJoint(index, body, placed * _read_pose(links[name]) * pose)
     motion = compute_dynamics(built, robot)
-    return None if motion is None else replace(motion, accelerations=())  # how it falls is not for Pinocchio to say
+    return None if motion is None else replace(motion, accelerations=())  # the accelerations depend on the simulator
 
 
 def _read_pose(element: ET.Element) -> Any:
-    """Where a joint, a link or an inertial is in what the converter gives it in: its parent, its joint, its link."""
+    """Read the pose of a joint, a link or an inertial in the frame that the converter uses: parent, joint or link."""
     import numpy as np
     import pinocchio as pin
 

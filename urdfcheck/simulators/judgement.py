@@ -1,4 +1,4 @@
-"""What an engine did with a model, measured against what its author typed."""
+"""Compare the model that an engine loaded with the model that its author typed."""
 
 from __future__ import annotations
 
@@ -9,33 +9,39 @@ from dataclasses import dataclass
 from urdfcheck.core import Verdict
 from urdfcheck.simulators.outcome import EngineDynamics, EngineInput, LoadedRobot, LoadOutcome, Range, TypedRobot
 
-# Mass matrices and torques are the same that agree to so much of the largest number among them: of 96 published robots those
-# that load unchanged differ by up to 2e-8 in Bullet, which has axes in single precision, and by up to 5e-13 elsewhere.
+# Mass matrices and torques are equal if they differ by at most this part of their largest element: for the 96 published robots
+# that load unchanged they differ by up to 2e-8 in Bullet, which has axes in single precision, and by up to 5e-13 elsewhere.
 SAME = 1e-6
-# One step of a simulation tells an acceleration to so much.
+# The relative accuracy of an acceleration measured by one step of a simulation.
 _SIMULATED = 1e-2
-# m/s², and the rad/s² or m/s² below which an acceleration is none.
+# m/s², and the rad/s² or m/s² below which an acceleration counts as zero.
 _GRAVITY, _SLOW = 9.81, 1e-3
 # Engines without limits write a large number.
 _NONE = 1e10
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class EngineJudgement:
-    """The worst of what an engine did, all of it in words, and how far its numbers are from those typed: of the mass matrix
-    and of the gravity torques, the largest difference divided by the largest number; None where they cannot be compared.
-    ``fell``: whether accelerations were computed."""
+    """What an engine did with a model, and how far its numbers differ from the typed ones."""
 
     verdict: Verdict
+    """The worst of it."""
     reasons: tuple[str, ...] = ()
+    """All of it in words."""
     matrix: float | None = None
+    """Largest difference of the mass matrices divided by the largest element; None where they cannot be compared."""
     torque: float | None = None
+    """The same for the gravity torques."""
     has_accelerations: bool = False
+    """Whether accelerations were computed."""
 
 
 def matches_prediction(predicted: Verdict, judgement: EngineJudgement) -> bool:
-    """Whether what was said of an engine can be what it did. A refusal is seen, and where it fell that there are no numbers; of
-    what was replaced or is missing only links, joints, collision shapes, inertias, axes and limits are."""
+    """Whether the prediction for an engine is compatible with what it did.
+
+    A rejection is always observed, and NaN where accelerations were computed; of what was replaced or dropped only links,
+    joints, collision shapes, inertias, axes and limits are.
+    """
     measured = judgement.verdict
     if Verdict.REFUSES in {predicted, measured}:
         return predicted is measured
@@ -47,45 +53,47 @@ def matches_prediction(predicted: Verdict, judgement: EngineJudgement) -> bool:
 
 
 def judge_outcome(robot: EngineInput, outcome: LoadOutcome) -> EngineJudgement:
-    """Compare the outcome with what was typed; where that is no robot, only what is missing is known."""
+    """Compare the outcome with the typed model; if that is not a robot, only missing links are detected."""
     loaded = outcome.loaded
     if loaded is None:
-        return EngineJudgement(Verdict.REFUSES, (outcome.refused,))
+        return EngineJudgement(verdict=Verdict.REFUSES, reasons=(outcome.refused,))
     typed = robot.typed
     if typed is None:
         gone = [name for name in robot.moved_links if name not in loaded.links] if loaded.links else []
-        return (
-            EngineJudgement(Verdict.DROPS, (f"without {_join_names('link', gone)}",))
-            if gone
-            else EngineJudgement(Verdict.LOADS)
-        )
-    found = [
+        if not gone:
+            return EngineJudgement(verdict=Verdict.LOADS)
+        return EngineJudgement(verdict=Verdict.DROPS, reasons=(f"without {_join_names('link', gone)}",))
+    observed = [
         *_iter_dropped(typed, loaded),
         *_iter_mass_differences(typed, loaded),
         *_iter_limit_differences(typed, loaded),
     ]
     matrix, torque = None, None
     if loaded.motion is not None:
-        found += _iter_nan(loaded.motion)
+        observed += _iter_nan(loaded.motion)
         if typed.motion is not None:
             free = all(lower < upper for lower, upper in typed.limits.values())  # no limit holds a joint
             mass = sum(known for known in typed.masses.values() if known is not None)
             matrix, torque, falls = _compare_dynamics(typed.motion, loaded.motion, mass, free=free)
             if matrix is not None and not matrix <= SAME:
-                found.append((Verdict.REPLACES, f"the mass matrix differs by {matrix:.1e} of its largest element"))
+                observed.append((Verdict.REPLACES, f"the mass matrix differs by {matrix:.1e} of its largest element"))
             if torque is not None and not torque <= SAME:
-                found.append((Verdict.REPLACES, f"the gravity torques differ by {torque:.1e} of the largest"))
+                observed.append((Verdict.REPLACES, f"the gravity torques differ by {torque:.1e} of the largest"))
             if falls is not None and not falls <= _SIMULATED and matrix is not None and matrix <= SAME:
-                found.append((Verdict.REPLACES, f"the accelerations differ by {falls:.1e} of the largest"))
-    worst = max((verdict for verdict, _ in found), default=Verdict.LOADS)
-    reasons = tuple(text for _, text in sorted(found, key=lambda f: -f[0]))
+                observed.append((Verdict.REPLACES, f"the accelerations differ by {falls:.1e} of the largest"))
+    worst = max((verdict for verdict, _ in observed), default=Verdict.LOADS)
+    reasons = tuple(text for _, text in sorted(observed, key=lambda f: -f[0]))
     return EngineJudgement(
-        worst, reasons, matrix, torque, loaded.motion is not None and bool(loaded.motion.accelerations)
+        verdict=worst,
+        reasons=reasons,
+        matrix=matrix,
+        torque=torque,
+        has_accelerations=loaded.motion is not None and bool(loaded.motion.accelerations),
     )
 
 
 def _iter_dropped(typed: TypedRobot, loaded: LoadedRobot) -> Iterator[tuple[Verdict, str]]:
-    """A link is there when the head of its body is: fixed joints may be merged, and what is fixed to the world with it."""
+    """Yield dropped parts. A link counts as loaded if the head of its body is: engines may merge links across fixed joints."""
     if not loaded.links:
         return
     present = {*loaded.links, typed.root}
@@ -157,7 +165,7 @@ def _compare_dynamics(
     comparable = free and typed.accelerations and found.accelerations and all(map(math.isfinite, typed.accelerations))
     return (
         _compute_relative_difference(matrices, 0.0),
-        # An axis that is upright feels rounding errors only: a torque counts beside what the mass could exert on an arm.
+        # The torque of an upright axis is rounding error: it is measured against what the mass could exert on an arm.
         _compute_relative_difference(
             list(zip(typed.torques, found.torques, strict=True)), _GRAVITY * math.sqrt(inertia * abs(mass))
         ),
@@ -166,7 +174,7 @@ def _compare_dynamics(
 
 
 def _compute_relative_difference(pairs: Sequence[tuple[Sequence[float], Sequence[float]]], least: float) -> float:
-    """The largest difference of two numbers, divided by the largest of those typed, which is ``least`` at the least."""
+    """Return the largest difference of two numbers, divided by the largest typed one but at least by ``least``."""
     scale = max((abs(x) for typed, _ in pairs for x in typed), default=0.0)
     worst = max((abs(x - y) for typed, found in pairs for x, y in zip(typed, found, strict=True)), default=0.0)
     scale = max(scale, least)

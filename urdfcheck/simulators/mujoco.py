@@ -14,7 +14,7 @@ LIBRARIES = ("mujoco",)
 
 
 def get_version() -> str | None:
-    """The installed version."""
+    """Return the installed version."""
     try:
         return distribution("mujoco")
     except PackageNotFoundError:

@@ -1,9 +1,9 @@
-"""What is asked of an engine and what it answers: plain values, because they cross between processes."""
+"""Input and output of an engine: plain values, because they cross between processes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 # Rows of a matrix; one number for each degree of freedom.
 Matrix = tuple[tuple[float, ...], ...]
@@ -13,63 +13,77 @@ Range = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class EngineDynamics:
-    """How a robot moves whose root is fixed, in the order of ``joints``, those with one degree of freedom that moves
-    (revolute, continuous, prismatic): the mass matrix in kg, kg m or kg m² and the torques in N or N m that hold it against
-    gravity, at each configuration of ``Robot.samples``, and the accelerations in m/s² or rad/s² with which it begins to fall
-    at ``Robot.start``; empty where other joints have a part in them."""
+    """Dynamics of a robot with a fixed root, in the order of its joints with one degree of freedom."""
 
     joints: tuple[str, ...] = ()
+    """Names of the revolute, continuous and prismatic joints."""
     masses: tuple[Matrix, ...] = ()
+    """Mass matrix in kg, kg m or kg m² at each configuration of `EngineInput.samples`."""
     torques: tuple[Vector, ...] = ()
+    """Torques in N or N m that hold it against gravity at each of these configurations."""
     accelerations: Vector = ()
+    """In m/s² or rad/s², released at `EngineInput.start`; empty where other joints contribute."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class TypedRobot:
-    """The robot as its author typed it. ``heads``: of each link the one nearest to the root that only fixed joints are
-    between, a body's head; ``masses`` in kg by head, None where one cannot be read; ``limits`` in rad or m of the joints that
-    have both; ``shapes``: how many collision shapes there are; ``motion``: None where it cannot be had."""
+    """The robot as its author typed it."""
 
     root: str
     heads: Mapping[str, str]
+    """Link → head of its body: the link nearest to the root that only fixed joints separate it from."""
     joints: tuple[str, ...]
     masses: Mapping[str, float | None]
+    """Mass in kg of each body by its head; None where one cannot be read."""
     limits: Mapping[str, Range]
+    """Position limits in rad or m of the joints that have both."""
     shapes: int
+    """Number of collision shapes."""
     motion: EngineDynamics | None = None
+    """None where it cannot be computed."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class EngineInput:
-    """What an engine gets. ``document``: the model as it is handed to any of them, as URDF whose meshes have absolute paths
-    where they were found. ``typed``: None where links and joints do not form a robot; ``moved``: the links that a joint
-    moves. ``samples``: configurations of ``joints`` in rad or m, and ``start``, one that is inside of all limits."""
+    """The model for all engines, and the configurations in which they are compared."""
 
     document: bytes
+    """URDF; meshes that were found have absolute paths."""
     typed: TypedRobot | None = None
+    """None where links and joints do not form a robot."""
     moved_links: tuple[str, ...] = ()
+    """Links that a joint moves."""
     joints: tuple[str, ...] = ()
+    """Joints with one degree of freedom."""
     samples: tuple[Vector, ...] = ()
+    """Configurations of ``joints`` in rad or m."""
     start: Vector = ()
+    """A configuration inside all limits, in rad or m."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class LoadedRobot:
-    """What an engine has after loading. ``links``: their masses in kg by name, as it counts them; ``limits``: None for a
-    joint without any; ``shapes``: its collision shapes, None where it does not say; ``motion``: None where it has none."""
+    """The robot as an engine loaded it."""
 
     links: Mapping[str, float]
+    """Name → mass in kg."""
     joints: tuple[str, ...]
     limits: Mapping[str, Range | None]
+    """Position limits in rad or m; None for a joint without any."""
     shapes: int | None = None
+    """Number of collision shapes; None where the engine does not report it."""
     motion: EngineDynamics | None = None
+    """None where it cannot be computed."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoadOutcome:
-    """What became of a model in an engine: ``loaded``, or ``refused`` in its own words; ``messages``: what it printed."""
+    """The result of loading a model in an engine."""
 
     engine: str
     loaded: LoadedRobot | None = None
+    """None where the engine rejected the model."""
     refused: str = ""
-    messages: tuple[str, ...] = field(default=())
+    """The reason for the rejection, in the engine's words."""
+    messages: tuple[str, ...] = ()
+    """Lines that the engine printed."""

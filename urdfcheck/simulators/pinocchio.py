@@ -14,7 +14,7 @@ LIBRARIES = ("pinocchio",)
 
 
 def get_version() -> str | None:
-    """The installed version."""
+    """Return the installed version."""
     try:
         return distribution("pin")
     except PackageNotFoundError:
@@ -22,7 +22,7 @@ def get_version() -> str | None:
 
 
 def load(robot: EngineInput, path: str) -> LoadedRobot:
-    """The model and its geometry, as ``RobotWrapper.BuildFromURDF`` loads it."""
+    """Load the model and its geometry as ``RobotWrapper.BuildFromURDF`` does."""
     import pinocchio as pin
 
     model = pin.buildModelFromUrdf(path)
@@ -44,7 +44,7 @@ def load(robot: EngineInput, path: str) -> LoadedRobot:
 
 
 def list_masses(model: Any) -> dict[str, float]:
-    """What links weigh in a ``pinocchio.Model``: those that fixed joints join all together, told of the first."""
+    """List the masses of links in a ``pinocchio.Model``; the mass of links that fixed joints join counts for the first."""
     import pinocchio as pin
 
     bodies = [frame for frame in model.frames if frame.type == pin.FrameType.BODY]
@@ -56,7 +56,7 @@ def list_masses(model: Any) -> dict[str, float]:
 
 
 def list_joints(model: Any) -> tuple[str, ...]:
-    """The joints of a ``pinocchio.Model``, those that do not move among them."""
+    """List the joints of a ``pinocchio.Model``, including fixed ones."""
     import pinocchio as pin
 
     return tuple(f.name for f in model.frames if f.type in (pin.FrameType.JOINT, pin.FrameType.FIXED_JOINT))

@@ -1,4 +1,4 @@
-"""Engines at work, each in a process of its own: one that crashes on a model says so by it, and takes nobody along."""
+"""Run engines, each in a separate process: a crash is a result and affects nothing else."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ from urdfcheck.simulators.outcome import EngineInput, LoadOutcome
 from urdfcheck.system import libraries, sandbox
 from urdfcheck.system.process_pool import Worker, WorkerDiedError, WorkerTimeoutError, map_in_processes
 
-# pinocchio last: what it makes of a model is also what urdfdom does.
+# The engines in the order of the report; urdfdom is seen through pinocchio.
 ENGINES = ("pinocchio", "urdfdom", "mujoco", "drake", "bullet", "gazebo")
-# Of what an engine prints, so many lines of so many characters are kept.
+# Lines, and characters per line, that are kept of an engine's output.
 MOST_LINES, LONGEST = 40, 400
-# Colours, and where in their sources they speak.
+# Colours, and the source positions that engines print before their messages.
 _MARKS = re.compile(
     r"\x1b\[[0-9;]*m|b3(?:Warning|Error|Printf)\[[^\]\n]*\]:\s*|b3Printf: "
     r"|^(?:Error|Warning) \[\w+\.\w+:\d+\] *$|^ *at line \d+ in /?[\w./-]+ *$|/\S*/urdfcheck-\w+/\d+/",
     re.MULTILINE,
 )
-# What they print whatever the model is.
+# Lines that engines print for any model.
 _NOISE = ("pybullet build time", "Library error: libignition-tools-backward", "Valid.")
 
 
 def list_versions() -> dict[str, str | None]:
-    """The version of each engine, None for one that is not installed."""
+    """Return the version of each engine; None for one that is not installed."""
     return {name: importlib.import_module(f"urdfcheck.simulators.{name}").get_version() for name in ENGINES}
 
 
 def get_install_hint(engine: str) -> str:
-    """A command, in most cases."""
+    """Return how to install an engine, in most cases a command."""
     text: str = importlib.import_module(f"urdfcheck.simulators.{engine}").INSTALL
     return text
 
@@ -52,8 +52,12 @@ def iter_outcomes(
     *,
     apart: bool = True,
 ) -> Iterator[tuple[int, LoadOutcome]]:
-    """Load robots in engines: as they come, the places of the jobs and what became of them. ``around``: the folders that the
-    processes may read. Unless ``apart``, one process does one job after the other: they must be for the same engine then."""
+    """Load robots in engines; yields the index of each job and its outcome as they finish.
+
+    :param jobs: names of engines with the robots to load.
+    :param around: folders that the processes may read.
+    :param apart: whether each job has its own process; otherwise all jobs must be for the same engine.
+    """
     with tempfile.TemporaryDirectory(prefix="urdfcheck-", ignore_cleanup_errors=True) as folder:
         work = []
         for place, (engine, robot) in enumerate(jobs):
@@ -73,7 +77,7 @@ def iter_outcomes(
 
 
 def _prepare_nothing() -> None:
-    """Nothing: a worker that prepares itself does not look through what it was born with after each job."""
+    """Do nothing: only a worker with a preparation excludes inherited objects from the garbage collection of each job."""
 
 
 def _describe_ending(died: WorkerDiedError, limits: ResourceLimits) -> str:
@@ -88,14 +92,14 @@ def _describe_ending(died: WorkerDiedError, limits: ResourceLimits) -> str:
 def _load_in_engine(
     engine: str, robot: EngineInput, own: str, folder: str, around: Sequence[str], limits: ResourceLimits
 ) -> LoadOutcome:
-    """What the process of an engine does with a robot; files that it needs go to the folder ``own``."""
+    """Load a robot in the process of an engine; files that it needs go to the folder ``own``."""
     libraries.prefer_own_folders()
     module = importlib.import_module(f"urdfcheck.simulators.{engine}")
     loaded, refused = None, ""
-    faulthandler.disable()  # that an engine crashes is an answer, and no news for the terminal
+    faulthandler.disable()  # a crash is a result and must not be printed
     os.chdir(own)  # MuJoCo writes its warnings into a file of the working directory
     with _capture_output(own):
-        for library in module.LIBRARIES:  # to start, some of them run programs
+        for library in module.LIBRARIES:  # before confinement: some run programs when they are imported
             importlib.import_module(library)
         sandbox.confine((*around, folder), (folder,), limits.memory)
         path = Path(own, "robot.urdf")
@@ -115,7 +119,7 @@ def _load_in_engine(
 
 @contextlib.contextmanager
 def _capture_output(own: str) -> Iterator[None]:
-    """Have all that is printed, by native code too, written to a file: it is there even when the process is not any more."""
+    """Redirect all output, of native code too, to a file, which survives a crash of the process."""
     import ctypes
 
     flush = getattr(ctypes.CDLL(None), "fflush", lambda _: None) if sys.platform != "win32" else (lambda _: None)
@@ -148,5 +152,5 @@ def _split_lines(text: str) -> list[str]:
 
 
 def _remove_mark(mark: re.Match[str]) -> str:
-    """A message begins behind most of them; the folder of our own file is left out of its path."""
+    """Replace a mark: most precede a message and become a line end; the folder of our own file is removed from paths."""
     return "" if mark[0].startswith(("/", "\x1b")) else "\n"

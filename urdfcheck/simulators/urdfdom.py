@@ -1,4 +1,4 @@
-"""urdfdom, the parser of ROS, as far as Pinocchio shows what it read; RViz, MoveIt and KDL read models with it."""
+"""urdfdom, the parser of ROS that RViz, MoveIt and KDL use, as far as Pinocchio shows what it read."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from urdfcheck.simulators.pinocchio import LIBRARIES as LIBRARIES
 from urdfcheck.simulators.pinocchio import get_version as get_version
 from urdfcheck.simulators.pinocchio import list_joints, list_masses
 
-# What Pinocchio raises when urdfdom gave it no model; whatever else it raises is its own.
+# Pinocchio's message when urdfdom rejects the model; its other errors are its own.
 _NO_MODEL = "does not contain a valid URDF model"
 
 
-def load(robot: EngineInput, path: str) -> LoadedRobot:
-    """Links and joints only: what is computed with them is not urdfdom's doing."""
+def load(_robot: EngineInput, path: str) -> LoadedRobot:
+    """Load links and joints only, because urdfdom computes nothing."""
     import pinocchio as pin
 
     try:
@@ -21,5 +21,5 @@ def load(robot: EngineInput, path: str) -> LoadedRobot:
     except ValueError as error:
         if _NO_MODEL in str(error):
             raise
-        return LoadedRobot({}, (), {})
+        return LoadedRobot(links={}, joints=(), limits={})
     return LoadedRobot(links=list_masses(model), joints=list_joints(model), limits={})

@@ -1,4 +1,4 @@
-"""``urdfcheck audit DATASET…``: thousands of models, each kept as soon as it is finished."""
+"""``urdfcheck audit DATASET…``: check thousands of models; the result of each is kept as soon as it is finished."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from urdfcheck.run.preload import start_warm_worker
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """The options of ``urdfcheck audit``."""
+    """Build the parser of ``urdfcheck audit``."""
     p = CommandParser(
         prog="urdfcheck audit",
         description="Audit many models: a line of JSON for each, a summary, a page; what was finished is kept.",
@@ -51,22 +51,22 @@ def main(words: Sequence[str]) -> int:
         or (backend == "dask" and not address)
     ):
         raise UrdfcheckError(f"--backend {options.backend}: write local, dask=ADDRESS, ray or ray=ADDRESS")
-    first = start_warm_worker() if backend == "local" else None
+    warm_worker = start_warm_worker() if backend == "local" else None
 
     from urdfcheck import rules as catalogue
-    from urdfcheck.dataset import audit as dataset
     from urdfcheck.dataset import cluster
+    from urdfcheck.dataset.audit import INDEX, LINES, audit_dataset
     from urdfcheck.output.shared.audit import summary_text
-    from urdfcheck.run import pipeline as engine
+    from urdfcheck.run.pipeline import Execution, stream_reports
     from urdfcheck.system import libraries
 
     request, settings = build_request(options)
     libraries.prefer_own_folders()
-    done = dataset.audit_dataset(
+    done = audit_dataset(
         request,
         options.output,
         lambda units, work: (
-            engine.stream_reports(units, work, request.jobs, engine.Execution(warm_worker=first))
+            stream_reports(units, work, request.jobs, Execution(warm_worker=warm_worker))
             if backend == "local"
             else cluster.stream_on_cluster(units, work, backend, address or None)
         ),
@@ -77,8 +77,8 @@ def main(words: Sequence[str]) -> int:
         say("nothing to check: no model, launch file or package was found there")
         return OK if options.allow_empty else NOTHING
     sys.stdout.write(summary_text.render_audit_summary(done.summary, catalogue.load_rules()))
-    known = f"{done.unchanged:,} unchanged, " if done.unchanged else ""
-    say(f"{known}{done.checked:,} checked; {options.output / dataset.LINES}, {options.output / dataset.INDEX}")
+    unchanged = f"{done.unchanged:,} unchanged, " if done.unchanged else ""
+    say(f"{unchanged}{done.checked:,} checked; {options.output / LINES}, {options.output / INDEX}")
     fail_on = options.fail_on or settings.fail_on
     codes = [combine_exit_code(False, worst, level or fail_on) for level, worst in done.worst.items()]
     return max((combine_exit_code(bool(done.summary.failure_count), None, fail_on), *codes))

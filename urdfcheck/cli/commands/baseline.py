@@ -1,4 +1,4 @@
-"""``urdfcheck baseline write|check|prune [PATH…]``: the findings that are known, so that only new ones are seen."""
+"""``urdfcheck baseline write|check|prune [PATH…]``: accept the findings of today, so that only new ones are reported."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from urdfcheck.cli.options import EPILOG, CommandParser, add_options, build_request, read_options
 from urdfcheck.cli.terminal import (
@@ -21,9 +22,15 @@ from urdfcheck.cli.terminal import (
 )
 from urdfcheck.core.errors import UrdfcheckError
 
+if TYPE_CHECKING:
+    from urdfcheck.core import Run
+    from urdfcheck.policy.baseline import Baseline, BaselineView
+    from urdfcheck.policy.config import Config
+    from urdfcheck.run.jobs import Request
+
 
 def build_parser() -> argparse.ArgumentParser:
-    """The options of ``urdfcheck baseline``."""
+    """Build the parser of ``urdfcheck baseline``."""
     p = CommandParser(
         prog="urdfcheck baseline",
         description="Write down the findings of today, so that a check shows only those that are new.",
@@ -45,21 +52,11 @@ def main(words: Sequence[str]) -> int:
     """Run the command."""
     options = build_parser().parse_args(words)
 
-    from urdfcheck.policy import baseline
     from urdfcheck.run.pipeline import Execution, run
-    from urdfcheck.run.request import find_baseline_file
-    from urdfcheck.source.package.finder import format_path
     from urdfcheck.system import libraries
 
     request, settings = build_request(options)
-    file = find_baseline_file(read_options(options, options.paths), settings)
-    if options.action == "check" and options.isolated and options.baseline is None:
-        raise UrdfcheckError("--isolated heeds no baseline that lies in the repository: name one with --baseline")
-    if request.baseline is None and file.is_file():
-        request = replace(request, baseline=baseline.read_baseline(file, settings.root))
-    before = request.baseline
-    if before is None and options.action != "write":
-        raise UrdfcheckError(f"{format_path(file)}: there is no baseline; urdfcheck baseline write makes one")
+    file, request = _add_previous_baseline(options, request, settings)
     libraries.prefer_own_folders()
     outcome = run(request, Execution(on_progress=make_progress_printer()))
     if options.action == "check":
@@ -72,27 +69,71 @@ def main(words: Sequence[str]) -> int:
     if not outcome.units:
         say("nothing to check: no model, launch file or package was found there")
         return OK if options.allow_empty else NOTHING
-    seen = baseline.BaselineView(
-        outcome.findings, outcome.models, outcome.complete_rules, outcome.skipped, outcome.tier
+    _update_baselines(outcome, request.baseline, file, settings.root, prune=options.action == "prune")
+    return FAILED if outcome.failures else OK
+
+
+def _add_previous_baseline(options: argparse.Namespace, request: Request, settings: Config) -> tuple[Path, Request]:
+    """Return the file of the run's baseline, and the request with its content.
+
+    :raises UrdfcheckError: if the action needs a baseline and there is none.
+    """
+    from urdfcheck.policy.baseline import read_baseline
+    from urdfcheck.run.request import find_baseline_file
+    from urdfcheck.source.package.finder import format_path
+
+    file = find_baseline_file(read_options(options, options.paths), settings)
+    if options.action == "check" and options.isolated and options.baseline is None:
+        raise UrdfcheckError("--isolated heeds no baseline that lies in the repository: name one with --baseline")
+    if request.baseline is None and file.is_file():
+        request = replace(request, baseline=read_baseline(file, settings.root))
+    if request.baseline is None and options.action != "write":
+        raise UrdfcheckError(f"{format_path(file)}: there is no baseline; urdfcheck baseline write makes one")
+    return file, request
+
+
+def _update_baselines(outcome: Run, previous: Baseline | None, file: Path, root: Path, *, prune: bool) -> None:
+    """Write the baseline of the run (``previous``, ``file`` and ``root``) and those of folders with a configuration."""
+    from urdfcheck.policy import baseline
+
+    view = baseline.BaselineView(
+        findings=outcome.findings,
+        models=outcome.models,
+        complete_rules=outcome.complete_rules,
+        skipped=outcome.skipped,
+        tier=outcome.tier,
     )
     for home, names in sorted(outcome.baseline_unit_names.items(), key=lambda item: item[0] or ("", "")):
-        own = seen.select_models(names)
-        at, root = (file, settings.root) if home is None else (Path(home[0]), Path(home[1]))
-        old = before if home is None else baseline.read_baseline(at, root) if at.is_file() else None
-        if options.action == "write":
-            after = baseline.renew_entries(old or baseline.Baseline(at, root), own)
-            write_file(baseline.render_baseline(after), at)
-            known = sum(baseline.is_baseline_candidate(finding) for finding in own.findings)
-            say(f"{format_path(at)}: {known:,} {'finding is' if known == 1 else 'findings are'} known from now on")
+        unit_view = view.select_models(names)
+        at, folder = (file, root) if home is None else (Path(home[0]), Path(home[1]))
+        old = previous if home is None else baseline.read_baseline(at, folder) if at.is_file() else None
+        if not prune:
+            _renew_baseline(old or baseline.Baseline(at, folder), unit_view, at)
         elif old is not None:
-            gone = baseline.find_stale_entries(old, own)
-            write_file(baseline.render_baseline(baseline.remove_stale_entries(old, gone)), at)
-            number = sum(sum(entries.values()) for entries in gone.values())
-            done = f"took out {_format_entry_count(number, 'stale ')}" if number else "no entry is stale"
-            say(
-                f"{format_path(at)}: {done}, {_format_entry_count(old.size - number)} remain{'s' * (old.size - number == 1)}"
-            )
-    return FAILED if outcome.failures else OK
+            _prune_baseline(old, unit_view, at)
+
+
+def _renew_baseline(old: Baseline, view: BaselineView, file: Path) -> None:
+    """Write a baseline that accepts all findings of today."""
+    from urdfcheck.policy import baseline
+    from urdfcheck.source.package.finder import format_path
+
+    write_file(baseline.render_baseline(baseline.renew_entries(old, view)), file)
+    count = sum(baseline.is_baseline_candidate(finding) for finding in view.findings)
+    say(f"{format_path(file)}: {count:,} {'finding is' if count == 1 else 'findings are'} known from now on")
+
+
+def _prune_baseline(old: Baseline, view: BaselineView, file: Path) -> None:
+    """Write a baseline without the entries that no finding matches any more."""
+    from urdfcheck.policy import baseline
+    from urdfcheck.source.package.finder import format_path
+
+    stale = baseline.find_stale_entries(old, view)
+    write_file(baseline.render_baseline(baseline.remove_stale_entries(old, stale)), file)
+    count = sum(sum(entries.values()) for entries in stale.values())
+    done = f"took out {_format_entry_count(count, 'stale ')}" if count else "no entry is stale"
+    rest = old.size - count
+    say(f"{format_path(file)}: {done}, {_format_entry_count(rest)} remain{'s' * (rest == 1)}")
 
 
 def _format_entry_count(number: int, kind: str = "") -> str:

@@ -1,7 +1,10 @@
 """``urdfcheck completion bash|zsh|fish``: a script that lets a shell complete commands, options and their values.
 
-The scripts are made from the parsers of the commands. They hold all words themselves, so that a key press starts no Python.
-A generator for argparse (shtab) has no way to say that the first word may be a command or already a file to check.
+The scripts are generated from the parsers of the commands. They contain all words, so that a key press starts no Python.
+
+shtab 1.13 was tried instead, with every command as a sub-parser. At the first word its bash script offers either the commands
+(``check`` as a sub-parser: no path, and no option after a path) or, with the paths of ``check`` on the parent, paths and no
+command. The values of CODES, NAMES and FORMAT=FILE would still be functions of our own for each shell.
 """
 
 from __future__ import annotations
@@ -23,22 +26,25 @@ _KINDS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class CompletedArgument:
-    """An option with its ``flags``, or without any a word of a command. ``words``: the values to choose from; ``kind``: files,
-    folders, or nothing that the shell knows; ``takes``: whether an option has a value at all."""
+    """An option or an operand of a command."""
 
     flags: tuple[str, ...]
+    """Empty for an operand."""
     help: str
     choices: tuple[str, ...]
+    """The values to choose from, where they are known."""
     kind: str
+    """``FILES``, ``FOLDERS``, or empty for values that a shell does not know."""
     takes_value: bool
+    """Whether an option has a value."""
     metavar: str
 
 
 @dataclass(frozen=True, slots=True)
 class CompletedCommand:
-    """A command, its options, and what it takes besides, in order."""
+    """A command with its options and, in order, its operands."""
 
     name: str
     help: str
@@ -47,17 +53,17 @@ class CompletedCommand:
 
     @property
     def first_words(self) -> tuple[str, ...]:
-        """What its first word may be chosen from."""
+        """The choices for the first operand."""
         return self.operands[0].choices if self.operands else ()
 
     @property
     def kind(self) -> str:
-        """What its words are beside those."""
+        """The kind of the last operand."""
         return self.operands[-1].kind if self.operands else ""
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """The options of ``urdfcheck completion``."""
+    """Build the parser of ``urdfcheck completion``."""
     p = CommandParser(
         prog="urdfcheck completion",
         description="Print a script that completes the words of this command in a shell.",
@@ -94,15 +100,24 @@ def _list_commands() -> list[CompletedCommand]:
 
 
 def _describe_command(name: str, values: dict[str, tuple[str, ...]]) -> CompletedCommand:
-    made: argparse.ArgumentParser = importlib.import_module(f"urdfcheck.cli.commands.{name}").build_parser()
+    parser: argparse.ArgumentParser = importlib.import_module(f"urdfcheck.cli.commands.{name}").build_parser()
     arguments = []
-    for action in made._actions:
+    for action in parser._actions:
         meta = str(action.metavar or action.dest)
         words = tuple(map(str, action.choices)) if action.choices else values.get(meta, ())
         kind = FILES if meta == "FORMAT=FILE" else _KINDS.get(meta, "")
         text = (action.help or "") % {"default": action.default}
-        arguments.append(CompletedArgument(tuple(action.option_strings), text, words, kind, action.nargs != 0, meta))
-    summary = (made.description or "").partition(". ")[0].rstrip(".")
+        arguments.append(
+            CompletedArgument(
+                flags=tuple(action.option_strings),
+                help=text,
+                choices=words,
+                kind=kind,
+                takes_value=action.nargs != 0,
+                metavar=meta,
+            )
+        )
+    summary = (parser.description or "").partition(". ")[0].rstrip(".")
     return CompletedCommand(
         name,
         summary,
@@ -134,8 +149,8 @@ _urdfcheck() {{
         yield "            case $prev in"
         for option in command.options:
             if option.takes_value:
-                told = f"words={shlex.quote(' '.join(option.choices))} kind={option.kind or 'none'}"
-                yield f"                {'|'.join(option.flags)}) {told} options= ;;"
+                values = f"words={shlex.quote(' '.join(option.choices))} kind={option.kind or 'none'}"
+                yield f"                {'|'.join(option.flags)}) {values} options= ;;"
         yield "            esac ;;"
     yield f"""\
     esac
@@ -193,7 +208,7 @@ if [[ $funcstack[1] == _urdfcheck ]]; then _urdfcheck "$@"; else compdef _urdfch
 
 
 def _format_zsh_action(argument: CompletedArgument) -> str:
-    """How zsh completes a value."""
+    """Return the action by which zsh completes a value."""
     if argument.choices and argument.kind:
         return f"_urdfcheck_reports {' '.join(argument.choices)}"
     if argument.choices:
@@ -235,7 +250,7 @@ end"""
 
 
 def _format_fish_values(option: CompletedArgument) -> str:
-    """How fish completes the value of an option."""
+    """Return the arguments by which fish completes the value of an option."""
     if not option.takes_value:
         return ""
     words = f" -a {_quote_fish(' '.join(option.choices))}" if option.choices else ""

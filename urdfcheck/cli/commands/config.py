@@ -1,4 +1,4 @@
-"""``urdfcheck config [PATH]``: what holds for a file or folder, and who said so."""
+"""``urdfcheck config [PATH]``: the configuration of a file or folder, and where each value comes from."""
 
 from __future__ import annotations
 
@@ -18,49 +18,54 @@ if TYPE_CHECKING:
     from rich.text import Text
 
     from urdfcheck.policy.config import Config, ConfigResolver
+    from urdfcheck.policy.policy import Policy
 
 DEFAULT, COMMAND_LINE = "default", "command line"
-# Columns before the place of a value; a longer value has its place on a line of its own.
+# Columns of the indent, of the names, and before the source of a value.
 INDENT, NAMES, PLACES = 2, 14, 64
 
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A value that holds, and who said so: a ``file:line``, the command line, or the default."""
+    """A value and its source: a ``file:line``, the command line, or the default."""
 
     name: str
     value: Any
     source: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class RuleSetting:
-    """What is different from a rule's page: its severity (``option`` is None) or one of its options."""
+    """A severity or an option that differs from the rule's page."""
 
     code: str
     name: str
     option: str | None
+    """None for the severity."""
     value: Any
     default: Any
     source: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ConfigReport:
-    """All that is printed. ``selected``: the codes of the rules; ``known``: the findings that ``[[suppress]]`` knows."""
+    """Everything that is printed."""
 
     path: str
     file: str | None
     root: str
     settings: tuple[Setting, ...]
     selected: tuple[str, ...]
+    """Codes of the selected rules."""
     rules: tuple[RuleSetting, ...]
     known: tuple[Setting, ...]
+    """Entries of ``[[suppress]]``."""
     models: tuple[Setting, ...]
+    """Arguments of ``[[models]]`` entries for the path."""
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """The options of ``urdfcheck config``."""
+    """Build the parser of ``urdfcheck config``."""
     p = CommandParser(
         prog="urdfcheck config",
         description="Print the configuration that holds for a file or folder, and where each value comes from. It takes the "
@@ -84,25 +89,26 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck.run.request import find_baseline_file, make_config_resolver
 
     run_options = read_options(options, [options.path])
-    configured = make_config_resolver(run_options)
-    config = configured.for_path(path)
+    resolver = make_config_resolver(run_options)
+    config = resolver.for_path(path)
     baseline = find_baseline_file(run_options, config)
-    there = baseline.is_file() and not options.isolated
-    answer = _build_report(configured, config, path, baseline if there or options.baseline or config.baseline else None)
+    is_found = baseline.is_file() and not options.isolated
+    shown_baseline = baseline if is_found or options.baseline or config.baseline else None
+    report = _build_report(resolver, config, path, baseline=shown_baseline)
     if options.format == "json":
         from urdfcheck.output.shared.inert import escape_for_json
 
-        print_document(escape_for_json(json.dumps(asdict(answer), indent=2, ensure_ascii=False) + "\n"))
+        print_document(escape_for_json(json.dumps(asdict(report), indent=2, ensure_ascii=False) + "\n"))
     else:
-        _print_report(answer)
+        _print_report(report)
     return OK
 
 
-def _build_report(configured: ConfigResolver, config: Config, path: Path, baseline: Path | None) -> ConfigReport:
+def _build_report(resolver: ConfigResolver, config: Config, path: Path, *, baseline: Path | None) -> ConfigReport:
     from urdfcheck.policy.config import read_typed_table
     from urdfcheck.source.package.finder import format_path
 
-    given, holds = configured.overrides, configured.resolve(config, path)
+    given, effective = resolver.overrides, resolver.resolve(config, path)
     table, at = read_typed_table(config)
     sections = [(s.key, _get_section(table, s.key)) for s in config.get_sections(path)]
 
@@ -110,26 +116,26 @@ def _build_report(configured: ConfigResolver, config: Config, path: Path, baseli
         return at[key]
 
     def find_last_source(key: str) -> str:
-        """Where the last section stands that says something about a key."""
+        """Return where the last section that sets a key is, which wins."""
         return next((get_source(*where, key) for where, section in reversed(sections) if key in section), DEFAULT)
 
     def iter_code_settings(key: str, default: str, on_command_line: frozenset[str] | None) -> Iterator[Setting]:
         if on_command_line is not None:
             yield Setting(key, _shorten_list(sorted(on_command_line)), COMMAND_LINE)
             return
-        typed_so = [Setting(key, ", ".join(s[key]), get_source(*where, key)) for where, s in sections if key in s]
-        yield from typed_so or [Setting(key, default, DEFAULT)]
+        typed_settings = [Setting(key, ", ".join(s[key]), get_source(*where, key)) for where, s in sections if key in s]
+        yield from typed_settings or [Setting(key, default, DEFAULT)]
 
-    def make_setting(key: str, value: Any, on_command_line: bool = False) -> Setting:
+    def make_setting(key: str, value: Any, *, on_command_line: bool = False) -> Setting:
         return Setting(key, value, COMMAND_LINE if on_command_line else find_last_source(key))
 
     beside = "found beside the configuration" if config.baseline is None else find_last_source("baseline")
     settings = [
         *iter_code_settings("select", "ALL", given.select),
         *iter_code_settings("ignore", "", given.ignore),
-        make_setting("fail-on", holds.fail_on, given.fail_on is not None),
-        make_setting("tier", holds.policy.tier, given.tier is not None),
-        make_setting("target", ", ".join(holds.policy.targets), given.target is not None),
+        make_setting("fail-on", effective.fail_on, on_command_line=given.fail_on is not None),
+        make_setting("tier", effective.policy.tier, on_command_line=given.tier is not None),
+        make_setting("target", ", ".join(effective.policy.targets), on_command_line=given.target is not None),
         make_setting("exclude", ", ".join(config.exclude)),
         *(Setting("packages", f"{n} = {format_path(p)}", at["packages", n]) for n, p in config.packages.items()),
         make_setting("package-path", ", ".join(map(format_path, config.package_path))),
@@ -140,7 +146,7 @@ def _build_report(configured: ConfigResolver, config: Config, path: Path, baseli
     known = [
         Setting(_shorten_list(_get_suppressed_codes(table, i)), f"{entry.subject}: {entry.reason}", at["suppress", i])
         for i, (_, entry) in enumerate(config.suppress)
-        if entry in holds.policy.suppress
+        if entry in effective.policy.suppress
     ]
     models = [
         Setting(m.name or "no name", " ".join(f"{n}:={v}" for n, v in m.arguments.items()), at["models", i])
@@ -148,22 +154,22 @@ def _build_report(configured: ConfigResolver, config: Config, path: Path, baseli
         if m.path.resolve() == path.resolve()
     ]
     return ConfigReport(
-        format_path(path),
-        None if config.file is None else format_path(config.file),
-        format_path(config.root),
-        tuple(settings),
-        tuple(sorted(holds.policy.codes)),
-        tuple(_iter_rule_settings(configured, config, path, sections, at)),
-        tuple(known),
-        tuple(models),
+        path=format_path(path),
+        file=None if config.file is None else format_path(config.file),
+        root=format_path(config.root),
+        settings=tuple(settings),
+        selected=tuple(sorted(effective.policy.codes)),
+        rules=tuple(_iter_rule_settings(effective.policy, sections, at)),
+        known=tuple(known),
+        models=tuple(models),
     )
 
 
 def _get_section(table: Mapping[str, Any], key: Sequence[str | int]) -> Mapping[str, Any]:
-    found: Any = table
+    value: Any = table
     for part in key:
-        found = found[part]
-    section: Mapping[str, Any] = found
+        value = value[part]
+    section: Mapping[str, Any] = value
     return section
 
 
@@ -173,19 +179,16 @@ def _get_suppressed_codes(table: Mapping[str, Any], index: int) -> list[str]:
 
 
 def _iter_rule_settings(
-    configured: ConfigResolver,
-    config: Config,
-    path: Path,
+    policy: Policy,
     sections: Sequence[tuple[tuple[str | int, ...], Mapping[str, Any]]],
     at: Mapping[tuple[str | int, ...], str],
 ) -> Iterator[RuleSetting]:
     from urdfcheck import rules as catalogue
 
-    holds = configured.resolve(config, path)
     severities: dict[str, str] = {}
     options: dict[tuple[str, str], str] = {}
     for where, section in sections:
-        # The same order as the configuration's: what means fewer rules comes later, and wins.
+        # In the order of the configuration: a word that means fewer rules comes later, and wins.
         for word in sorted(section.get("severity", {}), key=lambda w: -len(catalogue.select_rules([w]))):
             place = (*where, "severity", word)
             severities.update(dict.fromkeys(catalogue.select_rules([word]), at[place]))
@@ -194,11 +197,25 @@ def _iter_rule_settings(
                 place = (*where, "options", word, name)
                 options.update(dict.fromkeys(((code, name) for code in catalogue.select_rules([word])), at[place]))
     for code, rule in catalogue.load_rules().items():
-        if code in holds.policy.codes and holds.policy.severities.get(code, str(rule.severity)) != str(rule.severity):
-            value = holds.policy.severities[code]
-            yield RuleSetting(code, rule.name, None, value, str(rule.severity), severities[code])
-        for name, value in holds.policy.options.get(code, {}).items() if code in holds.policy.codes else ():
-            yield RuleSetting(code, rule.name, name, value, rule.options[name].default, options[code, name])
+        if code in policy.codes and policy.severities.get(code, str(rule.severity)) != str(rule.severity):
+            value = policy.severities[code]
+            yield RuleSetting(
+                code=code,
+                name=rule.name,
+                option=None,
+                value=value,
+                default=str(rule.severity),
+                source=severities[code],
+            )
+        for name, value in policy.options.get(code, {}).items() if code in policy.codes else ():
+            yield RuleSetting(
+                code=code,
+                name=rule.name,
+                option=name,
+                value=value,
+                default=rule.options[name].default,
+                source=options[code, name],
+            )
 
 
 def _shorten_list(words: Sequence[str]) -> str:
@@ -208,7 +225,7 @@ def _shorten_list(words: Sequence[str]) -> str:
 # -- for a person ------------------------------------------------------------------------------------------------------
 
 
-def _print_report(answer: ConfigReport) -> None:
+def _print_report(report: ConfigReport) -> None:
     from rich.console import Console
     from rich.text import Text
 
@@ -224,28 +241,28 @@ def _print_report(answer: ConfigReport) -> None:
     def make_block(title: str, rows: Sequence[Text]) -> list[Text]:
         return [Text(), Text(f"  {title}", "bold"), *rows] if rows else []
 
-    lines = [Text.assemble((escape_one_line(answer.path), "bold"))]
+    lines = [Text.assemble((escape_one_line(report.path), "bold"))]
     lines.append(
-        Text.assemble("  configured by ", (escape_one_line(answer.file or "no file: the defaults hold"), "cyan"))
+        Text.assemble("  configured by ", (escape_one_line(report.file or "no file: the defaults hold"), "cyan"))
     )
-    lines.append(Text.assemble("  models are named from ", (escape_one_line(answer.root), "")))
+    lines.append(Text.assemble("  models are named from ", (escape_one_line(report.root), "")))
     lines.append(Text())
-    lines += [make_row(s.name, str(s.value), s.source) for s in answer.settings]
-    lines.append(make_row("rules", f"{len(answer.selected)} of {len(catalogue.load_rules())}", ""))
+    lines += [make_row(s.name, str(s.value), s.source) for s in report.settings]
+    lines.append(make_row("rules", f"{len(report.selected)} of {len(catalogue.load_rules())}", ""))
     severities = [
-        make_row(r.code, f"{r.name}: {r.default} → {r.value}", r.source) for r in answer.rules if r.option is None
+        make_row(r.code, f"{r.name}: {r.default} → {r.value}", r.source) for r in report.rules if r.option is None
     ]
     options = [
         make_row(r.code, f"{r.name}: {r.option} = {r.value}, on the page {r.default}", r.source)
-        for r in answer.rules
+        for r in report.rules
         if r.option is not None
     ]
     lines += make_block("severities that differ from the rule's page", severities)
     lines += make_block("options that differ", options)
     lines += make_block(
-        "checked with these arguments", [make_row(m.name, str(m.value), m.source) for m in answer.models]
+        "checked with these arguments", [make_row(m.name, str(m.value), m.source) for m in report.models]
     )
-    lines += make_block("known findings", [make_row(k.name, str(k.value), k.source) for k in answer.known])
+    lines += make_block("known findings", [make_row(k.name, str(k.value), k.source) for k in report.known])
     console = Console()
     for line in lines:
         if console.is_terminal:

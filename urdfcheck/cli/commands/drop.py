@@ -1,4 +1,4 @@
-"""``urdfcheck drop MODEL``: what happens when it is set on the ground in a simulator."""
+"""``urdfcheck drop MODEL``: drop a model on the ground in a simulator."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ RULE = "DYN005"
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """The options of ``urdfcheck drop``."""
+    """Build the parser of ``urdfcheck drop``."""
     p = CommandParser(
         prog="urdfcheck drop",
         description="Set a robot on a plane in MuJoCo, let go for two seconds, and look at what comes of it.",
@@ -46,7 +46,7 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main(words: Sequence[str]) -> int:
     """Run the command."""
-    # The rest is as a check has it without options.
+    # All other options have the defaults of a check.
     check = CommandParser()
     add_options(check)
     options = build_parser().parse_args(words, check.parse_args(["--tier=full"]))
@@ -63,7 +63,7 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck.system import libraries
 
     first = start_warm_worker()
-    # What is wrong with the file says why there is no model.
+    # The findings about the file explain why there is no model.
     wanted = {RULE, *(code for code, rule in catalogue.load_rules().items() if "file" in rule.scopes)}
     formats = {options.format, *(name for name, _ in outputs)}
     if "html" not in formats:
@@ -74,17 +74,17 @@ def main(words: Sequence[str]) -> int:
     outcome = run(request, Execution(warm_worker=first, on_progress=make_progress_printer()))
     if outcome.models and not outcome.drops:
         raise UrdfcheckError(f"{options.paths[0]}: {_explain_no_drop(outcome)}")
-    # Whatever is written beside it, the command says the same: what the drop shows, and errors of the file.
+    # Whatever reports are written, the command prints the same: findings of the drop, and errors of the file.
     findings = (f for f in outcome.findings if f.code == RULE or (f.code in wanted and f.severity == Severity.ERROR))
-    told = replace(outcome, findings=tuple(findings), scenes=())
-    print_run(outcome if options.format == "html" else told, options.format, options.color)
+    drop_outcome = replace(outcome, findings=tuple(findings), scenes=())
+    print_run(outcome if options.format == "html" else drop_outcome, options.format, options.color)
     for output_format, file in outputs:
-        write_file(output.render(outcome if output_format == "html" else told, output_format), file)
-    return compute_exit_code(told, options.fail_on or settings.fail_on)
+        write_file(output.render(outcome if output_format == "html" else drop_outcome, output_format), file)
+    return compute_exit_code(drop_outcome, options.fail_on or settings.fail_on)
 
 
 def _explain_no_drop(outcome: Run) -> str:
-    """Why no model could be dropped."""
+    """Return why no model could be dropped."""
     from urdfcheck.core import Severity
 
     reasons = [*outcome.failures, *(skip.reason for skip in outcome.skipped if skip.code in {RULE, "ALL"})]

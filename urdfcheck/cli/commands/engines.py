@@ -1,4 +1,4 @@
-"""``urdfcheck engines MODEL``: what the simulators that are installed really do with a model."""
+"""``urdfcheck engines MODEL``: load a model in all installed simulators and compare the results."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from urdfcheck.simulators.comparison import EngineComparison, EngineRow
 
 SCHEMA = "urdfcheck-engines/1"
-# The columns, and those that are left out first where there is no room.
+# The columns, and the indices of those that are dropped first where there is no room.
 _HEADS = ("engine", "version", "verdict", "links", "mass kg", "max |ΔM|", "max |Δg|")
 _DISPENSABLE = (1, 3, 6)
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """The options of ``urdfcheck engines``."""
+    """Build the parser of ``urdfcheck engines``."""
     p = CommandParser(
         prog="urdfcheck engines",
         description="Load a model for real in every engine that is installed, and compare what they make of it.",
@@ -59,7 +59,7 @@ def main(words: Sequence[str]) -> int:
 
 
 def _is_unexpected_refusal(row: EngineRow, targets: Sequence[str]) -> bool:
-    """Whether an engine refuses the model that should load it: one that it is meant for, or of which no finding says so."""
+    """Whether an engine rejects the model although it is a target, or no finding predicts the rejection."""
     from urdfcheck.core import Verdict
 
     refused = row.judgement.verdict is Verdict.REFUSES

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from urdfcheck.core import Run
 
 PRE_COMMIT, GITHUB, GITLAB = ".pre-commit-config.yaml", ".github/workflows/urdfcheck.yml", ".gitlab-ci.yml"
-# How the README says it: whoever installed urdfcheck from an address need not fill it in.
+# The placeholder that the README uses; it is filled in where urdfcheck was installed from an address.
 UNKNOWN = "…"
 _WHAT_TO_INSTALL = "the address or a checkout of urdfcheck"
 
@@ -47,7 +47,7 @@ jobs:
         with:
           persist-credentials: false
 {steps}"""
-# An action is found by its address on GitHub; from elsewhere urdfcheck is installed.
+# A GitHub address is used as an action; from any other address urdfcheck is installed.
 ACTION = """\
       - uses: {action}
         with:
@@ -113,20 +113,23 @@ HOOKS = """\
 """
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SetupStep:
-    """What happens to a file. ``text`` is what it holds afterwards, None where it is left as it is, and ``why`` says why;
-    ``added`` is the part that is new."""
+    """What happens to a file."""
 
     path: Path
     verb: str
+    """wrote | extended | kept."""
     text: str | None = None
+    """Its content afterwards; None where it stays as it is."""
     added: str = ""
+    """The new part of the content."""
     reason: str = ""
+    """Why it stays as it is."""
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """The options of ``urdfcheck init``."""
+    """Build the parser of ``urdfcheck init``."""
     p = CommandParser(
         prog="urdfcheck init",
         description="Write a configuration, a pre-commit entry and a CI job for the models of a folder. Nothing that is there is "
@@ -172,7 +175,7 @@ def main(words: Sequence[str]) -> int:
 
 
 def _expand_models(folder: Path) -> Run:
-    """The models of a folder, expanded to see which of them need arguments."""
+    """Expand the models of a folder, to find those that need arguments."""
     from urdfcheck.policy.config import make_default_config
     from urdfcheck.policy.policy import Policy
     from urdfcheck.run.jobs import Request
@@ -190,39 +193,39 @@ def _expand_models(folder: Path) -> Run:
 
 
 def _collect_needed_arguments(outcome: Run, folder: Path) -> dict[Path, dict[str, tuple[str, ...]]]:
-    """The models that cannot be expanded without arguments, with these and the values of them that their text knows."""
+    """Collect the models that need arguments, with the names of these and the values that the text of the model gives."""
     from urdfcheck.source.package.finder import PackageFinder
     from urdfcheck.source.reach import FileReach
     from urdfcheck.source.xacro.argument_values import find_argument_choices
 
     paths = {info.id: Path(info.path) for info in outcome.models if info.status == "needs-arguments"}
-    found: dict[Path, dict[str, tuple[str, ...]]] = {}
+    needed: dict[Path, dict[str, tuple[str, ...]]] = {}
     for finding in outcome.findings:
         path = paths.get(finding.model)
         if path is not None:
             finder = PackageFinder(path.absolute(), reach=FileReach.from_paths([folder], []))
             known = {choice.name: choice.values for choice in find_argument_choices(path, finder)}
             names = [str(name) for name in finding.data["missing"]]
-            found.setdefault(path, {}).update({name: known.get(name, ()) for name in names})
-    return found
+            needed.setdefault(path, {}).update({name: known.get(name, ()) for name in names})
+    return needed
 
 
 def _find_repository(folder: Path) -> Path:
-    """The work tree around a folder, where CI and pre-commit look; itself where there is none."""
+    """Return the work tree around a folder, where CI and pre-commit look; the folder itself outside of one."""
     real = folder.resolve()
     return next((f for f in (real, *real.parents) if (f / ".git").exists()), real)
 
 
 def find_install_origin() -> tuple[str, str]:
-    """The address and the commit that urdfcheck was installed from (PEP 610); empty where pip did not write them down."""
+    """Return the address and the commit that urdfcheck was installed from (PEP 610); empty where pip did not record them."""
     from importlib.metadata import PackageNotFoundError, distribution
 
     try:
-        told = json.loads(distribution("urdfcheck").read_text("direct_url.json") or "{}")
+        origin = json.loads(distribution("urdfcheck").read_text("direct_url.json") or "{}")
     except (PackageNotFoundError, ValueError):
         return "", ""
-    commit = told.get("vcs_info", {}).get("commit_id", "")
-    return (told["url"], commit) if commit else ("", "")
+    commit = origin.get("vcs_info", {}).get("commit_id", "")
+    return (origin["url"], commit) if commit else ("", "")
 
 
 # -- what is to be written ---------------------------------------------------------------------------------------------
@@ -233,23 +236,26 @@ def _plan_configuration(folder: Path, needing: Mapping[Path, Mapping[str, Sequen
 
     own, project = folder / "urdfcheck.toml", folder / "pyproject.toml"
     if own.exists():
-        return SetupStep(own, "kept", reason="it is there already")
+        return SetupStep(path=own, verb="kept", reason="it is there already")
     if not project.is_file():
         text = CONFIGURATION.format(table="", prefix="") + _format_models(needing, folder, "")
-        return SetupStep(own, "wrote", text, text)
+        return SetupStep(path=own, verb="wrote", text=text, added=text)
     before = _read_text(project)
     table, prefix = "[tool.urdfcheck]\n", "tool.urdfcheck."
     added = CONFIGURATION.format(table=table, prefix=prefix) + _format_models(needing, folder, prefix)
     try:
         if "urdfcheck" in tomli.loads(before).get("tool", {}):
-            return SetupStep(project, "kept", reason="it has a table [tool.urdfcheck] already")
+            return SetupStep(path=project, verb="kept", reason="it has a table [tool.urdfcheck] already")
         text = _append_text(before, added)
         tomli.loads(text)
     except (tomli.TOMLDecodeError, AttributeError, TypeError):
         return SetupStep(
-            project, "kept", reason="nothing can be added to it: put what follows in urdfcheck.toml", added=added
+            path=project,
+            verb="kept",
+            reason="nothing can be added to it: put what follows in urdfcheck.toml",
+            added=added,
         )
-    return SetupStep(project, "extended", text, added)
+    return SetupStep(path=project, verb="extended", text=text, added=added)
 
 
 def _format_models(needing: Mapping[Path, Mapping[str, Sequence[str]]], folder: Path, prefix: str) -> str:
@@ -272,7 +278,7 @@ def _format_models(needing: Mapping[Path, Mapping[str, Sequence[str]]], folder: 
 
 
 def _quote_toml(text: str) -> str:
-    # A string of JSON is one of TOML, but for the character that ends ASCII.
+    # A JSON string is a TOML string, except for DEL.
     return json.dumps(text, ensure_ascii=True).replace("\x7f", "\\u007f")
 
 
@@ -283,21 +289,26 @@ def _format_toml_key(name: str) -> str:
 def _plan_hooks(path: Path, entry: str) -> SetupStep:
     if not path.exists():
         text = "repos:\n" + _indent_lines(entry, 2)
-        return SetupStep(path, "wrote", text, text)
+        return SetupStep(path=path, verb="wrote", text=text, added=text)
     before = _read_text(path)
     if "urdfcheck" in before:
-        return SetupStep(path, "kept", reason="it names urdfcheck already")
+        return SetupStep(path=path, verb="kept", reason="it names urdfcheck already")
     after = add_hooks(before, entry)
     if after is None:
         return SetupStep(
-            path, "kept", reason="its list of repos is not one that text can be added to: add what follows", added=entry
+            path=path,
+            verb="kept",
+            reason="its list of repos is not one that text can be added to: add what follows",
+            added=entry,
         )
-    return SetupStep(path, "extended", after, entry)
+    return SetupStep(path=path, verb="extended", text=after, added=entry)
 
 
 def add_hooks(before: str, entry: str) -> str | None:
-    """A pre-commit configuration with one more entry at the end of its repos, every other byte as it was; None where this does
-    not give what is meant."""
+    """Add an entry at the end of the repos of a pre-commit configuration; every other byte stays as it is.
+
+    Returns None where the result would not parse to the old content with the new entry.
+    """
     import yaml
 
     try:
@@ -323,26 +334,26 @@ def add_hooks(before: str, entry: str) -> str | None:
 
 
 def _format_github_action(address: str, revision: str) -> str:
-    """How a workflow of GitHub names an action of this address; empty where it is none of GitHub's."""
-    found = re.fullmatch(r"https://github\.com/([\w.-]+/[\w.-]+?)(?:\.git)?/?", address)
-    return "" if found is None else f"{found.group(1)}@{revision}"
+    """Return how a GitHub workflow names the action at an address; empty for an address outside of GitHub."""
+    match = re.fullmatch(r"https://github\.com/([\w.-]+/[\w.-]+?)(?:\.git)?/?", address)
+    return "" if match is None else f"{match.group(1)}@{revision}"
 
 
 def _plan_job(root: Path, install: str, action: str, folder: str) -> SetupStep:
-    word = shlex.quote(folder)  # of the shell that runs it
+    word = shlex.quote(folder)
     if not (root / GITLAB).exists():
         path = root / GITHUB
         if path.exists():
-            return SetupStep(path, "kept", reason="it is there already")
+            return SetupStep(path=path, verb="kept", reason="it is there already")
         steps = ACTION.format(action=action, folder=folder) if action else INSTALLED.format(install=install, path=word)
         text = JOB.format(steps=steps)
-        return SetupStep(path, "wrote", text, text)
+        return SetupStep(path=path, verb="wrote", text=text, added=text)
     import yaml
 
     path = root / GITLAB
     before = _read_text(path)
     if "urdfcheck" in before:
-        return SetupStep(path, "kept", reason="it names urdfcheck already")
+        return SetupStep(path=path, verb="kept", reason="it names urdfcheck already")
     try:
         tree = yaml.compose(before, yaml.SafeLoader)
     except yaml.YAMLError:
@@ -352,12 +363,12 @@ def _plan_job(root: Path, install: str, action: str, folder: str) -> SetupStep:
     stage = "" if "test" in stages or not stages else f"  stage: {stages[0]}\n"
     job = GITLAB_JOB.format(stage=stage, install=install, path=word)
     if tree is None or not isinstance(tree, yaml.MappingNode) or tree.flow_style:
-        return SetupStep(path, "kept", reason="it cannot be added to: add what follows", added=job)
-    return SetupStep(path, "extended", _append_text(before, job), job)
+        return SetupStep(path=path, verb="kept", reason="it cannot be added to: add what follows", added=job)
+    return SetupStep(path=path, verb="extended", text=_append_text(before, job), added=job)
 
 
 def _append_text(before: str, added: str, *, blank: bool = True) -> str:
-    """A text with another behind it, with its own ends of lines."""
+    """Append a text to another, with the line ends of the latter."""
     newline = "\r\n" if "\r\n" in before else "\n"
     end = "" if not before or before.endswith("\n") else newline
     return before + end + (newline if blank and before.strip() else "") + added.replace("\n", newline)
@@ -376,7 +387,7 @@ def _read_text(path: Path) -> str:
         raise UrdfcheckError(f"{path}: {error}") from None
 
 
-# -- writing and telling -----------------------------------------------------------------------------------------------
+# -- writing and reporting ----------------------------------------------------------------------------------------------
 
 
 def _run_step(step: SetupStep, root: Path, *, dry: bool) -> None:
@@ -387,7 +398,7 @@ def _run_step(step: SetupStep, root: Path, *, dry: bool) -> None:
     real = Path(os.path.realpath(step.path))
     if text is not None and (step.path.is_symlink() or not real.is_relative_to(root)):
         text = None
-        step = SetupStep(step.path, "kept", reason="it is a link, or lies outside of the repository")
+        step = SetupStep(path=step.path, verb="kept", reason="it is a link, or lies outside of the repository")
     if text is None:
         say(f"  kept      {name}: {step.reason}")
         if step.added:
@@ -417,19 +428,21 @@ def _report_next_steps(steps: Sequence[SetupStep], needing: Mapping[Path, object
     if dry:
         return
     configuration, hooks, job = steps
-    told = []
+    steps_left = []
     if needing and configuration.text is not None:
-        told.append(
+        steps_left.append(
             f"give {', '.join(map(format_path, sorted(needing)))} arguments in {format_path(configuration.path)}"
         )
     if not known and (
         job.text is not None or (job.path.is_file() and f"pip install {UNKNOWN}" in _read_text(job.path))
     ):
-        told.append(f"write in {format_path(job.path)} how urdfcheck is installed ({UNKNOWN}): {_WHAT_TO_INSTALL}")
+        steps_left.append(
+            f"write in {format_path(job.path)} how urdfcheck is installed ({UNKNOWN}): {_WHAT_TO_INSTALL}"
+        )
     if hooks.text is not None:
-        told.append("pre-commit install           the hook runs at each commit")
-    told.append("urdfcheck .                  what is wrong today")
-    told.append("urdfcheck baseline write     from then on only what is new is told")
+        steps_left.append("pre-commit install           the hook runs at each commit")
+    steps_left.append("urdfcheck .                  what is wrong today")
+    steps_left.append("urdfcheck baseline write     from then on only what is new is told")
     say("next")
-    for line in told:
+    for line in steps_left:
         say(f"  {line}")

@@ -1,4 +1,4 @@
-"""The summary of a GitHub job: a file that the runner names, and that every command of a step appends Markdown to."""
+"""The summary of a GitHub job: a file, named by the runner, to which each command of a step appends Markdown."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from urdfcheck.core.errors import UrdfcheckError
 if TYPE_CHECKING:
     from urdfcheck.core import Run
 
-# Below this nothing that is worth reading has room. GitHub shows none of a summary that is too large.
+# Characters below which no useful summary fits. GitHub shows nothing of a summary that is too large.
 LEAST = 2_000
 
 
 def find_summary_file() -> Path | None:
-    """Where the summary goes; None outside of a job."""
+    """Return the file of the summary; None outside of a job."""
     name = os.environ.get("GITHUB_STEP_SUMMARY")
     return Path(name) if name else None
 
 
 def append_summary(run: Run, reports: Sequence[str], file: Path) -> None:
-    """Append what a run found, as much as the file has room for; ``reports``: where its HTML reports are.
+    """Append the findings of a run, as many as fit; ``reports``: the files of its HTML reports.
 
     :raises UrdfcheckError: when the file cannot be written.
     """

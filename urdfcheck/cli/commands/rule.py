@@ -1,4 +1,4 @@
-"""``urdfcheck rule [CODE]``: the catalogue, or one page."""
+"""``urdfcheck rule [CODE]``: list the rules, or print a page."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from urdfcheck.cli.terminal import OK, say
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """The options of ``urdfcheck rule``."""
+    """Build the parser of ``urdfcheck rule``."""
     p = CommandParser(prog="urdfcheck rule", description="List the rules, or explain one.")
     p.add_argument("code", nargs="?", metavar="CODE", help="a code or a name")
     return p
@@ -23,8 +23,8 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck import rules as catalogue
 
     if options.code is None:
-        for known in catalogue.load_rules().values():
-            say(f"{known.code}  {known.severity!s:7}  {known.confidence!s:9}  {known.name}")
+        for rule in catalogue.load_rules().values():
+            say(f"{rule.code}  {rule.severity!s:7}  {rule.confidence!s:9}  {rule.name}")
         return OK
     say(
         "\n\n".join(

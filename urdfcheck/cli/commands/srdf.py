@@ -1,4 +1,4 @@
-"""``urdfcheck srdf MODEL``: the pairs of links that MoveIt need not check."""
+"""``urdfcheck srdf MODEL``: write the pairs of links that MoveIt need not check."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from urdfcheck.core.errors import UrdfcheckError
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """The options of ``urdfcheck srdf``."""
+    """Build the parser of ``urdfcheck srdf``."""
     from urdfcheck.export.link_pairs import SAMPLES, THOROUGH
 
     p = CommandParser(
@@ -44,7 +44,7 @@ def main(words: Sequence[str]) -> int:
     from urdfcheck.run.pipeline import audit_single_model
     from urdfcheck.system import libraries
 
-    # What is wrong with the file says why there is no model.
+    # The findings about the file explain why there is no model.
     codes = frozenset(code for code, rule in catalogue.load_rules().items() if "file" in rule.scopes)
     libraries.prefer_own_folders()
     request, _ = build_access_request(options, options.model, codes)

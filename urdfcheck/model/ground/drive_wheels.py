@@ -27,8 +27,9 @@ def list_drive_wheels(controller: Controller) -> tuple[list[YamlValue], list[Yam
 
 
 def measure_wheel_radii(model: Model, joint: str) -> list[float]:
-    """Measure the radii (m) about its axis of what the joint's child collides as and draws, where these are round and
-    known.
+    """Measure the radii (m) of a joint's child about the joint's axis.
+
+    Of what it collides as and of what it draws, where these are round and known.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """

@@ -65,11 +65,11 @@ def list_link_masses(model: Model) -> tuple[LinkMass, ...]:
 
 
 def collect_robot_corners(model: Model, wheels: Mapping[str, Wheel]) -> tuple[Array, Indices]:
-    """Collect points (n, 3) in root coordinates whose hull is that of the robot, and the index (n,) of each point's link in
-    the tree's order.
+    """Collect points (n, 3) whose hull is that of the robot, and the index (n,) of each point's link in the tree's order.
 
-    Collision shapes count where a link has them, what it draws otherwise; dummy shapes do not, unless they are casters.
-    ``wheels`` by link add the two lowest points of their treads, between which the corners of a mesh may hang in the air.
+    In root coordinates. Collision shapes count where a link has them, what it draws otherwise; dummy shapes do not, unless
+    they are casters. ``wheels`` by link add the two lowest points of their treads, between which the corners of a mesh may
+    hang in the air.
 
     :raises FactUnavailableError: when the tree is broken, or a shape is not known.
     """

@@ -11,7 +11,7 @@ from urdfcheck.facts.motion.contact import compute_rocking_gaps
 from urdfcheck.model.ground.wheels import Wheel, is_suspended, rolling_wheels
 from urdfcheck.model.robot import Model
 
-# A wheel whose lowest point is farther from the others' than this share of a radius does not stand on the ground; no typo.
+# A wheel whose lowest point is farther from the others' than this share of a radius is not meant to stand on the ground.
 _AWAY = 0.2
 # A difference below this share of the gap does not cause it.
 _EXPLAINED = 0.1

@@ -112,10 +112,10 @@ def is_massless_frame(link: Link) -> bool:
 
 
 def compute_body_shares(model: Model, links: tuple[str, ...]) -> dict[str, tuple[float, float]]:
-    """Compute the share that each link of a body with a positive mass and a tensor has of the body's mass and largest
-    moment.
+    """Compute the share that each link has of its body's mass and of the body's largest principal moment.
 
-    More than 1 is possible where other shares are negative; 1 where the values of the body are not known.
+    Of the ``links`` of one body, those with a positive mass and a tensor. A share above 1 is possible where others are
+    negative; it is 1 where the values of the body are not known.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """

@@ -49,10 +49,10 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
                 "the part that is drawn" if diagnosis.judged_by == "mesh" else f"its twin {', '.join(diagnosed.twins)}"
             )
             mistake = (diagnosis.cause or "").replace("_", " ")
-            found = f"undoing one mistake ({mistake}) makes it possible and brings it near to that of {reference}"
+            claim = f"undoing one mistake ({mistake}) makes it possible and brings it near to that of {reference}"
             if diagnosis.unique:
-                found = f"one edit ({mistake}) makes it that of {reference}, and no other single edit does"
-            return InertialProposal(change.edits, f"; {found}: {change.text}", f"write {change.text}; or ")
+                claim = f"one edit ({mistake}) makes it that of {reference}, and no other single edit does"
+            return InertialProposal(change.edits, f"; {claim}: {change.text}", f"write {change.text}; or ")
     drawn = propose_from_geometry(model, link)
     if drawn is None or not drawn.text:
         return InertialProposal()
@@ -62,10 +62,10 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
 
 
 def propose_undo(model: Model, link: Link) -> InertialRepair | None:
-    """Propose what undoes the mistake that was found in a link's inertial; None where none is certain, or it is not in the
-    inertial.
+    """Propose what undoes the mistake that was found in a link's inertial.
 
-    Without edits where a macro wrote the same text for other links, in which this mistake was not found.
+    None where no mistake is certain, or it is not in the inertial. Without edits where a macro wrote the same text for
+    other links, in which this mistake was not found.
     """
     diagnosed, inertial = inertial_diagnoses(model).get(link.name), link.inertial
     if diagnosed is None or inertial is None or diagnosed.diagnosis.mended is None:

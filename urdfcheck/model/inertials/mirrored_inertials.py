@@ -85,7 +85,7 @@ def compare_sides(model: Model, pair: MirrorPair) -> tuple[PairSide, PairSide] |
 def get_comparable_inertial(link: Link) -> DeclaredInertial | None:
     """Return an inertial that a body can have and that somebody computed; None for any other.
 
-    The rules about one link report what is not.
+    The rules about one link report the others.
     """
     inertial, numbers = link.inertial, read_declared_inertial(link)
     if inertial is None or inertial.inertia_components is None or numbers is None or is_point_mass(inertial):

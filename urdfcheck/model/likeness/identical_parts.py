@@ -90,19 +90,19 @@ def part_copies(model: Model) -> tuple[tuple[PartCopy, ...], ...]:
     kinds: dict[object, list[list[tuple[PartCopy, tuple[Array, ...]]]]] = {}
     for name in tree.order[1:]:
         link, joint = model.link_by_name[name], tree.parent_joint[name]
-        found = _make_part_copy(model, link)
-        if found is not None and (joint.is_movable or _has_mesh(found[0])):
-            copy, what, arranged = found
+        part = _make_part_copy(model, link)
+        if part is not None and (joint.is_movable or _has_mesh(part[0])):
+            copy, content, arranged = part
             depth = sum(j.is_movable for j in tree.find_path_to(name))
-            alike = kinds.setdefault(
-                (what, joint.type, depth, bool(NOT_DRIVEN_NAME.search(f"{joint.name} {name}"))), []
+            groups_of_kind = kinds.setdefault(
+                (content, joint.type, depth, bool(NOT_DRIVEN_NAME.search(f"{joint.name} {name}"))), []
             )
-            group = next((group for group in alike if _is_same_arrangement(group[0][1], arranged)), None)
+            group = next((group for group in groups_of_kind if _is_same_arrangement(group[0][1], arranged)), None)
             if group is None:
-                alike.append([(copy, arranged)])
+                groups_of_kind.append([(copy, arranged)])
             else:
                 group.append((copy, arranged))
-    groups = (tuple(copy for copy, _ in group) for alike in kinds.values() for group in alike)
+    groups = (tuple(copy for copy, _ in group) for groups_of_kind in kinds.values() for group in groups_of_kind)
     return tuple(group for group in groups if len(group) >= (2 if _has_mesh(group[0]) else 4))
 
 
@@ -119,11 +119,11 @@ def find_odd_copies(model: Model, threshold: float = NOTABLE_SHARE) -> tuple[Cop
         if len(group) < 3:
             continue
         members = _GroupComparison(model, group, threshold)
-        most = members.find_majority()
-        odd = [i for i in range(len(group)) if i not in most]
+        majority = members.find_majority()
+        odd = [i for i in range(len(group)) if i not in majority]
         if odd and len(odd) <= max(1, len(group) // 4):
-            by = tuple(group[i].link for i in most)
-            odd_copies += [replace(members.compare_members(i, most[0]), by=by) for i in odd]
+            by = tuple(group[i].link for i in majority)
+            odd_copies += [replace(members.compare_members(i, majority[0]), by=by) for i in odd]
     return tuple(odd_copies)
 
 
@@ -161,11 +161,11 @@ def estimate_from_copies(model: Model, *, excluded: Collection[frozenset[str]] =
         if frozenset(copy.link.name for copy in group) in excluded:
             continue
         members = _GroupComparison(model, group, NOTABLE_SHARE)
-        most = members.find_majority() if len(group) > 2 else [0, 1]
-        if 2 * len(most) <= len(group):
+        majority = members.find_majority() if len(group) > 2 else [0, 1]
+        if 2 * len(majority) <= len(group):
             continue
         for i, copy in enumerate(group):
-            by = [k for k in most if k != i]
+            by = [k for k in majority if k != i]
             opinion = members.compare_members(i, by[0])
             if opinion.deviation.worst < math.inf:
                 estimates[copy.link.name] = replace(opinion, by=tuple(group[k].link for k in by))
@@ -245,15 +245,19 @@ def _make_part_copy(model: Model, link: Link) -> tuple[PartCopy, tuple[object, .
     numbers = read_declared_inertial(link)
     shapes = next((s for s in (_drop_dummy_shapes(link.visuals), _drop_dummy_shapes(link.collisions)) if s), ())
     known = [(_identify_shape(model, shape), shape) for shape in shapes]
-    if numbers is None or not known or any(what is None for what, _ in known):
+    if numbers is None or not known or any(content is None for content, _ in known):
         return None
     placed = [_compute_placement(shape) for _, shape in known]
-    whole = [matrix for matrix in placed if matrix is not None]
-    if len(whole) != len(placed):
+    placements = [matrix for matrix in placed if matrix is not None]
+    if len(placements) != len(placed):
         return None
-    first = whole[0]
-    copy = PartCopy(link=link, numbers=numbers, linear=first[:3, :3], shift=first[:3, 3])
-    return copy, tuple(what for what, _ in known), tuple(np.linalg.inv(first) @ other for other in whole[1:])
+    reference = placements[0]
+    copy = PartCopy(link=link, numbers=numbers, linear=reference[:3, :3], shift=reference[:3, 3])
+    return (
+        copy,
+        tuple(content for content, _ in known),
+        tuple(np.linalg.inv(reference) @ other for other in placements[1:]),
+    )
 
 
 def _has_mesh(copy: PartCopy) -> bool:

@@ -108,14 +108,14 @@ def find_mismatched_limit(
 
 def group_by_chain(mismatches: Iterable[MismatchedLimit]) -> list[list[MismatchedLimit]]:
     """Group wrong limits by chain: those of joints that hang on each other."""
-    made: list[list[MismatchedLimit]] = []
-    for one in mismatches:
-        chain = next((c for c in made if one.pair.is_attached_to(c[0].pair)), None)
+    chains: list[list[MismatchedLimit]] = []
+    for mismatch in mismatches:
+        chain = next((other for other in chains if mismatch.pair.is_attached_to(other[0].pair)), None)
         if chain is None:
-            made.append([one])
+            chains.append([mismatch])
         else:
-            chain.append(one)
-    return made
+            chain.append(mismatch)
+    return chains
 
 
 def is_shifted(model: Model, chain: Sequence[MismatchedLimit], threshold: float) -> bool:

@@ -36,8 +36,9 @@ def sibling_joints(model: Model) -> tuple[tuple[Joint, ...], ...]:
 
 
 def find_common_base(model: Model, group: Sequence[Joint]) -> str:
-    """Return the last link on which all joints of a group hang: in its axes their author thought of their places and
-    frames.
+    """Return the last link on which all joints of a group hang.
+
+    Their author thought of their places and frames in its axes.
 
     :raises FactUnavailableError: when the tree is broken.
     """
@@ -47,8 +48,9 @@ def find_common_base(model: Model, group: Sequence[Joint]) -> str:
 
 
 def trace_fixed_chain(model: Model, joint: Joint, base: str) -> tuple[Joint, ...]:
-    """Return the fixed joints between the link ``base``, or the moving joint before this one, and this one, with this one
-    last.
+    """Return the fixed joints that lead to a joint, and the joint last.
+
+    They begin at the link ``base``, or at the moving joint before this one.
 
     :raises FactUnavailableError: when the tree is broken.
     """

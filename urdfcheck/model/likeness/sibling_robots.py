@@ -36,8 +36,9 @@ class PackageNames:
     model: Model
 
     def can_package_have(self, kind: str, name: str) -> bool:
-        """Whether a ``kind`` (link or joint) of this name is in one of the files, spelled out or by expressions of known
-        words.
+        """Whether a ``kind`` (link or joint) of this name is in one of the files.
+
+        Spelled out, or with expressions whose values are words of the files.
         """
         return self._can_files_have(kind, name, self._all_names)
 

@@ -120,13 +120,13 @@ def _resolve_parameter_file(model: Model, element: Element, text: str) -> Parame
     source = model.source
     literal = find_content_span(element, source.files) is not None
     path = Path(text)
-    own = source.package
+    package = source.package
     if not path.is_absolute():
         return ParameterFile(element=element, text=text, path=None, literal=literal)
     if literal:
         # A path on the author's machine: a file of the model's own package is known all the same.
-        tail = None if own is None else text.rpartition(f"/{own.name}/")[2]
-        inside = None if own is None or tail is None or tail == text else own.path / tail
+        tail = None if package is None else text.rpartition(f"/{package.name}/")[2]
+        inside = None if package is None or tail is None or tail == text else package.path / tail
         known = inside if inside is not None and source.finder.can_open(inside) and os.path.isfile(inside) else None
         return ParameterFile(element=element, text=text, path=known, literal=True)
     if not source.finder.can_open(path):

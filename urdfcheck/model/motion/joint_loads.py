@@ -85,11 +85,10 @@ class MassMatrixSummary:
 
 
 def find_overloads(model: Model) -> tuple[Overload, ...]:
-    """Find the driven joints that cannot hold the robot against gravity wherever their limits allow, root fixed and
-    upright.
+    """Find the driven joints that cannot hold the robot against gravity wherever their limits allow.
 
-    The torque on a follower counts for its leader, times the multiplier. The joints of :func:`find_supported_joints` are
-    left out.
+    Its root is fixed and upright. The torque on a follower counts for its leader, times the multiplier. The joints of
+    :func:`find_supported_joints` are left out.
 
     :raises FactUnavailableError: when Pinocchio has no model, or a mass is negative.
     """
@@ -302,8 +301,9 @@ def _find_limiting_joints(
     columns: NDArray[np.intp],
     worst: dynamics.Conditioning,
 ) -> Iterator[int]:
-    """Yield the joints behind which more inertia would repair the condition number, alone or with their like on other
-    branches.
+    """Yield the joints behind which more inertia would repair the condition number.
+
+    Alone, or together with their like on other branches.
     """
     # With a body as light as that, two joints alone would make the number 4 / SHARE.
     if worst.number * dynamics.ADDED_INERTIA_SHARE < 1:

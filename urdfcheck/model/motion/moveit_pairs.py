@@ -10,10 +10,10 @@ import numpy as np
 
 from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, self_collisions
+from urdfcheck.model.motion.planning_limits import collect_listed_joints
 from urdfcheck.model.motion.poses import JointConfigurations
 from urdfcheck.model.robot import Model
 from urdfcheck.source.ros.srdf import Srdf
-from urdfcheck.source.text.xml import Element
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Bools
@@ -111,8 +111,9 @@ def _choose_reason(pair: CollisionPair, *, adjacent: bool, at_default: bool) -> 
 
 
 def find_adjacent_links(model: Model) -> frozenset[frozenset[str]]:
-    """Return the pairs of links with collision geometry that a joint of any type connects, or joints with only links
-    without such geometry in between.
+    """Return the pairs of links with collision geometry that are adjacent for MoveIt.
+
+    A joint of any type connects them, or joints with only links without such geometry in between.
 
     :raises FactUnavailableError: when the tree is broken.
     """
@@ -146,24 +147,10 @@ def find_moved_links(model: Model, srdf: Srdf) -> frozenset[str]:
     groups = srdf.root.find_children("group")
     if not groups:
         return frozenset(model.link_by_name)
-    joints = {name for group in groups for name in _collect_group_joints(model, group)}
+    joints = {name for group in groups for name in collect_listed_joints(model, srdf, group)}
     moved: set[str] = set()
     for name in model.tree.order:
         joint = model.tree.parent_joint.get(name)
         if joint is not None and (joint.parent in moved or (joint.is_movable and joint.name in joints)):
             moved.add(name)
     return frozenset(moved)
-
-
-def _collect_group_joints(model: Model, group: Element) -> set[str]:
-    """Collect the joints that a group lists, itself or by its links and chains; the groups in it are listed on their own."""
-    joints = {e.get("name").strip() for e in group.find_children("joint")}
-    above = model.tree.parent_joint
-    for link in (e.get("name").strip() for e in group.find_children("link")):
-        joints |= {above[link].name} if link in above else set()
-    for chain in group.find_children("chain"):
-        base, tip = chain.get("base_link").strip(), chain.get("tip_link").strip()
-        if base in model.link_by_name and tip in model.link_by_name:
-            # A chain may lead over a common ancestor: the joints that are on only one of the two ways from the root.
-            joints |= {j.name for j in model.tree.find_path_to(tip)} ^ {j.name for j in model.tree.find_path_to(base)}
-    return joints

@@ -127,12 +127,12 @@ def write_without_geometry(model: Model) -> str:
         attributes = "".join(
             f" {a.name}={quote_attribute(a.value)}" for a in element.attributes.values() if ":" not in a.name
         )
-        kept = [c for c in element.children if c.tag in _KEPT_CHILDREN.get(element.tag, set())]
-        if not kept:
+        children = [c for c in element.children if c.tag in _KEPT_CHILDREN.get(element.tag, set())]
+        if not children:
             yield f"<{element.tag}{attributes}/>"
             return
         yield f"<{element.tag}{attributes}>"
-        for child in kept:
+        for child in children:
             yield from write_element(child)
         yield f"</{element.tag}>"
 
@@ -253,9 +253,9 @@ def _open_sink() -> IO[bytes]:
 
 def _clean_messages(text: str) -> Iterator[str]:
     """Yield the messages without colours, and without the lines that name urdfdom's own source."""
-    seen: set[str] = set()
+    messages: set[str] = set()
     for raw in text.splitlines():
         line = re.sub(r"^(?:Error|Warning):\s*", "", _ANSI.sub("", raw)).strip()
-        if line and not _SOURCE_LINE.match(line) and line not in seen:
-            seen.add(line)
+        if line and not _SOURCE_LINE.match(line) and line not in messages:
+            messages.add(line)
             yield line

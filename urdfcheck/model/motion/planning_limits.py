@@ -59,20 +59,26 @@ def collect_group_joints(model: Model, srdf: Srdf) -> dict[str, frozenset[str]]:
         visited.add(name)
         stack.pop()
         if name not in joints_by_group:
-            joints_by_group[name] = _collect_own_joints(model, srdf, group).union(
+            joints_by_group[name] = collect_listed_joints(model, srdf, group).union(
                 *(joints_by_group.get(other, frozenset()) for other in inner)
             )
     return joints_by_group
 
 
-def _collect_own_joints(model: Model, srdf: Srdf, group: Element) -> frozenset[str]:
-    """Collect the joints that a group names, those above its links and those along its chains."""
+def collect_listed_joints(model: Model, srdf: Srdf, group: Element) -> frozenset[str]:
+    """Collect the joints that a planning group names, those above its links and those along its chains.
+
+    The joints of the groups in it are not among them.
+
+    :raises FactUnavailableError: when the tree is broken.
+    """
     joints = {e.get("name").strip() for e in group.find_children("joint")}
     for link in group.find_children("link"):
         joints |= _get_joint_above(model, srdf, link.get("name").strip())
     for chain in group.find_children("chain"):
         ends = [chain.get(end).strip() for end in ("base_link", "tip_link")]
         if all(end in model.link_by_name for end in ends):
+            # A chain may lead over a common ancestor: the joints that are on only one of the two ways from the root.
             base, tip = ({joint.name for joint in model.tree.find_path_to(end)} for end in ends)
             joints |= base ^ tip
     return frozenset(joints)

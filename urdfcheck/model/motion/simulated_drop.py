@@ -111,8 +111,9 @@ def _simulate_release(
 
 
 def _find_settling_time(motion: MotionTrace, slow: float) -> float | None:
-    """Return the time (s) after which nothing is faster than ``slow`` (m/s); None when something was in the last quarter of
-    a second.
+    """Return the time (s) after which nothing is faster than ``slow`` (m/s).
+
+    None when something was in the last quarter of a second.
     """
     quick = np.flatnonzero(motion.speed > slow)
     if not len(quick):

@@ -22,10 +22,10 @@ _CUBE = np.array(list(product((-0.5, 0.5), repeat=3)))
 
 
 def collect_rigid_corners(model: Model, link: Link, *, apply_unit: bool = True) -> Array | None:
-    """Collect corners (K, 3), in the link's frame, whose convex hull holds all that the link and the links fixed to it draw
-    or collide with.
+    """Collect corners (K, 3) whose convex hull holds a link and the links fixed to it, in the link's frame.
 
-    None when there is nothing, or a shape is not known. ``apply_unit``: whether COLLADA's ``<unit>`` is followed.
+    The hull holds all that they draw or collide with. None when there is nothing, or a shape is not known. ``apply_unit``:
+    whether COLLADA's ``<unit>`` is followed.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -104,8 +104,9 @@ def _make_sphere(circumscribed: bool) -> Array:
 
 
 def collect_shape_corners(model: Model, shapes: Iterable[Shape]) -> Array | None:
-    """Collect points (n, 3) on some shapes, in their link's frame, whose hull is that of the shapes; None when one is not
-    known.
+    """Collect points (n, 3) on some shapes, in their link's frame, whose hull is that of the shapes.
+
+    None when a shape is not known.
     """
     parts = [compute_shape_corners(model, shape, circumscribed=False) for shape in shapes]
     known = [part for part in parts if part is not None]

@@ -64,7 +64,7 @@ def measure_shape_solid(model: Model, shape: Shape) -> Solid | None:
         facts = model.meshes.get_facts(shape)
         if facts is None or not facts.closed or not np.isfinite(facts.com).all():
             return None
-        return compute_mesh_solid(facts, size, turn, place)
+        return compute_mesh_solid(facts, size, rotation=turn, translation=place)
     if any(s < 0 for s in size):
         return None
     makers = {

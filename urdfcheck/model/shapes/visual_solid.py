@@ -196,7 +196,7 @@ def _measure_shape(model: Model, shape: Shape, *, apply_unit: bool, apply_up_axi
     if integrals.volume > 0.0:
         hull = transform_solid(_scale_solid(integrals, scale), turn, place)
     closed = facts.closed and bool(np.isfinite(facts.com).all()) and not _has_mixed_orientation(facts)
-    solid = compute_mesh_solid(facts, scale.tolist(), turn, place) if closed else hull
+    solid = compute_mesh_solid(facts, scale.tolist(), rotation=turn, translation=place) if closed else hull
     return VisualGeometry(
         solid=solid,
         closed=closed or hull.volume == 0.0,  # flat drawings have no volume to be wrong about

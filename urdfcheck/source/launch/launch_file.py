@@ -255,7 +255,7 @@ class _IncludeReader:
                 yield from self.read(inner, inside, (*around, key))
 
     def _resolve_file(self, include: Element, resolver: SubstitutionResolver) -> Path | None:
-        """Return the file of an include; None if there is none, for which the reason is noted."""
+        """Return the file of an include; None if it leads nowhere, which is noted with the reason."""
         file = include.attributes.get("file")
         if file is None:
             return None

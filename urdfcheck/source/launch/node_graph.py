@@ -157,7 +157,7 @@ def _find_parameter_port(wanted: str, node: str, parameters: Sequence[SceneParam
 
 
 def _describe_program(node: LaunchAction, family: str, finder: PackageFinder) -> _ProgramInfo:
-    """Return what is known of a program with its arguments."""
+    """Return the known purpose, inputs and outputs of a program with its arguments."""
     program, words = (node.package, node.program), node.words
     if node.kind == "launch file":
         path = "/".join(program)

@@ -261,7 +261,7 @@ class _ExpressionReader:
         self.scopes: dict[str, list[Element]] = {"": []}
         # Properties that are loaded from yaml, with each path as typed and the folder of the file that names it.
         self.tables: dict[str, set[tuple[str, Path]]] = {}
-        # By macro, the arguments that a property or parameter stands for.
+        # By macro, the arguments whose value a property or parameter has.
         self.aliases: dict[str, dict[str, set[str]]] = {"": {}}
         for tree, folder in trees:
             for element in tree.walk():

@@ -120,7 +120,7 @@ def _parse_expression(expression: str) -> ast.Expression:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # such as that of `1if x else 2`: not for the terminal
             tree = ast.parse(text, "<expression>", mode="eval")
-    except (RecursionError, MemoryError):  # Python's parser has limits of its own
+    except (RecursionError, MemoryError):  # Python's parser has its own limits
         raise _make_depth_error() from None
     except ValueError as error:  # a zero byte, or a number of more digits than Python reads
         raise SyntaxError(str(error)) from None

@@ -113,7 +113,7 @@ class FileAccess:
         return fnmatch.filter(names, pattern)
 
     def load_yaml(self, filename: str, evaluate_number: Callable[[str], float]) -> Any:
-        """Return a yaml file's content in xacro's wrappers, which record what is read of it."""
+        """Return a yaml file's content in xacro's wrappers, which record each value that is read."""
         import xacro
 
         from urdfcheck.source.text.yaml import YamlReadError

@@ -1,4 +1,4 @@
-"""What is known while a xacro file is expanded: the place that is evaluated, what it reads, and what goes wrong there."""
+"""The state of an expansion: the place that is evaluated, the definitions that it reads, and the problems found there."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _MAX_MESSAGE_READ = 20_000
 
 
 class ExpansionStoppedError(Exception):
-    """Ends the expansion with a problem of its own kind and data."""
+    """Ends the expansion with a problem of this kind and data."""
 
     def __init__(self, kind: str, message: str, **data: Any) -> None:
         super().__init__(message)
@@ -221,7 +221,7 @@ class ExpansionTrace:
         )
 
     def _report_known_cause(self, cause: BaseException, at: Location) -> bool:
-        """Record a failure that has a kind of its own; return whether it has."""
+        """Record a failure that has its own kind of problem; return whether it has one."""
         via = tuple(c.span for c in self.failed_calls if c.span is not None)
         if isinstance(cause, ExpressionRefusedError):
             expression = cause.expression[:_MAX_EXPRESSION_SHOWN]

@@ -132,6 +132,8 @@ class Tracer:
     # -- elements --------------------------------------------------------------------------------------------------
 
     def wrap_eval_all(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap ``eval_all``, which evaluates an element: note its calls and the attributes that follow."""
+
         def trace_element(node: minidom.Element, macros: Any, symbols: Any) -> None:
             # The blocks inside a macro call are the caller's own text, not the macro's.
             is_own_call = bool(self.trace.calls) and self.trace.calls[-1].node is node
@@ -154,6 +156,8 @@ class Tracer:
         return trace_element
 
     def wrap_eval_text(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap ``eval_text``: note what the text of an attribute reads."""
+
         def evaluate_bounded(text: Any, symbols: Any) -> Any:
             try:
                 if isinstance(text, str):  # xacro copies the rest of the text at each of its parts
@@ -222,6 +226,8 @@ class Tracer:
         )
 
     def wrap_handle_macro_call(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap ``handle_macro_call``: note the call."""
+
         def trace_macro_call(node: minidom.Element, macros: Any, symbols: Any) -> Any:
             if not node.tagName.startswith("xacro:") or node.tagName == "xacro:call":
                 if node.tagName == "xacro:call":
@@ -244,6 +250,7 @@ class Tracer:
         return trace_macro_call
 
     def wrap_process_include(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap ``process_include``: note the include, and end circles of includes."""
         import xacro
 
         def trace_include(node: minidom.Element, macros: Any, symbols: Any, func: Any) -> None:
@@ -264,6 +271,8 @@ class Tracer:
         return trace_include
 
     def wrap_check_attrs(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap ``check_attrs``: note where arguments are declared and conditions are typed."""
+
         def trace_attributes(tag: minidom.Element, required: list[str], optional: list[str]) -> Any:
             self.trace.set_position(tag)
             with self.trace.remember_failure():
@@ -280,6 +289,8 @@ class Tracer:
         return trace_attributes
 
     def wrap_reqd_attrs(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap ``reqd_attrs``: note that ``xacro:attribute`` adds an attribute."""
+
         def trace_required_attributes(tag: minidom.Element, names: list[str]) -> Any:
             self.trace.set_position(tag)
             with self.trace.remember_failure():
@@ -291,6 +302,8 @@ class Tracer:
         return trace_required_attributes
 
     def wrap_import_xml_namespaces(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap ``import_xml_namespaces``: note where the imported ``xmlns:`` attributes are typed."""
+
         def trace_namespaces(parent: minidom.Element, attributes: minidom.NamedNodeMap) -> None:
             before = set(parent.attributes.keys())
             original(parent, attributes)
@@ -305,6 +318,7 @@ class Tracer:
     # -- expressions -----------------------------------------------------------------------------------------------
 
     def wrap_eval_extension(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap ``eval_extension``, which replaces ``$(…)`` in a text: limit the size of the result."""
         import xacro
 
         def evaluate_charged(text: str) -> Any:
@@ -319,6 +333,8 @@ class Tracer:
         return evaluate_charged
 
     def wrap_safe_eval(self, _original: Callable[..., Any]) -> Callable[..., Any]:
+        """Replace ``safe_eval``: evaluate expressions with guards."""
+
         def evaluate_guarded(expression: str, symbols: Any, _local: Any = None) -> Any:
             try:
                 return self.evaluate(expression, symbols)
@@ -406,6 +422,8 @@ class Tracer:
     # -- definitions -----------------------------------------------------------------------------------------------
 
     def wrap_grab_property(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap ``grab_property``: note where a property is defined."""
+
         def trace_property(node: minidom.Element, table: Any) -> Any:
             self.trace.set_position(node)
             raw = getattr(get_origin(node), "raw", None)
@@ -421,6 +439,8 @@ class Tracer:
         return trace_property
 
     def wrap_grab_macro(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap ``grab_macro``: note the place of a macro that cannot be defined."""
+
         def trace_macro(node: minidom.Element, macros: Any) -> Any:
             self.trace.set_position(node)
             with self.trace.remember_failure():
@@ -429,6 +449,8 @@ class Tracer:
         return trace_macro
 
     def wrap_eval_default_arg(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap ``eval_default_arg``: note what the default of a parameter reads."""
+
         def trace_default(forward: Any, default: Any, symbols: Any, macro: Any) -> Any:
             self.last_reads = ()
             self.trace.readers.append([])
@@ -455,6 +477,8 @@ class Tracer:
         return self.access.files[params.span.file].make_span(start + match.start(), start + match.end())
 
     def wrap_set_item(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap ``Table._setitem``: record the definition of a property or parameter."""
+
         def set_traced_item(table: Any, key: str, value: Any, unevaluated: bool) -> Any:
             origin = get_origin(self.trace.node)
             if self.defaulting is not None:
@@ -487,6 +511,8 @@ class Tracer:
                 self.trace.report_problem("property-lost", "", at, name=key, lost=lost)
 
     def wrap_resolve(self, original: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap ``Table._resolve_``: record the read of a property, which may be evaluated at its first use."""
+
         def resolve_traced(table: Any, key: str) -> Any:
             lazy = key in table.unevaluated
             _get_unread_properties(table).pop(key, None)

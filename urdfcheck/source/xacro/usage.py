@@ -1,4 +1,4 @@
-"""What xacro files define and what they read, as typed: without expanding, and so for every file and branch alike."""
+"""The definitions and reads in xacro files as typed: without expansion, and therefore in every file and branch."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _REQUIRED_BY_TAG: Mapping[str, frozenset[str]] = {
     "unless": frozenset({"value"}),
     "insert_block": frozenset({"name"}),
 }
-# Elements of other parsers than URDF's: a tag inside them may have a meaning of its own.
+# Elements of other parsers than URDF's: a tag inside them may mean something else.
 _FOREIGN_TAGS = frozenset({"gazebo", "transmission", "ros2_control", "sensor", "plugin", "mujoco", "cad"})
 
 # None of these patterns searches to the end of the text from each of many places: the next opening bracket ends the search.

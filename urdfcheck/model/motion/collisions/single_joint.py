@@ -83,7 +83,7 @@ class _JointMove:
         placed[:, self.below] = (frame @ motion @ np.linalg.inv(frame))[:, None] @ setup.rest_placements[self.below]
         return placed
 
-    def is_reachable(self, pairs: Indices) -> Bools:
+    def mask_reachable(self, pairs: Indices) -> Bools:
         """Return whether spheres around the links of some pairs come to meet (n,); only for a joint that nothing follows."""
         setup, joint, below = self.setup, self.joint, self.below
         frame = setup.rest_frames[joint.child][0]
@@ -102,7 +102,7 @@ class _JointMove:
         reached: Bools = gap <= (radii[moving] + radii[staying]) * (1 + ROUNDING)
         return reached
 
-    def is_touching(self, place: Callable[[Array], Array], pairs: Indices) -> Bools:
+    def mask_touching(self, place: Callable[[Array], Array], pairs: Indices) -> Bools:
         """Return whether the shapes of some pairs touch at rest (n,): they meet as soon as the joint turns, either way."""
         lower, upper = poses.get_sampling_range(self.joint)
         least = _compute_range_width(self.joint) / STEPS / 2**_HALVINGS
@@ -152,10 +152,10 @@ def find_joint_collisions(model: Model) -> tuple[JointCollision, ...]:
     except KeyError:
         table = _search_joint_collisions(collisions, rest)
         collisions.cache_entry["reach"] = {"table": table}
-    found = []
+    joint_collisions = []
     for joint_index, pair_index, value, limit in table.tolist():
         pair = collisions.pairs[int(pair_index)]
-        found.append(
+        joint_collisions.append(
             JointCollision(
                 joint=rest.joints[int(joint_index)],
                 value=value,
@@ -164,7 +164,7 @@ def find_joint_collisions(model: Model) -> tuple[JointCollision, ...]:
                 relation=pair.relation,
             )
         )
-    return tuple(found)
+    return tuple(joint_collisions)
 
 
 def _search_joint_collisions(collisions: SelfCollisions, rest: JointConfigurations) -> Array:
@@ -183,15 +183,15 @@ def _bracket_joint_collisions(collisions: SelfCollisions, rest: JointConfigurati
     for index, joint in enumerate(rest.joints):
         if joint.mimic is not None or not _compute_range_width(joint) > 0:
             continue
-        move = _JointMove(setup, rest, index, below[index])
+        move = _JointMove(setup=setup, rest=rest, index=index, below=below[index])
         candidates = np.flatnonzero(apart & _find_affected_pairs(setup, below[[index, *followers[index]]]))
         if not followers[index] and len(candidates):
-            candidates = candidates[move.is_reachable(candidates)]
+            candidates = candidates[move.mask_reachable(candidates)]
         if not len(candidates):
             continue
         place = move.place_with_followers if followers[index] else move.place_without_followers
         neighbours = candidates[adjacent[candidates]]
-        candidates = np.setdiff1d(candidates, neighbours[move.is_touching(place, neighbours)])
+        candidates = np.setdiff1d(candidates, neighbours[move.mask_touching(place, neighbours)])
         for limit in poses.get_sampling_range(joint):
             way = move.sample_way_to(limit)
             first = _find_first_collision(setup, place(way)[1:], pairs=candidates, adjacent=adjacent[candidates])
