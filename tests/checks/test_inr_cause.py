@@ -24,11 +24,11 @@ from castings import (
     write_stl,
 )
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.mistakes import HYPOTHESES
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
+from urdfcheck.rules import load_rules
 
 CODES = {"INR003", "INR004", "INR007", "INR008", "INR009", "MSH008"}
 DRAWN = geometry(CASTING)
@@ -113,7 +113,7 @@ def test_the_edit_mends_it(tmp_path: Path, cause: str, mistake: Mistake, name: s
 
 
 def test_the_page_explains_every_cause() -> None:
-    assert set(catalogue.load_rules()["INR009"].causes) == set(HYPOTHESES)
+    assert set(load_rules()["INR009"].causes) == set(HYPOTHESES)
 
 
 @pytest.mark.parametrize(
