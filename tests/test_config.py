@@ -11,12 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from urdfcheck import cli
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Run, UrdfcheckError
 from urdfcheck.policy import config
 from urdfcheck.policy.config import CliOverrides, ConfigResolver
 from urdfcheck.policy.policy import Policy
-from urdfcheck.run import pipeline as engine
+from urdfcheck.rules import load_rules
+from urdfcheck.run import pipeline
 from urdfcheck.run.jobs import Request
 from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
 from urdfcheck.source.text.toml import locate_keys
@@ -42,7 +42,7 @@ def run(*paths: Path, given: CliOverrides | None = None, isolated: bool = False)
     request = Request(
         paths=paths, root=settings.root, policy=Policy(codes=holds.policy.codes), config_resolver=configured
     )
-    return engine.run(request, engine.IN_THIS_PROCESS)
+    return pipeline.run(request, pipeline.IN_THIS_PROCESS)
 
 
 def found(outcome: Run) -> list[tuple[str, str, str]]:
@@ -411,13 +411,11 @@ def test_the_example_of_the_readme_is_right(tmp_path: Path) -> None:
 def test_every_code_a_page_declares_can_be_configured(tmp_path: Path) -> None:
     """Every option of every rule, by its default."""
     lines = []
-    for rule in catalogue.load_rules().values():
+    for rule in load_rules().values():
         lines += [f"[options.{rule.name}]", *(f"{o.name} = {json.dumps(o.default)}" for o in rule.options.values())]
     write(tmp_path / "urdfcheck.toml", "\n".join(lines))
     read = config.find_config(tmp_path).sections[0].options
-    assert read == {
-        c: {o.name: o.default for o in r.options.values()} for c, r in catalogue.load_rules().items() if r.options
-    }
+    assert read == {c: {o.name: o.default for o in r.options.values()} for c, r in load_rules().items() if r.options}
 
 
 class TestCommand:

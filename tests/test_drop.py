@@ -17,7 +17,7 @@ from urdfcheck.cli import main
 from urdfcheck.core import Run
 from urdfcheck.core.drop_test import STEPS, DropTest
 from urdfcheck.output import html, text
-from urdfcheck.output import json as json_output
+from urdfcheck.output.json import render as render_json
 
 CAR_3 = FIXTURES / "car-3" / "urdf" / "car-3.urdf"
 SCHEMA = json.loads((files("urdfcheck.output") / "report.schema.json").read_text(encoding="utf-8"))
@@ -373,7 +373,7 @@ def test_a_check_tells_that_it_needs_the_command() -> None:
 
 
 def test_the_json_keeps_to_the_schema(car_3: Run) -> None:
-    report = json.loads(json_output.render(car_3))
+    report = json.loads(render_json(car_3))
     jsonschema.validate(report, SCHEMA)
     (found,) = report["drops"]
     assert found["held"]["touching"][0]["link"] == "wheel_1"
@@ -382,7 +382,7 @@ def test_the_json_keeps_to_the_schema(car_3: Run) -> None:
 
 def test_a_burst_is_no_number_in_any_report(tmp_path: Path) -> None:
     run = dropped(tmp_path, chain(6, 0.02, 10_000))
-    report = json_output.render(run)
+    report = render_json(run)
     jsonschema.validate(json.loads(report), SCHEMA)
     assert json.loads(report)["drops"][0]["held"]["speed"] is None
     assert "explodes after" in text.render(run)

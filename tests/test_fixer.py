@@ -23,14 +23,14 @@ from hypothesis import strategies as st
 from real_robots import list_robots
 from test_rules import FIXED, cases
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Applicability, Edit, Finding, Location, ModelInfo, Rule, Run, Severity, Span, UrdfcheckError
 from urdfcheck.fix import fixer, patch
 from urdfcheck.fix.fixer import FixResult, compute_fixes, select_disjoint
 from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError
 from urdfcheck.fix.regression import find_regression
 from urdfcheck.policy import config
-from urdfcheck.run import pipeline as engine
+from urdfcheck.rules import load_rules, select_rules
+from urdfcheck.run import pipeline
 from urdfcheck.run.audit import audit_unit
 from urdfcheck.run.findings import get_sort_key
 from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
@@ -49,7 +49,7 @@ AXIS = JOINT.format(n="a", type="continuous", inner='<axis xyz="0 0 2"/>')
 
 def tried(*paths: Path, codes: Iterable[str] = ("ALL",), unsafe: bool = False, **settings: object) -> FixResult:
     """What fixing would do, in this process and from the source alone."""
-    request = make_request(*paths, codes=catalogue.select_rules(codes), **{"tier": "source", **settings})
+    request = make_request(*paths, codes=select_rules(codes), **{"tier": "source", **settings})
     return compute_fixes(request, IN_THIS_PROCESS, include_unsafe=unsafe)
 
 
@@ -368,7 +368,7 @@ def test_a_robot_that_could_not_be_read_may_get_findings(tmp_path: Path) -> None
 
 def finding(code: str, subject: str = "link[a]", hides: Sequence[str] = ()) -> Finding:
     """A finding of this rule, of model m."""
-    rule = catalogue.load_rules()[code]
+    rule = load_rules()[code]
     at, data = Location(subject, None), {"hides": list(hides)}
     return Finding(code, rule.name, rule.severity, rule.confidence, "id", "…", at, (subject,), data=data, model="m")
 
@@ -614,9 +614,9 @@ def test_an_interrupt_while_writing_says_what_was_changed(tmp_path: Path, monkey
 
 def test_an_interrupt_while_fixing_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = written(tmp_path, robot(noisy()))
-    again = engine.run_audit
+    again = pipeline.run_audit
 
-    def interrupted(request: Request, *words: object, **options: object) -> engine.AuditedRun:
+    def interrupted(request: Request, *words: object, **options: object) -> pipeline.AuditedRun:
         state = again(request, *words, **options)  # type: ignore[arg-type]
         return replace(state, outcome=replace(state.outcome, partial=bool(request.options.texts)))
 

@@ -17,10 +17,10 @@ from conftest import check
 from numpy.typing import NDArray
 from transforms import Robot, Transformation, each_link, renamed, rerooted, rotated_inertial, rotated_link, scaled
 
-from urdfcheck import rules as catalogue
 from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_solid_inertia, make_box_solid, make_cylinder_solid
 from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
+from urdfcheck.rules import load_rules
 
 Array = NDArray[np.float64]
 
@@ -192,7 +192,7 @@ def verdict(folder: Path, robot: Robot, code: str) -> list[tuple[str, str | None
 
 @pytest.mark.parametrize(("code", "defect"), DEFECTS, ids=lambda v: v if isinstance(v, str) else v.__name__)
 def test_a_defect_stays_what_it_is(tmp_path: Path, robot: Robot, code: str, defect: Defect) -> None:
-    if code not in catalogue.load_rules():
+    if code not in load_rules():
         pytest.skip("not a rule yet")
     defect(robot)
     verdicts = {name: verdict(tmp_path, change(robot), code) for name, change in TRANSFORMATIONS.items()}
@@ -204,5 +204,5 @@ def test_a_defect_stays_what_it_is(tmp_path: Path, robot: Robot, code: str, defe
 def test_a_sound_robot_stays_sound(tmp_path: Path, robot: Robot, transformation: str) -> None:
     path = tmp_path / "robot.urdf"
     path.write_text(ET.tostring(TRANSFORMATIONS[transformation](robot), encoding="unicode"))
-    codes = {code for code, _ in DEFECTS} & set(catalogue.load_rules())
+    codes = {code for code, _ in DEFECTS} & set(load_rules())
     assert not [f.message for f in check(path, codes=codes).findings]

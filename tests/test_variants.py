@@ -218,12 +218,12 @@ class TestFindings:
 
     def test_what_one_model_has_twice_stays_twice(self) -> None:
         """Else a baseline would know it once, and the second would be new."""
-        from urdfcheck import rules as catalogue
         from urdfcheck.core import Location
+        from urdfcheck.rules import load_rules
         from urdfcheck.run.jobs import Unit
         from urdfcheck.run.variants import merge_variants
 
-        rule = catalogue.load_rules()["URC907"]
+        rule = load_rules()["URC907"]
         finding = rule.finding("shadowed", at=Location("link[a]", None), library="x", path="y")
         units = [
             Unit(kind="model", path="r.xacro", id="r.xacro"),
@@ -255,9 +255,9 @@ class TestOutputs:
         assert "\n  with  s1:=true s4:=true" in text.render(run)
 
     def test_json_lists_arguments_and_variants(self, run: Run) -> None:
-        from urdfcheck.output import json as as_json
+        from urdfcheck.output.json import render as render_json
 
-        (found,) = json.loads(as_json.render(run))["findings"]
+        (found,) = json.loads(render_json(run))["findings"]
         assert found["arguments"] == {"s1": "true", "s4": "true"}
         assert found["model"] in found["variants"]
 
