@@ -113,5 +113,6 @@ def test_who_does_not_ask_pays_nothing() -> None:
     assert {name for name in loaded if name.partition(".")[0] not in sys.stdlib_module_names} == {
         "urdfcheck",
         "urdfcheck.plugins",
+        "urdfcheck.version",
         "urdfcheck.plugins.pytest_plugin",
     }
