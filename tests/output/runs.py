@@ -88,6 +88,7 @@ def rule(code: str = "INR003", name: str = "triangle-inequality", page: str = PA
         tags=(),
         hidden_by=(),
         concerns=(),
+        depends_on_targets=False,
         fix=Applicability.DISPLAY,
         options={},
         messages={},
