@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builders import arm_on_base, find
-from castings import Block, edited, geometry, inertial, pieces, triangles, uniform, write_stl
+from castings import Block, edited, format_inertial, geometry, pieces, triangles, uniform, write_stl
 
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids
@@ -17,7 +17,7 @@ CODES = {"INR003", "INR004", "INR005", "INR006", "INR007", "INR008", "INR009", "
 
 def make_arm(numbers: DeclaredInertial | str, *drawn: str) -> str:
     """Return a robot whose arm has an inertial and draws something."""
-    return arm_on_base(numbers if isinstance(numbers, str) else inertial(numbers), *drawn)
+    return arm_on_base(numbers if isinstance(numbers, str) else format_inertial(numbers), *drawn)
 
 
 def mesh(name: str, role: str = "visual") -> str:
@@ -215,7 +215,7 @@ def test_parts_with_one_mistake_and_one_measure_are_one_finding(
     block: tuple[Block, ...] = (((0.1, 0.2, 0.3), (0.0, 0.0, 0.0)),)
     write_stl(tmp_path / "wheel.stl", block)
     wheels = "".join(
-        f'<link name="w{i}">{inertial(uniform(combine_solids(pieces(block)), 1.0))}{mesh("wheel.stl")}</link>'.replace(
+        f'<link name="w{i}">{format_inertial(uniform(combine_solids(pieces(block)), 1.0))}{mesh("wheel.stl")}</link>'.replace(
             'mass value="1"', f'mass value="{0.01 * factor}"'
         )
         + f'<joint name="j{i}" type="continuous"><parent link="base"/><child link="w{i}"/></joint>'

@@ -15,8 +15,8 @@ from castings import (
     Mistake,
     drawn_boxes,
     edited,
+    format_inertial,
     geometry,
-    inertial,
     principal,
     slots,
     uniform,
@@ -85,7 +85,7 @@ def one(folder: Path, text: str, name: str = "robot.urdf") -> Finding:
 
 @pytest.mark.parametrize(("cause", "detail", "mistake"), MISTAKES, ids=[id for id, _, _ in MISTAKES])
 def test_each_mistake_is_one_finding(tmp_path: Path, cause: str, detail: str, mistake: Mistake) -> None:
-    finding = one(tmp_path, make_drawn_arm(inertial(mistake(TRUE, DRAWN)), drawn_by(tmp_path, cause)))
+    finding = one(tmp_path, make_drawn_arm(format_inertial(mistake(TRUE, DRAWN)), drawn_by(tmp_path, cause)))
     assert finding.code == IMPOSSIBLE.get(cause, "INR009")
     if finding.code == "INR009":
         assert finding.cause is not None
@@ -98,7 +98,7 @@ def test_each_mistake_is_one_finding(tmp_path: Path, cause: str, detail: str, mi
 @pytest.mark.parametrize(("cause", "mistake"), EDITED, ids=[id for id, _ in EDITED])
 @pytest.mark.parametrize("name", ["robot.urdf", "robot.urdf.xacro"])
 def test_the_edit_mends_it(tmp_path: Path, cause: str, mistake: Mistake, name: str) -> None:
-    text = make_drawn_arm(inertial(mistake(TRUE, DRAWN)), drawn_by(tmp_path, cause))
+    text = make_drawn_arm(format_inertial(mistake(TRUE, DRAWN)), drawn_by(tmp_path, cause))
     if name.endswith("xacro"):
         text = text.replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"')
     finding = one(tmp_path, text, name)
@@ -107,7 +107,7 @@ def test_the_edit_mends_it(tmp_path: Path, cause: str, mistake: Mistake, name: s
     mended = edited(text, finding.fix.edits)
     assert find_clear_messages(tmp_path, mended, name=name) == []
     if cause != "com_missing":
-        assert inertial(TRUE, 5).split("<mass")[0].split('"')[1].split() == [
+        assert format_inertial(TRUE, 5).split("<mass")[0].split('"')[1].split() == [
             f"{float(word):.5g}" for word in re.findall(r'<origin xyz="([^"]*)"', mended)[0].split()
         ]
 
@@ -121,13 +121,13 @@ def test_the_page_explains_every_cause() -> None:
 )
 def test_how_certain_a_cause_is_the_message_tells(tmp_path: Path, cause: str, message: str) -> None:
     # A tensor that is 10⁴ too large may as well be that of a mass that is so much too small.
-    finding = one(tmp_path, make_drawn_arm(inertial(wrong(cause)), drawn_by(tmp_path, cause)))
+    finding = one(tmp_path, make_drawn_arm(format_inertial(wrong(cause)), drawn_by(tmp_path, cause)))
     assert finding.message_id == message
 
 
 def test_a_mesh_tells_as_much_as_boxes(tmp_path: Path) -> None:
     write_stl(tmp_path / "part.stl", CASTING)
-    finding = one(tmp_path, make_drawn_arm(inertial(wrong("products_sign")), MESH))
+    finding = one(tmp_path, make_drawn_arm(format_inertial(wrong("products_sign")), MESH))
     assert (finding.code, finding.message_id) == ("INR009", "exact")
     assert finding.cause is not None
     assert finding.cause.id == "products_sign"
@@ -135,7 +135,7 @@ def test_a_mesh_tells_as_much_as_boxes(tmp_path: Path) -> None:
 
 def test_nor_is_there_a_finding_for_the_numbers_of_the_part(tmp_path: Path) -> None:
     for i, numbers in enumerate((TRUE, principal(TRUE))):
-        assert find_clear_messages(tmp_path / str(i), make_drawn_arm(inertial(numbers))) == []
+        assert find_clear_messages(tmp_path / str(i), make_drawn_arm(format_inertial(numbers))) == []
 
 
 @pytest.mark.parametrize(
@@ -148,7 +148,7 @@ def test_nor_is_there_a_finding_for_the_numbers_of_the_part(tmp_path: Path) -> N
     ],
 )
 def test_it_stands_at_the_text_that_must_change(tmp_path: Path, cause: str, place: str) -> None:
-    assert one(tmp_path, make_drawn_arm(inertial(wrong(cause)))).location.subject.endswith(place)
+    assert one(tmp_path, make_drawn_arm(format_inertial(wrong(cause)))).location.subject.endswith(place)
 
 
 # -- its edits ----------------------------------------------------------------------------------------------------------
@@ -161,7 +161,7 @@ def replacements(finding: Finding) -> list[tuple[str, str]]:
 
 def test_where_only_signs_change_the_digits_stay(tmp_path: Path) -> None:
     text = (
-        make_drawn_arm(inertial(wrong("products_sign")))
+        make_drawn_arm(format_inertial(wrong("products_sign")))
         .replace('"-0.0024804"', '"-0.00248040000"')
         .replace("0.0012051", "1.2051e-3")
     )
@@ -173,13 +173,13 @@ def test_where_only_signs_change_the_digits_stay(tmp_path: Path) -> None:
 
 
 def test_where_only_powers_of_ten_change_the_digits_stay(tmp_path: Path) -> None:
-    text = make_drawn_arm(inertial(wrong("com_unit"))).replace("22.5 ", "22.500 ")
+    text = make_drawn_arm(format_inertial(wrong("com_unit"))).replace("22.5 ", "22.500 ")
     assert replacements(one(tmp_path, text)) == [("22.500 48.888889 64.722222", "0.022500 0.048888889 0.064722222")]
 
 
 def test_where_numbers_changed_places_they_keep_their_digits(tmp_path: Path) -> None:
     six = [f"{value:.8g}" for value in slots(TRUE)]
-    assert replacements(one(tmp_path, make_drawn_arm(inertial(wrong("slots_swapped"))))) == [
+    assert replacements(one(tmp_path, make_drawn_arm(format_inertial(wrong("slots_swapped"))))) == [
         (six[5], six[0]),
         (six[0], six[5]),
     ]
@@ -187,7 +187,7 @@ def test_where_numbers_changed_places_they_keep_their_digits(tmp_path: Path) -> 
 
 @pytest.mark.parametrize("cause", ["products_sign", "decimal_point"])
 def test_computed_numbers_are_told_and_not_edited(tmp_path: Path, cause: str) -> None:
-    text = make_drawn_arm(inertial(wrong(cause))).replace(
+    text = make_drawn_arm(format_inertial(wrong(cause))).replace(
         "<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"'
     )
     text = re.sub(r'(ixy|izz)="([^"]*)"', r'\1="${\2}"', text)
@@ -200,7 +200,7 @@ def test_computed_numbers_are_told_and_not_edited(tmp_path: Path, cause: str) ->
 
 @pytest.mark.parametrize("missing", [r"<origin [^>]*/>", r' xyz="[^"]*"'], ids=["the element", "the attribute"])
 def test_a_missing_com_is_told_and_not_edited(tmp_path: Path, missing: str) -> None:
-    text = re.sub(missing, "", make_drawn_arm(inertial(wrong("com_missing"))), count=1)
+    text = re.sub(missing, "", make_drawn_arm(format_inertial(wrong("com_missing"))), count=1)
     finding = one(tmp_path, text)
     assert finding.cause is not None
     assert finding.cause.id == "com_missing"
@@ -216,7 +216,7 @@ def test_what_a_macro_writes_is_edited_when_it_is_wrong_for_all(tmp_path: Path, 
     numbers = TRUE if turned else wrong("products_sign")
     text = (
         '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="base"/>'
-        f'<xacro:macro name="numbers">{inertial(numbers)}</xacro:macro>'
+        f'<xacro:macro name="numbers">{format_inertial(numbers)}</xacro:macro>'
         f'<link name="one"><xacro:numbers/>{BOXES}</link><link name="two"><xacro:numbers/>{drawn_boxes(other)}</link>'
         '<joint name="a" type="continuous"><parent link="base"/><child link="one"/><origin xyz="0 1 0"/></joint>'
         '<joint name="b" type="continuous"><parent link="base"/><child link="two"/><origin xyz="0 -1 0"/></joint></robot>'
@@ -232,7 +232,7 @@ def test_what_a_macro_writes_is_edited_when_it_is_wrong_for_all(tmp_path: Path, 
 
 
 def test_an_impossible_tensor_tells_the_one_edit_that_mends_it(tmp_path: Path) -> None:
-    finding = one(tmp_path, make_drawn_arm(inertial(wrong("decimal_point"))))
+    finding = one(tmp_path, make_drawn_arm(format_inertial(wrong("decimal_point"))))
     assert (finding.code, finding.severity) == ("INR003", Severity.ERROR)
     assert "makes it that of the part that is drawn, and no other single edit does" in finding.message
     assert replacements(finding) == [("0.00087832333", "0.0087832333")]
@@ -243,7 +243,7 @@ def test_without_such_an_edit_the_drawn_part_s_tensor_is_offered(
     tmp_path: Path, moments: tuple[float, float, float], code: str
 ) -> None:
     xx, yy, zz = moments
-    text = make_drawn_arm(inertial(with_slots(replace(TRUE, com=TRUE.com * 0.9), (xx, 0, 0, yy, 0, zz))))
+    text = make_drawn_arm(format_inertial(with_slots(replace(TRUE, com=TRUE.com * 0.9), (xx, 0, 0, yy, 0, zz))))
     finding = one(tmp_path, text)
     assert finding.code == code
     assert "single edit" not in finding.message
@@ -253,7 +253,7 @@ def test_without_such_an_edit_the_drawn_part_s_tensor_is_offered(
 
 
 def test_nothing_is_offered_where_nothing_is_drawn(tmp_path: Path) -> None:
-    finding = one(tmp_path, make_drawn_arm(inertial(wrong("decimal_point")), ""))
+    finding = one(tmp_path, make_drawn_arm(format_inertial(wrong("decimal_point")), ""))
     assert finding.code == "INR003"
     assert finding.fix is not None
     assert not finding.fix.edits
@@ -276,7 +276,7 @@ def test_a_cover_without_mass_belongs_to_the_part(tmp_path: Path) -> None:
     block, hole = ((0.2, 0.1, 0.04), (0.0, 0.0, 0.0)), ((0.16, 0.06, 0.04), (0.0, 0.0, 0.0))
     frame = [((0.2, 0.02, 0.04), (0.0, y, 0.0)) for y in (-0.04, 0.04)]
     frame += [((0.02, 0.06, 0.04), (x, 0.0, 0.0)) for x in (-0.09, 0.09)]
-    alone = make_drawn_arm(inertial(uniform(geometry([block]).solid)), drawn_boxes(frame))
+    alone = make_drawn_arm(format_inertial(uniform(geometry([block]).solid)), drawn_boxes(frame))
     assert find_clear_messages(tmp_path / "alone", alone, {"INR009"})
     covered = alone.replace("</robot>", fixed("cover", drawn_boxes([hole])))
     assert find_clear_messages(tmp_path / "covered", covered, {"INR009"}) == []
@@ -287,8 +287,8 @@ def test_a_cover_without_mass_belongs_to_the_part(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("mass", "severity"), [(30.0, Severity.INFO), (3.0, Severity.WARNING)])
 def test_a_light_part_of_a_body_is_worth_an_info(tmp_path: Path, mass: float, severity: Severity) -> None:
     heavy = geometry([((0.3, 0.2, 0.1), (0.0, 0.0, 0.0))]).solid
-    whole = fixed("motor", inertial(uniform(heavy, mass)) + drawn_boxes([((0.3, 0.2, 0.1), (0, 0, 0))]))
-    finding = one(tmp_path, make_drawn_arm(inertial(wrong("products_sign"))).replace("</robot>", whole))
+    whole = fixed("motor", format_inertial(uniform(heavy, mass)) + drawn_boxes([((0.3, 0.2, 0.1), (0, 0, 0))]))
+    finding = one(tmp_path, make_drawn_arm(format_inertial(wrong("products_sign"))).replace("</robot>", whole))
     assert finding.severity == severity
 
 
@@ -302,7 +302,7 @@ def block(size: tuple[float, ...], com: tuple[float, ...], rpy: tuple[float, ...
 def odd(name: str) -> str:
     """A link with the inertia of something else: a possible body inside what is drawn, and no common mistake of it."""
     numbers = block((0.121, 0.06, 0.121), (0.03, 0.08, 0.08), (0.6, 0.0, -0.9))
-    return f'<link name="{name}">{inertial(numbers)}{BOXES}</link>'
+    return f'<link name="{name}">{format_inertial(numbers)}{BOXES}</link>'
 
 
 def test_links_in_doubt_are_one_info(tmp_path: Path) -> None:
@@ -321,14 +321,14 @@ def test_links_in_doubt_are_one_info(tmp_path: Path) -> None:
 
 def test_a_mass_in_one_plane_of_a_thick_part_is_a_warning(tmp_path: Path) -> None:
     numbers = block((1e-4, 0.175, 0.055), (-0.02, 0.07, 0.05), (0.2, -0.1, 0.5))
-    (finding,) = find_clear_messages(tmp_path, make_drawn_arm(inertial(numbers, 12)), {"INR009"})
+    (finding,) = find_clear_messages(tmp_path, make_drawn_arm(format_inertial(numbers, 12)), {"INR009"})
     assert (finding.message_id, finding.severity) == ("disagrees", Severity.WARNING)
     assert finding.message.count("ruled out: ") == 1
     assert re.search(r"and \d+ more$", finding.message)
 
 
 def test_a_mesh_in_the_wrong_unit_is_not_mended_in_the_inertial(tmp_path: Path) -> None:
-    part = make_drawn_arm(inertial(TRUE), MESH.replace("/></geom", ' scale="1000 1000 1000"/></geom'))
+    part = make_drawn_arm(format_inertial(TRUE), MESH.replace("/></geom", ' scale="1000 1000 1000"/></geom'))
     write_stl(tmp_path / "part.stl", CASTING)
     (finding,) = find_clear_messages(tmp_path, part, {"INR009"})
     assert finding.message_id == "mesh_scale"
@@ -370,9 +370,9 @@ def test_a_mesh_that_programs_read_in_two_sizes_accuses_nobody(tmp_path: Path, u
     pytest.importorskip("collada")
     (tmp_path / "part.dae").write_text(collada(unit))
     dae = MESH.replace("stl", "dae")
-    assert find_clear_messages(tmp_path, make_drawn_arm(inertial(TRUE), dae), {"INR009"}) == []
+    assert find_clear_messages(tmp_path, make_drawn_arm(format_inertial(TRUE), dae), {"INR009"}) == []
     # Of numbers that fit neither the cause differs from one reading to the other, unless there is but one.
-    findings = find_clear_messages(tmp_path, make_drawn_arm(inertial(wrong("products_sign")), dae), {"INR009"})
+    findings = find_clear_messages(tmp_path, make_drawn_arm(format_inertial(wrong("products_sign")), dae), {"INR009"})
     assert [f.cause and f.cause.id for f in findings] == (["products_sign"] if unit == 1.0 else [])
 
 
@@ -385,8 +385,8 @@ def two_arms(left: DeclaredInertial, right: DeclaredInertial) -> str:
     flip = np.diag((1.0, -1.0, 1.0))
     right = DeclaredInertial(right.mass, flip @ right.com, flip @ right.tensor @ flip)
     return (
-        f'<robot name="r"><link name="base"/><link name="left_arm">{inertial(left)}{BOXES}</link>'
-        f'<link name="right_arm">{inertial(right)}{drawn_boxes(mirrored)}</link>'
+        f'<robot name="r"><link name="base"/><link name="left_arm">{format_inertial(left)}{BOXES}</link>'
+        f'<link name="right_arm">{format_inertial(right)}{drawn_boxes(mirrored)}</link>'
         '<joint name="left" type="continuous"><parent link="base"/><child link="left_arm"/><origin xyz="0 0.3 0"/></joint>'
         '<joint name="right" type="continuous"><parent link="base"/><child link="right_arm"/><origin xyz="0 -0.3 0"/></joint>'
         "</robot>"
@@ -433,7 +433,9 @@ def test_two_equal_arms_with_a_motor_are_sound(tmp_path: Path) -> None:
 
 
 def test_a_malformed_origin_elsewhere_does_not_hide_an_impossible_tensor(tmp_path: Path) -> None:
-    text = make_drawn_arm(inertial(wrong("decimal_point"))).replace("</robot>", fixed("cover", BOXES, xyz="zero 0 0"))
+    text = make_drawn_arm(format_inertial(wrong("decimal_point"))).replace(
+        "</robot>", fixed("cover", BOXES, xyz="zero 0 0")
+    )
     (finding,) = find_clear_messages(tmp_path, text, {"INR003"})
     assert finding.code == "INR003"
 
@@ -459,4 +461,4 @@ def test_odd_meshes_give_no_traceback(tmp_path: Path, blocks: list) -> None:  # 
         triangle = "outer loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop"
         (tmp_path / "part.stl").write_text(f"solid part\nfacet normal 0 0 1\n{triangle}\nendfacet\nendsolid part\n")
     for cause in ("products_sign", "decimal_point", "com_missing"):
-        find_clear_messages(tmp_path, make_drawn_arm(inertial(wrong(cause)), MESH))
+        find_clear_messages(tmp_path, make_drawn_arm(format_inertial(wrong(cause)), MESH))

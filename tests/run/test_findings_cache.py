@@ -27,8 +27,8 @@ ROBOT = """<robot name="r">
 """
 
 
-@pytest.fixture
-def robot(tmp_path: Path) -> Path:
+@pytest.fixture(name="robot")
+def write_robot(tmp_path: Path) -> Path:
     path = tmp_path / "r.urdf"
     path.write_text(ROBOT.format(ixx="0.0333"), encoding="utf-8")
     trimesh.creation.box((0.04, 0.02, 0.01)).export(tmp_path / "part.stl")
