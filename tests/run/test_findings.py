@@ -47,7 +47,7 @@ def inertia(
 
 
 def comment(start: int, end: int, selector: str = "INR003") -> IgnoreComment:
-    return IgnoreComment(place(start, start), (selector,), "a reason", start, end)
+    return IgnoreComment(span=place(start, start), selectors=(selector,), reason="a reason", start=start, end=end)
 
 
 def settle(
