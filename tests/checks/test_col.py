@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import collision, joint, link, robot
+from builders import box, collision, cylinder, find, joint, link, robot, sphere
 from conftest import FIXTURES, check_text
 
-from urdfcheck.core import Finding, Severity
+from urdfcheck.core import Severity
 from urdfcheck.model import Model, Shape
 from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.collisions import setup as collision_setup
@@ -23,8 +23,6 @@ from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.system.array_cache import ArrayCache
 
 coal = pytest.importorskip("coal")
-
-BOX, BALL, ROD = '<box size="{}"/>', '<sphere radius="{}"/>', '<cylinder radius="{}" length="{}"/>'
 
 
 def make_link(name: str, *shapes: str) -> str:
@@ -58,10 +56,6 @@ def pair(found: SelfCollisions, one: str, other: str) -> CollisionPair:
     return next(p for p in found.pairs if set(p.links) == {one, other})
 
 
-def findings(folder: Path, text: str, code: str) -> list[Finding]:
-    return list(check_text(folder, text, codes={code}).findings)
-
-
 # Three plates on two hinges, the last one folded back over the first and into it by 2 mm.
 def folded(scale: float = 1.0, rpy: str = "0 0 0", gap: float = -0.002) -> str:
     def text(*numbers: float) -> str:
@@ -70,11 +64,11 @@ def folded(scale: float = 1.0, rpy: str = "0 0 0", gap: float = -0.002) -> str:
     return robot(
         make_link("floor"),
         make_joint("floor", "a", text(0.3, 0.1, 0.2), "fixed", rpy=rpy),
-        make_link("a", BOX.format(text(0.2, 0.1, 0.02))),
+        make_link("a", box(text(0.2, 0.1, 0.02))),
         make_joint("a", "b", text(0.15, 0, 0.05)),
-        make_link("b", BOX.format(text(0.05, 0.05, 0.05))),
+        make_link("b", box(text(0.05, 0.05, 0.05))),
         make_joint("b", "c", text(0, 0, 0)),
-        make_link("c", f"{text(-0.15, 0, -0.03 + gap)}|{BOX.format(text(0.2, 0.1, 0.02))}"),
+        make_link("c", f"{text(-0.15, 0, -0.03 + gap)}|{box(text(0.2, 0.1, 0.02))}"),
     )
 
 
@@ -82,7 +76,7 @@ def folded(scale: float = 1.0, rpy: str = "0 0 0", gap: float = -0.002) -> str:
 
 
 def test_the_overlap_is_told_with_its_depth_and_its_place(tmp_path: Path) -> None:
-    (finding,) = findings(tmp_path, folded(), "COL001")
+    (finding,) = find(tmp_path, folded(), "COL001")
     assert finding.severity == Severity.WARNING
     assert "c overlaps a by 2 mm" in finding.message
     assert finding.location.subject == "link[c]/collision/geometry/box"
@@ -96,28 +90,28 @@ def test_the_overlap_is_told_with_its_depth_and_its_place(tmp_path: Path) -> Non
 def test_size_and_place_of_the_robot_do_not_decide(
     tmp_path: Path, gap: float, bad: bool, scale: float, rpy: str
 ) -> None:
-    assert bool(findings(tmp_path, folded(scale, rpy, gap), "COL001")) == bad
+    assert bool(find(tmp_path, folded(scale, rpy, gap), "COL001")) == bad
 
 
 def test_the_root_does_not_decide(tmp_path: Path) -> None:
     """The same plates, hung up at the other end."""
     upside = robot(
-        make_link("c", "-0.15 0 -0.032|" + BOX.format("0.2 0.1 0.02")),
+        make_link("c", "-0.15 0 -0.032|" + box("0.2 0.1 0.02")),
         make_joint("c", "b", "0 0 0", axis="0 0 -1"),
-        make_link("b", BOX.format("0.05 0.05 0.05")),
+        make_link("b", box("0.05 0.05 0.05")),
         make_joint("b", "a", "0 0 0", axis="0 0 -1"),
-        make_link("a", "-0.15 0 -0.05|" + BOX.format("0.2 0.1 0.02")),
+        make_link("a", "-0.15 0 -0.05|" + box("0.2 0.1 0.02")),
     )
-    (finding,) = findings(tmp_path, upside, "COL001")
+    (finding,) = find(tmp_path, upside, "COL001")
     assert "a overlaps c by 2 mm" in finding.message
 
 
 @pytest.mark.parametrize(("press", "bad"), [(0.0, False), (0.0001, False), (0.002, True)])
 def test_closed_fingers_may_press_against_each_other(tmp_path: Path, press: float, bad: bool) -> None:
     """Fingers of 35 mm, closed at rest: 0.1 mm is 0.3 % of one, 2 mm are 6 %."""
-    finger = BOX.format("0.01 0.01 0.03")
+    finger = box("0.01 0.01 0.03")
     text = robot(
-        make_link("hand", BOX.format("0.05 0.1 0.01")),
+        make_link("hand", box("0.05 0.1 0.01")),
         make_joint(
             "hand", "left", f"0 {0.005 - press / 2} 0.03", "prismatic", axis="0 1 0", limit="lower='0' upper='0.04'"
         ),
@@ -127,44 +121,44 @@ def test_closed_fingers_may_press_against_each_other(tmp_path: Path, press: floa
         make_link("left", finger),
         make_link("right", finger),
     )
-    assert bool(findings(tmp_path, text, "COL001")) == bad
+    assert bool(find(tmp_path, text, "COL001")) == bad
 
 
 def test_rest_is_the_limit_nearest_to_zero(tmp_path: Path) -> None:
     """At zero the fingers would be one in the other; their range begins where they are apart."""
-    ball = BALL.format("0.01")
+    ball = sphere("0.01")
     slide = {"axis": "0 1 0", "limit": "lower='0.02' upper='0.04'"}
     text = robot(
         make_link("hand"), make_joint("hand", "left", "0 0 0", "prismatic", **slide), make_link("left", ball),
         make_joint("hand", "right", "0 0 0", "prismatic", **{**slide, "axis": "0 -1 0"}), make_link("right", ball),
     )  # fmt: skip
-    assert not findings(tmp_path, text, "COL001")
+    assert not find(tmp_path, text, "COL001")
 
 
 def test_links_that_always_overlap_are_one_info(tmp_path: Path) -> None:
     """A cover of the first link that encloses the third: no angle frees it."""
     text = robot(
-        make_link("a", BALL.format("0.2")),
+        make_link("a", sphere("0.2")),
         make_joint("a", "b", "0.1 0 0"),
-        make_link("b", BALL.format("0.01")),
+        make_link("b", sphere("0.01")),
         make_joint("b", "c", "0.02 0 0"),
-        make_link("c", BALL.format("0.03")),
+        make_link("c", sphere("0.03")),
     )
-    (finding,) = findings(tmp_path, text, "COL001")
+    (finding,) = find(tmp_path, text, "COL001")
     assert (finding.severity, finding.message_id) == (Severity.INFO, "always")
 
 
 def test_a_shape_that_overlaps_several_links_is_one_finding(tmp_path: Path) -> None:
     """Two arms of two links each reach, straight at rest, into a box on the base."""
-    parts = [make_link("base", "0.5 0 0|" + BOX.format("0.1 1 0.1"))]
+    parts = [make_link("base", "0.5 0 0|" + box("0.1 1 0.1"))]
     for name, y in (("l", 0.2), ("r", -0.2)):
         parts += [
             make_joint("base", f"{name}1", f"0 {y} 0", limit="lower='-3' upper='3'"),
-            make_link(f"{name}1", "0.1 0 0|" + BOX.format("0.2 0.02 0.02")),
+            make_link(f"{name}1", "0.1 0 0|" + box("0.2 0.02 0.02")),
             make_joint(f"{name}1", f"{name}2", "0.25 0 0", limit="lower='-3' upper='3'"),
-            make_link(f"{name}2", "0.1 0 0|" + BOX.format("0.2 0.02 0.02"), "0.2 0 0|" + BALL.format("0.02")),
+            make_link(f"{name}2", "0.1 0 0|" + box("0.2 0.02 0.02"), "0.2 0 0|" + sphere("0.02")),
         ]
-    (finding,) = findings(tmp_path, robot(*parts), "COL001")
+    (finding,) = find(tmp_path, robot(*parts), "COL001")
     assert finding.message_id == "several"
     assert finding.location.subject == "link[base]/collision/geometry/box"
     assert "l2 (" in finding.message
@@ -173,25 +167,25 @@ def test_a_shape_that_overlaps_several_links_is_one_finding(tmp_path: Path) -> N
 
 def test_links_of_one_body_never_collide(tmp_path: Path) -> None:
     text = robot(
-        make_link("a", BALL.format("0.1")), make_joint("a", "b", "0.1 0 0", "fixed"), make_link("b", BALL.format("0.1"))
+        make_link("a", sphere("0.1")), make_joint("a", "b", "0.1 0 0", "fixed"), make_link("b", sphere("0.1"))
     )  # fmt: skip
     found = pair(self_collisions(model_of(tmp_path, text)), "a", "b")
     assert found.relation == "fixed"
     assert found.is_always_in_collision
     assert found.contact is None
-    assert not findings(tmp_path, text, "COL001")
+    assert not find(tmp_path, text, "COL001")
 
 
 def test_a_ball_joint_of_three_hinges_connects_neighbours(tmp_path: Path) -> None:
     text = robot(
-        make_link("body", BALL.format("0.1")),
+        make_link("body", sphere("0.1")),
         make_joint("body", "h1", "0.1 0 0"), make_link("h1"),
         make_joint("h1", "h2", "0 0 0", axis="0 1 0"), make_link("h2"),
-        make_joint("h2", "arm", "0 0 0", axis="1 0 0"), make_link("arm", BALL.format("0.05")),
+        make_joint("h2", "arm", "0 0 0", axis="1 0 0"), make_link("arm", sphere("0.05")),
     )  # fmt: skip
     found = pair(self_collisions(model_of(tmp_path, text)), "body", "arm")
     assert (found.relation, found.joint) == ("adjacent", "h2_arm")
-    assert not findings(tmp_path, text, "COL001")
+    assert not find(tmp_path, text, "COL001")
 
 
 def test_a_mesh_that_cannot_be_read_is_left_out_and_the_rule_says_so(tmp_path: Path) -> None:
@@ -208,9 +202,9 @@ def test_a_mesh_that_cannot_be_read_is_left_out_and_the_rule_says_so(tmp_path: P
 
 def test_links_beyond_a_mesh_that_cannot_be_read_are_no_neighbours(tmp_path: Path) -> None:
     text = robot(
-        make_link("a", BALL.format("0.1")),
+        make_link("a", sphere("0.1")),
         make_joint("a", "b", "0.1 0 0"), make_link("b", '<mesh filename="gone.stl"/>'),
-        make_joint("b", "c", "0.1 0 0"), make_link("c", BALL.format("0.1")),
+        make_joint("b", "c", "0.1 0 0"), make_link("c", sphere("0.1")),
     )  # fmt: skip
     assert pair(self_collisions(model_of(tmp_path, text)), "a", "c").relation == "far"
 
@@ -226,11 +220,11 @@ def legs(folder: Path, up: str) -> str:
     """A leg on the left and one on the right, bars that lie along y as drawn and run into each other; with their y axes up
     they hang down, side by side."""
     (folder / "leg.dae").write_text(bar(-0.4, up))
-    parts = [make_link("base", "0 0 0.4|" + BOX.format("0.1 0.6 0.1"))]
+    parts = [make_link("base", "0 0 0.4|" + box("0.1 0.6 0.1"))]
     for side, y in (("left", 0.15), ("right", -0.15)):
         parts += [
             make_joint("base", f"{side}_hip", f"0 {y} 0.2"),
-            make_link(f"{side}_hip", BALL.format("0.01")),
+            make_link(f"{side}_hip", sphere("0.01")),
             make_joint(f"{side}_hip", f"{side}_leg", "0 0 -0.1"),
             make_link(f"{side}_leg", '<mesh filename="leg.dae"/>'),
         ]
@@ -257,7 +251,7 @@ def test_meshes_that_lie_on_their_sides_are_one_finding_with_the_cause(
     tmp_path: Path, up: str, cause: str | None
 ) -> None:
     """COLLADA's default is y."""
-    (finding,) = findings(tmp_path, legs(tmp_path, up), "COL001")
+    (finding,) = find(tmp_path, legs(tmp_path, up), "COL001")
     assert (finding.cause and finding.cause.id) == cause
     assert finding.message_id == ("lying" if cause else "overlap")
     assert finding.location.subject.endswith("mesh@filename")
@@ -267,13 +261,13 @@ def test_a_declared_axis_is_no_cause_where_the_robot_is_alike_on_both_sides_as_d
     """One bar along y in the middle that runs into a post beside it: upright it would miss the post."""
     (tmp_path / "bar.dae").write_text(bar(-0.2, "Y_UP"))
     text = robot(
-        make_link("base", "0 0.2 0|" + BOX.format("0.05 0.05 0.05"), "0 -0.2 0|" + BOX.format("0.05 0.05 0.05")),
+        make_link("base", "0 0.2 0|" + box("0.05 0.05 0.05"), "0 -0.2 0|" + box("0.05 0.05 0.05")),
         make_joint("base", "hip", "0 0 0"),
-        make_link("hip", BALL.format("0.001")),
+        make_link("hip", sphere("0.001")),
         make_joint("hip", "arm", "0 0 0"),
         make_link("arm", '<mesh filename="bar.dae"/>'),
     )
-    (finding,) = findings(tmp_path, text, "COL001")
+    (finding,) = find(tmp_path, text, "COL001")
     assert (finding.message_id, finding.cause) == ("overlap", None)
 
 
@@ -283,23 +277,23 @@ def test_a_declared_axis_is_no_cause_where_the_robot_is_alike_on_both_sides_as_d
 @pytest.mark.parametrize(("gap", "overlap"), [(-0.001, True), (0.0, False), (0.001, False)])
 def test_a_wheel_may_touch_its_hub(tmp_path: Path, gap: float, overlap: bool) -> None:
     text = robot(
-        make_link("base", BOX.format("0.2 0.1 0.05")),
+        make_link("base", box("0.2 0.1 0.05")),
         make_joint("base", "wheel", f"0 {0.06 + gap} 0", "continuous", axis="0 1 0"),
-        make_link("wheel", ROD.format("0.03", "0.02")).replace('xyz="0 0 0"/>', f'rpy="{math.pi / 2!r} 0 0"/>'),
+        make_link("wheel", cylinder("0.03", "0.02")).replace('xyz="0 0 0"/>', f'rpy="{math.pi / 2!r} 0 0"/>'),
     )
-    assert bool(findings(tmp_path, text, "COL002")) == overlap
+    assert bool(find(tmp_path, text, "COL002")) == overlap
 
 
 @pytest.mark.parametrize(("reach", "overlap"), [("1.5", True), ("2", False)])
 def test_neighbours_count_that_overlap_over_nearly_all_of_the_range(tmp_path: Path, reach: str, overlap: bool) -> None:
     """A ball on an arm in a trough that ends at 1.6 rad to either side: all of 3 rad, or 80 % of 4 rad."""
-    trough = [f"{math.cos(a)} {math.sin(a)} 0|" + BALL.format("0.1") for a in np.linspace(-1.5, 1.5, 20).tolist()]
+    trough = [f"{math.cos(a)} {math.sin(a)} 0|" + sphere("0.1") for a in np.linspace(-1.5, 1.5, 20).tolist()]
     text = robot(
         make_link("base", *trough),
         make_joint("base", "arm", "0 0 0", limit=f"lower='-{reach}' upper='{reach}'"),
-        make_link("arm", "1 0 0|" + BALL.format("0.05")),
+        make_link("arm", "1 0 0|" + sphere("0.05")),
     )
-    assert bool(findings(tmp_path, text, "COL002")) == overlap
+    assert bool(find(tmp_path, text, "COL002")) == overlap
     found = pair(self_collisions(model_of(tmp_path, text)), "base", "arm")
     assert found.range_share == pytest.approx(min(1.0, 1.65 / float(reach)), abs=1 / 20)
 
@@ -317,9 +311,9 @@ def test_positions_are_spread_evenly_over_every_range(tmp_path: Path) -> None:
 def swinging(limit: str = "lower='-1' upper='2'", kind: str = "revolute", follower: bool = False) -> str:
     """A ball of 0.1 on an arm of 1 that swings about z and meets a wall at x = -0.2: its face at 1.6708 rad from x."""
     parts = [
-        make_link("base", "-0.7 0 0|" + BOX.format("1 4 1")),
+        make_link("base", "-0.7 0 0|" + box("1 4 1")),
         make_joint("base", "arm", "0 0 0", kind, limit=limit),
-        make_link("arm", "1 0 0|" + BALL.format("0.1")),
+        make_link("arm", "1 0 0|" + sphere("0.1")),
     ]
     if follower:
         parts += [
@@ -347,27 +341,27 @@ def test_a_follower_is_moved_with_its_leader(tmp_path: Path) -> None:
 
 
 def test_a_range_that_ends_before_is_free(tmp_path: Path) -> None:
-    assert not findings(tmp_path, swinging("lower='-1' upper='1.66'"), "COL005")
+    assert not find(tmp_path, swinging("lower='-1' upper='1.66'"), "COL005")
 
 
 def test_a_joint_without_limits_is_looked_at_over_a_turn(tmp_path: Path) -> None:
-    (finding,) = findings(tmp_path, swinging(kind="continuous"), "COL005")
+    (finding,) = find(tmp_path, swinging(kind="continuous"), "COL005")
     assert "turns freely" in finding.message
 
 
 def test_neighbours_that_part_again_on_the_way_do_not_count(tmp_path: Path) -> None:
     """The ball passes through a post of the base and is free at the limit: for neighbours, a bearing that grazes."""
     text = swinging("lower='-1' upper='3'").replace("-0.7 0 0", "0 1 0").replace("1 4 1", "0.1 0.1 0.1")
-    assert not findings(tmp_path, text, "COL005")
+    assert not find(tmp_path, text, "COL005")
 
 
 @pytest.mark.parametrize(("gap", "reached"), [(0.0, 0), (0.05, 1)])
 def test_neighbours_that_touch_at_rest_do_not_count(tmp_path: Path, gap: float, reached: int) -> None:
     """A box that stands on a box, as the fingers of Allegro hands are drawn: whichever way it tips, an edge goes in."""
-    box = BOX.format("0.2 0.2 0.2")
+    cube = box("0.2 0.2 0.2")
     tips = make_joint("foot", "leg", f"0 0 {0.1 + gap}", axis="0 1 0", limit="lower='-1' upper='1'")
-    text = f'<robot name="r">{make_link("foot", box)}{tips}{make_link("leg", "0 0 0.1|" + box)}</robot>'
-    assert len(findings(tmp_path, text, "COL005")) == reached
+    text = f'<robot name="r">{make_link("foot", cube)}{tips}{make_link("leg", "0 0 0.1|" + cube)}</robot>'
+    assert len(find(tmp_path, text, "COL005")) == reached
 
 
 # -- the collisions themselves -------------------------------------------------------------------------------------------
@@ -375,11 +369,11 @@ def test_neighbours_that_touch_at_rest_do_not_count(tmp_path: Path, gap: float, 
 
 def make_folded_chain(links: int = 5) -> str:
     """A chain of plates and balls about crossed axes, folded enough to meet itself now and then."""
-    parts = [make_link("l0", BOX.format("0.3 0.3 0.1"))]
+    parts = [make_link("l0", box("0.3 0.3 0.1"))]
     for i in range(1, links):
         axis = ("0 1 0", "1 0 0", "0 0 1")[i % 3]
         parts.append(make_joint(f"l{i - 1}", f"l{i}", "0 0 0.15", axis=axis, limit="lower='-2.5' upper='2.5'"))
-        parts.append(make_link(f"l{i}", "0 0 0.07|" + BOX.format("0.06 0.05 0.1"), "0.02 0 0.1|" + BALL.format("0.03")))
+        parts.append(make_link(f"l{i}", "0 0 0.07|" + box("0.06 0.05 0.1"), "0.02 0 0.1|" + sphere("0.03")))
     return robot(*parts)
 
 
@@ -430,11 +424,11 @@ def test_the_arm_shows_all_kinds_of_pairs(tmp_path: Path) -> None:
 
 def test_what_is_proven_apart_never_meets(tmp_path: Path) -> None:
     """Two arms at some distance: the proof holds in every configuration, and does not reach pairs that do meet."""
-    parts = [make_link("base", BOX.format("0.1 2 0.1"))]
+    parts = [make_link("base", box("0.1 2 0.1"))]
     for name, y in (("l", 0.6), ("r", -0.6)):
         for i, (parent, reach) in enumerate((("base", 0.0), (f"{name}1", 0.3), (f"{name}2", 0.3)), 1):
             parts.append(make_joint(parent, f"{name}{i}", f"{reach} {y if i == 1 else 0} 0.2", axis="0 0 1"))
-            parts.append(make_link(f"{name}{i}", "0.1 0 0|" + BOX.format("0.2 0.05 0.05")))
+            parts.append(make_link(f"{name}{i}", "0.1 0 0|" + box("0.2 0.05 0.05")))
     model = model_of(tmp_path, robot(*parts), samples=2000)
     apart = {p.links for p in self_collisions(model).pairs if p.is_proven_apart}
     assert ("l1", "r1") in apart
@@ -451,9 +445,9 @@ def test_a_slide_without_end_proves_nothing(tmp_path: Path) -> None:
     slide = {"kind": "prismatic", "axis": "1 0 0"}
     for limit, proven in (("lower='0' upper='0.1'", True), ("lower='-1e6' upper='1e6'", False)):
         text = robot(
-            make_link("a", BALL.format("0.1")),
+            make_link("a", sphere("0.1")),
             make_joint("a", "b", "1 0 0", **slide, limit=limit),
-            make_link("b", BALL.format("0.1")),
+            make_link("b", sphere("0.1")),
         )
         assert self_collisions(model_of(tmp_path, text)).pairs[0].is_proven_apart == proven
 

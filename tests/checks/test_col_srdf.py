@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import joint, limit, robot
+from builders import box, collision, joint, limit, link, robot
 from conftest import check
 
 from urdfcheck.core import Finding, Severity
@@ -27,9 +27,8 @@ NEIGHBOURS = (
 )
 
 
-def box(name: str, size: str, at: str = "0 0 0") -> str:
-    shape = f'<collision><origin xyz="{at}"/><geometry><box size="{size}"/></geometry></collision>'
-    return f'<link name="{name}">{shape if size else ""}</link>'
+def make_box(name: str, size: str, at: str = "0 0 0") -> str:
+    return link(name, collision(box(size), xyz=at) if size else "")
 
 
 def make_hinge(parent: str, child: str, at: str, lower: float = 0.0, upper: float = 0.0) -> str:
@@ -41,7 +40,11 @@ def make_hinge(parent: str, child: str, at: str, lower: float = 0.0, upper: floa
 
 def make_two_bars(elbow: float = 2.9, more: str = "", fore: str = "0.3 0.05 0.05") -> str:
     """Two bars that fold in a plane; with an elbow of 2.9 rad the second can be turned into the base."""
-    links = box("base", "0.2 0.2 0.2") + box("upper", "0.3 0.05 0.05", "0.2 0 0") + box("fore", fore, "0.2 0 0")
+    links = (
+        make_box("base", "0.2 0.2 0.2")
+        + make_box("upper", "0.3 0.05 0.05", "0.2 0 0")
+        + make_box("fore", fore, "0.2 0 0")
+    )
     joints = make_hinge("base", "upper", "0 0 0.2", -1.5, 1.5) + make_hinge("upper", "fore", "0.4 0 0", -elbow, elbow)
     return robot(links, joints, more, name="arm")
 
@@ -133,7 +136,7 @@ def test_what_is_disabled_twice_over_is_no_finding_of_its_own(tmp_path: Path) ->
 
 # -- COL004 ------------------------------------------------------------------------------------------------------------
 
-CAMERA = box("camera", "0.06 0.06 0.06") + make_hinge("fore", "camera", "0.3 0 0.04")
+CAMERA = make_box("camera", "0.06 0.06 0.06") + make_hinge("fore", "camera", "0.3 0 0.04")
 
 
 def test_an_overlap_on_one_body_is_in_every_state(tmp_path: Path) -> None:
@@ -167,13 +170,13 @@ def test_faces_that_only_touch_are_left_alone(tmp_path: Path, height: str, repor
 
 
 def test_what_no_group_moves_is_not_checked_by_moveit(tmp_path: Path) -> None:
-    battery = box("battery", "0.1 0.1 0.3") + make_hinge("base", "battery", "0 0 -0.2")
+    battery = make_box("battery", "0.1 0.1 0.3") + make_hinge("base", "battery", "0 0 -0.2")
     assert not find_with_srdf(tmp_path, "COL004", NEIGHBOURS, make_two_bars(elbow=0.5, more=battery))
 
 
 def test_a_collision_in_the_default_state_alone_is_an_info(tmp_path: Path) -> None:
     """At zero the end of the second bar is in the post; elsewhere mostly not."""
-    post = box("post", "0.05 0.05 0.05", "0.75 0 0.2") + make_hinge("base", "post", "0 0 0")
+    post = make_box("post", "0.05 0.05 0.05", "0.75 0 0.2") + make_hinge("base", "post", "0 0 0")
     (finding,) = find_with_srdf(tmp_path, "COL004", NEIGHBOURS + pair("base", "fore", "User"), make_two_bars(more=post))
     assert (finding.message_id, finding.severity) == ("default", Severity.INFO)
     assert "post and fore (25 mm)" in finding.message
@@ -206,7 +209,11 @@ def model(folder: Path, text: str) -> Model:
 def test_links_are_adjacent_across_links_without_geometry(tmp_path: Path) -> None:
     """base - flange - (tool, sensor): the flange and the adapter behind it have no collision geometry."""
     links = (
-        box("base", "1 1 1") + box("flange", "") + box("adapter", "") + box("tool", "1 1 1") + box("sensor", "1 1 1")
+        make_box("base", "1 1 1")
+        + make_box("flange", "")
+        + make_box("adapter", "")
+        + make_box("tool", "1 1 1")
+        + make_box("sensor", "1 1 1")
     )
     joints = make_hinge("base", "flange", "0 0 0", -1, 1) + make_hinge("flange", "adapter", "0 0 0")
     joints += (
@@ -214,7 +221,7 @@ def test_links_are_adjacent_across_links_without_geometry(tmp_path: Path) -> Non
         + make_hinge("flange", "sensor", "0 2 0")
         + make_hinge("tool", "tip", "2 0 0")
     )
-    tree = f'<robot name="arm">{links}{box("tip", "1 1 1")}{joints}</robot>'
+    tree = f'<robot name="arm">{links}{make_box("tip", "1 1 1")}{joints}</robot>'
     assert {tuple(sorted(p)) for p in find_adjacent_links(model(tmp_path, tree))} == {
         ("base", "tool"),
         ("base", "sensor"),
@@ -227,15 +234,17 @@ def test_links_are_adjacent_across_links_without_geometry(tmp_path: Path) -> Non
 def test_the_default_state_is_zero_or_the_middle_of_the_range(
     tmp_path: Path, lower: float, upper: float, value: float
 ) -> None:
-    two = box("base", "1 1 1") + box("tip", "1 1 1") + make_hinge("base", "tip", "2 0 0", lower, upper)
+    two = make_box("base", "1 1 1") + make_box("tip", "1 1 1") + make_hinge("base", "tip", "2 0 0", lower, upper)
     state = compute_default_state(model(tmp_path, f'<robot name="arm">{two}</robot>'))
     assert state.values.tolist() == [[value]]
 
 
 def test_a_default_state_that_is_not_the_neutral_pose_is_looked_at(tmp_path: Path) -> None:
     """The bar stands up where its range begins, and lies in the post in the middle of it."""
-    post = box("base", "0.1 0.1 0.1", "0 0 -0.3") + box("tip", "0.4 0.05 0.05", "0.2 0 0")
-    loose = box("root", "") + make_hinge("root", "base", "0 0 0") + make_hinge("root", "tip", "0 0 0", 0.2, 2.94159)
+    post = make_box("base", "0.1 0.1 0.1", "0 0 -0.3") + make_box("tip", "0.4 0.05 0.05", "0.2 0 0")
+    loose = (
+        make_box("root", "") + make_hinge("root", "base", "0 0 0") + make_hinge("root", "tip", "0 0 0", 0.2, 2.94159)
+    )
     (found,) = classify_link_pairs(model(tmp_path, f'<robot name="arm">{loose}{post}</robot>'))
     assert found.meets_at_default
     assert not found.pair.meets_at_neutral

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builders import find, joint, limit, link, robot
-from conftest import check_text
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.motion.kinematics import build_origin_transform
@@ -35,10 +34,6 @@ def find_dense_collision(folder: Path, content: str, parts: str) -> list[Finding
     """Return the findings on a link of these parts, beside two meshes with this content."""
     files = {"part.obj": content, "copy.obj": content, "robot.urdf": robot(link("a", parts))}
     return find(folder, files, "GEO004")
-
-
-def findings(folder: Path, code: str, *parts: str) -> list[Finding]:
-    return list(check_text(folder, f'<robot name="r">{"".join(parts)}</robot>', codes={code}).findings)
 
 
 def geometry(role: str, inside: str, origin: str = "") -> str:
@@ -69,7 +64,7 @@ def box(role: str, size: str = "0.1 0.1 0.1", xyz: str = "0 0 0", rpy: str = "0 
     ],
 )
 def test_a_shape_without_volume_is_an_error_where_it_collides(tmp_path: Path, shape: str) -> None:
-    (finding,) = findings(tmp_path, "GEO001", link("a", geometry("collision", shape)))
+    (finding,) = find(tmp_path, robot(link("a", geometry("collision", shape))), "GEO001")
     assert finding.severity is Severity.ERROR
 
 
@@ -82,7 +77,7 @@ def test_a_shape_without_volume_is_an_error_where_it_collides(tmp_path: Path, sh
     ],
 )
 def test_what_is_only_drawn_may_be_nothing_but_not_negative(tmp_path: Path, shape: str, severity: Severity) -> None:
-    (finding,) = findings(tmp_path, "GEO001", link("a", geometry("visual", shape)))
+    (finding,) = find(tmp_path, robot(link("a", geometry("visual", shape))), "GEO001")
     assert finding.severity is severity
 
 
@@ -98,11 +93,11 @@ def test_what_is_only_drawn_may_be_nothing_but_not_negative(tmp_path: Path, shap
     ],
 )
 def test_what_is_small_round_mirrored_or_malformed_is_no_bad_dimension(tmp_path: Path, shape: str) -> None:
-    assert not findings(tmp_path, "GEO001", link("a", geometry("collision", shape)))
+    assert not find(tmp_path, robot(link("a", geometry("collision", shape))), "GEO001")
 
 
 def test_the_repair_takes_the_minus_signs_away(tmp_path: Path) -> None:
-    (finding,) = findings(tmp_path, "GEO001", link("a", geometry("collision", '<box size="0.1 -0.20 -3e-1"/>')))
+    (finding,) = find(tmp_path, robot(link("a", geometry("collision", '<box size="0.1 -0.20 -3e-1"/>'))), "GEO001")
     assert finding.fix is not None
     assert [edit.replacement for edit in finding.fix.edits] == ["0.1 0.20 3e-1"]
 
@@ -122,7 +117,7 @@ def make_arm_with_hands(*hands: str) -> str:
 
 
 def test_a_moving_link_that_is_drawn_and_not_touched(tmp_path: Path) -> None:
-    (finding,) = findings(tmp_path, "GEO002", make_arm_with_hands(box("visual"), BOTH))
+    (finding,) = find(tmp_path, robot(make_arm_with_hands(box("visual"), BOTH)), "GEO002")
     assert (finding.severity, finding.subjects) == (Severity.WARNING, ("link[hand0]",))
 
 
@@ -132,54 +127,54 @@ def test_a_moving_link_that_is_drawn_and_not_touched(tmp_path: Path) -> None:
     ids=["frame", "both", "not drawn", "token"],
 )
 def test_nothing_is_missing(tmp_path: Path, inside: str) -> None:
-    assert not findings(tmp_path, "GEO002", make_arm_with_hands(inside, BOTH))
+    assert not find(tmp_path, robot(make_arm_with_hands(inside, BOTH)), "GEO002")
 
 
 def test_collision_on_what_is_fixed_to_it_counts_in_both_directions(tmp_path: Path) -> None:
     pad = link("pad", box("collision")) + make_joint("hand0", "pad", "fixed")
     camera = link("camera", box("visual")) + make_joint("arm", "camera", "fixed")
-    assert not findings(tmp_path, "GEO002", make_arm_with_hands(box("visual"), BOTH) + pad + camera)
+    assert not find(tmp_path, robot(make_arm_with_hands(box("visual"), BOTH) + pad + camera), "GEO002")
 
 
 def test_the_base_may_be_a_drawing(tmp_path: Path) -> None:
-    robot = link("base", box("visual")) + link("arm", BOTH) + make_joint("base", "arm")
-    assert not findings(tmp_path, "GEO002", robot)
+    parts = link("base", box("visual")) + link("arm", BOTH) + make_joint("base", "arm")
+    assert not find(tmp_path, robot(parts), "GEO002")
 
 
 def test_a_model_without_any_collision_is_one_info(tmp_path: Path) -> None:
-    robot = "".join(link(name, box("visual")) for name in "abc") + make_joint("a", "b") + make_joint("b", "c")
-    (finding,) = findings(tmp_path, "GEO002", robot)
+    parts = "".join(link(name, box("visual")) for name in "abc") + make_joint("a", "b") + make_joint("b", "c")
+    (finding,) = find(tmp_path, robot(parts), "GEO002")
     assert (finding.message_id, finding.severity, finding.data["bodies"]) == ("none", Severity.INFO, 2)
 
 
 def test_where_most_bodies_lack_it_the_author_chose(tmp_path: Path) -> None:
-    (finding,) = findings(tmp_path, "GEO002", make_arm_with_hands(box("visual"), box("visual")))
+    (finding,) = find(tmp_path, robot(make_arm_with_hands(box("visual"), box("visual"))), "GEO002")
     assert (finding.message_id, finding.severity) == ("most", Severity.INFO)
-    (half,) = findings(tmp_path / "half", "GEO002", make_arm_with_hands(box("visual")))
+    (half,) = find(tmp_path / "half", robot(make_arm_with_hands(box("visual"))), "GEO002")
     assert half.message_id == "missing"
 
 
 def test_a_marker_without_mass_needs_no_collision(tmp_path: Path) -> None:
-    assert findings(tmp_path / "a", "GEO002", make_arm_with_hands(box("visual") + MASS, BOTH + MASS))
-    assert not findings(tmp_path / "b", "GEO002", make_arm_with_hands(box("visual"), BOTH + MASS))
+    assert find(tmp_path / "a", robot(make_arm_with_hands(box("visual") + MASS, BOTH + MASS)), "GEO002")
+    assert not find(tmp_path / "b", robot(make_arm_with_hands(box("visual"), BOTH + MASS)), "GEO002")
 
 
 @pytest.mark.parametrize(("kind", "found"), [("continuous", False), ("revolute", True)])
 def test_a_fork_that_carries_a_wheel_needs_no_collision(tmp_path: Path, kind: str, found: bool) -> None:
     wheel = link("wheel", BOTH) + make_joint("hand0", "wheel", kind, "0 0 1")
-    assert bool(findings(tmp_path, "GEO002", make_arm_with_hands(box("visual"), BOTH) + wheel)) == found
+    assert bool(find(tmp_path, robot(make_arm_with_hands(box("visual"), BOTH) + wheel), "GEO002")) == found
 
 
 @pytest.mark.parametrize(("size", "found"), [("0.09 0.09 0.11", False), ("0.09 0.09 0.15", True)])
 @pytest.mark.parametrize("rpy", ["0 0 0", "0.3 -1 2"])
 def test_a_rotor_inside_its_housing_needs_no_collision(tmp_path: Path, size: str, found: bool, rpy: str) -> None:
     """However the root is turned."""
-    robot = (
+    parts = (
         link("root") + link("base", BOTH) + link("rotor", box("visual", size)) + link("arm", BOTH)
         + f'<joint name="f" type="fixed"><parent link="root"/><child link="base"/><origin rpy="{rpy}"/></joint>'
         + make_joint("base", "rotor", "continuous") + make_joint("base", "arm", xyz="0 0 1")
     )  # fmt: skip
-    assert bool(findings(tmp_path, "GEO002", robot)) == found
+    assert bool(find(tmp_path, robot(parts), "GEO002")) == found
 
 
 # -- GEO003 ---------------------------------------------------------------------------------------------------------
@@ -202,7 +197,7 @@ def test_a_rotor_inside_its_housing_needs_no_collision(tmp_path: Path, size: str
     ],
 )
 def test_how_far_and_how_large(tmp_path: Path, collision: str, message: str | None) -> None:
-    found = findings(tmp_path, "GEO003", link("a", box("visual") + collision))
+    found = find(tmp_path, robot(link("a", box("visual") + collision)), "GEO003")
     assert [f.message_id for f in found] == ([message] if message else [])
 
 
@@ -218,7 +213,7 @@ def test_how_far_and_how_large(tmp_path: Path, collision: str, message: str | No
 def test_the_factor_of_a_forgotten_scale_is_named(tmp_path: Path, scale: str, units: str | None) -> None:
     (tmp_path / "part.obj").write_text(cylinder(16, 30, 10))
     inside = geometry("visual", '<cylinder radius="0.03" length="0.01"/>') + shape("collision", "part.obj", scale)
-    (finding,) = findings(tmp_path, "GEO003", link("a", inside))
+    (finding,) = find(tmp_path, robot(link("a", inside)), "GEO003")
     assert (finding.cause and finding.data["units"]) == units
 
 
@@ -229,22 +224,22 @@ def test_the_verdict_does_not_change_with_the_frame(tmp_path: Path, rpy: str) ->
     for distance, found in ((0.5, True), (0.02, False)):
         xyz = " ".join(f"{v:.9f}" for v in turn @ np.array([distance, 0, 0]))
         inside = box("visual", rpy=rpy) + box("collision", xyz=xyz, rpy=rpy)
-        assert bool(findings(tmp_path, "GEO003", link("a", inside))) == found
+        assert bool(find(tmp_path, robot(link("a", inside)), "GEO003")) == found
 
 
 def test_what_one_link_draws_another_that_is_fixed_to_it_may_collide_with(tmp_path: Path) -> None:
     """The footprint of a mobile base: its own collision is the base's, a metre above it."""
     foot = link("foot", box("visual", "0.02 0.02 0.02") + box("collision", "1 1 1", "0 0 1"))
     base = link("base", box("visual", "1 1 1"))
-    assert findings(tmp_path / "a", "GEO003", foot + base + make_joint("foot", "base", "revolute", "0 0 1"))
-    assert not findings(tmp_path / "b", "GEO003", foot + base + make_joint("foot", "base", "fixed", "0 0 1"))
+    assert find(tmp_path / "a", robot(foot + base + make_joint("foot", "base", "revolute", "0 0 1")), "GEO003")
+    assert not find(tmp_path / "b", robot(foot + base + make_joint("foot", "base", "fixed", "0 0 1")), "GEO003")
 
 
 @pytest.mark.parametrize("role", ["visual", "collision"])
 def test_a_token_stands_for_nothing(tmp_path: Path, role: str) -> None:
     other = {"visual": "collision", "collision": "visual"}[role]
     token = geometry(role, '<box size="0.001 0.001 0.001"/>')
-    assert not findings(tmp_path, "GEO003", link("a", box(other) + token))
+    assert not find(tmp_path, robot(link("a", box(other) + token)), "GEO003")
 
 
 def collada(size: float, unit: float, up: str) -> str:
@@ -277,19 +272,19 @@ def test_a_unit_that_programs_treat_differently_is_another_rules_business(
 ) -> None:
     (tmp_path / "slab.dae").write_text(collada(size, unit, up))
     inside = shape("visual", "slab.dae") + box("collision", "0.2 0.1 0.4", "0.1 0.05 0.2")
-    assert bool(findings(tmp_path, "GEO003", link("a", inside))) == found
+    assert bool(find(tmp_path, robot(link("a", inside)), "GEO003")) == found
 
 
 def test_a_mesh_that_lies_down_when_y_is_taken_for_up(tmp_path: Path) -> None:
     (tmp_path / "slab.dae").write_text(collada(0.1, 1, "Y_UP"))
     upright = shape("visual", "slab.dae") + box("collision", "0.2 0.4 0.1", "0.1 -0.2 0.05")
     elsewhere = shape("visual", "slab.dae") + box("collision", "0.2 0.4 0.1", "0.1 -0.9 0.05")
-    assert not findings(tmp_path, "GEO003", link("a", upright))
-    assert findings(tmp_path, "GEO003", link("a", elsewhere))
+    assert not find(tmp_path, robot(link("a", upright)), "GEO003")
+    assert find(tmp_path, robot(link("a", elsewhere)), "GEO003")
 
 
 def test_a_mesh_that_cannot_be_read_decides_nothing(tmp_path: Path) -> None:
-    assert not findings(tmp_path, "GEO003", link("a", box("visual") + shape("collision", "missing.stl")))
+    assert not find(tmp_path, robot(link("a", box("visual") + shape("collision", "missing.stl"))), "GEO003")
 
 
 # -- GEO005 ---------------------------------------------------------------------------------------------------------
@@ -313,14 +308,14 @@ def placed(role: str, origin: str = "", name: str = "part.stl", scale: str = "1 
 )
 def test_how_far_origins_may_differ(tmp_path: Path, visual: str, collision: str, found: bool) -> None:
     inside = placed("visual", visual) + placed("collision", collision)
-    assert bool(findings(tmp_path, "GEO005", link("a", inside))) == found
+    assert bool(find(tmp_path, robot(link("a", inside)), "GEO005")) == found
 
 
 def test_another_file_or_scale_has_a_place_of_its_own(tmp_path: Path) -> None:
     moved = '<origin xyz="1 0 0"/>'
-    assert not findings(tmp_path, "GEO005", link("a", placed("visual") + placed("collision", moved, "other.stl")))
-    assert not findings(
-        tmp_path, "GEO005", link("a", placed("visual") + placed("collision", moved, scale="1.1 1.1 1.1"))
+    assert not find(tmp_path, robot(link("a", placed("visual") + placed("collision", moved, "other.stl"))), "GEO005")
+    assert not find(
+        tmp_path, robot(link("a", placed("visual") + placed("collision", moved, scale="1.1 1.1 1.1"))), "GEO005"
     )
 
 
@@ -328,7 +323,9 @@ def test_only_the_foot_that_has_no_drawing_is_reported(tmp_path: Path) -> None:
     feet = ['<origin xyz="0 0 0"/>', '<origin xyz="1 0 0"/>', '<origin xyz="2 0 0"/>']
     drawn = "".join(placed("visual", foot) for foot in feet)
     moved = [feet[2], '<origin xyz="1 0 0.01"/>', feet[0]]
-    (finding,) = findings(tmp_path, "GEO005", link("a", drawn + "".join(placed("collision", foot) for foot in moved)))
+    (finding,) = find(
+        tmp_path, robot(link("a", drawn + "".join(placed("collision", foot) for foot in moved))), "GEO005"
+    )
     assert finding.data["moved"] == 0.01
     assert finding.fix is not None
     assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("1 0 0.01", "1 0 0")]

@@ -84,7 +84,6 @@ def test_a_plugin_with_other_parameters_is_not_renamed(tmp_path: Path) -> None:
 
 # -- what Gazebo merges -------------------------------------------------------------------------------------------------
 
-INERTIAL = '<inertial><mass value="{}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
 SHAPE = "<geometry><box size='1 1 1'/></geometry>"
 
 

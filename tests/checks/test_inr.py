@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import arm_on_base, find, inertial
+from builders import arm_on_base, box, collision, find, inertial, joint, link, visual
 from conftest import check_text
 
 from urdfcheck.core import Severity
@@ -15,8 +15,8 @@ from urdfcheck.source.package.finder import PackageFinder
 
 SOUND = inertial()
 ZERO = '<inertial><mass value="{}"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
-SOLID = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
-BOX = '<visual><geometry><box size="1 1 1"/></geometry></visual>'
+SOLID = collision(box("1 1 1"))
+BOX = visual(box("1 1 1"))
 
 
 def make_arm(child: str, kind: str = "continuous", more: str = "", base: str = SOUND) -> str:
@@ -25,10 +25,7 @@ def make_arm(child: str, kind: str = "continuous", more: str = "", base: str = S
 
 
 def fixed(name: str, content: str, parent: str = "arm") -> str:
-    return (
-        f'<link name="{name}">{content}</link>'
-        f'<joint name="{name}_joint" type="fixed"><parent link="{parent}"/><child link="{name}"/></joint>'
-    )
+    return link(name, content) + joint(f"{name}_joint", parent, name)
 
 
 # -- INR001 ---------------------------------------------------------------------------------------------------------

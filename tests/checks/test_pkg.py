@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
+from builders import collision, link, mesh, visual
 from conftest import check
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
@@ -21,9 +22,8 @@ def _repository(tmp_path: Path) -> None:
 
 
 def make_mesh_link(name: str, *filenames: str) -> str:
-    roles = ("visual", "collision")
-    shapes = (f'<{r}><geometry><mesh filename="{f}"/></geometry></{r}>' for r, f in zip(roles, filenames, strict=False))
-    return f'<link name="{name}">' + "".join(shapes) + "</link>\n"
+    """Return a link that draws the first mesh and collides with the second."""
+    return link(name, *(shape(mesh(f)) for shape, f in zip((visual, collision), filenames, strict=False))) + "\n"
 
 
 def package(folder: Path, *files: str, depends: str = "") -> Path:

@@ -631,9 +631,14 @@ def test_a_tree_is_cut_where_mermaid_gives_up(drawn: Any) -> None:
 
 
 def test_a_loop_is_drawn_as_one() -> None:
-    from output.runs import joint, link
+    from output.runs import make_joint, make_link
 
-    ring = scene(links=(link("a"), link("b")), joints=(joint("x", "a", "b"), joint("y", "b", "a")), root="a", frames=())
+    ring = scene(
+        links=(make_link("a"), make_link("b")),
+        joints=(make_joint("x", "a", "b"), make_joint("y", "b", "a")),
+        root="a",
+        frames=(),
+    )
     text = build_mermaid_chart(ring, ()).text
     assert text.count('["') == 2
     assert text.count("-->") == 2
