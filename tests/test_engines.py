@@ -84,7 +84,7 @@ class Example:
 def read(path: Path, arguments: Mapping[str, str], package_paths: Sequence[Path]) -> EngineInput | None:
     source = load_source(path, arguments, PackageFinder(path.absolute(), {}, list(package_paths)))
     is_robot = source.root is not None and source.root.tag == "robot"
-    return build_input(source, Model(source, source.root, "source") if is_robot else None)
+    return build_input(source, Model(source=source, robot=source.root, tier="source") if is_robot else None)
 
 
 def checked(name: str, folder: Path, target: Path, **request: object) -> Iterator[Example]:

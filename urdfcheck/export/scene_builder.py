@@ -236,7 +236,7 @@ def _build_meshes(model: Model, files: Sequence[Path]) -> Iterator[SceneMesh]:
         name, digest, mesh = format_path(path), model.meshes.digests.get(path, ""), facts.get(path)
         if mesh is None:
             error = model.meshes.errors.get(path)
-            yield SceneMesh(name, digest, problem="" if error is None else error.message)
+            yield SceneMesh(name=name, digest=digest, problem="" if error is None else error.message)
             continue
         if digest not in drawings:
             drawings[digest] = tuple(_build_drawings(mesh, share))

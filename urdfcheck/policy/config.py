@@ -100,7 +100,7 @@ class Config:
         return tuple(entry for pattern, entry in self.suppress if not pattern or match_any_pattern([pattern], names))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class CliOverrides:
     """Settings of the command line, which override every configuration; None where it sets nothing."""
 

@@ -152,10 +152,10 @@ class _UnitAudit:
         """Return the robot of an expanded source."""
         assert source.root is not None
         return Model(
-            source,
-            source.root,
-            self.policy.tier,
-            ArrayCache(self.cache_folder),
+            source=source,
+            robot=source.root,
+            tier=self.policy.tier,
+            cache=ArrayCache(self.cache_folder),
             samples=self.options.samples,
             targets=self.policy.targets,
             may_simulate=self.options.drop,

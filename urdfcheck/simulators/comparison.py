@@ -116,5 +116,5 @@ def _read_input(unit: Unit, settings: AuditSettings) -> EngineInput | None:
         )
         model = None
         if source.root is not None and source.root.tag == "robot":
-            model = Model(source, source.root, "source")
+            model = Model(source=source, robot=source.root, tier="source")
         return build_input(source, model)

@@ -103,6 +103,7 @@ class Attribute:
         return tuple(d for d in flatten_definitions(self.reads) if d.span is not None)
 
 
+# Not kw_only, for the same reason.
 @dataclass(slots=True, eq=False)
 class Element:
     """An element with its attributes, child elements and position."""
