@@ -236,7 +236,7 @@ def edited(text: str, edits: Sequence[Edit]) -> str:
     return text
 
 
-def inertial(numbers: DeclaredInertial, digits: int = 8) -> str:
+def format_inertial(numbers: DeclaredInertial, digits: int = 8) -> str:
     """An ``<inertial>`` with so many significant digits."""
 
     def words(values: Sequence[float] | Array) -> str:

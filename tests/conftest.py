@@ -25,13 +25,12 @@ from urdfcheck import cli
 from urdfcheck.core import Run
 from urdfcheck.policy.policy import Policy
 from urdfcheck.rules import has_check, load_check, load_rules
-from urdfcheck.run import pipeline as engine
+from urdfcheck.run import pipeline
 from urdfcheck.run.jobs import AuditOptions, PackageFolders, Request
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 from urdfcheck.run.preload import preload_modules
 from urdfcheck.source.package.finder import LEVELS_UP
-from urdfcheck.system import process_pool as workers
-from urdfcheck.system import sandbox
+from urdfcheck.system import process_pool, sandbox
 
 REPOSITORY = Path(__file__).parent.parent
 FIXTURES = REPOSITORY / "fixtures"
@@ -157,10 +156,10 @@ def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
     ) -> Iterator[tuple[int, Any]]:
         for index, job in enumerate(jobs):
             called, words = pickle.loads(pickle.dumps((function, job)))
-            yield index, workers._PlainUnpickler(io.BytesIO(pickle.dumps(called(*words)))).load()
+            yield index, process_pool._PlainUnpickler(io.BytesIO(pickle.dumps(called(*words)))).load()
 
-    monkeypatch.setattr(workers, "FORKS", False)
-    monkeypatch.setattr(engine, "map_in_processes", in_turn)
+    monkeypatch.setattr(process_pool, "FORKS", False)
+    monkeypatch.setattr(pipeline, "map_in_processes", in_turn)
     monkeypatch.setattr(sandbox, "confine", lambda *_: None)
     monkeypatch.setattr(sandbox, "limit_memory", lambda _: None)
 

@@ -18,7 +18,7 @@ from typing import Any
 import pytest
 from conftest import FIXTURES, command
 
-from urdfcheck.run import pipeline as engine
+from urdfcheck.run import pipeline
 
 QUICK = ["--tier", "mesh", "--format", "json", "--fail-on", "never"]
 # As many runs on one cache at the same time; 200 were tried with URDFCHECK_RUNS=200.
@@ -124,7 +124,7 @@ def killed(*_: object) -> None:
 def test_of_models_that_were_not_found_nothing_is_known(
     models: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(engine, "_discover_bounded", killed)
+    monkeypatch.setattr(pipeline, "_discover_bounded", killed)
     done = checked(models, cache=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
     assert "the process that looks for models was killed (SIGKILL" in done.stderr

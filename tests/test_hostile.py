@@ -30,7 +30,7 @@ from urdfcheck import cli
 
 sys.path.insert(0, str(REPOSITORY / "tools"))
 try:
-    import make_hostile_table as tool
+    import make_hostile_table
 finally:
     sys.path.pop(0)
 
@@ -82,7 +82,7 @@ def _run(tmp_path_factory: pytest.TempPathFactory) -> Checked:
     before = tree(root)
     places = {name: written / f"report.{name}" for name in ("json", "html", "text")}
     reports = [word for name, file in places.items() for word in ("-o", f"{name}={file}")]
-    done = tool.run(hostile, secret, "--color", "always", *reports)
+    done = make_hostile_table.run(hostile, secret, "--color", "always", *reports)
     outputs = {name: file.read_text(encoding="utf-8") for name, file in places.items()}
     narrow, errors = done.stdout.decode("utf-8"), done.stderr.decode("utf-8")
     assert COLOURS.search(narrow)
@@ -92,9 +92,9 @@ def _run(tmp_path_factory: pytest.TempPathFactory) -> Checked:
 
 def test_each_attack_is_named_at_its_place(checked: Checked) -> None:
     missing = {}
-    for attack in tool.attacks():
-        here = tool.found(checked.report, attack)
-        lost = [expected for expected in attack["finds"] if tool.meant(expected, here) is None]
+    for attack in make_hostile_table.attacks():
+        here = make_hostile_table.found(checked.report, attack)
+        lost = [expected for expected in attack["finds"] if make_hostile_table.meant(expected, here) is None]
         if lost:
             missing[attack["id"]] = (lost, [f"{f['code']} {f['place']}" for f in here])
     assert missing == {}
@@ -103,9 +103,9 @@ def test_each_attack_is_named_at_its_place(checked: Checked) -> None:
 
 
 def test_every_folder_is_in_the_manifest_and_back() -> None:
-    named = [attack["id"] for attack in tool.attacks()]
+    named = [attack["id"] for attack in make_hostile_table.attacks()]
     assert len(named) == len(set(named))
-    assert {f.name for f in tool.FOLDER.iterdir() if f.is_dir()} <= {*named, *ONE_BY_ONE}
+    assert {f.name for f in make_hostile_table.FOLDER.iterdir() if f.is_dir()} <= {*named, *ONE_BY_ONE}
 
 
 def test_nothing_of_a_file_runs(checked: Checked) -> None:
@@ -153,11 +153,13 @@ def test_html_is_inert(checked: Checked) -> None:
 
 def test_the_page_of_the_attacks_is_current(checked: Checked) -> None:
     """Made by tools/make_hostile_table.py."""
-    assert (tool.FOLDER / "README.md").read_text(encoding="utf-8") == tool.table(checked.report)
+    assert (make_hostile_table.FOLDER / "README.md").read_text(encoding="utf-8") == make_hostile_table.table(
+        checked.report
+    )
 
 
 def test_a_clone_of_the_attacks_is_small() -> None:
-    assert sum(f.stat().st_size for f in tool.FOLDER.rglob("*") if f.is_file()) < 300_000
+    assert sum(f.stat().st_size for f in make_hostile_table.FOLDER.rglob("*") if f.is_file()) < 300_000
 
 
 def test_the_report_does_nothing_in_a_browser(checked: Checked, browser: Any, tmp_path: Path) -> None:
@@ -199,7 +201,7 @@ ONE_BY_ONE = {"shape-empty": "XML001", "shape-nul": "XML001"}
 
 @pytest.mark.parametrize(("name", "code"), ONE_BY_ONE.items())
 def test_a_file_that_is_no_text_is_a_finding_when_it_is_named(checked: Checked, name: str, code: str) -> None:
-    done = tool.run(checked.hostile / name / "robot.urdf", checked.secret, "--format", "json")
+    done = make_hostile_table.run(checked.hostile / name / "robot.urdf", checked.secret, "--format", "json")
     assert [f["code"] for f in json.loads(done.stdout)["findings"]][:1] == [code]
 
 

@@ -13,14 +13,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builders import joint, limit
 from conftest import check
 from numpy.typing import NDArray
 from transforms import Robot, Transformation, each_link, renamed, rerooted, rotated_inertial, rotated_link, scaled
 
-from urdfcheck import rules as catalogue
 from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_solid_inertia, make_box_solid, make_cylinder_solid
 from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
+from urdfcheck.rules import load_rules
 
 Array = NDArray[np.float64]
 
@@ -87,30 +88,27 @@ def lumpy(folder: Path, name: str, seed: int, size: tuple[float, float, float], 
     return part(name, Solid(found.volume, found.com, found.covariance), f'<mesh filename="{name}.stl"/>')
 
 
-def joint(name: str, child: str, xyz: str, axis: str, kind: str = "continuous", rpy: str = "0 0 0") -> str:
-    limit = '<limit lower="-1" upper="1" effort="5" velocity="2"/>' if kind == "revolute" else ""
-    return (
-        f'<joint name="{name}" type="{kind}"><parent link="base"/><child link="{child}"/>'
-        f'<origin xyz="{xyz}" rpy="{rpy}"/><axis xyz="{axis}"/>{limit}</joint>'
-    )
+def make_joint_on_base(name: str, child: str, xyz: str, axis: str, kind: str = "continuous", rpy: str = "0 0 0") -> str:
+    limits = limit(-1, 1, 5, 2) if kind == "revolute" else ""
+    return joint(name, "base", child, limits, kind=kind, xyz=xyz, rpy=rpy, axis=axis)
 
 
-@pytest.fixture
-def robot(tmp_path: Path) -> Robot:
+@pytest.fixture(name="robot")
+def make_cart(tmp_path: Path) -> Robot:
     wheel = '<cylinder radius="0.05" length="0.02"/>'
     parts = [part("base", make_box_solid((0.5, 0.25, 0.08)), '<box size="0.5 0.25 0.08"/>', density=500.0)]
     for number, (x, y) in enumerate(((0.2, 0.15), (-0.2, 0.15), (0.2, -0.15), (-0.2, -0.15)), 1):
         parts.append(part(f"wheel_{number}", make_cylinder_solid(0.05, 0.02), wheel, rpy=f"{np.pi / 2!r} 0 0"))
-        parts.append(joint(f"axle_{number}", f"wheel_{number}", f"{x} {y} -0.03", "0 1 0"))
+        parts.append(make_joint_on_base(f"axle_{number}", f"wheel_{number}", f"{x} {y} -0.03", "0 1 0"))
     for side, y in (("left", 0.1), ("right", -0.1)):
         parts.append(lumpy(tmp_path, f"{side}_arm", 3, (0.06, 0.05, 0.2), mirror=side == "right"))
-        parts.append(joint(f"{side}_shoulder", f"{side}_arm", f"0.1 {y} 0.06", "0 1 0", "revolute"))
+        parts.append(make_joint_on_base(f"{side}_shoulder", f"{side}_arm", f"0.1 {y} 0.06", "0 1 0", "revolute"))
     parts.append(lumpy(tmp_path, "tool", 5, (0.12, 0.07, 0.05)))
-    parts.append(joint("flange", "tool", "-0.15 0.02 0.07", "0 0 1", "revolute"))
+    parts.append(make_joint_on_base("flange", "tool", "-0.15 0.02 0.07", "0 0 1", "revolute"))
     return ET.fromstring(f'<robot name="cart">{"".join(parts)}</robot>')
 
 
-def inertial(robot: Robot, link: str) -> ET.Element:
+def find_inertial(robot: Robot, link: str) -> ET.Element:
     found = robot.find(f"link[@name='{link}']/inertial")
     assert found is not None
     return found
@@ -118,7 +116,7 @@ def inertial(robot: Robot, link: str) -> ET.Element:
 
 def times(robot: Robot, link: str, factor: float, *names: str) -> None:
     """Multiply the mass (``value``) or numbers of the tensor."""
-    for element in inertial(robot, link):
+    for element in find_inertial(robot, link):
         for name in set(names) & set(element.attrib):
             element.set(name, repr(float(element.attrib[name]) * factor))
 
@@ -140,7 +138,7 @@ def square_millimetres(robot: Robot) -> None:
 
 
 def com_at_the_origin(robot: Robot) -> None:
-    origin = inertial(robot, "tool").find("origin")
+    origin = find_inertial(robot, "tool").find("origin")
     assert origin is not None
     origin.set("xyz", "0 0 0")
 
@@ -156,13 +154,13 @@ def heavy_wheel(robot: Robot) -> None:
 
 
 def copied_arm(robot: Robot) -> None:
-    left, right = inertial(robot, "left_arm"), inertial(robot, "right_arm")
+    left, right = find_inertial(robot, "left_arm"), find_inertial(robot, "right_arm")
     for here, there in zip(right, left, strict=True):
         here.attrib.update(there.attrib)
 
 
 def com_in_the_air(robot: Robot) -> None:
-    origin = inertial(robot, "tool").find("origin")
+    origin = find_inertial(robot, "tool").find("origin")
     assert origin is not None
     origin.set("xyz", "0 0 0.3")
 
@@ -192,7 +190,7 @@ def verdict(folder: Path, robot: Robot, code: str) -> list[tuple[str, str | None
 
 @pytest.mark.parametrize(("code", "defect"), DEFECTS, ids=lambda v: v if isinstance(v, str) else v.__name__)
 def test_a_defect_stays_what_it_is(tmp_path: Path, robot: Robot, code: str, defect: Defect) -> None:
-    if code not in catalogue.load_rules():
+    if code not in load_rules():
         pytest.skip("not a rule yet")
     defect(robot)
     verdicts = {name: verdict(tmp_path, change(robot), code) for name, change in TRANSFORMATIONS.items()}
@@ -204,5 +202,5 @@ def test_a_defect_stays_what_it_is(tmp_path: Path, robot: Robot, code: str, defe
 def test_a_sound_robot_stays_sound(tmp_path: Path, robot: Robot, transformation: str) -> None:
     path = tmp_path / "robot.urdf"
     path.write_text(ET.tostring(TRANSFORMATIONS[transformation](robot), encoding="unicode"))
-    codes = {code for code, _ in DEFECTS} & set(catalogue.load_rules())
+    codes = {code for code, _ in DEFECTS} & set(load_rules())
     assert not [f.message for f in check(path, codes=codes).findings]

@@ -90,8 +90,8 @@ def test_a_process_that_dies_fails_the_tests_that_wait_for_it(
     folder: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     program = (
-        "import os, urdfcheck.run.pipeline as engine; from urdfcheck.cli.commands.serve import serve\n"
-        "engine.stream_reports = lambda *_: os._exit(7)\nserve()"
+        "import os; from urdfcheck.run import pipeline; from urdfcheck.cli.commands.serve import serve\n"
+        "pipeline.stream_reports = lambda *_, **__: os._exit(7)\nserve()"
     )
     monkeypatch.setattr(pytest_plugin, "_PROGRAM", [sys.executable, "-c", program])
     done = run(folder, "--urdfcheck")
@@ -113,5 +113,6 @@ def test_who_does_not_ask_pays_nothing() -> None:
     assert {name for name in loaded if name.partition(".")[0] not in sys.stdlib_module_names} == {
         "urdfcheck",
         "urdfcheck.plugins",
+        "urdfcheck.version",
         "urdfcheck.plugins.pytest_plugin",
     }

@@ -15,10 +15,11 @@ from pathlib import Path
 import pytest
 from conftest import check
 
-from urdfcheck import rules as catalogue
+from urdfcheck import rules
 from urdfcheck.core import Applicability, Finding, Rule
 from urdfcheck.dev.new_rule import TO_DO
 from urdfcheck.policy import config
+from urdfcheck.rules import NEEDS, SCOPES, has_check, load_check, load_rules
 
 FENCE = re.compile(r"^```(\w+)(?: file=(\S+))?[ ]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 # `expect: NAM008` marks a line, `expect: NAM008 "base_"` the text on it that the finding points at as well.
@@ -60,10 +61,10 @@ def cases(rule: Rule, heading: str) -> list[Case]:
     return [Case(rule.code, heading, i + 1, files) for i, files in enumerate(found)]
 
 
-RULES = list(catalogue.load_rules().values())
+RULES = list(load_rules().values())
 FIXES = [Applicability.DISPLAY, Applicability.UNSAFE, Applicability.SAFE]
-FIXED = [rule for rule in RULES if rule.fix is not Applicability.DISPLAY and catalogue.has_check(rule)]
-CHECKED = [rule for rule in RULES if catalogue.has_check(rule)]
+FIXED = [rule for rule in RULES if rule.fix is not Applicability.DISPLAY and has_check(rule)]
+CHECKED = [rule for rule in RULES if has_check(rule)]
 BAD = [case for rule in CHECKED for case in cases(rule, "Bad")]
 GOOD = [case for rule in CHECKED for case in cases(rule, "Good")]
 
@@ -78,7 +79,7 @@ def findings_of(case: Case, folder: Path) -> list[Finding]:
     target = folder if len(case.files) > 1 else folder / case.files[0][0]
     # A tree may hold its own urdfcheck.toml.
     targets = config.find_config(folder).target
-    rule = catalogue.load_rules()[case.rule]
+    rule = load_rules()[case.rule]
     simulated = "simulator" in rule.needs
     if simulated:
         pytest.importorskip("mujoco")
@@ -109,7 +110,7 @@ def list_marked_places(case: Case) -> set[Place]:
 def list_found_places(case: Case, folder: Path, with_text: set[tuple[str, int]]) -> set[Place]:
     """The places that the case's rule points at; their text only on the lines in ``with_text``."""
     findings = findings_of(case, folder)
-    promised = FIXES.index(catalogue.load_rules()[case.rule].fix)
+    promised = FIXES.index(load_rules()[case.rule].fix)
     assert all(FIXES.index(offered(f)) <= promised for f in findings), "the page's key `fix` promises less"
     contents = dict(case.files)
     places: set[Place] = set()
@@ -150,20 +151,20 @@ def sentences(rule: Rule) -> Iterator[str]:
 def test_page_is_complete(rule: Rule) -> None:
     assert TO_DO not in rule.page, "what is marked with TODO is still to be written"
     headings = re.findall(r"^## (.+)$", rule.page, re.MULTILINE)
-    wanted = HEADINGS if catalogue.has_check(rule) else [h for h in HEADINGS if h not in {"Bad", "Good", "References"}]
+    wanted = HEADINGS if has_check(rule) else [h for h in HEADINGS if h not in {"Bad", "Good", "References"}]
     assert [h for h in headings if h in HEADINGS] == [h for h in HEADINGS if h in headings]
     assert set(wanted) <= set(headings), "a section is missing"
     assert set(headings) <= set(HEADINGS), "an unknown section"
     assert rule.messages.keys() == rule.fixes.keys(), "every message needs its repair"
     assert rule.status in {"preview", "stable", "deprecated"}
     assert rule.scopes
-    assert set(rule.scopes) <= set(catalogue.SCOPES)
+    assert set(rule.scopes) <= set(SCOPES)
     assert rule.needs
-    assert set(rule.needs) <= set(catalogue.NEEDS)
-    assert set(rule.hidden_by) <= set(catalogue.load_rules())
+    assert set(rule.needs) <= set(NEEDS)
+    assert set(rule.hidden_by) <= set(load_rules())
     assert set(rule.concerns) <= set(config.TARGETS)
     assert not [s for s in sentences(rule) if s.startswith("{")], "what a case decides is the check's `consequences`"
-    if catalogue.has_check(rule):
+    if has_check(rule):
         assert cases(rule, "Bad"), "no Bad block"
         assert cases(rule, "Good"), "no Good block"
 
@@ -171,7 +172,7 @@ def test_page_is_complete(rule: Rule) -> None:
 @pytest.mark.parametrize("rule", CHECKED, ids=lambda rule: rule.code)
 def test_options_are_the_keyword_parameters_of_the_check(rule: Rule) -> None:
     """Names, types and defaults: the page is what the check gets."""
-    parameters = inspect.signature(catalogue.load_check(rule), eval_str=False).parameters
+    parameters = inspect.signature(load_check(rule), eval_str=False).parameters
     keywords = {n: p for n, p in parameters.items() if p.kind is p.KEYWORD_ONLY}
     assert set(keywords) == set(rule.options)
     for name, parameter in keywords.items():
@@ -180,5 +181,5 @@ def test_options_are_the_keyword_parameters_of_the_check(rule: Rule) -> None:
 
 
 def test_every_check_has_a_page() -> None:
-    modules = {p.stem for p in (Path(catalogue.__file__).parent / "checks").glob("[a-z]*.py")} - {"__init__"}
+    modules = {p.stem for p in (Path(rules.__file__).parent / "checks").glob("[a-z]*.py")} - {"__init__"}
     assert modules == {rule.stem for rule in CHECKED}

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builders import collision, joint, link, robot
 from conftest import FIXTURES, check_text
 
 from urdfcheck.core import Finding, Severity
@@ -26,27 +27,18 @@ coal = pytest.importorskip("coal")
 BOX, BALL, ROD = '<box size="{}"/>', '<sphere radius="{}"/>', '<cylinder radius="{}" length="{}"/>'
 
 
-def link(name: str, *shapes: str) -> str:
-    """A link that collides with shapes: a primitive, or a place and a primitive."""
-    made = []
-    for shape in shapes:
-        place, _, geometry = shape.rpartition("|")
-        made.append(f'<collision><origin xyz="{place or "0 0 0"}"/><geometry>{geometry}</geometry></collision>')
-    return f'<link name="{name}">{"".join(made)}</link>'
+def make_link(name: str, *shapes: str) -> str:
+    """Return a link that collides with shapes: a primitive, or a place and a primitive (``0 0 1|<box …/>``)."""
+    pieces = [shape.rpartition("|") for shape in shapes]
+    return link(name, *(collision(geometry, xyz=place or "0 0 0") for place, _, geometry in pieces))
 
 
-def joint(parent: str, child: str, xyz: str, kind: str = "revolute", **more: str) -> str:
+def make_joint(parent: str, child: str, xyz: str, kind: str = "revolute", **more: str) -> str:
+    """Return a joint; ``limit`` are the attributes of its limits, ``mimic`` is an element."""
     span = more.get("limit", 'lower="-2" upper="2"')
     limits = "" if kind in {"fixed", "continuous"} else f'<limit {span} effort="1" velocity="1"/>'
-    return (
-        f'<joint name="{parent}_{child}" type="{kind}"><origin xyz="{xyz}" rpy="{more.get("rpy", "0 0 0")}"/>'
-        f'<parent link="{parent}"/><child link="{child}"/><axis xyz="{more.get("axis", "0 0 1")}"/>'
-        f"{limits}{more.get('mimic', '')}</joint>"
-    )
-
-
-def robot(*parts: str) -> str:
-    return f'<robot name="r">{"".join(parts)}</robot>'
+    place = {"xyz": xyz, "rpy": more.get("rpy", "0 0 0"), "axis": more.get("axis", "0 0 1")}
+    return joint(f"{parent}_{child}", parent, child, limits, more.get("mimic", ""), kind=kind, **place)
 
 
 def model_of(folder: Path, text: str, cache: ArrayCache | None = None, samples: int = 200) -> Model:
@@ -76,13 +68,13 @@ def folded(scale: float = 1.0, rpy: str = "0 0 0", gap: float = -0.002) -> str:
         return " ".join(repr(n * scale) for n in numbers)
 
     return robot(
-        link("floor"),
-        joint("floor", "a", text(0.3, 0.1, 0.2), "fixed", rpy=rpy),
-        link("a", BOX.format(text(0.2, 0.1, 0.02))),
-        joint("a", "b", text(0.15, 0, 0.05)),
-        link("b", BOX.format(text(0.05, 0.05, 0.05))),
-        joint("b", "c", text(0, 0, 0)),
-        link("c", f"{text(-0.15, 0, -0.03 + gap)}|{BOX.format(text(0.2, 0.1, 0.02))}"),
+        make_link("floor"),
+        make_joint("floor", "a", text(0.3, 0.1, 0.2), "fixed", rpy=rpy),
+        make_link("a", BOX.format(text(0.2, 0.1, 0.02))),
+        make_joint("a", "b", text(0.15, 0, 0.05)),
+        make_link("b", BOX.format(text(0.05, 0.05, 0.05))),
+        make_joint("b", "c", text(0, 0, 0)),
+        make_link("c", f"{text(-0.15, 0, -0.03 + gap)}|{BOX.format(text(0.2, 0.1, 0.02))}"),
     )
 
 
@@ -110,11 +102,11 @@ def test_size_and_place_of_the_robot_do_not_decide(
 def test_the_root_does_not_decide(tmp_path: Path) -> None:
     """The same plates, hung up at the other end."""
     upside = robot(
-        link("c", "-0.15 0 -0.032|" + BOX.format("0.2 0.1 0.02")),
-        joint("c", "b", "0 0 0", axis="0 0 -1"),
-        link("b", BOX.format("0.05 0.05 0.05")),
-        joint("b", "a", "0 0 0", axis="0 0 -1"),
-        link("a", "-0.15 0 -0.05|" + BOX.format("0.2 0.1 0.02")),
+        make_link("c", "-0.15 0 -0.032|" + BOX.format("0.2 0.1 0.02")),
+        make_joint("c", "b", "0 0 0", axis="0 0 -1"),
+        make_link("b", BOX.format("0.05 0.05 0.05")),
+        make_joint("b", "a", "0 0 0", axis="0 0 -1"),
+        make_link("a", "-0.15 0 -0.05|" + BOX.format("0.2 0.1 0.02")),
     )
     (finding,) = findings(tmp_path, upside, "COL001")
     assert "a overlaps c by 2 mm" in finding.message
@@ -125,13 +117,15 @@ def test_closed_fingers_may_press_against_each_other(tmp_path: Path, press: floa
     """Fingers of 35 mm, closed at rest: 0.1 mm is 0.3 % of one, 2 mm are 6 %."""
     finger = BOX.format("0.01 0.01 0.03")
     text = robot(
-        link("hand", BOX.format("0.05 0.1 0.01")),
-        joint("hand", "left", f"0 {0.005 - press / 2} 0.03", "prismatic", axis="0 1 0", limit="lower='0' upper='0.04'"),
-        joint(
+        make_link("hand", BOX.format("0.05 0.1 0.01")),
+        make_joint(
+            "hand", "left", f"0 {0.005 - press / 2} 0.03", "prismatic", axis="0 1 0", limit="lower='0' upper='0.04'"
+        ),
+        make_joint(
             "hand", "right", f"0 {press / 2 - 0.005} 0.03", "prismatic", axis="0 -1 0", limit="lower='0' upper='0.04'"
         ),
-        link("left", finger),
-        link("right", finger),
+        make_link("left", finger),
+        make_link("right", finger),
     )
     assert bool(findings(tmp_path, text, "COL001")) == bad
 
@@ -141,8 +135,8 @@ def test_rest_is_the_limit_nearest_to_zero(tmp_path: Path) -> None:
     ball = BALL.format("0.01")
     slide = {"axis": "0 1 0", "limit": "lower='0.02' upper='0.04'"}
     text = robot(
-        link("hand"), joint("hand", "left", "0 0 0", "prismatic", **slide), link("left", ball),
-        joint("hand", "right", "0 0 0", "prismatic", **{**slide, "axis": "0 -1 0"}), link("right", ball),
+        make_link("hand"), make_joint("hand", "left", "0 0 0", "prismatic", **slide), make_link("left", ball),
+        make_joint("hand", "right", "0 0 0", "prismatic", **{**slide, "axis": "0 -1 0"}), make_link("right", ball),
     )  # fmt: skip
     assert not findings(tmp_path, text, "COL001")
 
@@ -150,11 +144,11 @@ def test_rest_is_the_limit_nearest_to_zero(tmp_path: Path) -> None:
 def test_links_that_always_overlap_are_one_info(tmp_path: Path) -> None:
     """A cover of the first link that encloses the third: no angle frees it."""
     text = robot(
-        link("a", BALL.format("0.2")),
-        joint("a", "b", "0.1 0 0"),
-        link("b", BALL.format("0.01")),
-        joint("b", "c", "0.02 0 0"),
-        link("c", BALL.format("0.03")),
+        make_link("a", BALL.format("0.2")),
+        make_joint("a", "b", "0.1 0 0"),
+        make_link("b", BALL.format("0.01")),
+        make_joint("b", "c", "0.02 0 0"),
+        make_link("c", BALL.format("0.03")),
     )
     (finding,) = findings(tmp_path, text, "COL001")
     assert (finding.severity, finding.message_id) == (Severity.INFO, "always")
@@ -162,13 +156,13 @@ def test_links_that_always_overlap_are_one_info(tmp_path: Path) -> None:
 
 def test_a_shape_that_overlaps_several_links_is_one_finding(tmp_path: Path) -> None:
     """Two arms of two links each reach, straight at rest, into a box on the base."""
-    parts = [link("base", "0.5 0 0|" + BOX.format("0.1 1 0.1"))]
+    parts = [make_link("base", "0.5 0 0|" + BOX.format("0.1 1 0.1"))]
     for name, y in (("l", 0.2), ("r", -0.2)):
         parts += [
-            joint("base", f"{name}1", f"0 {y} 0", limit="lower='-3' upper='3'"),
-            link(f"{name}1", "0.1 0 0|" + BOX.format("0.2 0.02 0.02")),
-            joint(f"{name}1", f"{name}2", "0.25 0 0", limit="lower='-3' upper='3'"),
-            link(f"{name}2", "0.1 0 0|" + BOX.format("0.2 0.02 0.02"), "0.2 0 0|" + BALL.format("0.02")),
+            make_joint("base", f"{name}1", f"0 {y} 0", limit="lower='-3' upper='3'"),
+            make_link(f"{name}1", "0.1 0 0|" + BOX.format("0.2 0.02 0.02")),
+            make_joint(f"{name}1", f"{name}2", "0.25 0 0", limit="lower='-3' upper='3'"),
+            make_link(f"{name}2", "0.1 0 0|" + BOX.format("0.2 0.02 0.02"), "0.2 0 0|" + BALL.format("0.02")),
         ]
     (finding,) = findings(tmp_path, robot(*parts), "COL001")
     assert finding.message_id == "several"
@@ -179,7 +173,7 @@ def test_a_shape_that_overlaps_several_links_is_one_finding(tmp_path: Path) -> N
 
 def test_links_of_one_body_never_collide(tmp_path: Path) -> None:
     text = robot(
-        link("a", BALL.format("0.1")), joint("a", "b", "0.1 0 0", "fixed"), link("b", BALL.format("0.1"))
+        make_link("a", BALL.format("0.1")), make_joint("a", "b", "0.1 0 0", "fixed"), make_link("b", BALL.format("0.1"))
     )  # fmt: skip
     found = pair(self_collisions(model_of(tmp_path, text)), "a", "b")
     assert found.relation == "fixed"
@@ -190,10 +184,10 @@ def test_links_of_one_body_never_collide(tmp_path: Path) -> None:
 
 def test_a_ball_joint_of_three_hinges_connects_neighbours(tmp_path: Path) -> None:
     text = robot(
-        link("body", BALL.format("0.1")),
-        joint("body", "h1", "0.1 0 0"), link("h1"),
-        joint("h1", "h2", "0 0 0", axis="0 1 0"), link("h2"),
-        joint("h2", "arm", "0 0 0", axis="1 0 0"), link("arm", BALL.format("0.05")),
+        make_link("body", BALL.format("0.1")),
+        make_joint("body", "h1", "0.1 0 0"), make_link("h1"),
+        make_joint("h1", "h2", "0 0 0", axis="0 1 0"), make_link("h2"),
+        make_joint("h2", "arm", "0 0 0", axis="1 0 0"), make_link("arm", BALL.format("0.05")),
     )  # fmt: skip
     found = pair(self_collisions(model_of(tmp_path, text)), "body", "arm")
     assert (found.relation, found.joint) == ("adjacent", "h2_arm")
@@ -202,7 +196,8 @@ def test_a_ball_joint_of_three_hinges_connects_neighbours(tmp_path: Path) -> Non
 
 def test_a_mesh_that_cannot_be_read_is_left_out_and_the_rule_says_so(tmp_path: Path) -> None:
     text = folded().replace(
-        "</robot>", joint("c", "d", "0 0 1") + link("d", '<mesh filename="gone.stl"/>') + "</robot>"
+        "</robot>",
+        make_joint("c", "d", "0 0 1") + make_link("d", '<mesh filename="gone.stl"/>') + "</robot>",
     )
     run = check_text(tmp_path, text, codes={"COL001"})
     assert [f.code for f in run.findings] == ["COL001"]
@@ -213,9 +208,9 @@ def test_a_mesh_that_cannot_be_read_is_left_out_and_the_rule_says_so(tmp_path: P
 
 def test_links_beyond_a_mesh_that_cannot_be_read_are_no_neighbours(tmp_path: Path) -> None:
     text = robot(
-        link("a", BALL.format("0.1")),
-        joint("a", "b", "0.1 0 0"), link("b", '<mesh filename="gone.stl"/>'),
-        joint("b", "c", "0.1 0 0"), link("c", BALL.format("0.1")),
+        make_link("a", BALL.format("0.1")),
+        make_joint("a", "b", "0.1 0 0"), make_link("b", '<mesh filename="gone.stl"/>'),
+        make_joint("b", "c", "0.1 0 0"), make_link("c", BALL.format("0.1")),
     )  # fmt: skip
     assert pair(self_collisions(model_of(tmp_path, text)), "a", "c").relation == "far"
 
@@ -231,13 +226,13 @@ def legs(folder: Path, up: str) -> str:
     """A leg on the left and one on the right, bars that lie along y as drawn and run into each other; with their y axes up
     they hang down, side by side."""
     (folder / "leg.dae").write_text(bar(-0.4, up))
-    parts = [link("base", "0 0 0.4|" + BOX.format("0.1 0.6 0.1"))]
+    parts = [make_link("base", "0 0 0.4|" + BOX.format("0.1 0.6 0.1"))]
     for side, y in (("left", 0.15), ("right", -0.15)):
         parts += [
-            joint("base", f"{side}_hip", f"0 {y} 0.2"),
-            link(f"{side}_hip", BALL.format("0.01")),
-            joint(f"{side}_hip", f"{side}_leg", "0 0 -0.1"),
-            link(f"{side}_leg", '<mesh filename="leg.dae"/>'),
+            make_joint("base", f"{side}_hip", f"0 {y} 0.2"),
+            make_link(f"{side}_hip", BALL.format("0.01")),
+            make_joint(f"{side}_hip", f"{side}_leg", "0 0 -0.1"),
+            make_link(f"{side}_leg", '<mesh filename="leg.dae"/>'),
         ]
     return robot(*parts)
 
@@ -272,11 +267,11 @@ def test_a_declared_axis_is_no_cause_where_the_robot_is_alike_on_both_sides_as_d
     """One bar along y in the middle that runs into a post beside it: upright it would miss the post."""
     (tmp_path / "bar.dae").write_text(bar(-0.2, "Y_UP"))
     text = robot(
-        link("base", "0 0.2 0|" + BOX.format("0.05 0.05 0.05"), "0 -0.2 0|" + BOX.format("0.05 0.05 0.05")),
-        joint("base", "hip", "0 0 0"),
-        link("hip", BALL.format("0.001")),
-        joint("hip", "arm", "0 0 0"),
-        link("arm", '<mesh filename="bar.dae"/>'),
+        make_link("base", "0 0.2 0|" + BOX.format("0.05 0.05 0.05"), "0 -0.2 0|" + BOX.format("0.05 0.05 0.05")),
+        make_joint("base", "hip", "0 0 0"),
+        make_link("hip", BALL.format("0.001")),
+        make_joint("hip", "arm", "0 0 0"),
+        make_link("arm", '<mesh filename="bar.dae"/>'),
     )
     (finding,) = findings(tmp_path, text, "COL001")
     assert (finding.message_id, finding.cause) == ("overlap", None)
@@ -288,9 +283,9 @@ def test_a_declared_axis_is_no_cause_where_the_robot_is_alike_on_both_sides_as_d
 @pytest.mark.parametrize(("gap", "overlap"), [(-0.001, True), (0.0, False), (0.001, False)])
 def test_a_wheel_may_touch_its_hub(tmp_path: Path, gap: float, overlap: bool) -> None:
     text = robot(
-        link("base", BOX.format("0.2 0.1 0.05")),
-        joint("base", "wheel", f"0 {0.06 + gap} 0", "continuous", axis="0 1 0"),
-        link("wheel", ROD.format("0.03", "0.02")).replace('xyz="0 0 0"/>', f'rpy="{math.pi / 2!r} 0 0"/>'),
+        make_link("base", BOX.format("0.2 0.1 0.05")),
+        make_joint("base", "wheel", f"0 {0.06 + gap} 0", "continuous", axis="0 1 0"),
+        make_link("wheel", ROD.format("0.03", "0.02")).replace('xyz="0 0 0"/>', f'rpy="{math.pi / 2!r} 0 0"/>'),
     )
     assert bool(findings(tmp_path, text, "COL002")) == overlap
 
@@ -300,9 +295,9 @@ def test_neighbours_count_that_overlap_over_nearly_all_of_the_range(tmp_path: Pa
     """A ball on an arm in a trough that ends at 1.6 rad to either side: all of 3 rad, or 80 % of 4 rad."""
     trough = [f"{math.cos(a)} {math.sin(a)} 0|" + BALL.format("0.1") for a in np.linspace(-1.5, 1.5, 20).tolist()]
     text = robot(
-        link("base", *trough),
-        joint("base", "arm", "0 0 0", limit=f"lower='-{reach}' upper='{reach}'"),
-        link("arm", "1 0 0|" + BALL.format("0.05")),
+        make_link("base", *trough),
+        make_joint("base", "arm", "0 0 0", limit=f"lower='-{reach}' upper='{reach}'"),
+        make_link("arm", "1 0 0|" + BALL.format("0.05")),
     )
     assert bool(findings(tmp_path, text, "COL002")) == overlap
     found = pair(self_collisions(model_of(tmp_path, text)), "base", "arm")
@@ -310,7 +305,7 @@ def test_neighbours_count_that_overlap_over_nearly_all_of_the_range(tmp_path: Pa
 
 
 def test_positions_are_spread_evenly_over_every_range(tmp_path: Path) -> None:
-    positions = self_collisions(model_of(tmp_path, arm())).spread_poses
+    positions = self_collisions(model_of(tmp_path, make_folded_chain())).spread_poses
     assert len(positions.values) == 40
     for values in positions.values.T:
         assert sorted(values) == pytest.approx([-2.5 + (i + 0.5) / 40 * 5 for i in range(40)])
@@ -322,16 +317,16 @@ def test_positions_are_spread_evenly_over_every_range(tmp_path: Path) -> None:
 def swinging(limit: str = "lower='-1' upper='2'", kind: str = "revolute", follower: bool = False) -> str:
     """A ball of 0.1 on an arm of 1 that swings about z and meets a wall at x = -0.2: its face at 1.6708 rad from x."""
     parts = [
-        link("base", "-0.7 0 0|" + BOX.format("1 4 1")),
-        joint("base", "arm", "0 0 0", kind, limit=limit),
-        link("arm", "1 0 0|" + BALL.format("0.1")),
+        make_link("base", "-0.7 0 0|" + BOX.format("1 4 1")),
+        make_joint("base", "arm", "0 0 0", kind, limit=limit),
+        make_link("arm", "1 0 0|" + BALL.format("0.1")),
     ]
     if follower:
         parts += [
-            joint("base", "lever", "0 0 5", limit="lower='0' upper='1'"),
-            link("lever"),
+            make_joint("base", "lever", "0 0 5", limit="lower='0' upper='1'"),
+            make_link("lever"),
         ]
-        parts[1] = joint("base", "arm", "0 0 0", limit=limit, mimic='<mimic joint="base_lever" multiplier="2"/>')
+        parts[1] = make_joint("base", "arm", "0 0 0", limit=limit, mimic='<mimic joint="base_lever" multiplier="2"/>')
     return robot(*parts)
 
 
@@ -370,21 +365,21 @@ def test_neighbours_that_part_again_on_the_way_do_not_count(tmp_path: Path) -> N
 def test_neighbours_that_touch_at_rest_do_not_count(tmp_path: Path, gap: float, reached: int) -> None:
     """A box that stands on a box, as the fingers of Allegro hands are drawn: whichever way it tips, an edge goes in."""
     box = BOX.format("0.2 0.2 0.2")
-    tips = joint("foot", "leg", f"0 0 {0.1 + gap}", axis="0 1 0", limit="lower='-1' upper='1'")
-    text = f'<robot name="r">{link("foot", box)}{tips}{link("leg", "0 0 0.1|" + box)}</robot>'
+    tips = make_joint("foot", "leg", f"0 0 {0.1 + gap}", axis="0 1 0", limit="lower='-1' upper='1'")
+    text = f'<robot name="r">{make_link("foot", box)}{tips}{make_link("leg", "0 0 0.1|" + box)}</robot>'
     assert len(findings(tmp_path, text, "COL005")) == reached
 
 
 # -- the collisions themselves -------------------------------------------------------------------------------------------
 
 
-def arm(links: int = 5) -> str:
+def make_folded_chain(links: int = 5) -> str:
     """A chain of plates and balls about crossed axes, folded enough to meet itself now and then."""
-    parts = [link("l0", BOX.format("0.3 0.3 0.1"))]
+    parts = [make_link("l0", BOX.format("0.3 0.3 0.1"))]
     for i in range(1, links):
         axis = ("0 1 0", "1 0 0", "0 0 1")[i % 3]
-        parts.append(joint(f"l{i - 1}", f"l{i}", "0 0 0.15", axis=axis, limit="lower='-2.5' upper='2.5'"))
-        parts.append(link(f"l{i}", "0 0 0.07|" + BOX.format("0.06 0.05 0.1"), "0.02 0 0.1|" + BALL.format("0.03")))
+        parts.append(make_joint(f"l{i - 1}", f"l{i}", "0 0 0.15", axis=axis, limit="lower='-2.5' upper='2.5'"))
+        parts.append(make_link(f"l{i}", "0 0 0.07|" + BOX.format("0.06 0.05 0.1"), "0.02 0 0.1|" + BALL.format("0.03")))
     return robot(*parts)
 
 
@@ -394,7 +389,7 @@ def test_every_pair_and_configuration_is_as_coal_sees_it_alone(tmp_path: Path, s
 
     The car's wheels touch their hubs, the gap being 0 or 2 nm: coal sees them meet, and here they do not."""
     car = FIXTURES / "car-3/urdf/car-3.urdf"
-    model = model_of(tmp_path, arm(), samples=60) if source == "arm" else model_at(car, samples=20)
+    model = model_of(tmp_path, make_folded_chain(), samples=60) if source == "arm" else model_at(car, samples=20)
     touching = set() if source == "arm" else {("base_link", f"wheel_{i}") for i in range(1, 5)}
     found = self_collisions(model)
     frames = poses.compute_frames(model, found.poses)
@@ -428,18 +423,18 @@ def alone(model: Model, shape: Shape) -> object:
 
 def test_the_arm_shows_all_kinds_of_pairs(tmp_path: Path) -> None:
     """What the other tests rest on: pairs that are proven apart, that meet now and then, and always."""
-    far = [p for p in self_collisions(model_of(tmp_path, arm())).pairs if p.relation == "far"]
+    far = [p for p in self_collisions(model_of(tmp_path, make_folded_chain())).pairs if p.relation == "far"]
     assert any(0 < p.hit_count < 200 for p in far)
     assert len(far) == sum(1 for a, b in combinations(range(5), 2) if b - a > 1)
 
 
 def test_what_is_proven_apart_never_meets(tmp_path: Path) -> None:
     """Two arms at some distance: the proof holds in every configuration, and does not reach pairs that do meet."""
-    parts = [link("base", BOX.format("0.1 2 0.1"))]
+    parts = [make_link("base", BOX.format("0.1 2 0.1"))]
     for name, y in (("l", 0.6), ("r", -0.6)):
         for i, (parent, reach) in enumerate((("base", 0.0), (f"{name}1", 0.3), (f"{name}2", 0.3)), 1):
-            parts.append(joint(parent, f"{name}{i}", f"{reach} {y if i == 1 else 0} 0.2", axis="0 0 1"))
-            parts.append(link(f"{name}{i}", "0.1 0 0|" + BOX.format("0.2 0.05 0.05")))
+            parts.append(make_joint(parent, f"{name}{i}", f"{reach} {y if i == 1 else 0} 0.2", axis="0 0 1"))
+            parts.append(make_link(f"{name}{i}", "0.1 0 0|" + BOX.format("0.2 0.05 0.05")))
     model = model_of(tmp_path, robot(*parts), samples=2000)
     apart = {p.links for p in self_collisions(model).pairs if p.is_proven_apart}
     assert ("l1", "r1") in apart
@@ -456,15 +451,17 @@ def test_a_slide_without_end_proves_nothing(tmp_path: Path) -> None:
     slide = {"kind": "prismatic", "axis": "1 0 0"}
     for limit, proven in (("lower='0' upper='0.1'", True), ("lower='-1e6' upper='1e6'", False)):
         text = robot(
-            link("a", BALL.format("0.1")), joint("a", "b", "1 0 0", **slide, limit=limit), link("b", BALL.format("0.1"))
-        )  # fmt: skip
+            make_link("a", BALL.format("0.1")),
+            make_joint("a", "b", "1 0 0", **slide, limit=limit),
+            make_link("b", BALL.format("0.1")),
+        )
         assert self_collisions(model_of(tmp_path, text)).pairs[0].is_proven_apart == proven
 
 
 def test_what_is_not_asked_for_is_not_computed(tmp_path: Path) -> None:
     """An audit without a semantic description looks at what overlaps at rest, and not at other pairs in many poses."""
     cache = ArrayCache(tmp_path / "cache")
-    found = self_collisions(model_of(tmp_path, arm(), cache))
+    found = self_collisions(model_of(tmp_path, make_folded_chain(), cache))
     assert set(found.cache_entry) == {"rest"}
     assert [p.hit_count for p in found.pairs if p.relation == "far"]
     assert set(found.cache_entry) == {"rest", "never", "others-200"}
@@ -472,7 +469,7 @@ def test_what_is_not_asked_for_is_not_computed(tmp_path: Path) -> None:
 
 def test_each_joint_runs_into_what_a_search_without_bounds_finds(tmp_path: Path) -> None:
     """Every pair at every step, in the order of the steps: the first that meets, and where."""
-    model = model_of(tmp_path, arm(7))
+    model = model_of(tmp_path, make_folded_chain(7))
     setup, rest = self_collisions(model).setup, poses.make_neutral_configuration(model)
     expected = []
     for i, hinge in enumerate(rest.joints):
@@ -497,7 +494,7 @@ def test_each_joint_runs_into_what_a_search_without_bounds_finds(tmp_path: Path)
 
 
 def test_a_second_run_gives_the_same_and_computes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    cache, text = ArrayCache(tmp_path / "cache"), arm()
+    cache, text = ArrayCache(tmp_path / "cache"), make_folded_chain()
     first = model_of(tmp_path, text, cache)
     expected, reached = self_collisions(first), find_joint_collisions(first)
     assert [vars_of(p) for p in self_collisions(model_of(tmp_path, text)).pairs] == [vars_of(p) for p in expected.pairs]
@@ -509,8 +506,11 @@ def test_a_second_run_gives_the_same_and_computes_nothing(tmp_path: Path, monkey
 
 @pytest.mark.parametrize("change", [("0.06 0.05 0.1", "0.07 0.05 0.1"), ("-2.5", "-2.4"), ("0 0 0.15", "0 0 0.16")])
 def test_what_decides_about_collisions_is_in_the_key(tmp_path: Path, change: tuple[str, str]) -> None:
-    one, other = (model_of(tmp_path / name, text) for name, text in (("a", arm()), ("b", arm().replace(*change))))
-    same = model_of(tmp_path / "c", arm().replace("<box", "<!-- x --><box"))
+    one, other = (
+        model_of(tmp_path / name, text)
+        for name, text in (("a", make_folded_chain()), ("b", make_folded_chain().replace(*change)))
+    )
+    same = model_of(tmp_path / "c", make_folded_chain().replace("<box", "<!-- x --><box"))
     assert self_collisions(one).setup.compute_key() != self_collisions(other).setup.compute_key()
     assert self_collisions(one).setup.compute_key() == self_collisions(same).setup.compute_key()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from builders import joint, limit, robot
 from conftest import check
 
 from urdfcheck.core import Finding, Severity
@@ -31,24 +32,23 @@ def box(name: str, size: str, at: str = "0 0 0") -> str:
     return f'<link name="{name}">{shape if size else ""}</link>'
 
 
-def joint(parent: str, child: str, at: str, lower: float = 0.0, upper: float = 0.0) -> str:
-    """A hinge about y, fixed where its range is empty."""
-    ends = f'<parent link="{parent}"/><child link="{child}"/><origin xyz="{at}"/>'
-    limit = f'<axis xyz="0 1 0"/><limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/>'
-    kind = "revolute" if lower != upper else "fixed"
-    return f'<joint name="to_{child}" type="{kind}">{ends}{limit if lower != upper else ""}</joint>'
+def make_hinge(parent: str, child: str, at: str, lower: float = 0.0, upper: float = 0.0) -> str:
+    """Return a hinge about y, fixed where its range is empty."""
+    if lower == upper:
+        return joint(f"to_{child}", parent, child, xyz=at)
+    return joint(f"to_{child}", parent, child, limit(lower, upper), kind="revolute", xyz=at, axis="0 1 0")
 
 
-def arm(elbow: float = 2.9, more: str = "", fore: str = "0.3 0.05 0.05") -> str:
+def make_two_bars(elbow: float = 2.9, more: str = "", fore: str = "0.3 0.05 0.05") -> str:
     """Two bars that fold in a plane; with an elbow of 2.9 rad the second can be turned into the base."""
     links = box("base", "0.2 0.2 0.2") + box("upper", "0.3 0.05 0.05", "0.2 0 0") + box("fore", fore, "0.2 0 0")
-    joints = joint("base", "upper", "0 0 0.2", -1.5, 1.5) + joint("upper", "fore", "0.4 0 0", -elbow, elbow)
-    return f'<robot name="arm">{links}{joints}{more}</robot>'
+    joints = make_hinge("base", "upper", "0 0 0.2", -1.5, 1.5) + make_hinge("upper", "fore", "0.4 0 0", -elbow, elbow)
+    return robot(links, joints, more, name="arm")
 
 
-def found(folder: Path, code: str, srdf: str, urdf: str | None = None, **request: object) -> list[Finding]:
+def find_with_srdf(folder: Path, code: str, srdf: str, urdf: str | None = None, **request: object) -> list[Finding]:
     (folder / "arm.srdf").write_text(f'<robot name="arm">\n{GROUP}\n{srdf}</robot>')
-    (folder / "arm.urdf").write_text(urdf or arm())
+    (folder / "arm.urdf").write_text(urdf or make_two_bars())
     run = check(folder / "arm.urdf", codes={code}, **request)
     assert not run.failures
     assert not run.skipped
@@ -63,7 +63,7 @@ def pair(one: str, other: str, reason: str = "Never") -> str:
 
 
 def test_a_link_that_got_another_name_is_one_finding_with_all_its_lines(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "COL003", NEIGHBOURS, arm().replace('"upper"', '"upper_l"'))
+    (finding,) = find_with_srdf(tmp_path, "COL003", NEIGHBOURS, make_two_bars().replace('"upper"', '"upper_l"'))
     assert finding.location.subject == "disable_collisions[1]@link2"
     assert "did you mean 'upper_l'" in finding.message
     assert "2 pairs" in finding.message
@@ -73,12 +73,12 @@ def test_a_link_that_got_another_name_is_one_finding_with_all_its_lines(tmp_path
 def test_links_of_a_larger_variant_are_not_missed(tmp_path: Path) -> None:
     """The groups of the description name the gripper as well: this model is the arm without it."""
     hand = '<group name="hand"><link name="palm"/></group>'
-    assert not found(tmp_path, "COL003", hand + NEIGHBOURS + pair("palm", "upper"))
-    assert [f.message_id for f in found(tmp_path, "COL003", NEIGHBOURS + pair("palm", "upper"))] == ["unknown"]
+    assert not find_with_srdf(tmp_path, "COL003", hand + NEIGHBOURS + pair("palm", "upper"))
+    assert [f.message_id for f in find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("palm", "upper"))] == ["unknown"]
 
 
 def test_a_pair_in_the_other_order_is_the_same_and_its_line_can_go(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "COL003", NEIGHBOURS + pair("upper", "base", "User"))
+    (finding,) = find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("upper", "base", "User"))
     assert (finding.message_id, finding.severity) == ("duplicate", Severity.INFO)
     assert finding.fix is not None
     (edit,) = finding.fix.edits
@@ -104,40 +104,40 @@ def test_a_pair_in_the_other_order_is_the_same_and_its_line_can_go(tmp_path: Pat
 def test_a_reason_that_the_model_contradicts(
     tmp_path: Path, reason: str, message: str | None, severity: Severity | None
 ) -> None:
-    findings = found(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore", reason))
+    findings = find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore", reason))
     assert [(f.message_id, f.severity) for f in findings] == ([(message, severity)] if message else [])
 
 
 def test_never_is_believed_where_no_sample_collides(tmp_path: Path) -> None:
-    assert not found(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), arm(elbow=0.5))
+    assert not find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), make_two_bars(elbow=0.5))
 
 
 def test_a_collision_is_shown_with_the_joints_that_lead_to_it(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"))
+    (finding,) = find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"))
     assert finding.location.subject.startswith("disable_collisions")
     assert "to_upper = " in finding.message
     assert "to_fore = " in finding.message
 
 
 def test_rarer_collisions_need_more_samples(tmp_path: Path) -> None:
-    rare = arm(elbow=2.15)
-    assert not found(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), rare)
-    assert found(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), rare, samples=5000)
+    rare = make_two_bars(elbow=2.15)
+    assert not find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), rare)
+    assert find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), rare, samples=5000)
 
 
 def test_what_is_disabled_twice_over_is_no_finding_of_its_own(tmp_path: Path) -> None:
     """A pair that collides by default would be disabled by Setup Assistant too, for another reason."""
-    long = arm(elbow=0.5, fore="1.2 0.05 0.5")
-    assert not found(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), long)
+    long = make_two_bars(elbow=0.5, fore="1.2 0.05 0.5")
+    assert not find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), long)
 
 
 # -- COL004 ------------------------------------------------------------------------------------------------------------
 
-CAMERA = box("camera", "0.06 0.06 0.06") + joint("fore", "camera", "0.3 0 0.04")
+CAMERA = box("camera", "0.06 0.06 0.06") + make_hinge("fore", "camera", "0.3 0 0.04")
 
 
 def test_an_overlap_on_one_body_is_in_every_state(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "COL004", NEIGHBOURS, arm(elbow=0.5, more=CAMERA))
+    (finding,) = find_with_srdf(tmp_path, "COL004", NEIGHBOURS, make_two_bars(elbow=0.5, more=CAMERA))
     assert (finding.message_id, finding.severity) == ("always", Severity.WARNING)
     assert "fore and camera (15 mm)" in finding.message
     assert finding.fix is not None
@@ -152,41 +152,41 @@ def test_an_overlap_on_one_body_is_in_every_state(tmp_path: Path) -> None:
     ],
 )
 def test_disabled_in_whatever_way_is_disabled(tmp_path: Path, line: str) -> None:
-    assert not found(tmp_path, "COL004", NEIGHBOURS + line, arm(elbow=0.5, more=CAMERA))
+    assert not find_with_srdf(tmp_path, "COL004", NEIGHBOURS + line, make_two_bars(elbow=0.5, more=CAMERA))
 
 
 def test_one_that_was_enabled_again_is_missing(tmp_path: Path) -> None:
     line = '<disable_default_collisions link="camera"/><enable_collisions link1="camera" link2="fore"/>'
-    assert found(tmp_path, "COL004", NEIGHBOURS + line, arm(elbow=0.5, more=CAMERA))
+    assert find_with_srdf(tmp_path, "COL004", NEIGHBOURS + line, make_two_bars(elbow=0.5, more=CAMERA))
 
 
 @pytest.mark.parametrize(("height", "reported"), [("0.0549", True), ("0.055", False), ("0.056", False)])
 def test_faces_that_only_touch_are_left_alone(tmp_path: Path, height: str, reported: bool) -> None:
     camera = CAMERA.replace("0.3 0 0.04", f"0.3 0 {height}")
-    assert bool(found(tmp_path, "COL004", NEIGHBOURS, arm(elbow=0.5, more=camera))) == reported
+    assert bool(find_with_srdf(tmp_path, "COL004", NEIGHBOURS, make_two_bars(elbow=0.5, more=camera))) == reported
 
 
 def test_what_no_group_moves_is_not_checked_by_moveit(tmp_path: Path) -> None:
-    battery = box("battery", "0.1 0.1 0.3") + joint("base", "battery", "0 0 -0.2")
-    assert not found(tmp_path, "COL004", NEIGHBOURS, arm(elbow=0.5, more=battery))
+    battery = box("battery", "0.1 0.1 0.3") + make_hinge("base", "battery", "0 0 -0.2")
+    assert not find_with_srdf(tmp_path, "COL004", NEIGHBOURS, make_two_bars(elbow=0.5, more=battery))
 
 
 def test_a_collision_in_the_default_state_alone_is_an_info(tmp_path: Path) -> None:
     """At zero the end of the second bar is in the post; elsewhere mostly not."""
-    post = box("post", "0.05 0.05 0.05", "0.75 0 0.2") + joint("base", "post", "0 0 0")
-    (finding,) = found(tmp_path, "COL004", NEIGHBOURS + pair("base", "fore", "User"), arm(more=post))
+    post = box("post", "0.05 0.05 0.05", "0.75 0 0.2") + make_hinge("base", "post", "0 0 0")
+    (finding,) = find_with_srdf(tmp_path, "COL004", NEIGHBOURS + pair("base", "fore", "User"), make_two_bars(more=post))
     assert (finding.message_id, finding.severity) == ("default", Severity.INFO)
     assert "post and fore (25 mm)" in finding.message
 
 
 def test_of_two_descriptions_it_is_enough_that_one_disables_a_pair(tmp_path: Path) -> None:
     (tmp_path / "other.srdf").write_text(f'<robot name="arm">{pair("camera", "fore", "Adjacent")}</robot>')
-    assert not found(tmp_path, "COL004", NEIGHBOURS, arm(elbow=0.5, more=CAMERA))
+    assert not find_with_srdf(tmp_path, "COL004", NEIGHBOURS, make_two_bars(elbow=0.5, more=CAMERA))
 
 
 @pytest.mark.parametrize("code", ["COL003", "COL004"])
 def test_a_robot_without_description_needs_none(tmp_path: Path, code: str) -> None:
-    (tmp_path / "arm.urdf").write_text(arm(more=CAMERA))
+    (tmp_path / "arm.urdf").write_text(make_two_bars(more=CAMERA))
     run = check(tmp_path / "arm.urdf", codes={code})
     assert not run.findings
     assert not run.skipped
@@ -208,8 +208,12 @@ def test_links_are_adjacent_across_links_without_geometry(tmp_path: Path) -> Non
     links = (
         box("base", "1 1 1") + box("flange", "") + box("adapter", "") + box("tool", "1 1 1") + box("sensor", "1 1 1")
     )
-    joints = joint("base", "flange", "0 0 0", -1, 1) + joint("flange", "adapter", "0 0 0")
-    joints += joint("adapter", "tool", "2 0 0") + joint("flange", "sensor", "0 2 0") + joint("tool", "tip", "2 0 0")
+    joints = make_hinge("base", "flange", "0 0 0", -1, 1) + make_hinge("flange", "adapter", "0 0 0")
+    joints += (
+        make_hinge("adapter", "tool", "2 0 0")
+        + make_hinge("flange", "sensor", "0 2 0")
+        + make_hinge("tool", "tip", "2 0 0")
+    )
     tree = f'<robot name="arm">{links}{box("tip", "1 1 1")}{joints}</robot>'
     assert {tuple(sorted(p)) for p in find_adjacent_links(model(tmp_path, tree))} == {
         ("base", "tool"),
@@ -223,7 +227,7 @@ def test_links_are_adjacent_across_links_without_geometry(tmp_path: Path) -> Non
 def test_the_default_state_is_zero_or_the_middle_of_the_range(
     tmp_path: Path, lower: float, upper: float, value: float
 ) -> None:
-    two = box("base", "1 1 1") + box("tip", "1 1 1") + joint("base", "tip", "2 0 0", lower, upper)
+    two = box("base", "1 1 1") + box("tip", "1 1 1") + make_hinge("base", "tip", "2 0 0", lower, upper)
     state = compute_default_state(model(tmp_path, f'<robot name="arm">{two}</robot>'))
     assert state.values.tolist() == [[value]]
 
@@ -231,7 +235,7 @@ def test_the_default_state_is_zero_or_the_middle_of_the_range(
 def test_a_default_state_that_is_not_the_neutral_pose_is_looked_at(tmp_path: Path) -> None:
     """The bar stands up where its range begins, and lies in the post in the middle of it."""
     post = box("base", "0.1 0.1 0.1", "0 0 -0.3") + box("tip", "0.4 0.05 0.05", "0.2 0 0")
-    loose = box("root", "") + joint("root", "base", "0 0 0") + joint("root", "tip", "0 0 0", 0.2, 2.94159)
+    loose = box("root", "") + make_hinge("root", "base", "0 0 0") + make_hinge("root", "tip", "0 0 0", 0.2, 2.94159)
     (found,) = classify_link_pairs(model(tmp_path, f'<robot name="arm">{loose}{post}</robot>'))
     assert found.meets_at_default
     assert not found.pair.meets_at_neutral
@@ -248,7 +252,7 @@ def test_a_default_state_that_is_not_the_neutral_pose_is_looked_at(tmp_path: Pat
     ],
 )
 def test_a_group_moves_what_hangs_on_its_joints(tmp_path: Path, group: str, moved: set[str]) -> None:
-    robot = model(tmp_path, arm(more=CAMERA))
+    robot = model(tmp_path, make_two_bars(more=CAMERA))
     (tmp_path / "arm.srdf").write_text(f'<robot name="arm"><group name="g">{group}</group></robot>')
     srdf = load_srdf(tmp_path / "arm.srdf", {}, robot.source.finder, robot="arm")
     assert srdf is not None

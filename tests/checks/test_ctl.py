@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from builders import robot
 from conftest import check, check_text
 
 from urdfcheck.core import Finding, Severity
@@ -33,8 +34,8 @@ def control(left: str = "velocity", right: str = "velocity") -> str:
     return f'<ros2_control name="drive" type="system">{joints}</ros2_control>'
 
 
-def robot(body: str = "", axles: str = AXLES) -> str:
-    return f'<robot name="cart" xmlns:xacro="http://www.ros.org/wiki/xacro">{axles}{body}</robot>'
+def make_cart(body: str = "", axles: str = AXLES) -> str:
+    return robot(axles, body, name="cart", xacro=True)
 
 
 def package(folder: Path, files: dict[str, str], name: str = "cart", depends: str = "") -> Path:
@@ -45,11 +46,11 @@ def package(folder: Path, files: dict[str, str], name: str = "cart", depends: st
     return folder
 
 
-def found(folder: Path, yaml: str, body: str = "", code: str = "CTL004", **files: str) -> tuple[Finding, ...]:
-    model = {"urdf/cart.urdf.xacro": robot(body), "config/c.yaml": yaml}
+def find_in_cart(folder: Path, yaml: str, body: str = "", code: str = "CTL004", **files: str) -> list[Finding]:
+    model = {"urdf/cart.urdf.xacro": make_cart(body), "config/c.yaml": yaml}
     run = check(package(folder / "cart", {**model, **files}), codes={code})
     assert not run.failures
-    return run.findings
+    return list(run.findings)
 
 
 def group(*joints: str, name: str = "wheels_controller") -> str:
@@ -85,7 +86,7 @@ def drive(radius: object = 0.05, separation: object = 0.2, left: str = "left_whe
     ],
 )
 def test_a_misspelt_joint_is_found_in_every_form(tmp_path: Path, yaml: str) -> None:
-    (finding,) = found(tmp_path, yaml)
+    (finding,) = find_in_cart(tmp_path, yaml)
     assert (finding.message_id, finding.severity) == ("unknown", Severity.ERROR)
     assert "did you mean 'right_wheel'?" in finding.message
     span = finding.location.span
@@ -125,28 +126,28 @@ def test_a_misspelt_joint_is_found_in_every_form(tmp_path: Path, yaml: str) -> N
     ],
 )
 def test_what_is_no_list_of_joints_is_left_alone(tmp_path: Path, yaml: str) -> None:
-    assert not found(tmp_path, yaml)
+    assert not find_in_cart(tmp_path, yaml)
 
 
 def test_one_name_in_several_controllers_is_one_finding(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, group("left_wheel", "rigth_wheel") + drive(right="rigth_wheel"))
+    (finding,) = find_in_cart(tmp_path, group("left_wheel", "rigth_wheel") + drive(right="rigth_wheel"))
     assert len(finding.related) == 1
     assert finding.fix is not None
     assert len(finding.fix.edits) == 2
 
 
 def test_a_file_of_another_robot_is_nothing_to_this_one(tmp_path: Path) -> None:
-    assert not found(tmp_path, group("left_wheel", "shoulder", "elbow"))
+    assert not find_in_cart(tmp_path, group("left_wheel", "shoulder", "elbow"))
 
 
 def test_a_controller_of_a_tool_is_not_of_the_robot(tmp_path: Path) -> None:
-    assert not found(tmp_path, group("left_wheel", "right_wheel") + group("finger", name="grip_controller"))
+    assert not find_in_cart(tmp_path, group("left_wheel", "right_wheel") + group("finger", name="grip_controller"))
 
 
 def test_a_joint_of_another_robot_of_the_package_is_known(tmp_path: Path) -> None:
-    other = robot(axles=AXLES.replace("right_wheel", "third_wheel"))
-    assert found(tmp_path / "a", group("left_wheel", "third_wheel"))
-    assert not found(tmp_path / "b", group("left_wheel", "third_wheel"), **{"urdf/other.urdf": other})
+    other = make_cart(axles=AXLES.replace("right_wheel", "third_wheel"))
+    assert find_in_cart(tmp_path / "a", group("left_wheel", "third_wheel"))
+    assert not find_in_cart(tmp_path / "b", group("left_wheel", "third_wheel"), **{"urdf/other.urdf": other})
 
 
 @pytest.mark.parametrize(("name", "reported"), [("left_wheel_j", False), ("rigt_wheel_j", True)])
@@ -157,20 +158,20 @@ def test_a_macro_makes_names_of_words_that_are_there(tmp_path: Path, name: str, 
         '<parent link="base"/><child link="${side}"/><axis xyz="0 1 0"/></joint></xacro:macro>'
         '<link name="base"/><xacro:w side="right"/><xacro:if value="false"><xacro:w side="left"/></xacro:if>'
     )
-    files = {"urdf/cart.urdf.xacro": robot(axles=macro), "config/c.yaml": group("right_wheel_j", name)}
+    files = {"urdf/cart.urdf.xacro": make_cart(axles=macro), "config/c.yaml": group("right_wheel_j", name)}
     run = check(package(tmp_path, files), codes={"CTL004"})
     assert bool(run.findings) == reported
 
 
 def test_the_file_that_the_robot_names_has_nothing_of_it(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, group("shoulder", "elbow"), NAMED)
+    (finding,) = find_in_cart(tmp_path, group("shoulder", "elbow"), NAMED)
     assert (finding.message_id, finding.severity) == ("none", Severity.ERROR)
     assert finding.location.subject == "yaml[wheels_controller]"
 
 
 def test_a_prefix_that_an_argument_gives_is_no_other_robot(tmp_path: Path) -> None:
     prefixed = AXLES.replace('name="left_wheel"', 'name="$(arg p)left_wheel"')
-    files = {"urdf/cart.urdf.xacro": robot('<xacro:arg name="p" default="a_"/>' + prefixed + NAMED, axles="")}
+    files = {"urdf/cart.urdf.xacro": make_cart('<xacro:arg name="p" default="a_"/>' + prefixed + NAMED, axles="")}
     files["config/c.yaml"] = group("b_left_wheel")
     assert not check(package(tmp_path / "cart", files), codes={"CTL004"}).findings
 
@@ -179,7 +180,7 @@ def test_a_prefix_that_an_argument_gives_is_no_other_robot(tmp_path: Path) -> No
 
 
 def test_a_launch_file_names_a_file_of_another_package(tmp_path: Path) -> None:
-    package(tmp_path / "cart", {"urdf/cart.urdf": robot()})
+    package(tmp_path / "cart", {"urdf/cart.urdf": make_cart()})
     launch = (
         '<launch><param name="robot_description" textfile="$(find cart)/urdf/cart.urdf"/>'
         '<rosparam command="load" file="$(find bringup)/config/c.yaml"/></launch>'
@@ -204,7 +205,7 @@ def test_a_package_that_brings_the_robot_up_has_its_controllers(
     tmp_path: Path, depends: str, launch: str, reported: bool
 ) -> None:
     source = tmp_path / "workspace" / "src"  # too deep to be in the workspace of another test
-    package(source / "cart", {"urdf/cart.urdf": robot()})
+    package(source / "cart", {"urdf/cart.urdf": make_cart()})
     files = {"config/c.yaml": group("left_wheel", "rigth_wheel"), "launch/up.launch.py": launch}
     package(source / "bringup", files, "bringup", depends)
     assert bool(check(source / "cart" / "urdf" / "cart.urdf", codes={"CTL004"}).findings) == reported
@@ -215,16 +216,18 @@ def test_a_launch_file_with_an_argument_in_the_path_says_nothing(tmp_path: Path)
         '<launch><arg name="kind" default="c"/><param name="robot_description" textfile="$(find cart)/urdf/cart.urdf.xacro"/>'
         '<rosparam command="load" file="$(find cart)/other/$(arg kind).yaml"/></launch>'
     )
-    assert not found(tmp_path, "", **{"launch/c.launch": launch, "other/c.yaml": group("left_wheel", "rigth_wheel")})
+    assert not find_in_cart(
+        tmp_path, "", **{"launch/c.launch": launch, "other/c.yaml": group("left_wheel", "rigth_wheel")}
+    )
 
 
 def test_a_file_that_the_robot_names_is_there(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "", PLUGIN.format("$(find cart)/config/d.yaml"))
+    (finding,) = find_in_cart(tmp_path, "", PLUGIN.format("$(find cart)/config/d.yaml"))
     assert (finding.message_id, finding.severity) == ("missing", Severity.ERROR)
 
 
 def test_a_file_that_the_robot_names_is_yaml(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "a:\n\tb: 1\n", NAMED)
+    (finding,) = find_in_cart(tmp_path, "a:\n\tb: 1\n", NAMED)
     assert finding.message_id == "broken"
     assert finding.location.span is not None
     assert (finding.location.span.line, finding.location.span.col) == (2, 1)
@@ -232,14 +235,14 @@ def test_a_file_that_the_robot_names_is_yaml(tmp_path: Path) -> None:
 
 def test_a_path_of_the_authors_machine_is_found_in_the_package(tmp_path: Path) -> None:
     yaml = group("left_wheel", "rigth_wheel")
-    findings = found(tmp_path, yaml, PLUGIN.format("/home/me/ws/src/cart/config/c.yaml"))
+    findings = find_in_cart(tmp_path, yaml, PLUGIN.format("/home/me/ws/src/cart/config/c.yaml"))
     assert sorted((f.message_id, str(f.severity)) for f in findings) == [("machine", "warning"), ("unknown", "error")]
 
 
 def test_no_file_out_of_reach_is_asked_for(tmp_path: Path) -> None:
     outside = tmp_path / "outside.yaml"
     outside.write_text(group("left_wheel", "rigth_wheel"))
-    (finding,) = found(tmp_path / "ws", "", PLUGIN.format(outside))
+    (finding,) = find_in_cart(tmp_path / "ws", "", PLUGIN.format(outside))
     assert finding.message_id == "machine"
 
 
@@ -247,13 +250,13 @@ def test_no_file_out_of_reach_is_asked_for(tmp_path: Path) -> None:
 
 
 def test_a_joint_without_command_interface_cannot_be_claimed(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, group("left_wheel", "right_wheel"), control(right="") + NAMED)
+    (finding,) = find_in_cart(tmp_path, group("left_wheel", "right_wheel"), control(right="") + NAMED)
     assert (finding.message_id, finding.severity) == ("uncommanded", Severity.ERROR)
     assert "right_wheel (velocity)" in finding.message
 
 
 def test_another_interface_is_a_warning(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, group("left_wheel", "right_wheel"), control(right="position") + NAMED)
+    (finding,) = find_in_cart(tmp_path, group("left_wheel", "right_wheel"), control(right="position") + NAMED)
     assert (finding.message_id, finding.severity) == ("interface", Severity.WARNING)
 
 
@@ -261,7 +264,7 @@ def test_another_interface_is_a_warning(tmp_path: Path) -> None:
     "body", [control() + NAMED, NAMED, control(right="")], ids=["offered", "no block", "not named"]
 )
 def test_commands_are_judged_where_block_and_file_belong_together(tmp_path: Path, body: str) -> None:
-    assert not found(tmp_path, group("left_wheel", "right_wheel"), body)
+    assert not find_in_cart(tmp_path, group("left_wheel", "right_wheel"), body)
 
 
 def test_the_interfaces_of_a_trajectory_are_those_it_lists(tmp_path: Path) -> None:
@@ -269,7 +272,7 @@ def test_the_interfaces_of_a_trajectory_are_those_it_lists(tmp_path: Path) -> No
         "controller_manager:\n  ros__parameters:\n    t: {type: joint_trajectory_controller/JointTrajectoryController}\n"
         "t:\n  ros__parameters:\n    joints: [left_wheel, right_wheel]\n    command_interfaces: [velocity, effort]\n"
     )
-    findings = found(tmp_path, yaml, control() + NAMED)
+    findings = find_in_cart(tmp_path, yaml, control() + NAMED)
     assert [f.message_id for f in findings] == ["interface", "interface"]
     assert "the effort of joint left_wheel" in findings[0].message
 
@@ -282,7 +285,7 @@ WHEELS = AXLES.replace('<link name="left"/>', f'<link name="left">{ROUND}</link>
 
 
 def wheels(folder: Path, yaml: str, axles: str = WHEELS, **files: str) -> list[str]:
-    model = {"urdf/cart.urdf": robot(axles=axles), "config/c.yaml": yaml}
+    model = {"urdf/cart.urdf": make_cart(axles=axles), "config/c.yaml": yaml}
     run = check(package(folder, {**model, **files}), codes={"CTL004"})
     assert not run.failures
     return [f.message_id for f in run.findings]
@@ -319,7 +322,7 @@ def test_the_track_of_a_skid_steer_is_tuned(tmp_path: Path) -> None:
 
 
 def test_wheels_that_another_robot_has_too_may_be_its_own(tmp_path: Path) -> None:
-    other = robot(axles=WHEELS.replace("0.1", "0.2"))
+    other = make_cart(axles=WHEELS.replace("0.1", "0.2"))
     assert wheels(tmp_path, drive(separation=0.4), **{"urdf/other.urdf": other}) == []
 
 
@@ -327,7 +330,7 @@ def test_wheels_that_another_robot_has_too_may_be_its_own(tmp_path: Path) -> Non
 
 
 def nesting(folder: Path, body: str) -> list[tuple[str, str]]:
-    run = check_text(folder, robot(body), codes={"CTL003"})
+    run = check_text(folder, make_cart(body), codes={"CTL003"})
     assert not run.failures
     return [(f.message_id, str(f.severity)) for f in run.findings]
 
@@ -375,7 +378,7 @@ def test_a_transmission_is_complete(tmp_path: Path, transmission: str, message: 
 def test_the_spelling_of_indigo_is_one_info(tmp_path: Path) -> None:
     spelling = " EffortJointInterface\n"
     one = f'<transmission name="t">{TYPE}<joint name="left_wheel">{interface(spelling)}</joint></transmission>'
-    run = check_text(tmp_path, robot(one + one.replace("left", "right")), codes={"CTL003"})
+    run = check_text(tmp_path, make_cart(one + one.replace("left", "right")), codes={"CTL003"})
     (finding,) = run.findings
     assert (finding.message_id, finding.severity) == ("prefix", Severity.INFO)
     assert finding.fix is not None

@@ -8,9 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from builders import find, inertial, joint, link, robot
 from conftest import FIXTURES, check, check_text
 
-from urdfcheck.core import Finding, Severity
+from urdfcheck.core import Severity
 from urdfcheck.facts.motion import dynamics
 from urdfcheck.model import Model
 from urdfcheck.model.motion.joint_loads import find_overloads, find_supported_joints, summarize_mass_matrix
@@ -23,14 +24,12 @@ pytest.importorskip("pinocchio")
 G = 9.81
 
 
-def link(name: str, mass: float = 1.0, com: str = "0 0 0", inertia: float = 1e-3) -> str:
-    return (
-        f'<link name="{name}"><inertial><origin xyz="{com}"/><mass value="{mass}"/>'
-        f'<inertia ixx="{inertia}" ixy="0" ixz="0" iyy="{inertia}" iyz="0" izz="{inertia}"/></inertial></link>'
-    )
+def make_body(name: str, mass: float = 1.0, com: str = "0 0 0", inertia: float = 1e-3) -> str:
+    """Return a link with a mass and three equal moments of inertia."""
+    return link(name, inertial(mass, inertia, com=com))
 
 
-def joint(
+def make_driven_joint(
     name: str,
     parent: str,
     child: str,
@@ -40,20 +39,13 @@ def joint(
     limit: str = 'lower="-1.6" upper="1.6" effort="1000"',
     inner: str = "",
 ) -> str:
-    return (
-        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/><origin {origin}/>'
-        f'<axis xyz="{axis}"/><limit {limit} velocity="1"/>{inner}</joint>'
-    )
+    """Return a joint with a motor; ``origin`` and ``limit`` are the attributes of these elements."""
+    parts = (f"<origin {origin}/>", f'<limit {limit} velocity="1"/>', inner)
+    return joint(name, parent, child, *parts, kind=kind, axis=axis)
 
 
-def robot(*parts: str) -> str:
-    return f'<robot name="r"><link name="base"/>{"".join(parts)}</robot>'
-
-
-def found(folder: Path, text: str, code: str, **request: object) -> tuple[Finding, ...]:
-    run = check_text(folder, text, codes={code}, **request)
-    assert not run.failures
-    return run.findings
+def make_robot_on_base(*parts: str) -> str:
+    return robot(link("base"), *parts)
 
 
 def model_of(folder: Path, text: str) -> Model:
@@ -66,52 +58,56 @@ def model_of(folder: Path, text: str) -> Model:
 
 # -- DYN002: effort below gravity --------------------------------------------------------------------------------
 
-ARM = link("arm", 2.0, "0 0 0.5")
+ARM = make_body("arm", 2.0, "0 0 0.5")
 NEEDED = 2.0 * G * 0.5
 
 
-def arm(effort: float, inner: str = "", *parts: str, base: str = "", range: str = 'lower="-1.6" upper="1.6"') -> str:
-    shoulder = joint("shoulder", "base", "arm", origin=base, limit=f'{range} effort="{effort}"', inner=inner)
-    return robot(ARM, shoulder, *parts)
+def make_pendulum(
+    effort: float, inner: str = "", *parts: str, base: str = "", range: str = 'lower="-1.6" upper="1.6"'
+) -> str:
+    shoulder = make_driven_joint(
+        "shoulder", "base", "arm", origin=base, limit=f'{range} effort="{effort}"', inner=inner
+    )
+    return make_robot_on_base(ARM, shoulder, *parts)
 
 
 def test_the_worst_pose_of_a_pendulum_and_the_value_that_passes(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, arm(5), "DYN002")
+    (finding,) = find(tmp_path, make_pendulum(5), "DYN002")
     assert finding.severity is Severity.WARNING
     assert finding.location.subject == "joint[shoulder]/limit@effort"
     assert finding.data["torque"] == pytest.approx(NEEDED)
     assert abs(finding.data["pose"]["shoulder"]) == pytest.approx(math.pi / 2)
     assert finding.data["passes"] == pytest.approx(NEEDED, abs=0.011)
-    assert not found(tmp_path, arm(finding.data["passes"]), "DYN002")
+    assert not find(tmp_path, make_pendulum(finding.data["passes"]), "DYN002")
 
 
 @pytest.mark.parametrize(("effort", "message"), [(0.1, "weak"), (0.09, "far")])
 def test_a_hundred_times_too_much_is_a_matter_of_the_masses(tmp_path: Path, effort: float, message: str) -> None:
-    (finding,) = found(tmp_path, arm(effort), "DYN002")
+    (finding,) = find(tmp_path, make_pendulum(effort), "DYN002")
     assert finding.message_id == message
     assert finding.fix is not None
     assert finding.fix.title.startswith("check the masses") == (message == "far")
 
 
 def test_only_poses_within_the_limits_count(tmp_path: Path) -> None:
-    assert not found(tmp_path, arm(5, range='lower="-0.5" upper="0.5"'), "DYN002")
-    assert found(tmp_path, arm(4.2, range='lower="-0.5" upper="0.5"'), "DYN002")
+    assert not find(tmp_path, make_pendulum(5, range='lower="-0.5" upper="0.5"'), "DYN002")
+    assert find(tmp_path, make_pendulum(4.2, range='lower="-0.5" upper="0.5"'), "DYN002")
 
 
 @pytest.mark.parametrize(("base", "holds"), [("0 0 1", True), ("0 0 -2.5", True), ("1.5707963 0 0", False)])
 def test_turning_the_base_about_the_vertical_changes_nothing(tmp_path: Path, base: str, holds: bool) -> None:
     """Laid down by roll, the shoulder's axis is vertical and carries nothing."""
-    assert bool(found(tmp_path, arm(5, base=f'rpy="{base}"'), "DYN002")) == holds
+    assert bool(find(tmp_path, make_pendulum(5, base=f'rpy="{base}"'), "DYN002")) == holds
 
 
 def test_a_pose_that_is_hardly_ever_taken_is_mentioned_only(tmp_path: Path) -> None:
-    angles = sample_configurations(model_of(tmp_path, arm(5)), 200).values[:, 0]
+    angles = sample_configurations(model_of(tmp_path, make_pendulum(5)), 200).values[:, 0]
     second, first = sorted(NEEDED * abs(math.sin(angle)) for angle in angles)[-2:]
-    text = arm((first + second) / 2)
-    (finding,) = found(tmp_path, text, "DYN002")
+    text = make_pendulum((first + second) / 2)
+    (finding,) = find(tmp_path, text, "DYN002")
     assert finding.severity is Severity.INFO
     assert finding.data["count"] == 1
-    (finding,) = found(tmp_path, text, "DYN002", options={"DYN002": {"rare": 0.005}})
+    (finding,) = find(tmp_path, text, "DYN002", options={"DYN002": {"rare": 0.005}})
     assert finding.severity is Severity.WARNING
 
 
@@ -120,9 +116,9 @@ def test_joints_with_one_limit_are_one_finding(tmp_path: Path) -> None:
     legs = [
         part
         for name, mass in (("a", 2.0), ("b", 3.0), ("c", 0.1))
-        for part in (link(name, mass, "0 0 0.5"), joint(f"j{name}", "base", name, limit=limit))
+        for part in (make_body(name, mass, "0 0 0.5"), make_driven_joint(f"j{name}", "base", name, limit=limit))
     ]
-    (finding,) = found(tmp_path, robot(*legs), "DYN002")
+    (finding,) = find(tmp_path, make_robot_on_base(*legs), "DYN002")
     assert finding.subjects == ("joint[jb]/limit@effort", "joint[ja]/limit@effort")
     assert "ja (9.81 N·m)" in finding.message
     assert set(finding.data["joints"]) == {"ja", "jb"}
@@ -131,23 +127,23 @@ def test_joints_with_one_limit_are_one_finding(tmp_path: Path) -> None:
 
 
 def test_a_slide_is_compared_in_newton(tmp_path: Path) -> None:
-    lift = joint("lift", "base", "arm", "prismatic", "0 0 1", limit='lower="0" upper="1" effort="10"')
-    (finding,) = found(tmp_path, robot(ARM, lift), "DYN002")
+    lift = make_driven_joint("lift", "base", "arm", "prismatic", "0 0 1", limit='lower="0" upper="1" effort="10"')
+    (finding,) = find(tmp_path, make_robot_on_base(ARM, lift), "DYN002")
     assert "19.6 N against gravity" in finding.message
 
 
 def test_the_leader_of_a_gripper_holds_both_fingers(tmp_path: Path) -> None:
-    fingers = [link(side, 1.0, "0 0 0.1") for side in ("left", "right")]
+    fingers = [make_body(side, 1.0, "0 0 0.1") for side in ("left", "right")]
     mimic = '<mimic joint="left_joint" multiplier="-2"/>'
 
     def gripper(effort: float, inner: str) -> str:
         limit = f'lower="-1.6" upper="1.6" effort="{effort}"'
-        leader = joint("left_joint", "base", "left", limit=limit)
-        return robot(*fingers, leader, joint("right_joint", "base", "right", inner=inner))
+        leader = make_driven_joint("left_joint", "base", "left", limit=limit)
+        return make_robot_on_base(*fingers, leader, make_driven_joint("right_joint", "base", "right", inner=inner))
 
-    assert not found(tmp_path, gripper(1.1, ""), "DYN002")
+    assert not find(tmp_path, gripper(1.1, ""), "DYN002")
     # The right finger turns twice as far: its torque counts twice.
-    (finding,) = found(tmp_path, gripper(1.1, mimic), "DYN002")
+    (finding,) = find(tmp_path, gripper(1.1, mimic), "DYN002")
     assert finding.subjects == ("joint[left_joint]/limit@effort",)
     pose = finding.data["pose"]
     assert pose["right_joint"] == pytest.approx(-2 * pose["left_joint"])
@@ -156,9 +152,11 @@ def test_the_leader_of_a_gripper_holds_both_fingers(tmp_path: Path) -> None:
 
 
 def test_effort_zero_and_followers_are_not_compared(tmp_path: Path) -> None:
-    assert not found(tmp_path, arm(0), "DYN002")
-    follower = joint("b", "base", "other", limit='lower="-1" upper="1" effort="0.1"', inner='<mimic joint="shoulder"/>')
-    assert not found(tmp_path, arm(1000, "", link("other", 1.0, "0 0 0.5"), follower), "DYN002")
+    assert not find(tmp_path, make_pendulum(0), "DYN002")
+    follower = make_driven_joint(
+        "b", "base", "other", limit='lower="-1" upper="1" effort="0.1"', inner='<mimic joint="shoulder"/>'
+    )
+    assert not find(tmp_path, make_pendulum(1000, "", make_body("other", 1.0, "0 0 0.5"), follower), "DYN002")
 
 
 @pytest.mark.parametrize(
@@ -169,18 +167,18 @@ def test_effort_zero_and_followers_are_not_compared(tmp_path: Path) -> None:
         '<gazebo reference="shoulder"><springStiffness>10</springStiffness></gazebo>',
         '<gazebo><joint name="loop" type="revolute"><parent>base</parent><child>arm</child></joint></gazebo>',
         '<gazebo><plugin filename="gz-sim-buoyancy-system" name="gz::sim::systems::Buoyancy"/></gazebo>',
-        link("front_wheel") + joint("roll", "arm", "front_wheel", "continuous"),
+        make_body("front_wheel") + make_driven_joint("roll", "arm", "front_wheel", "continuous"),
     ],
     ids=["gravity off", "no gravity", "spring", "loop", "afloat", "wheel"],
 )
 def test_a_load_that_the_tree_does_not_tell(tmp_path: Path, part: str) -> None:
-    assert found(tmp_path / "alone", arm(5), "DYN002")
-    assert not found(tmp_path / "helped", arm(5, "", part), "DYN002")
+    assert find(tmp_path / "alone", make_pendulum(5), "DYN002")
+    assert not find(tmp_path / "helped", make_pendulum(5, "", part), "DYN002")
 
 
 def test_gravity_that_is_not_turned_off_counts(tmp_path: Path) -> None:
     off = '<gazebo reference="arm"><turnGravityOff>false</turnGravityOff></gazebo>'
-    assert found(tmp_path, arm(5, "", off), "DYN002")
+    assert find(tmp_path, make_pendulum(5, "", off), "DYN002")
 
 
 def test_a_loop_leaves_the_joints_before_it_alone(tmp_path: Path) -> None:
@@ -188,15 +186,18 @@ def test_a_loop_leaves_the_joints_before_it_alone(tmp_path: Path) -> None:
     fingers = [
         part
         for side in ("left", "right")
-        for part in (link(side, 1.0, "0 0 0.1"), joint(f"{side}_joint", "arm", side, limit='effort="0.1" upper="1"'))
+        for part in (
+            make_body(side, 1.0, "0 0 0.1"),
+            make_driven_joint(f"{side}_joint", "arm", side, limit='effort="0.1" upper="1"'),
+        )
     ]
-    model = model_of(tmp_path, arm(5, "", *fingers, loop))
+    model = model_of(tmp_path, make_pendulum(5, "", *fingers, loop))
     assert find_supported_joints(model) == {"left_joint", "right_joint"}
     assert [load.joint.name for load in find_overloads(model)] == ["shoulder"]
 
 
 def test_a_negative_mass_is_another_rules_matter(tmp_path: Path) -> None:
-    run = check_text(tmp_path, arm(5).replace('value="2.0"', 'value="-2.0"'), codes={"DYN002"})
+    run = check_text(tmp_path, make_pendulum(5).replace('value="2.0"', 'value="-2.0"'), codes={"DYN002"})
     assert [(s.code, "INR002" in s.reason) for s in run.skipped] == [("DYN002", True)]
 
 
@@ -206,16 +207,16 @@ def test_a_negative_mass_is_another_rules_matter(tmp_path: Path) -> None:
 def dummy(name: str, inertia: float, parent: str = "base") -> str:
     """A body of the moment ``inertia`` between two joints on one axis, the second of which carries 0.1 kg m²."""
     return (
-        link(name, 1e-3, inertia=inertia)
-        + joint(f"{name}_1", parent, name, axis="0 0 1")
-        + link(f"{name}_load", inertia=0.1)
-        + joint(f"{name}_2", name, f"{name}_load", axis="0 0 1")
+        make_body(name, 1e-3, inertia=inertia)
+        + make_driven_joint(f"{name}_1", parent, name, axis="0 0 1")
+        + make_body(f"{name}_load", inertia=0.1)
+        + make_driven_joint(f"{name}_2", name, f"{name}_load", axis="0 0 1")
     )
 
 
 @pytest.mark.parametrize(("inertia", "light"), [(1e-6, True), (1e-3, False)])
 def test_a_dummy_link_between_two_joints_on_one_axis(tmp_path: Path, inertia: float, light: bool) -> None:
-    findings = found(tmp_path, robot(dummy("d", inertia)), "DYN001")
+    findings = find(tmp_path, make_robot_on_base(dummy("d", inertia)), "DYN001")
     assert [f.location.subject for f in findings] == (["link[d]/inertial"] if light else [])
     for finding in findings:
         assert finding.data["own"] == pytest.approx(inertia)
@@ -224,21 +225,22 @@ def test_a_dummy_link_between_two_joints_on_one_axis(tmp_path: Path, inertia: fl
 
 
 def test_the_limit_is_an_option(tmp_path: Path) -> None:
-    assert not found(tmp_path, robot(dummy("d", 1e-6)), "DYN001", options={"DYN001": {"limit": 1e6}})
+    assert not find(tmp_path, make_robot_on_base(dummy("d", 1e-6)), "DYN001", options={"DYN001": {"limit": 1e6}})
 
 
 def test_the_same_dummy_on_two_arms_is_found(tmp_path: Path) -> None:
-    torso = link("torso", 10.0, inertia=0.5) + joint("waist", "base", "torso", axis="1 0 0")
+    torso = make_body("torso", 10.0, inertia=0.5) + make_driven_joint("waist", "base", "torso", axis="1 0 0")
     arms = [dummy(side, 1e-6, "torso") for side in ("left", "right")]
-    assert len(found(tmp_path, robot(torso, *arms), "DYN001")) == 1
+    assert len(find(tmp_path, make_robot_on_base(torso, *arms), "DYN001")) == 1
 
 
 def test_a_long_chain_of_equal_links_is_no_defect(tmp_path: Path) -> None:
     parts = [
-        link(f"l{i}", 1.0, "0.05 0 0") + joint(f"j{i}", f"l{i - 1}" if i else "base", f"l{i}", origin='xyz="0.1 0 0"')
+        make_body(f"l{i}", 1.0, "0.05 0 0")
+        + make_driven_joint(f"j{i}", f"l{i - 1}" if i else "base", f"l{i}", origin='xyz="0.1 0 0"')
         for i in range(12)
     ]
-    model = model_of(tmp_path, robot(*parts))
+    model = model_of(tmp_path, make_robot_on_base(*parts))
     found_mobility = summarize_mass_matrix(model)
     assert found_mobility is not None
     assert found_mobility.condition_number > 1e3
@@ -247,17 +249,17 @@ def test_a_long_chain_of_equal_links_is_no_defect(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("inertial", "reason"),
-    [("", "INR001"), (link("x", 0.0, inertia=0.0), "INR002"), (link("x", 1.0, inertia=0.0), "INR004")],
+    [("", "INR001"), (make_body("x", 0.0, inertia=0.0), "INR002"), (make_body("x", 1.0, inertia=0.0), "INR004")],
 )
 def test_bodies_without_mass_or_inertia_are_other_rules_matter(tmp_path: Path, inertial: str, reason: str) -> None:
-    text = robot(inertial.replace('"x"', '"d"') or '<link name="d"/>', joint("j", "base", "d"))
+    text = make_robot_on_base(inertial.replace('"x"', '"d"') or '<link name="d"/>', make_driven_joint("j", "base", "d"))
     run = check_text(tmp_path, text, codes={"DYN001"})
     assert not run.findings
     assert [reason in skip.reason for skip in run.skipped] == [True]
 
 
 def test_a_robot_that_does_not_move_has_no_mass_matrix(tmp_path: Path) -> None:
-    run = check_text(tmp_path, robot(), codes={"DYN001", "DYN002", "DYN003"})
+    run = check_text(tmp_path, make_robot_on_base(), codes={"DYN001", "DYN002", "DYN003"})
     assert not run.findings
     assert not run.skipped
 
@@ -267,12 +269,14 @@ def test_a_robot_that_does_not_move_has_no_mass_matrix(tmp_path: Path) -> None:
 
 def damped(damping: float, *parts: str, inertia: float = 1e-4) -> str:
     inner = f'<dynamics damping="{damping}"/>'
-    return robot(link("finger", 0.1, inertia=inertia), joint("j", "base", "finger", inner=inner), *parts)
+    return make_robot_on_base(
+        make_body("finger", 0.1, inertia=inertia), make_driven_joint("j", "base", "finger", inner=inner), *parts
+    )
 
 
 @pytest.mark.parametrize(("damping", "stiff"), [(0.199, False), (0.201, True)])
 def test_damping_beyond_twice_the_inertia_per_step(tmp_path: Path, damping: float, stiff: bool) -> None:
-    findings = found(tmp_path, damped(damping), "DYN003")
+    findings = find(tmp_path, damped(damping), "DYN003")
     assert [f.location.subject for f in findings] == (["joint[j]/dynamics@damping"] if stiff else [])
     for finding in findings:
         assert finding.data["stable_step"] == pytest.approx(2e-4 / damping)
@@ -281,30 +285,30 @@ def test_damping_beyond_twice_the_inertia_per_step(tmp_path: Path, damping: floa
 
 
 def test_the_time_step_is_an_option(tmp_path: Path) -> None:
-    assert not found(tmp_path, damped(0.201), "DYN003", options={"DYN003": {"time_step": 5e-4}})
-    assert found(tmp_path, damped(0.199), "DYN003", options={"DYN003": {"time_step": 2e-3}})
+    assert not find(tmp_path, damped(0.201), "DYN003", options={"DYN003": {"time_step": 5e-4}})
+    assert find(tmp_path, damped(0.199), "DYN003", options={"DYN003": {"time_step": 2e-3}})
 
 
 @pytest.mark.parametrize(("said", "stiff"), [("true", False), ("1", False), ("0", True), ("false", True)])
 def test_a_joint_that_gazebo_is_to_integrate_implicitly(tmp_path: Path, said: str, stiff: bool) -> None:
     part = f'<gazebo reference="j"><implicitSpringDamper> {said} </implicitSpringDamper></gazebo>'
-    assert bool(found(tmp_path, damped(1, part), "DYN003")) == stiff
+    assert bool(find(tmp_path, damped(1, part), "DYN003")) == stiff
 
 
 def test_the_inertia_is_that_with_the_other_joints_free(tmp_path: Path) -> None:
     """On a light body that turns freely, the same finger gets out of its damper's way."""
     inner = '<dynamics damping="0.15"/>'
-    hand = link("hand", 0.1, inertia=1e-4) + joint("wrist", "base", "hand")
-    finger = link("finger", 0.1, inertia=1e-4) + joint("j", "hand", "finger", inner=inner)
-    (finding,) = found(tmp_path, robot(hand, finger), "DYN003")
+    hand = make_body("hand", 0.1, inertia=1e-4) + make_driven_joint("wrist", "base", "hand")
+    finger = make_body("finger", 0.1, inertia=1e-4) + make_driven_joint("j", "hand", "finger", inner=inner)
+    (finding,) = find(tmp_path, make_robot_on_base(hand, finger), "DYN003")
     assert finding.data["inertia"] == pytest.approx(0.5e-4)
 
 
 def test_several_dampers_are_unstable_earlier_than_each(tmp_path: Path) -> None:
     inner = '<dynamics damping="0.3"/>'
-    hand = link("hand", 0.1, inertia=1e-4) + joint("wrist", "base", "hand", inner=inner)
-    finger = link("finger", 0.1, inertia=1e-4) + joint("j", "hand", "finger", inner=inner)
-    (finding,) = found(tmp_path, robot(hand, finger), "DYN003")
+    hand = make_body("hand", 0.1, inertia=1e-4) + make_driven_joint("wrist", "base", "hand", inner=inner)
+    finger = make_body("finger", 0.1, inertia=1e-4) + make_driven_joint("j", "hand", "finger", inner=inner)
+    (finding,) = find(tmp_path, make_robot_on_base(hand, finger), "DYN003")
     assert finding.subjects == ("joint[j]/dynamics@damping", "joint[wrist]/dynamics@damping")
     # M^-1 D = 3000/s · [[1, -1], [-1, 2]]: its largest eigenvalue is (3 + √5)/2 times that.
     assert finding.data["robot_step"] == pytest.approx(2 / (3000 * (3 + math.sqrt(5)) / 2))
@@ -313,25 +317,25 @@ def test_several_dampers_are_unstable_earlier_than_each(tmp_path: Path) -> None:
 
 def test_dampers_that_gazebo_integrates_implicitly_do_not_count(tmp_path: Path) -> None:
     inner = '<dynamics damping="0.3"/>'
-    hand = link("hand", 0.1, inertia=1e-4) + joint("wrist", "base", "hand", inner=inner)
-    finger = link("finger", 0.1, inertia=1e-4) + joint("j", "hand", "finger", inner=inner)
+    hand = make_body("hand", 0.1, inertia=1e-4) + make_driven_joint("wrist", "base", "hand", inner=inner)
+    finger = make_body("finger", 0.1, inertia=1e-4) + make_driven_joint("j", "hand", "finger", inner=inner)
     calm = '<gazebo reference="wrist"><implicitSpringDamper>1</implicitSpringDamper></gazebo>'
-    (finding,) = found(tmp_path, robot(hand, finger, calm), "DYN003")
+    (finding,) = find(tmp_path, make_robot_on_base(hand, finger, calm), "DYN003")
     assert finding.subjects == ("joint[j]/dynamics@damping",)
     assert finding.data["robot_step"] == pytest.approx(finding.data["stable_step"])
 
 
 def test_the_pose_in_which_least_inertia_is_felt_counts(tmp_path: Path) -> None:
     """A point mass on a free elbow adds m L² sin² q to what the shoulder feels: nothing where the arm is straight."""
-    upper = link("upper", 1.0, inertia=0.1) + joint("shoulder", "base", "upper")
-    fore = link("fore", 2.0, "0 0 0.3", 1e-6) + joint("elbow", "upper", "fore", origin='xyz="0 0 0.5"')
-    felt = summarize_mass_matrix(model_of(tmp_path, robot(upper, fore)))
+    upper = make_body("upper", 1.0, inertia=0.1) + make_driven_joint("shoulder", "base", "upper")
+    fore = make_body("fore", 2.0, "0 0 0.3", 1e-6) + make_driven_joint("elbow", "upper", "fore", origin='xyz="0 0 0.5"')
+    felt = summarize_mass_matrix(model_of(tmp_path, make_robot_on_base(upper, fore)))
     assert felt is not None
     assert felt.effective_inertias["shoulder"] == pytest.approx(0.1, rel=1e-3)
 
 
 def test_a_light_link_is_reported_once(tmp_path: Path) -> None:
-    text = robot(dummy("d", 1e-6)).replace("</joint>", '<dynamics damping="0.1"/></joint>')
+    text = make_robot_on_base(dummy("d", 1e-6)).replace("</joint>", '<dynamics damping="0.1"/></joint>')
     run = check_text(tmp_path, text, codes={"DYN001", "DYN003"})
     assert [f.code for f in run.findings] == ["DYN001"]
 
@@ -342,7 +346,7 @@ def test_a_light_link_is_reported_once(tmp_path: Path) -> None:
 def test_without_pinocchio_the_rules_are_skipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pinocchio", None)
     inner = '<dynamics damping="9"/>'
-    run = check_text(tmp_path, arm(5, inner), codes={"DYN001", "DYN002", "DYN003"})
+    run = check_text(tmp_path, make_pendulum(5, inner), codes={"DYN001", "DYN002", "DYN003"})
     assert [s.code for s in run.skipped] == ["DYN001", "DYN002", "DYN003"]
     assert all("not installed" in s.reason for s in run.skipped)
 
@@ -350,8 +354,8 @@ def test_without_pinocchio_the_rules_are_skipped(tmp_path: Path, monkeypatch: py
 @pytest.mark.parametrize("kind", ["floating", "planar"])
 def test_a_base_that_floats_is_held_and_counts_as_inertia(tmp_path: Path, kind: str) -> None:
     free = f'<joint name="free" type="{kind}"><parent link="base"/><child link="body"/><axis xyz="0 0 1"/></joint>'
-    shoulder = joint("shoulder", "body", "arm", limit='lower="-1.6" upper="1.6" effort="5"')
-    model = model_of(tmp_path, robot(link("body", 1.0, inertia=0.1), free, ARM, shoulder))
+    shoulder = make_driven_joint("shoulder", "body", "arm", limit='lower="-1.6" upper="1.6" effort="5"')
+    model = model_of(tmp_path, make_robot_on_base(make_body("body", 1.0, inertia=0.1), free, ARM, shoulder))
     (overload,) = find_overloads(model)
     assert overload.torque == pytest.approx(NEEDED)
     felt = summarize_mass_matrix(model)
@@ -363,10 +367,10 @@ def test_a_base_that_floats_is_held_and_counts_as_inertia(tmp_path: Path, kind: 
 
 def test_results_are_kept_until_the_model_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cache = ArrayCache(tmp_path / "cache")
-    first = replace(model_of(tmp_path, arm(5)), cache=cache)
+    first = replace(model_of(tmp_path, make_pendulum(5)), cache=cache)
     before = find_overloads(first), summarize_mass_matrix(first)
-    again = replace(model_of(tmp_path, arm(5)), cache=cache)
-    other = replace(model_of(tmp_path, arm(6)), cache=cache)
+    again = replace(model_of(tmp_path, make_pendulum(5)), cache=cache)
+    other = replace(model_of(tmp_path, make_pendulum(6)), cache=cache)
 
     def fail(*_: object) -> None:
         raise AssertionError("computed")

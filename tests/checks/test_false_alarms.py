@@ -6,37 +6,26 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from castings import Block, edited, geometry, inertial, pieces, triangles, uniform, write_stl
-from conftest import check_text
+from builders import arm_on_base, find
+from castings import Block, edited, format_inertial, geometry, pieces, triangles, uniform, write_stl
 
-from urdfcheck.core import Finding
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids
 
 CODES = {"INR003", "INR004", "INR005", "INR006", "INR007", "INR008", "INR009", "INR010", "MSH008"}
 
 
-def arm(numbers: DeclaredInertial | str, *drawn: str) -> str:
-    """A robot whose arm has an inertial and draws something."""
-    text = numbers if isinstance(numbers, str) else inertial(numbers)
-    return (
-        f'<robot name="r"><link name="base"/><link name="arm">{text}{"".join(drawn)}</link>'
-        '<joint name="j" type="continuous"><parent link="base"/><child link="arm"/></joint></robot>'
-    )
+def make_arm(numbers: DeclaredInertial | str, *drawn: str) -> str:
+    """Return a robot whose arm has an inertial and draws something."""
+    return arm_on_base(numbers if isinstance(numbers, str) else format_inertial(numbers), *drawn)
 
 
 def mesh(name: str, role: str = "visual") -> str:
     return f'<{role}><geometry><mesh filename="{name}"/></geometry></{role}>'
 
 
-def found(folder: Path, text: str) -> list[Finding]:
-    run = check_text(folder, text, codes=CODES)
-    assert not run.failures
-    return list(run.findings)
-
-
 def told(folder: Path, text: str) -> list[str]:
-    return [f.code for f in found(folder, text)]
+    return [f.code for f in find(folder, text, CODES)]
 
 
 # -- meshes that declare another up axis (iCub, whose meshes RViz lays on their sides) -------------------------------------
@@ -70,20 +59,20 @@ def write_dae(path: Path, blocks: tuple[Block, ...], up: str) -> None:
 
 def test_a_mesh_may_stand_upright_where_rviz_lays_it_down(tmp_path: Path) -> None:
     write_dae(tmp_path / "shank.dae", SHANK, "Y_UP")
-    assert told(tmp_path, arm(uniform(combine_solids(pieces(SHANK)), 2.0), mesh("shank.dae"))) == []
+    assert told(tmp_path, make_arm(uniform(combine_solids(pieces(SHANK)), 2.0), mesh("shank.dae"))) == []
 
 
 def test_what_no_reading_of_the_up_axis_explains_is_told(tmp_path: Path) -> None:
     write_dae(tmp_path / "shank.dae", SHANK, "Y_UP")
     above = uniform(combine_solids(pieces((((0.06, 0.05, 0.3), (0.5, 0.0, 0.0)),))), 2.0)
-    assert told(tmp_path, arm(above, mesh("shank.dae"))) == ["INR006"]
+    assert told(tmp_path, make_arm(above, mesh("shank.dae"))) == ["INR006"]
 
 
 def test_another_mesh_of_the_link_settles_which_way_is_up(tmp_path: Path) -> None:
     write_dae(tmp_path / "shank.dae", SHANK, "Y_UP")
     lying: tuple[Block, ...] = (((0.06, 0.3, 0.05), (0.0, -0.15, 0.0)),)
     write_stl(tmp_path / "shank.stl", lying)
-    content = arm(uniform(combine_solids(pieces(SHANK)), 2.0), mesh("shank.dae"), mesh("shank.stl", "collision"))
+    content = make_arm(uniform(combine_solids(pieces(SHANK)), 2.0), mesh("shank.dae"), mesh("shank.stl", "collision"))
     assert told(tmp_path, content) != []
 
 
@@ -125,8 +114,8 @@ def test_a_body_that_faces_inwards_is_not_subtracted(tmp_path: Path) -> None:
     (filled,) = pieces((((0.5, 0.41, 0.1), (0.0, 0.0, 0.05)),))
     whole = uniform(filled, 10.0)
     collides = '<collision><origin xyz="0 0 0.05"/><geometry><box size="0.5 0.41 0.1"/></geometry></collision>'
-    content = arm(DeclaredInertial(10.0, np.zeros(3), whole.tensor, whole.rotation), mesh("frame.stl"), collides)
-    (finding,) = found(tmp_path, content)
+    content = make_arm(DeclaredInertial(10.0, np.zeros(3), whole.tensor, whole.rotation), mesh("frame.stl"), collides)
+    (finding,) = find(tmp_path, content, CODES)
     assert finding.cause is not None
     assert finding.cause.id == "com_missing"
     assert finding.data["edit"] == 'xyz="0 0 0.05"'
@@ -137,9 +126,11 @@ def test_a_hollow_is_still_a_hollow(tmp_path: Path) -> None:
     cavity: Block = ((0.2, 0.16, 0.16), (0.045, 0.0, 0.1))
     write_mixed(tmp_path / "housing.stl", housing, cavity)
     true = uniform(solid_of(housing, cavity), 3.0)
-    assert told(tmp_path, arm(true, mesh("housing.stl"))) == []
-    (finding,) = found(
-        tmp_path, arm(DeclaredInertial(3.0, true.com, true.tensor / 1000.0, true.rotation), mesh("housing.stl"))
+    assert told(tmp_path, make_arm(true, mesh("housing.stl"))) == []
+    (finding,) = find(
+        tmp_path,
+        make_arm(DeclaredInertial(3.0, true.com, true.tensor / 1000.0, true.rotation), mesh("housing.stl")),
+        CODES,
     )
     assert finding.data["mismatch"]["mended_tensor"] == pytest.approx(0.0, abs=1e-3)
 
@@ -150,7 +141,9 @@ def test_a_filled_part_with_another_mass_is_in_no_other_unit(tmp_path: Path) -> 
     write_mixed(tmp_path / "housing.stl", housing, cavity)
     filled = uniform(combine_solids(pieces(housing)), 1404.0)
     typed_over = DeclaredInertial(1.1, filled.com, filled.tensor, filled.rotation)
-    causes = {f.cause.id for f in found(tmp_path, arm(typed_over, mesh("housing.stl"))) if f.cause is not None}
+    causes = {
+        f.cause.id for f in find(tmp_path, make_arm(typed_over, mesh("housing.stl")), CODES) if f.cause is not None
+    }
     assert not causes & {"inertia_unit", "units"}
 
 
@@ -175,7 +168,7 @@ def test_a_tensor_may_be_the_drawn_ones_to_the_digits_that_were_typed(
         f'<inertial><mass value="1"/><inertia ixx="{xx}" ixy="0" ixz="0" iyy="{yy}" iyz="0" izz="{zz}"/></inertial>'
     )
     drawn = '<visual><geometry><box size="0.32 0.313 0.098"/></geometry></visual>'
-    assert told(tmp_path, arm(numbers, drawn)) == codes
+    assert told(tmp_path, make_arm(numbers, drawn)) == codes
 
 
 # -- a mass that was typed over (Ranger 1S, whose next version has the mass that the tensors are of) ------------------------
@@ -186,8 +179,8 @@ PART: tuple[Block, ...] = (((0.2, 0.06, 0.04), (0.03, 0.02, 0.05)), ((0.05, 0.16
 def test_a_tensor_of_another_mass_does_not_say_which_is_wrong(tmp_path: Path) -> None:
     write_stl(tmp_path / "part.stl", PART)
     heavy, typed = uniform(geometry(PART).solid, 6.0), 1.37
-    text = arm(DeclaredInertial(typed, heavy.com, heavy.tensor, heavy.rotation), mesh("part.stl"))
-    (finding,) = found(tmp_path, text)
+    text = make_arm(DeclaredInertial(typed, heavy.com, heavy.tensor, heavy.rotation), mesh("part.stl"))
+    (finding,) = find(tmp_path, text, CODES)
     assert finding.cause is not None
     assert finding.cause.id == "other_mass"
     assert "write that mass" in finding.cause.text
@@ -208,7 +201,7 @@ def test_copied_links_that_are_wrong_alike_are_one_finding(tmp_path: Path) -> No
         f'<joint name="j_{name}" type="continuous"><parent link="palm"/><child link="{name}"/></joint>'
         for name in ("f0", "f1", "f2", "thumb")
     )
-    alike, other = found(tmp_path, f'<robot name="r"><link name="palm"/>{fingers}{thumb}{joints}</robot>')
+    alike, other = find(tmp_path, f'<robot name="r"><link name="palm"/>{fingers}{thumb}{joints}</robot>', CODES)
     assert alike.subjects == tuple(f"link[f{i}]/inertial/inertia" for i in range(3))
     assert alike.message.startswith("link f0, f1, f2: principal moments 1, 1, 3 kg·m² ")
     assert other.subjects == ("link[thumb]/inertial/inertia",)
@@ -222,11 +215,11 @@ def test_parts_with_one_mistake_and_one_measure_are_one_finding(
     block: tuple[Block, ...] = (((0.1, 0.2, 0.3), (0.0, 0.0, 0.0)),)
     write_stl(tmp_path / "wheel.stl", block)
     wheels = "".join(
-        f'<link name="w{i}">{inertial(uniform(combine_solids(pieces(block)), 1.0))}{mesh("wheel.stl")}</link>'.replace(
+        f'<link name="w{i}">{format_inertial(uniform(combine_solids(pieces(block)), 1.0))}{mesh("wheel.stl")}</link>'.replace(
             'mass value="1"', f'mass value="{0.01 * factor}"'
         )
         + f'<joint name="j{i}" type="continuous"><parent link="base"/><child link="w{i}"/></joint>'
         for i, factor in enumerate(numbers)
     )
-    findings = found(tmp_path, f'<robot name="r"><link name="base"/>{wheels}</robot>')
+    findings = find(tmp_path, f'<robot name="r"><link name="base"/>{wheels}</robot>', CODES)
     assert [len(f.subjects) for f in findings] == told_of

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builders import find, joint, limit, link, robot
 from conftest import check_text
 
 from urdfcheck.core import Finding, Severity
@@ -30,11 +31,10 @@ def shape(role: str, name: str, scale: str = "1 1 1") -> str:
     return f'<{role}><geometry><mesh filename="{name}" scale="{scale}"/></geometry></{role}>'
 
 
-def found(folder: Path, content: str, link: str) -> list[Finding]:
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "part.obj").write_text(content)
-    (folder / "copy.obj").write_text(content)
-    return list(check_text(folder, f'<robot name="r"><link name="a">{link}</link></robot>', codes={"GEO004"}).findings)
+def find_dense_collision(folder: Path, content: str, parts: str) -> list[Finding]:
+    """Return the findings on a link of these parts, beside two meshes with this content."""
+    files = {"part.obj": content, "copy.obj": content, "robot.urdf": robot(link("a", parts))}
+    return find(folder, files, "GEO004")
 
 
 def findings(folder: Path, code: str, *parts: str) -> list[Finding]:
@@ -45,15 +45,8 @@ def geometry(role: str, inside: str, origin: str = "") -> str:
     return f"<{role}>{origin}<geometry>{inside}</geometry></{role}>"
 
 
-def link(name: str, *inside: str) -> str:
-    return f'<link name="{name}">{"".join(inside)}</link>'
-
-
-def joint(parent: str, child: str, kind: str = "revolute", xyz: str = "0 0 0") -> str:
-    return (
-        f'<joint name="{parent}_{child}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
-        f'<origin xyz="{xyz}"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
-    )
+def make_joint(parent: str, child: str, kind: str = "revolute", xyz: str = "0 0 0") -> str:
+    return joint(f"{parent}_{child}", parent, child, limit(-1, 1), kind=kind, xyz=xyz, axis="0 1 0")
 
 
 def box(role: str, size: str = "0.1 0.1 0.1", xyz: str = "0 0 0", rpy: str = "0 0 0") -> str:
@@ -120,16 +113,16 @@ BOTH = box("visual") + box("collision")
 MASS = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
 
 
-def arm(*hands: str) -> str:
+def make_arm_with_hands(*hands: str) -> str:
     """A base, an arm that collides, and links that the arm moves, 1 m away."""
-    found = link("base", BOTH) + link("arm", BOTH) + joint("base", "arm", xyz="0 0 1")
+    found = link("base", BOTH) + link("arm", BOTH) + make_joint("base", "arm", xyz="0 0 1")
     for i, inside in enumerate(hands):
-        found += link(f"hand{i}", inside) + joint("arm", f"hand{i}", xyz=f"0 {i} 1")
+        found += link(f"hand{i}", inside) + make_joint("arm", f"hand{i}", xyz=f"0 {i} 1")
     return found
 
 
 def test_a_moving_link_that_is_drawn_and_not_touched(tmp_path: Path) -> None:
-    (finding,) = findings(tmp_path, "GEO002", arm(box("visual"), BOTH))
+    (finding,) = findings(tmp_path, "GEO002", make_arm_with_hands(box("visual"), BOTH))
     assert (finding.severity, finding.subjects) == (Severity.WARNING, ("link[hand0]",))
 
 
@@ -139,42 +132,42 @@ def test_a_moving_link_that_is_drawn_and_not_touched(tmp_path: Path) -> None:
     ids=["frame", "both", "not drawn", "token"],
 )
 def test_nothing_is_missing(tmp_path: Path, inside: str) -> None:
-    assert not findings(tmp_path, "GEO002", arm(inside, BOTH))
+    assert not findings(tmp_path, "GEO002", make_arm_with_hands(inside, BOTH))
 
 
 def test_collision_on_what_is_fixed_to_it_counts_in_both_directions(tmp_path: Path) -> None:
-    pad = link("pad", box("collision")) + joint("hand0", "pad", "fixed")
-    camera = link("camera", box("visual")) + joint("arm", "camera", "fixed")
-    assert not findings(tmp_path, "GEO002", arm(box("visual"), BOTH) + pad + camera)
+    pad = link("pad", box("collision")) + make_joint("hand0", "pad", "fixed")
+    camera = link("camera", box("visual")) + make_joint("arm", "camera", "fixed")
+    assert not findings(tmp_path, "GEO002", make_arm_with_hands(box("visual"), BOTH) + pad + camera)
 
 
 def test_the_base_may_be_a_drawing(tmp_path: Path) -> None:
-    robot = link("base", box("visual")) + link("arm", BOTH) + joint("base", "arm")
+    robot = link("base", box("visual")) + link("arm", BOTH) + make_joint("base", "arm")
     assert not findings(tmp_path, "GEO002", robot)
 
 
 def test_a_model_without_any_collision_is_one_info(tmp_path: Path) -> None:
-    robot = "".join(link(name, box("visual")) for name in "abc") + joint("a", "b") + joint("b", "c")
+    robot = "".join(link(name, box("visual")) for name in "abc") + make_joint("a", "b") + make_joint("b", "c")
     (finding,) = findings(tmp_path, "GEO002", robot)
     assert (finding.message_id, finding.severity, finding.data["bodies"]) == ("none", Severity.INFO, 2)
 
 
 def test_where_most_bodies_lack_it_the_author_chose(tmp_path: Path) -> None:
-    (finding,) = findings(tmp_path, "GEO002", arm(box("visual"), box("visual")))
+    (finding,) = findings(tmp_path, "GEO002", make_arm_with_hands(box("visual"), box("visual")))
     assert (finding.message_id, finding.severity) == ("most", Severity.INFO)
-    (half,) = findings(tmp_path / "half", "GEO002", arm(box("visual")))
+    (half,) = findings(tmp_path / "half", "GEO002", make_arm_with_hands(box("visual")))
     assert half.message_id == "missing"
 
 
 def test_a_marker_without_mass_needs_no_collision(tmp_path: Path) -> None:
-    assert findings(tmp_path / "a", "GEO002", arm(box("visual") + MASS, BOTH + MASS))
-    assert not findings(tmp_path / "b", "GEO002", arm(box("visual"), BOTH + MASS))
+    assert findings(tmp_path / "a", "GEO002", make_arm_with_hands(box("visual") + MASS, BOTH + MASS))
+    assert not findings(tmp_path / "b", "GEO002", make_arm_with_hands(box("visual"), BOTH + MASS))
 
 
 @pytest.mark.parametrize(("kind", "found"), [("continuous", False), ("revolute", True)])
 def test_a_fork_that_carries_a_wheel_needs_no_collision(tmp_path: Path, kind: str, found: bool) -> None:
-    wheel = link("wheel", BOTH) + joint("hand0", "wheel", kind, "0 0 1")
-    assert bool(findings(tmp_path, "GEO002", arm(box("visual"), BOTH) + wheel)) == found
+    wheel = link("wheel", BOTH) + make_joint("hand0", "wheel", kind, "0 0 1")
+    assert bool(findings(tmp_path, "GEO002", make_arm_with_hands(box("visual"), BOTH) + wheel)) == found
 
 
 @pytest.mark.parametrize(("size", "found"), [("0.09 0.09 0.11", False), ("0.09 0.09 0.15", True)])
@@ -184,7 +177,7 @@ def test_a_rotor_inside_its_housing_needs_no_collision(tmp_path: Path, size: str
     robot = (
         link("root") + link("base", BOTH) + link("rotor", box("visual", size)) + link("arm", BOTH)
         + f'<joint name="f" type="fixed"><parent link="root"/><child link="base"/><origin rpy="{rpy}"/></joint>'
-        + joint("base", "rotor", "continuous") + joint("base", "arm", xyz="0 0 1")
+        + make_joint("base", "rotor", "continuous") + make_joint("base", "arm", xyz="0 0 1")
     )  # fmt: skip
     assert bool(findings(tmp_path, "GEO002", robot)) == found
 
@@ -243,8 +236,8 @@ def test_what_one_link_draws_another_that_is_fixed_to_it_may_collide_with(tmp_pa
     """The footprint of a mobile base: its own collision is the base's, a metre above it."""
     foot = link("foot", box("visual", "0.02 0.02 0.02") + box("collision", "1 1 1", "0 0 1"))
     base = link("base", box("visual", "1 1 1"))
-    assert findings(tmp_path / "a", "GEO003", foot + base + joint("foot", "base", "revolute", "0 0 1"))
-    assert not findings(tmp_path / "b", "GEO003", foot + base + joint("foot", "base", "fixed", "0 0 1"))
+    assert findings(tmp_path / "a", "GEO003", foot + base + make_joint("foot", "base", "revolute", "0 0 1"))
+    assert not findings(tmp_path / "b", "GEO003", foot + base + make_joint("foot", "base", "fixed", "0 0 1"))
 
 
 @pytest.mark.parametrize("role", ["visual", "collision"])
@@ -347,22 +340,24 @@ def test_only_the_foot_that_has_no_drawing_is_reported(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("sides", "dense"), [(126, False), (127, True)])
 def test_dense_begins_above_500_triangles(tmp_path: Path, sides: int, dense: bool) -> None:
     link = shape("visual", "part.obj") + shape("collision", "part.obj")
-    assert bool(found(tmp_path, cylinder(sides), link)) == dense
+    assert bool(find_dense_collision(tmp_path, cylinder(sides), link)) == dense
 
 
 def test_a_collision_mesh_of_its_own_is_no_copy_of_the_drawing(tmp_path: Path) -> None:
-    assert not found(tmp_path, cylinder(200), shape("visual", "part.obj") + shape("collision", "copy.obj"))
+    assert not find_dense_collision(
+        tmp_path, cylinder(200), shape("visual", "part.obj") + shape("collision", "copy.obj")
+    )
 
 
 def test_a_cylinder_is_recognised_with_its_size_in_metres(tmp_path: Path) -> None:
     scale = "0.001 0.001 0.001"
     link = shape("visual", "part.obj", scale) + shape("collision", "part.obj", scale)
-    (finding,) = found(tmp_path, cylinder(200, 30, 10), link)
+    (finding,) = find_dense_collision(tmp_path, cylinder(200, 30, 10), link)
     assert finding.fix is not None
     assert '<cylinder radius="0.030" length="0.010"/> along z' in finding.fix.title
 
 
 def test_a_cylinder_that_the_scale_flattens_is_none(tmp_path: Path) -> None:
     link = shape("visual", "part.obj", "1 2 1") + shape("collision", "part.obj", "1 2 1")
-    (finding,) = found(tmp_path, cylinder(200), link)
+    (finding,) = find_dense_collision(tmp_path, cylinder(200), link)
     assert finding.message_id == "dense"

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from conftest import check, check_text
+from builders import box, collision, find, inertial, link, robot
+from conftest import check
 
-from urdfcheck.core import Finding, Severity
+from urdfcheck.core import Severity
 from urdfcheck.model import Model
 from urdfcheck.model.fixed_joint_lumping import reduce_fixed_joints
 from urdfcheck.source.load import load_source
@@ -18,27 +19,21 @@ ARM = """<link name="a"/><link name="b"/><link name="c"/>
 <joint name="k" type="continuous"><parent link="a"/><child link="c"/></joint>"""
 
 
-def found(folder: Path, body: str, code: str, arm: str = ARM) -> tuple[Finding, ...]:
-    run = check_text(folder, f'<robot name="r">{arm}{body}</robot>', codes={code})
-    assert not run.failures
-    return run.findings
-
-
 @pytest.mark.parametrize("reference", ["a", "j"])
 def test_links_and_joints_can_be_referred_to(tmp_path: Path, reference: str) -> None:
-    assert not found(tmp_path, f'<gazebo reference="{reference}"><mu1>1</mu1></gazebo>', "GZB001")
+    assert not find(tmp_path, robot(ARM, f'<gazebo reference="{reference}"><mu1>1</mu1></gazebo>'), "GZB001")
 
 
 def test_one_unknown_name_is_one_finding(tmp_path: Path) -> None:
     body = '<gazebo reference="nobody"><mu1>1</mu1></gazebo>\n<gazebo reference="nobody"><mu2>1</mu2></gazebo>'
-    (finding,) = found(tmp_path, body, "GZB001")
+    (finding,) = find(tmp_path, robot(ARM, body), "GZB001")
     assert "mu1, mu2" in finding.message
     assert len(finding.related) == 1
 
 
 def test_references_that_a_script_has_not_filled_in_are_one_finding(tmp_path: Path) -> None:
     body = "".join(f'<gazebo reference="{name}"><mu1>1</mu1></gazebo>' for name in ("{side}_a", "{side}_b", "nobody"))
-    messages = {f.message_id: f for f in found(tmp_path, body, "GZB001")}
+    messages = {f.message_id: f for f in find(tmp_path, robot(ARM, body), "GZB001")}
     assert set(messages) == {"template", "unknown"}
     assert "2 <gazebo> blocks" in messages["template"].message
 
@@ -56,7 +51,7 @@ def test_references_that_a_script_has_not_filled_in_are_one_finding(tmp_path: Pa
     ],
 )
 def test_plugins_of_gazebo_classic_have_a_successor(tmp_path: Path, filename: str, words: str | None) -> None:
-    findings = found(tmp_path, f'<gazebo><plugin name="p" filename="{filename}"/></gazebo>', "GZB002")
+    findings = find(tmp_path, robot(ARM, f'<gazebo><plugin name="p" filename="{filename}"/></gazebo>'), "GZB002")
     assert bool(findings) == (words is not None)
     assert all(f.fix is not None and str(words) in f.fix.title for f in findings)
 
@@ -68,7 +63,10 @@ def test_ros2_control_moves_to_the_successor_by_its_names_alone(tmp_path: Path) 
         "</plugin></gazebo>"
     )
     edits = {
-        e.expected: e.replacement for f in found(tmp_path, body, "GZB002") if f.fix is not None for e in f.fix.edits
+        e.expected: e.replacement
+        for f in find(tmp_path, robot(ARM, body), "GZB002")
+        if f.fix is not None
+        for e in f.fix.edits
     }
     assert edits == {
         "gazebo_ros2_control/GazeboSystem": "gz_ros2_control/GazeboSimSystem",
@@ -79,7 +77,7 @@ def test_ros2_control_moves_to_the_successor_by_its_names_alone(tmp_path: Path) 
 
 def test_a_plugin_with_other_parameters_is_not_renamed(tmp_path: Path) -> None:
     body = '<gazebo><plugin name="p" filename="libgazebo_ros_diff_drive.so"/></gazebo>'
-    (finding,) = found(tmp_path, body, "GZB002")
+    (finding,) = find(tmp_path, robot(ARM, body), "GZB002")
     assert finding.fix is not None
     assert not finding.fix.edits
 
@@ -90,12 +88,9 @@ INERTIAL = '<inertial><mass value="{}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1"
 SHAPE = "<geometry><box size='1 1 1'/></geometry>"
 
 
-def link(name: str, mass: float = 1.0, *collisions: str) -> str:
-    """A link with collisions of these names (empty: none)."""
-    shapes = "".join(
-        f'<collision name="{c}">{SHAPE}</collision>' if c else f"<collision>{SHAPE}</collision>" for c in collisions
-    )
-    return f'<link name="{name}">{INERTIAL.format(mass) if mass else ""}{shapes}</link>'
+def make_link(name: str, mass: float = 1.0, *collisions: str) -> str:
+    """Return a link with collisions of these names (empty: none)."""
+    return link(name, inertial(mass) if mass else "", *(collision(box("1 1 1"), name=c) for c in collisions))
 
 
 def fixed(name: str, parent: str, child: str, type_: str = "fixed") -> str:
@@ -107,15 +102,15 @@ def block(reference: str, *content: str) -> str:
 
 
 def messages(folder: Path, body: str, code: str) -> list[str]:
-    return [f.message_id for f in found(folder, body, code, arm="")]
+    return [f.message_id for f in find(folder, robot(body), code)]
 
 
 MERGED = (
-    link("base", 1.0, "", "foot")
-    + link("tip", 1.0, "")
-    + link("base_tip", 0.0, "")
-    + link("named", 0.0, "foo", "base_bar")
-    + link("inner", 0.0, "")
+    make_link("base", 1.0, "", "foot")
+    + make_link("tip", 1.0, "")
+    + make_link("base_tip", 0.0, "")
+    + make_link("named", 0.0, "foo", "base_bar")
+    + make_link("inner", 0.0, "")
     + fixed("j", "base", "tip")
     + fixed("k", "base", "base_tip")
     + fixed("h", "base", "named")
@@ -149,19 +144,19 @@ def test_friction_finds_its_link_by_the_name_of_the_shape(tmp_path: Path, refere
 
 
 def test_how_many_shapes_do_not_get_it_is_said(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, MERGED + block("base", "<mu1>1</mu1>"), "GZB003", arm="")
+    (finding,) = find(tmp_path, robot(MERGED + block("base", "<mu1>1</mu1>")), "GZB003")
     assert "for 1 of 2" in finding.message
 
 
 def test_a_named_shape_loses_its_friction_where_nothing_is_merged_too(tmp_path: Path) -> None:
     for name, lost in (("", []), ("base_link", []), ("base_link_box", []), ("box", ["named"])):
-        body = link("base_link", 1.0, name) + block("base_link", "<mu1>1</mu1>")
+        body = make_link("base_link", 1.0, name) + block("base_link", "<mu1>1</mu1>")
         assert messages(tmp_path, body, "GZB003") == lost
 
 
 def test_colours_are_worth_knowing(tmp_path: Path) -> None:
     body = f'<link name="a"><visual name="v">{SHAPE}</visual></link>' + block("a", "<material>Gazebo/Red</material>")
-    (finding,) = found(tmp_path, body, "GZB003", arm="")
+    (finding,) = find(tmp_path, robot(body), "GZB003")
     assert (finding.message_id, finding.severity) == ("named", Severity.INFO)
 
 
@@ -182,16 +177,16 @@ SENSOR = '<sensor name="s" type="force_torque"/>'
     ],
 )
 def test_blocks_of_joints(tmp_path: Path, body: str, expected: list[tuple[str, Severity]]) -> None:
-    assert [(f.message_id, f.severity) for f in found(tmp_path, MERGED + body, "GZB003", arm="")] == expected
+    assert [(f.message_id, f.severity) for f in find(tmp_path, robot(MERGED + body), "GZB003")] == expected
 
 
 def test_below_the_world_nothing_is_merged(tmp_path: Path) -> None:
-    body = '<link name="world"/>' + link("base") + fixed("j", "world", "base") + block("j", SENSOR)
+    body = '<link name="world"/>' + make_link("base") + fixed("j", "world", "base") + block("j", SENSOR)
     assert not messages(tmp_path, body, "GZB003")
 
 
 def test_joints_that_are_merged_are_one_finding_and_kept_by_edits_where_they_can_be(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, MERGED + block("j", SENSOR) + block("l", SENSOR), "GZB003", arm="")
+    (finding,) = find(tmp_path, robot(MERGED + block("j", SENSOR) + block("l", SENSOR)), "GZB003")
     assert finding.fix is not None
     assert len(finding.subjects) == 2
     assert [e.expected for e in finding.fix.edits] == ['<gazebo reference="j">']  # the link below the other has no mass
@@ -201,11 +196,11 @@ def test_what_hangs_on_a_link_that_is_left_out_is_no_finding_of_its_own(tmp_path
     keep = "<preserveFixedJoint>true</preserveFixedJoint>"
     body = (
         MERGED
-        + link("last", 1.0)
+        + make_link("last", 1.0)
         + fixed("m", "inner", "last")
         + "".join(block(name, keep) for name in ("h", "l", "m"))
     )
-    (finding,) = found(tmp_path, body, "GZB003", arm="")
+    (finding,) = find(tmp_path, robot(body), "GZB003")
     assert "named" in finding.message
     assert "(2)" in finding.message
 
@@ -216,18 +211,18 @@ OFF = "<turnGravityOff>true</turnGravityOff>"
 @pytest.mark.parametrize(
     ("body", "expected"),
     [
-        (link("camera", 0.1) + fixed("c", "base", "camera") + block("camera", OFF), ["gravity"]),
-        (link("camera", 0.1) + fixed("c", "base", "camera", "continuous") + block("camera", OFF), []),
-        (link("camera", 0.1) + fixed("c", "base", "camera") + block("camera", OFF) + block("base", OFF), []),
-        (link("ballast", 9.0) + fixed("c", "base", "ballast") + block("ballast", OFF), []),
+        (make_link("camera", 0.1) + fixed("c", "base", "camera") + block("camera", OFF), ["gravity"]),
+        (make_link("camera", 0.1) + fixed("c", "base", "camera", "continuous") + block("camera", OFF), []),
+        (make_link("camera", 0.1) + fixed("c", "base", "camera") + block("camera", OFF) + block("base", OFF), []),
+        (make_link("ballast", 9.0) + fixed("c", "base", "ballast") + block("ballast", OFF), []),
         (
-            link("camera", 0.1) + fixed("c", "base", "camera") + block("camera", OFF.replace("true", "0")),
+            make_link("camera", 0.1) + fixed("c", "base", "camera") + block("camera", OFF.replace("true", "0")),
             [],
         ),
     ],
 )
 def test_gravity_goes_with_the_body(tmp_path: Path, body: str, expected: list[str]) -> None:
-    assert messages(tmp_path, link("base") + body, "GZB003") == expected
+    assert messages(tmp_path, make_link("base") + body, "GZB003") == expected
 
 
 # -- sensors ------------------------------------------------------------------------------------------------------------
@@ -291,7 +286,7 @@ def test_one_topic_for_two_sensors(tmp_path: Path) -> None:
 )
 def test_what_a_contact_sensor_watches(tmp_path: Path, reference: str, collision: str, edit: list[str] | None) -> None:
     contact = sensor("contact", f"<contact><collision>{collision}</collision></contact>")
-    findings = found(tmp_path, MERGED + block(reference, contact), "GZB004", arm="")
+    findings = find(tmp_path, robot(MERGED + block(reference, contact)), "GZB004")
     assert [[e.replacement for e in f.fix.edits] for f in findings if f.fix is not None] == (
         [] if edit is None else [edit]
     )
@@ -345,7 +340,7 @@ def test_bridges(tmp_path: Path, entry: str, expected: list[str], edits: list[st
 
 def test_a_transmission_of_the_pr2_may_name_its_joint_anywhere(tmp_path: Path) -> None:
     body = '<transmission name="t"><rightActuator name="m"/><joint name="joint"/></transmission>'
-    (finding,) = found(tmp_path, body, "CTL001")
+    (finding,) = find(tmp_path, robot(ARM, body), "CTL001")
     assert finding.location.subject == "transmission[t]/joint[joint]@name"
 
 
@@ -359,26 +354,26 @@ def test_a_transmission_of_the_pr2_may_name_its_joint_anywhere(tmp_path: Path) -
     ],
 )
 def test_any_mention_in_control_counts_as_a_drive(tmp_path: Path, body: str) -> None:
-    assert not found(tmp_path, body, "CTL002")
+    assert not find(tmp_path, robot(ARM, body), "CTL002")
 
 
 def test_a_description_without_a_word_for_a_simulator_is_driven_elsewhere(tmp_path: Path) -> None:
-    assert not found(tmp_path, "", "CTL002")
+    assert not find(tmp_path, robot(ARM), "CTL002")
 
 
 def test_a_gazebo_reference_is_no_drive(tmp_path: Path) -> None:
     body = '<gazebo reference="j"/><gazebo reference="k"/>'
-    assert [f.message_id for f in found(tmp_path, body, "CTL002")] == ["none"]
+    assert [f.message_id for f in find(tmp_path, robot(ARM, body), "CTL002")] == ["none"]
 
 
 def test_joints_left_out_of_control_are_listed(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, '<transmission name="t"><joint name="j"/></transmission>', "CTL002")
+    (finding,) = find(tmp_path, robot(ARM, '<transmission name="t"><joint name="j"/></transmission>'), "CTL002")
     assert (finding.message_id, finding.location.subject) == ("some", "joint[k]")
 
 
 def test_a_joint_without_effort_needs_no_drive(tmp_path: Path) -> None:
     arm = ARM.replace('<child link="c"/>', '<child link="c"/><limit effort="0" velocity="1"/>')
-    assert not found(tmp_path, '<transmission name="t"><joint name="j"/></transmission>', "CTL002", arm)
+    assert not find(tmp_path, robot(arm, '<transmission name="t"><joint name="j"/></transmission>'), "CTL002")
 
 
 FOLLOWER = ARM.replace('<child link="c"/>', '<child link="c"/><mimic joint="j"/>')
@@ -393,15 +388,15 @@ def control(attributes: str = "", inner: str = COMMAND) -> str:
 
 
 def test_a_follower_takes_no_command(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, control(), "CTL002", FOLLOWER)
+    (finding,) = find(tmp_path, robot(FOLLOWER, control()), "CTL002")
     assert (finding.message_id, finding.severity) == ("mimic", Severity.WARNING)
 
 
 @pytest.mark.parametrize("body", [control('mimic="false"'), control(inner='<state_interface name="position"/>')])
 def test_a_follower_may_be_measured_or_told_not_to_follow(tmp_path: Path, body: str) -> None:
-    assert not found(tmp_path, body, "CTL002", FOLLOWER)
+    assert not find(tmp_path, robot(FOLLOWER, body), "CTL002")
 
 
 def test_a_fixed_joint_takes_no_command(tmp_path: Path) -> None:
     arm = ARM.replace('"k" type="continuous"', '"k" type="fixed"')
-    assert [f.message_id for f in found(tmp_path, control(), "CTL002", arm)] == ["fixed"]
+    assert [f.message_id for f in find(tmp_path, robot(arm, control()), "CTL002")] == ["fixed"]

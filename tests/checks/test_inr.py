@@ -5,25 +5,23 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from builders import arm_on_base, find, inertial
 from conftest import check_text
 
-from urdfcheck.core import Finding, Severity
+from urdfcheck.core import Severity
 from urdfcheck.model import Model
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
-SOUND = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+SOUND = inertial()
 ZERO = '<inertial><mass value="{}"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'
 SOLID = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
 BOX = '<visual><geometry><box size="1 1 1"/></geometry></visual>'
 
 
-def arm(child: str, joint: str = "continuous", more: str = "", base: str = SOUND) -> str:
-    """A base and a link on it."""
-    return (
-        f'<robot name="r"><link name="base">{base}</link><link name="arm">{child}</link>'
-        f'<joint name="j" type="{joint}"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint>{more}</robot>'
-    )
+def make_arm(child: str, kind: str = "continuous", more: str = "", base: str = SOUND) -> str:
+    """Return an arm on a base that has a sound inertial."""
+    return arm_on_base(child, base=base, kind=kind, axis="0 0 1", more=more)
 
 
 def fixed(name: str, content: str, parent: str = "arm") -> str:
@@ -33,68 +31,59 @@ def fixed(name: str, content: str, parent: str = "arm") -> str:
     )
 
 
-def inertial(mass: str = "1", **six: str) -> str:
-    values = {"ixx": "1", "ixy": "0", "ixz": "0", "iyy": "1", "iyz": "0", "izz": "1"} | six
-    return f'<inertial><mass value="{mass}"/><inertia {" ".join(f"{k}={v!r}" for k, v in values.items())}/></inertial>'
-
-
-def found(folder: Path, code: str, text: str) -> list[Finding]:
-    return list(check_text(folder, text, codes={code}).findings)
-
-
 # -- INR001 ---------------------------------------------------------------------------------------------------------
 
 
 def test_a_link_on_a_fixed_joint_needs_no_inertial(tmp_path: Path) -> None:
-    assert not found(tmp_path, "INR001", arm("", joint="fixed"))
+    assert not find(tmp_path, make_arm("", kind="fixed"), "INR001")
 
 
 def test_a_moving_link_needs_none_when_what_is_fixed_to_it_has_one(tmp_path: Path) -> None:
-    assert not found(tmp_path, "INR001", arm(BOX, more=fixed("cover", SOUND)))
+    assert not find(tmp_path, make_arm(BOX, more=fixed("cover", SOUND)), "INR001")
 
 
 def test_what_hangs_behind_a_link_without_inertial_is_counted(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "INR001", arm(BOX, more=fixed("tool", "") + fixed("tip", "", parent="tool")))
+    (finding,) = find(tmp_path, make_arm(BOX, more=fixed("tool", "") + fixed("tip", "", parent="tool")), "INR001")
     assert finding.message_id == "missing"
     assert finding.consequences["gazebo"].startswith("drops the link and the 2 links behind it")
 
 
 def test_mujoco_takes_the_inertia_of_what_collides_and_leaves_out_what_is_drawn(tmp_path: Path) -> None:
-    (solid,) = found(tmp_path / "a", "INR001", arm(SOLID))
-    (drawn,) = found(tmp_path / "b", "INR001", arm(BOX))
-    (bare,) = found(tmp_path / "c", "INR001", arm(""))
+    (solid,) = find(tmp_path / "a", make_arm(SOLID), "INR001")
+    (drawn,) = find(tmp_path / "b", make_arm(BOX), "INR001")
+    (bare,) = find(tmp_path / "c", make_arm(""), "INR001")
     assert solid.consequences["mujoco"].startswith("replaces what is missing")
     assert drawn.consequences["mujoco"] == bare.consequences["mujoco"]
     assert bare.consequences["mujoco"].startswith("refuses")
 
 
 def test_a_joint_that_moves_no_mass_at_all_falls_without_a_number(tmp_path: Path) -> None:
-    (leaf,) = found(tmp_path / "a", "INR001", arm(BOX))
+    (leaf,) = find(tmp_path / "a", make_arm(BOX), "INR001")
     hand = '<joint name="k" type="continuous"><parent link="arm"/><child link="hand"/></joint>'
-    (carrier,) = found(tmp_path / "b", "INR001", arm(BOX, more=f'<link name="hand">{SOUND}</link>{hand}'))
+    (carrier,) = find(tmp_path / "b", make_arm(BOX, more=f'<link name="hand">{SOUND}</link>{hand}'), "INR001")
     assert leaf.consequences["pinocchio"].startswith("computes NaN")
     assert carrier.consequences["pinocchio"].startswith("loads it")
 
 
 def test_a_description_without_any_inertial_is_one_info(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "INR001", arm(BOX, base=BOX))
+    (finding,) = find(tmp_path, make_arm(BOX, base=BOX), "INR001")
     assert (finding.message_id, finding.severity) == ("kinematic", Severity.INFO)
 
 
 def test_a_description_that_cannot_move_needs_no_inertial(tmp_path: Path) -> None:
-    assert not found(tmp_path, "INR001", arm("", joint="fixed", base=""))
+    assert not find(tmp_path, make_arm("", kind="fixed", base=""), "INR001")
 
 
 def test_what_a_target_drops_is_an_error(tmp_path: Path) -> None:
-    (solid,) = check_text(tmp_path / "a", arm(SOLID), codes={"INR001"}, targets=("mujoco",)).findings
-    (dropped,) = check_text(tmp_path / "b", arm(BOX), codes={"INR001"}, targets=("gazebo",)).findings
-    (refused,) = check_text(tmp_path / "c", arm(""), codes={"INR001"}, targets=("mujoco",)).findings
+    (solid,) = check_text(tmp_path / "a", make_arm(SOLID), codes={"INR001"}, targets=("mujoco",)).findings
+    (dropped,) = check_text(tmp_path / "b", make_arm(BOX), codes={"INR001"}, targets=("gazebo",)).findings
+    (refused,) = check_text(tmp_path / "c", make_arm(""), codes={"INR001"}, targets=("mujoco",)).findings
     assert [f.severity for f in (solid, dropped, refused)] == [Severity.WARNING, Severity.ERROR, Severity.ERROR]
 
 
 def test_bullet_assumes_a_mass_for_frames_too(tmp_path: Path) -> None:
-    text = arm(SOUND, more=fixed("tool", "") + fixed("tip", "", parent="tool") + fixed("marked", ZERO.format(0)))
-    assert not found(tmp_path, "INR001", text)
+    text = make_arm(SOUND, more=fixed("tool", "") + fixed("tip", "", parent="tool") + fixed("marked", ZERO.format(0)))
+    assert not find(tmp_path, text, "INR001")
     (finding,) = check_text(tmp_path, text, codes={"INR001", "INR002"}, targets=("bullet",)).findings
     assert finding.message_id == "assumed"
     assert finding.data["links"] == "tool, tip"
@@ -106,52 +95,52 @@ def test_bullet_assumes_a_mass_for_frames_too(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message", "severity"),
     [
-        (arm(inertial("-1")), "negative", Severity.ERROR),
-        (arm(inertial("0")), "inertia_without_mass", Severity.ERROR),
-        (arm(ZERO.format(0) + BOX), "zero", Severity.ERROR),
-        (arm(ZERO.format(0)), "loose", Severity.WARNING),
-        (arm(ZERO.format(0), joint="fixed"), "helper", Severity.INFO),
-        (arm(SOUND, base=ZERO.format(0) + BOX), "root", Severity.INFO),
+        (make_arm(inertial("-1")), "negative", Severity.ERROR),
+        (make_arm(inertial("0")), "inertia_without_mass", Severity.ERROR),
+        (make_arm(ZERO.format(0) + BOX), "zero", Severity.ERROR),
+        (make_arm(ZERO.format(0)), "loose", Severity.WARNING),
+        (make_arm(ZERO.format(0), kind="fixed"), "helper", Severity.INFO),
+        (make_arm(SOUND, base=ZERO.format(0) + BOX), "root", Severity.INFO),
     ],
 )
 def test_what_a_mass_of_zero_or_less_means(tmp_path: Path, text: str, message: str, severity: Severity) -> None:
-    (finding,) = found(tmp_path, "INR002", text)
+    (finding,) = find(tmp_path, text, "INR002")
     assert (finding.message_id, finding.severity) == (message, severity)
 
 
 def test_the_smallest_positive_mass_is_a_mass(tmp_path: Path) -> None:
-    assert not found(tmp_path, "INR002", arm(inertial("1e-300")))
+    assert not find(tmp_path, make_arm(inertial("1e-300")), "INR002")
 
 
 def test_a_negative_mass_is_found_although_the_tree_is_broken(tmp_path: Path) -> None:
     text = f'<robot name="r"><link name="a">{inertial("-1")}</link><link name="b">{ZERO.format(0)}</link></robot>'
-    assert [f.message_id for f in found(tmp_path, "INR002", text)] == ["negative"]
+    assert [f.message_id for f in find(tmp_path, text, "INR002")] == ["negative"]
 
 
 # -- INR003 ---------------------------------------------------------------------------------------------------------
 
 
 def test_a_flat_plate_keeps_the_triangle_inequality(tmp_path: Path) -> None:
-    assert not found(tmp_path, "INR003", arm(inertial(izz="2")))
+    assert not find(tmp_path, make_arm(inertial(izz="2")), "INR003")
 
 
 def test_a_violation_that_the_digits_explain_is_rounding(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "INR003", arm(inertial(ixx="0.001234", iyy="0.002345", izz="0.00358")))
+    (finding,) = find(tmp_path, make_arm(inertial(ixx="0.001234", iyy="0.002345", izz="0.00358")), "INR003")
     assert (finding.message_id, finding.severity) == ("rounded", Severity.WARNING)
 
 
 def test_a_violation_that_the_digits_do_not_explain_is_not(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "INR003", arm(inertial(ixx="0.001234000", iyy="0.002345000", izz="0.003580000")))
+    (finding,) = find(tmp_path, make_arm(inertial(ixx="0.001234000", iyy="0.002345000", izz="0.003580000")), "INR003")
     assert (finding.message_id, finding.severity) == ("violated", Severity.ERROR)
 
 
 def test_the_residue_of_a_zero_tensor_breaks_no_inequality(tmp_path: Path) -> None:
-    assert not found(tmp_path, "INR003", arm(inertial("0.1", ixx="1e-21", iyy="3e-20", izz="9e-20")))
+    assert not find(tmp_path, make_arm(inertial("0.1", ixx="1e-21", iyy="3e-20", izz="9e-20")), "INR003")
 
 
 def test_digits_that_are_too_few_are_the_cause_of_a_large_violation_too(tmp_path: Path) -> None:
     # 1.4 + 1.4 >= 2.5 rounds to 1, 1 and 3.
-    (finding,) = found(tmp_path, "INR003", arm(inertial(ixx="1e-5", iyy="1e-5", izz="3e-5")))
+    (finding,) = find(tmp_path, make_arm(inertial(ixx="1e-5", iyy="1e-5", izz="3e-5")), "INR003")
     assert (finding.message_id, finding.severity) == ("violated", Severity.ERROR)
     assert finding.cause is not None
     assert finding.cause.id == "digits"
@@ -174,25 +163,25 @@ def impossible(mass: str, small: str, large: str) -> str:
 def test_an_impossible_link_is_judged_with_what_it_is_fixed_to(
     tmp_path: Path, child: str, message: str, severity: Severity
 ) -> None:
-    (finding,) = found(tmp_path, "INR003", arm(SOUND, more=fixed("cover", child)))
+    (finding,) = find(tmp_path, make_arm(SOUND, more=fixed("cover", child)), "INR003")
     assert (finding.message_id, finding.severity) == (message, severity)
 
 
 def test_a_light_impossible_link_that_a_joint_moves_is_no_helper(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "INR003", arm(impossible("0.0005", "1e-5", "1e-4")))
+    (finding,) = find(tmp_path, make_arm(impossible("0.0005", "1e-5", "1e-4")), "INR003")
     assert (finding.message_id, finding.severity) == ("violated", Severity.ERROR)
 
 
 def test_an_impossible_link_is_found_although_the_tree_is_broken(tmp_path: Path) -> None:
     text = f'<robot name="r"><link name="a">{impossible("1", "0.01", "0.1")}</link><link name="b"/></robot>'
-    assert [f.message_id for f in found(tmp_path, "INR003", text)] == ["violated"]
+    assert [f.message_id for f in find(tmp_path, text, "INR003")] == ["violated"]
 
 
 # -- INR004 ---------------------------------------------------------------------------------------------------------
 
 
 def test_the_minus_sign_of_a_moment_is_removed_when_that_mends_the_tensor(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "INR004", arm(inertial(iyy="-1")))
+    (finding,) = find(tmp_path, make_arm(inertial(iyy="-1")), "INR004")
     assert finding.cause is not None
     assert finding.cause.id == "sign"
     assert finding.fix is not None
@@ -200,43 +189,47 @@ def test_the_minus_sign_of_a_moment_is_removed_when_that_mends_the_tensor(tmp_pa
 
 
 def test_no_edit_when_the_tensor_stays_impossible_without_the_sign(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "INR004", arm(inertial(iyy="-9")))
+    (finding,) = find(tmp_path, make_arm(inertial(iyy="-9")), "INR004")
     assert finding.fix is not None
     assert not finding.fix.edits
 
 
 def test_numbers_in_the_order_of_another_tool_are_recognised(tmp_path: Path) -> None:
     # Ixx Iyy Izz Ixy Ixz Iyz of a bar, in the slots ixx ixy ixz iyy iyz izz.
-    (finding,) = found(tmp_path, "INR004", arm(inertial(ixx="1", ixy="2", ixz="2.5", iyy="0.1", iyz="0.1", izz="0.1")))
+    (finding,) = find(
+        tmp_path, make_arm(inertial(ixx="1", ixy="2", ixz="2.5", iyy="0.1", iyz="0.1", izz="0.1")), "INR004"
+    )
     assert finding.cause is not None
     assert finding.cause.id == "diagonal_first"
 
 
 def test_a_product_at_its_bound_is_a_line_and_beyond_it_impossible(tmp_path: Path) -> None:
     # A rod along x = y: Ixy = -sqrt(Ixx Iyy) exactly.
-    (line,) = found(tmp_path / "a", "INR004", arm(inertial(ixy="-1", izz="2")))
-    (beyond,) = found(tmp_path / "b", "INR004", arm(inertial(ixx="1.0000", iyy="1.0000", ixy="-1.0010", izz="2.0000")))
+    (line,) = find(tmp_path / "a", make_arm(inertial(ixy="-1", izz="2")), "INR004")
+    (beyond,) = find(
+        tmp_path / "b", make_arm(inertial(ixx="1.0000", iyy="1.0000", ixy="-1.0010", izz="2.0000")), "INR004"
+    )
     assert (line.message_id, line.severity) == ("line", Severity.WARNING)
     assert (beyond.message_id, beyond.severity) == ("product", Severity.ERROR)
 
 
 def test_a_point_mass_fixed_to_a_body_is_an_info(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "INR004", arm(SOUND, more=fixed("ball", ZERO.format(1))))
+    (finding,) = find(tmp_path, make_arm(SOUND, more=fixed("ball", ZERO.format(1))), "INR004")
     assert (finding.message_id, finding.severity) == ("point_fixed", Severity.INFO)
 
 
 def test_a_frame_without_mass_is_no_point(tmp_path: Path) -> None:
-    assert not found(tmp_path, "INR004", arm(SOUND, more=fixed("frame", ZERO.format(0))))
+    assert not find(tmp_path, make_arm(SOUND, more=fixed("frame", ZERO.format(0))), "INR004")
 
 
 def test_an_askew_rod_that_was_rounded_needs_more_digits(tmp_path: Path) -> None:
     # A rod along (1, 1, 1): every product is half of every moment, and the smallest moment 0.
     rod = dict.fromkeys(("ixx", "iyy", "izz"), "0.0667") | dict.fromkeys(("ixy", "ixz", "iyz"), "-0.0334")
-    (finding,) = found(tmp_path / "a", "INR004", arm(inertial(**rod)))
+    (finding,) = find(tmp_path / "a", make_arm(inertial(**rod)), "INR004")
     assert (finding.message_id, finding.severity) == ("rounded", Severity.WARNING)
     assert finding.data["digits"] > finding.data["typed"] == 3
     exact = {name: text + "000" for name, text in rod.items()}
-    (finding,) = found(tmp_path / "b", "INR004", arm(inertial(**exact)))
+    (finding,) = find(tmp_path / "b", make_arm(inertial(**exact)), "INR004")
     assert (finding.message_id, finding.severity) == ("products", Severity.ERROR)
 
 
@@ -246,7 +239,7 @@ def test_an_askew_rod_that_was_rounded_needs_more_digits(tmp_path: Path) -> None
 )
 def test_a_negative_moment_on_a_helper_link_is_an_info(tmp_path: Path, mass: str, size: str, message: str) -> None:
     cover = inertial(mass, ixx=size, iyy="-" + size, izz=size)
-    (finding,) = found(tmp_path, "INR004", arm(SOUND, more=fixed("cover", cover)))
+    (finding,) = find(tmp_path, make_arm(SOUND, more=fixed("cover", cover)), "INR004")
     assert finding.message_id == message
     assert (finding.severity == Severity.INFO) == (message == "helper")
     assert ("together with arm" in finding.message) == (mass == "0.1" and size == "1e-5")
@@ -259,7 +252,7 @@ def test_a_negative_moment_on_a_helper_link_is_an_info(tmp_path: Path, mass: str
 def test_a_child_is_light_below_a_thousandth_and_the_root_may_be_bolted_down(
     tmp_path: Path, mass: str, light: bool
 ) -> None:
-    assert [f.message_id for f in found(tmp_path, "INR011", arm(inertial(mass)))] == ["light"] * light
+    assert [f.message_id for f in find(tmp_path, make_arm(inertial(mass)), "INR011")] == ["light"] * light
 
 
 @pytest.mark.parametrize(("cover", "messages"), [("", ["heavy"]), (inertial("0.9"), [])])
@@ -268,8 +261,8 @@ def test_a_body_that_carries_a_hundred_times_its_mass_counts_with_what_is_fixed_
 ) -> None:
     tip = f'<link name="tip">{inertial("10.1")}</link>'
     joint = '<joint name="k" type="revolute"><parent link="arm"/><child link="tip"/><axis xyz="1 0 0"/></joint>'
-    text = arm(inertial("0.1"), more=tip + joint + fixed("cover", cover))
-    assert [f.message_id for f in found(tmp_path, "INR011", text)] == messages
+    text = make_arm(inertial("0.1"), more=tip + joint + fixed("cover", cover))
+    assert [f.message_id for f in find(tmp_path, text, "INR011")] == messages
 
 
 def block(mass: float, size: float) -> str:
@@ -282,7 +275,7 @@ def block(mass: float, size: float) -> str:
 )
 def test_of_two_masses_the_implausible_one_is_named(tmp_path: Path, base: float, child: float, suspects: str) -> None:
     size = 0.08 if suspects != "arm and base" else 0.02
-    (finding,) = found(tmp_path, "INR011", arm(block(child, size), base=block(base, 0.2)))
+    (finding,) = find(tmp_path, make_arm(block(child, size), base=block(base, 0.2)), "INR011")
     assert finding.fix is not None
     assert finding.fix.title.startswith(f"check the unit of the mass of {suspects};")
 
@@ -305,12 +298,12 @@ def test_of_two_masses_the_implausible_one_is_named(tmp_path: Path, base: float,
     ],
 )
 def test_where_a_moving_body_is_lost(tmp_path: Path, body: str, message: str | None) -> None:
-    assert [f.message_id for f in found(tmp_path, "INR012", arm(body))] == ([] if message is None else [message])
-    assert not found(tmp_path, "INR012", arm(body, joint="fixed"))
+    assert [f.message_id for f in find(tmp_path, make_arm(body), "INR012")] == ([] if message is None else [message])
+    assert not find(tmp_path, make_arm(body, kind="fixed"), "INR012")
 
 
 def test_a_body_is_judged_with_what_is_fixed_to_it(tmp_path: Path) -> None:
-    assert not found(tmp_path, "INR012", arm(inertial("1e-9"), more=fixed("cover", SOUND)))
+    assert not find(tmp_path, make_arm(inertial("1e-9"), more=fixed("cover", SOUND)), "INR012")
 
 
 # -- INR013 ---------------------------------------------------------------------------------------------------------
@@ -332,12 +325,12 @@ def turned(rpy: str, **six: str) -> str:
     ],
 )
 def test_a_rotation_counts_when_it_changes_the_tensor(tmp_path: Path, body: str, count: int) -> None:
-    assert len(found(tmp_path, "INR013", arm(body))) == count
+    assert len(find(tmp_path, make_arm(body), "INR013")) == count
 
 
 def test_the_fix_writes_the_same_body_in_the_axes_of_the_link(tmp_path: Path) -> None:
-    text = arm(turned("0.3 -0.2 1.1", ixx="0.5", iyy="0.7", ixy="0.1", iyz="-0.05"))
-    (finding,) = found(tmp_path, "INR013", text)
+    text = make_arm(turned("0.3 -0.2 1.1", ixx="0.5", iyy="0.7", ixy="0.1", iyz="-0.05"))
+    (finding,) = find(tmp_path, text, "INR013")
     assert finding.fix is not None
     for edit in sorted(finding.fix.edits, key=lambda e: -e.span.start):
         assert text[edit.span.start : edit.span.end] == edit.expected
@@ -353,14 +346,14 @@ def test_the_fix_writes_the_same_body_in_the_axes_of_the_link(tmp_path: Path) ->
         assert link.inertial.tensor_in_link is not None
         return [float(v) for v in link.inertial.tensor_in_link.ravel()]
 
-    before = arm(turned("0.3 -0.2 1.1", ixx="0.5", iyy="0.7", ixy="0.1", iyz="-0.05"))
+    before = make_arm(turned("0.3 -0.2 1.1", ixx="0.5", iyy="0.7", ixy="0.1", iyz="-0.05"))
     assert tensor(text) == pytest.approx(tensor(before), abs=1e-13)
-    assert not found(tmp_path, "INR013", text)
+    assert not find(tmp_path, text, "INR013")
 
 
 def test_all_turned_frames_are_one_finding_at_the_worst(tmp_path: Path) -> None:
-    text = arm(turned("0 0 1.5", ixx="0.5"), base=turned("0 0 0.1", ixx="0.5"))
-    (finding,) = found(tmp_path, "INR013", text)
+    text = make_arm(turned("0 0 1.5", ixx="0.5"), base=turned("0 0 0.1", ixx="0.5"))
+    (finding,) = find(tmp_path, text, "INR013")
     assert finding.subjects == ("link[arm]/inertial/origin@rpy",)
     assert [place.subject for place in finding.related] == ["link[base]/inertial/origin@rpy"]
 
@@ -370,11 +363,11 @@ def test_all_turned_frames_are_one_finding_at_the_worst(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("product", "noise"), [("9e-10", True), ("-1e-19", True), ("1.1e-9", False), ("0", False)])
 def test_noise_is_below_a_billionth_of_the_largest_moment(tmp_path: Path, product: str, noise: bool) -> None:
-    assert bool(found(tmp_path, "INR014", arm(inertial(ixy=product)))) == noise
+    assert bool(find(tmp_path, make_arm(inertial(ixy=product)), "INR014")) == noise
 
 
 def test_all_residues_of_a_robot_are_one_finding_with_one_edit_each(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "INR014", arm(inertial(ixy="1e-17", iyz="-2e-18"), base=inertial(ixz="3e-20")))
+    (finding,) = find(tmp_path, make_arm(inertial(ixy="1e-17", iyz="-2e-18"), base=inertial(ixz="3e-20")), "INR014")
     assert finding.fix is not None
     assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("3e-20", "0"), ("1e-17", "0"), ("-2e-18", "0")]
 
@@ -392,12 +385,12 @@ def test_all_residues_of_a_robot_are_one_finding_with_one_edit_each(tmp_path: Pa
     ],
 )
 def test_a_robot_weighs_a_gram_to_a_hundred_tonnes(tmp_path: Path, masses: tuple[str, str], cause: str | None) -> None:
-    findings = found(tmp_path, "INR015", arm(inertial(masses[0]), base=inertial(masses[1])))
+    findings = find(tmp_path, make_arm(inertial(masses[0]), base=inertial(masses[1])), "INR015")
     assert [f.cause.id if f.cause else None for f in findings] == ([] if cause is None else [cause])
 
 
 def test_a_drawing_has_no_mass_to_be_wrong(tmp_path: Path) -> None:
-    assert not found(tmp_path, "INR015", arm(BOX, base=BOX))
+    assert not find(tmp_path, make_arm(BOX, base=BOX), "INR015")
 
 
 # -- INR016 ---------------------------------------------------------------------------------------------------------
@@ -413,21 +406,21 @@ def disk(radius: float, length: float, density: float) -> str:
     ("density", "default"), [(1000, True), (1002, True), (1005, False), (7850, True), (2700, False)]
 )
 def test_two_different_disks_without_a_material(tmp_path: Path, density: float, default: bool) -> None:
-    text = arm(disk(0.03, 0.01, density), base=disk(0.1, 0.02, density))
-    assert bool(found(tmp_path, "INR016", text)) == default
+    text = make_arm(disk(0.03, 0.01, density), base=disk(0.1, 0.02, density))
+    assert bool(find(tmp_path, text, "INR016")) == default
 
 
 def test_two_equal_disks_are_one_piece_of_evidence(tmp_path: Path) -> None:
-    assert not found(tmp_path, "INR016", arm(disk(0.03, 0.01, 1000), base=disk(0.03, 0.01, 1000)))
+    assert not find(tmp_path, make_arm(disk(0.03, 0.01, 1000), base=disk(0.03, 0.01, 1000)), "INR016")
 
 
 def test_a_robot_of_several_materials_has_materials(tmp_path: Path) -> None:
     more = "".join(fixed(f"p{i}", disk(0.05, 0.01 * (i + 1), 2700)) for i in range(4))
-    assert not found(tmp_path, "INR016", arm(disk(0.03, 0.01, 1000), base=disk(0.1, 0.02, 1000), more=more))
+    assert not find(tmp_path, make_arm(disk(0.03, 0.01, 1000), base=disk(0.1, 0.02, 1000), more=more), "INR016")
 
 
 def test_links_drawn_with_primitives_are_computed_and_prove_nothing(tmp_path: Path) -> None:
-    assert not found(tmp_path, "INR016", arm(disk(0.03, 0.01, 1000) + BOX, base=disk(0.1, 0.02, 1000) + BOX))
+    assert not find(tmp_path, make_arm(disk(0.03, 0.01, 1000) + BOX, base=disk(0.1, 0.02, 1000) + BOX), "INR016")
 
 
 @pytest.mark.parametrize("value", ["1e308", "1e60", "1e50", "1e-50", "1e-308", "5e-324"])

@@ -8,10 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import check_text
+from builders import find, joint, robot
 from numpy.typing import NDArray
 
-from urdfcheck.core import Finding
 from urdfcheck.facts.inertials.hull_bounds import measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make_box_solid
 from urdfcheck.facts.mesh.measure import compute_convex_hull
@@ -71,28 +70,19 @@ def text(numbers: object) -> str:
     return " ".join(repr(float(n)) for n in np.asarray(numbers))
 
 
-def robot(*links: str, joint: str = "continuous", origin: str = "0 0 0") -> str:
-    """The links one after the other, each on the one before."""
+def make_chain(*links: str, kind: str = "continuous", xyz: str = "0 0 0") -> str:
+    """Return the links one after the other, each on the one before."""
     names = [link.split('"')[1] for link in links]
-    joints = "".join(
-        f'<joint name="j{i}" type="{joint}"><parent link="{a}"/><child link="{b}"/><origin xyz="{origin}"/></joint>'
-        for i, (a, b) in enumerate(pairwise(names))
-    )
-    return f'<robot name="r">{"".join(links)}{joints}</robot>'
+    joints = (joint(f"j{i}", a, b, kind=kind, xyz=xyz) for i, (a, b) in enumerate(pairwise(names)))
+    return robot(*links, *joints)
 
 
-def arm(part: Part) -> str:
-    return robot('<link name="base"/>', part.xml("arm"))
-
-
-def found(folder: Path, content: str, codes: set[str] = CODES) -> list[Finding]:
-    run = check_text(folder, content, codes=codes)
-    assert not run.failures
-    return list(run.findings)
+def make_arm(part: Part) -> str:
+    return make_chain('<link name="base"/>', part.xml("arm"))
 
 
 def codes(folder: Path, content: str) -> list[str]:
-    return sorted(f.code for f in found(folder, content))
+    return sorted(f.code for f in find(folder, content, CODES))
 
 
 # -- INR005 ---------------------------------------------------------------------------------------------------------
@@ -106,11 +96,11 @@ def dumbbell(part: Part, share: float) -> Part:
 
 @pytest.mark.parametrize(("share", "exceeds"), [(0.5, False), (1.0, False), (1.09, False), (1.15, True), (3.0, True)])
 def test_two_lumps_at_the_ends_are_the_greatest_inertia(tmp_path: Path, share: float, exceeds: bool) -> None:
-    assert codes(tmp_path, arm(dumbbell(Part(), share))) == (["INR005"] if exceeds else [])
+    assert codes(tmp_path, make_arm(dumbbell(Part(), share))) == (["INR005"] if exceeds else [])
 
 
 def test_the_message_tells_the_ratio_and_both_spreads(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, arm(replace(Part(), tensor=98.7654321 * Part().inertia)))
+    (finding,) = find(tmp_path, make_arm(replace(Part(), tensor=98.7654321 * Part().inertia)), CODES)
     # A tenth of a metre, and 2 % of its 0.1233 m from corner to corner on both sides.
     half = 0.05 + 0.02 * 0.1233
     assert finding.data["ratio"] == pytest.approx(98.7654321 * 0.1**2 / 12 / half**2, rel=0.01)
@@ -125,14 +115,14 @@ def test_digits_that_were_rounded_away_are_no_excess(tmp_path: Path, digits: str
     six = f'ixx="{digits}" ixy="0" ixz="0" iyy="{digits}" iyz="0" izz="3.0e-7"'
     inertial = f'<inertial><mass value="0.005"/><inertia {six}/></inertial>'
     drawn = '<visual><geometry><box size="0.02 0.02 0.02"/></geometry></visual>'
-    content = robot('<link name="base"/>', f'<link name="arm">{inertial}{drawn}</link>')
-    assert bool(found(tmp_path, content, {"INR005"})) == exceeds
+    content = make_chain('<link name="base"/>', f'<link name="arm">{inertial}{drawn}</link>')
+    assert bool(find(tmp_path, content, {"INR005"})) == exceeds
 
 
 def test_what_a_fixed_link_draws_may_hold_the_mass(tmp_path: Path) -> None:
     heavy = replace(Part(), tensor=20 * Part().inertia)
     cover = '<link name="cover"><visual><geometry><box size="0.6 0.4 0.3"/></geometry></visual></link>'
-    alone = arm(heavy)
+    alone = make_arm(heavy)
     assert codes(tmp_path / "a", alone) == ["INR005"]
     fixed = '<joint name="f" type="fixed"><parent link="arm"/><child link="cover"/></joint></robot>'
     assert codes(tmp_path / "b", alone.replace("</robot>", cover + fixed)) == []
@@ -141,8 +131,8 @@ def test_what_a_fixed_link_draws_may_hold_the_mass(tmp_path: Path) -> None:
 
 def test_a_light_link_of_a_heavy_body_decides_nothing(tmp_path: Path) -> None:
     sensor = replace(Part(size=(0.02, 0.02, 0.02), mass=0.01), tensor=np.diag((1.1e-5, 1.2e-5, 1.3e-5)))
-    assert codes(tmp_path / "a", robot(Part(mass=3.0).xml("body"), sensor.xml("sensor"), joint="fixed")) == []
-    assert codes(tmp_path / "b", robot(Part(mass=3.0).xml("body"), sensor.xml("sensor"))) == ["INR005"]
+    assert codes(tmp_path / "a", make_chain(Part(mass=3.0).xml("body"), sensor.xml("sensor"), kind="fixed")) == []
+    assert codes(tmp_path / "b", make_chain(Part(mass=3.0).xml("body"), sensor.xml("sensor"))) == ["INR005"]
 
 
 # -- INR006 ---------------------------------------------------------------------------------------------------------
@@ -151,12 +141,12 @@ def test_a_light_link_of_a_heavy_body_decides_nothing(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("x", "outside"), [(0.0, False), (0.05, False), (0.062, False), (0.064, True), (-0.064, True)])
 def test_the_centre_of_mass_may_lie_a_tenth_of_the_size_outside(tmp_path: Path, x: float, outside: bool) -> None:
     # The box is 0.1233 m from corner to corner, and ends at 0.05 m.
-    content = arm(replace(Part(), com=(x, 0, 0)))
-    assert bool(found(tmp_path, content, {"INR006"})) == outside
+    content = make_arm(replace(Part(), com=(x, 0, 0)))
+    assert bool(find(tmp_path, content, {"INR006"})) == outside
 
 
 def test_a_mass_at_the_end_of_its_part_cannot_spread(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, arm(replace(Part(), com=(0.05, 0, 0))))
+    (finding,) = find(tmp_path, make_arm(replace(Part(), com=(0.05, 0, 0))), CODES)
     assert finding.code == "INR005"
 
 
@@ -169,13 +159,13 @@ def test_a_bracket_has_its_centre_of_mass_beside_its_material(tmp_path: Path) ->
         '<inertia ixx="0.0001" ixy="0" ixz="0" iyy="0.0001" iyz="0" izz="0.00018"/></inertial>'
     )
     angle = f'<link name="arm">{inertial}{leg(0.05, 0, 0.1, 0.01)}{leg(0, 0.05, 0.01, 0.1)}</link>'
-    assert codes(tmp_path, robot('<link name="base"/>', angle)) == []
+    assert codes(tmp_path, make_chain('<link name="base"/>', angle)) == []
 
 
 @pytest.mark.parametrize(("x", "message"), [(-0.16, "sign"), (-0.19, "outside"), (0.3, "outside"), (0.0, "outside")])
 def test_a_sign_is_named_when_the_other_one_is_near_the_parts_own(tmp_path: Path, x: float, message: str) -> None:
     # The box is 0.1233 m from corner to corner: the other sign may miss its middle at 0.15 m by 12 mm.
-    (finding,) = found(tmp_path, arm(replace(Part(place=(0.15, 0, 0)), com=(x, 0.001, 0))), {"INR006"})
+    (finding,) = find(tmp_path, make_arm(replace(Part(place=(0.15, 0, 0)), com=(x, 0.001, 0))), {"INR006"})
     assert finding.message_id == message
     assert finding.fix is not None
     edits = [(e.expected, e.replacement) for e in finding.fix.edits]
@@ -183,13 +173,13 @@ def test_a_sign_is_named_when_the_other_one_is_near_the_parts_own(tmp_path: Path
 
 
 def test_a_centre_of_mass_that_was_not_given_is_told(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, arm(replace(Part(place=(0.15, 0, 0)), com=(0, 0, 0))), {"INR006"})
+    (finding,) = find(tmp_path, make_arm(replace(Part(place=(0.15, 0, 0)), com=(0, 0, 0))), {"INR006"})
     assert finding.cause is not None
     assert finding.cause.id == "missing"
 
 
 def test_nothing_is_said_about_a_link_whose_mesh_is_missing(tmp_path: Path) -> None:
-    content = arm(replace(Part(), com=(9, 9, 9), tensor=1e6 * Part().inertia))
+    content = make_arm(replace(Part(), com=(9, 9, 9), tensor=1e6 * Part().inertia))
     mesh = '<visual><geometry><mesh filename="lost.stl"/></geometry></visual></link><joint'
     assert codes(tmp_path, content.replace("</link><joint", mesh)) == []
 
@@ -227,7 +217,7 @@ def test_both_readings_of_colladas_unit_must_agree(tmp_path: Path, unit: float, 
         '<inertia ixx="1.1e-4" ixy="0" ixz="0" iyy="1.2e-4" iyz="0" izz="1.3e-4"/></inertial>'
     )
     drawn = '<visual><geometry><mesh filename="arm.dae"/></geometry></visual>'
-    content = robot('<link name="base"/>', f'<link name="arm">{inertial}{drawn}</link>')
+    content = make_chain('<link name="base"/>', f'<link name="arm">{inertial}{drawn}</link>')
     assert codes(tmp_path, content) == (["INR006"] if outside else [])
 
 
@@ -240,18 +230,18 @@ def test_both_readings_of_colladas_unit_must_agree(tmp_path: Path, unit: float, 
 )
 def test_a_round_tensor_is_told_when_it_is_far_from_the_shape(tmp_path: Path, moment: float, told: bool) -> None:
     # 0.6 kg that fill this box have 0.00026, 0.00058 and 0.00068 kg m².
-    content = arm(replace(Part(), tensor=moment * np.eye(3)))
-    assert bool(found(tmp_path, content, {"INR007"})) == told
+    content = make_arm(replace(Part(), tensor=moment * np.eye(3)))
+    assert bool(find(tmp_path, content, {"INR007"})) == told
 
 
 def test_a_cube_may_have_a_round_tensor(tmp_path: Path) -> None:
     cube = Part(size=(0.2, 0.2, 0.2), mass=1.5, tensor=0.01 * np.eye(3))
-    assert codes(tmp_path, arm(cube)) == []
+    assert codes(tmp_path, make_arm(cube)) == []
 
 
 def test_all_links_with_one_placeholder_are_one_finding(tmp_path: Path) -> None:
     fingers = [Part(size=(0.02, 0.02, 0.04), mass=m, tensor=0.001 * np.eye(3)).xml(f"f{m}") for m in (0.01, 0.02, 0.03)]
-    (finding,) = found(tmp_path, robot('<link name="base"/>', *fingers))
+    (finding,) = find(tmp_path, make_chain('<link name="base"/>', *fingers), CODES)
     assert (finding.code, len(finding.subjects), len(finding.related)) == ("INR007", 3, 2)
     assert finding.fix is not None
     assert [(e.expected, float(e.replacement)) for e in finding.fix.edits] == [
@@ -263,8 +253,8 @@ def test_a_placeholder_that_happens_to_be_near_is_one_as_well(tmp_path: Path) ->
     """5.8e-4 is what the box of `Part` has; of one twice as large the number is nothing."""
     moment = 5e-4 * np.eye(3)
     near, far = Part(tensor=moment), Part(size=(0.2, 0.12, 0.08), mass=4.8, tensor=moment)
-    assert not found(tmp_path / "a", robot('<link name="base"/>', near.xml("near")), {"INR007"})
-    (finding,) = found(tmp_path / "b", robot('<link name="base"/>', near.xml("near"), far.xml("far")), {"INR007"})
+    assert not find(tmp_path / "a", make_chain('<link name="base"/>', near.xml("near")), {"INR007"})
+    (finding,) = find(tmp_path / "b", make_chain('<link name="base"/>', near.xml("near"), far.xml("far")), {"INR007"})
     assert {subject.split("/")[0] for subject in finding.subjects} == {"link[near]", "link[far]"}
 
 
@@ -275,7 +265,7 @@ def bare(name: str, mass: float, moment: float) -> str:
 
 @pytest.mark.parametrize(("masses", "told"), [((1, 2), False), ((1, 1, 1), False), ((1, 2, 3), True)])
 def test_links_that_draw_nothing_are_told_by_their_masses(tmp_path: Path, masses: tuple[int, ...], told: bool) -> None:
-    content = robot(*(bare(f"l{i}", mass, 0.1) for i, mass in enumerate(masses)))
+    content = make_chain(*(bare(f"l{i}", mass, 0.1) for i, mass in enumerate(masses)))
     assert codes(tmp_path, content) == (["INR007"] if told else [])
 
 
@@ -289,7 +279,7 @@ def test_one_round_mass_for_links_of_all_sizes(
     tmp_path: Path, mass: float, sizes: tuple[float, ...], told: bool
 ) -> None:
     parts = [Part(size=(0.1 * s, 0.06 * s, 0.04 * s), mass=mass).xml(f"l{i}") for i, s in enumerate(sizes)]
-    assert [f.message_id for f in found(tmp_path, robot(*parts))] == (["mass"] if told else [])
+    assert [f.message_id for f in find(tmp_path, make_chain(*parts), CODES)] == (["mass"] if told else [])
 
 
 # -- INR008 ---------------------------------------------------------------------------------------------------------
@@ -297,7 +287,7 @@ def test_one_round_mass_for_links_of_all_sizes(
 
 def test_the_part_that_the_tensor_fits_is_the_original(tmp_path: Path) -> None:
     fork, wheel = Part(), Part(size=(0.2, 0.06, 0.04), tensor=Part().inertia)
-    (finding,) = found(tmp_path, robot(wheel.xml("wheel"), fork.xml("fork")))
+    (finding,) = find(tmp_path, make_chain(wheel.xml("wheel"), fork.xml("fork")), CODES)
     assert (finding.code, finding.message_id) == ("INR008", "copied")
     assert finding.subjects == ("link[wheel]/inertial/inertia",)
     assert [r.subject for r in finding.related] == ["link[fork]/inertial/inertia"]
@@ -306,7 +296,7 @@ def test_the_part_that_the_tensor_fits_is_the_original(tmp_path: Path) -> None:
 def test_where_no_part_fits_all_are_reported(tmp_path: Path) -> None:
     tensor = np.diag((1.1e-4, 1.9e-4, 2.3e-4))
     one, other = Part(tensor=tensor), Part(size=(0.2, 0.06, 0.04), tensor=tensor)
-    (finding,) = found(tmp_path, robot(one.xml("one"), other.xml("other")))
+    (finding,) = find(tmp_path, make_chain(one.xml("one"), other.xml("other")), CODES)
     assert (finding.message_id, len(finding.subjects)) == ("shared", 2)
 
 
@@ -315,12 +305,12 @@ def test_equal_mirrored_and_turned_parts_share_a_tensor_by_right(tmp_path: Path)
     tensor = Part(rotation=turn).inertia
     mirrored = tensor * [[1, -1, -1], [-1, 1, 1], [-1, 1, 1]]
     parts = [Part(rotation=turn), Part(rotation=turn, place=(0.1, 0, 0)), Part(rotation=turn.T, tensor=mirrored)]
-    assert codes(tmp_path, robot(*(p.xml(f"p{i}") for i, p in enumerate(parts)))) == []
+    assert codes(tmp_path, make_chain(*(p.xml(f"p{i}") for i, p in enumerate(parts)))) == []
 
 
 def test_tensors_that_only_look_alike_are_not_copies(tmp_path: Path) -> None:
     other = Part(size=(0.2, 0.06, 0.04), tensor=1.000001 * Part().inertia)
-    assert codes(tmp_path, robot(Part().xml("one"), other.xml("other"))) == []
+    assert codes(tmp_path, make_chain(Part().xml("one"), other.xml("other"))) == []
 
 
 # -- INR010 ---------------------------------------------------------------------------------------------------------
@@ -331,29 +321,29 @@ def test_tensors_that_only_look_alike_are_not_copies(tmp_path: Path) -> None:
 )
 def test_nothing_is_denser_than_osmium(tmp_path: Path, density: float, dense: bool) -> None:
     part = Part(mass=density * 0.1 * 0.06 * 0.04)
-    assert codes(tmp_path, arm(part)) == (["INR010"] if dense else [])
+    assert codes(tmp_path, make_arm(part)) == (["INR010"] if dense else [])
 
 
 def test_the_unit_of_the_mass_is_named(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, arm(Part(mass=2.7e6 * 0.1 * 0.06 * 0.04)))
+    (finding,) = find(tmp_path, make_arm(Part(mass=2.7e6 * 0.1 * 0.06 * 0.04)), CODES)
     assert finding.cause is not None
     assert finding.cause.text == "Read as grams, the number gives 2,700 kg/m³: aluminium."
 
 
 def test_a_typed_mass_has_no_unit(tmp_path: Path) -> None:
     part = Part(size=(0.01, 0.01, 0.01), mass=1.0)
-    (finding,) = found(tmp_path, arm(part))
+    (finding,) = find(tmp_path, make_arm(part), CODES)
     assert (finding.code, finding.cause) == ("INR010", None)
 
 
 @pytest.mark.parametrize(("mass", "light"), [(0.00024, False), (0.00023, True)])
 def test_nothing_is_lighter_than_air(tmp_path: Path, mass: float, light: bool) -> None:
     # 240 cm³ at 1 kg/m³; over the surface of 0.0248 m² that is 9.7 g/m².
-    assert codes(tmp_path, arm(Part(mass=mass))) == (["INR010"] if light else [])
+    assert codes(tmp_path, make_arm(Part(mass=mass))) == (["INR010"] if light else [])
 
 
 def test_a_balloon_is_as_light_as_it_likes(tmp_path: Path) -> None:
-    assert codes(tmp_path, arm(Part(size=(10.0, 10.0, 10.0), mass=900.0))) == []
+    assert codes(tmp_path, make_arm(Part(size=(10.0, 10.0, 10.0), mass=900.0))) == []
 
 
 # -- all of them: what a robot is written in changes nothing --------------------------------------------------------
@@ -394,14 +384,14 @@ def test_turning_frames_scaling_and_rerooting_change_no_verdict(tmp_path: Path, 
     )
     base = '<link name="base"/>'
     variants = {
-        "as it is": arm(part),
-        "link frame": arm(moved(part, TURN, (0.3, -0.2, 0.1))),
-        "inertial frame": arm(replace(part, turned=(0.3, 0.2, -0.5))),
-        "root": robot(part.xml("arm"), base, origin="0.2 0 0"),
-        "renamed": robot('<link name="torso"/>', part.xml("Link_7")),
+        "as it is": make_arm(part),
+        "link frame": make_arm(moved(part, TURN, (0.3, -0.2, 0.1))),
+        "inertial frame": make_arm(replace(part, turned=(0.3, 0.2, -0.5))),
+        "root": make_chain(part.xml("arm"), base, xyz="0.2 0 0"),
+        "renamed": make_chain('<link name="torso"/>', part.xml("Link_7")),
     }
     if name != "light":  # a skin does not scale with the volume
-        variants["scaled"] = arm(scaled)
+        variants["scaled"] = make_arm(scaled)
     for variant, content in variants.items():
         assert codes(tmp_path / variant, content) == EXPECTED[name], variant
 

@@ -6,23 +6,19 @@ import math
 from pathlib import Path
 
 import pytest
+from builders import find, joint, link, robot
 from conftest import check_text
 
-from urdfcheck.core import Applicability, Finding, Severity
+from urdfcheck.core import Applicability, Severity
 
 
-def joint(inner: str = "", kind: str = "revolute", name: str = "j", child: str = "b") -> str:
-    return f'<joint name="{name}" type="{kind}"><parent link="a"/><child link="{child}"/>{inner}</joint>'
+def make_joint(inner: str = "", kind: str = "revolute", name: str = "j", child: str = "b") -> str:
+    return joint(name, "a", child, inner, kind=kind)
 
 
-def robot(*joints: str, links: str = "") -> str:
-    return f'<robot name="r"><link name="a"/><link name="b"/><link name="c"/>{links}{"".join(joints)}</robot>'
-
-
-def found(folder: Path, text: str, code: str, name: str = "robot.urdf") -> tuple[Finding, ...]:
-    run = check_text(folder, text, name, codes={code})
-    assert not run.failures
-    return run.findings
+def make_three_links(*joints: str, links: str = "") -> str:
+    """Return a robot of the links a, b and c, further links and joints."""
+    return robot(link("a"), link("b"), link("c"), links, *joints)
 
 
 LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
@@ -30,12 +26,12 @@ LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
 
 @pytest.mark.parametrize(("axis", "zero"), [("0 0 0", True), ("0 0 1e-17", True), ("0 0 1e-6", False)])
 def test_an_axis_of_export_noise_is_zero(tmp_path: Path, axis: str, zero: bool) -> None:
-    assert bool(found(tmp_path, robot(joint(f'<axis xyz="{axis}"/>{LIMIT}')), "JNT001")) == zero
+    assert bool(find(tmp_path, make_three_links(make_joint(f'<axis xyz="{axis}"/>{LIMIT}')), "JNT001")) == zero
 
 
 @pytest.mark.parametrize("kind", ["fixed", "floating"])
 def test_joints_without_an_axis_may_have_a_zero_one(tmp_path: Path, kind: str) -> None:
-    assert not found(tmp_path, robot(joint('<axis xyz="0 0 0"/>', kind)), "JNT001")
+    assert not find(tmp_path, make_three_links(make_joint('<axis xyz="0 0 0"/>', kind)), "JNT001")
 
 
 @pytest.mark.parametrize(
@@ -50,12 +46,12 @@ def test_joints_without_an_axis_may_have_a_zero_one(tmp_path: Path, kind: str) -
 def test_an_axis_typed_with_few_digits_is_told_apart_from_a_scaled_one(
     tmp_path: Path, axis: str, severity: Severity | None
 ) -> None:
-    findings = found(tmp_path, robot(joint(f'<axis xyz="{axis}"/>{LIMIT}')), "JNT002")
+    findings = find(tmp_path, make_three_links(make_joint(f'<axis xyz="{axis}"/>{LIMIT}')), "JNT002")
     assert [f.severity for f in findings] == ([] if severity is None else [severity])
 
 
 def test_the_normalised_axis_is_written_where_the_axis_is_literal(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, robot(joint(f'<axis xyz="0 3 -4"/>{LIMIT}')), "JNT002")
+    (finding,) = find(tmp_path, make_three_links(make_joint(f'<axis xyz="0 3 -4"/>{LIMIT}')), "JNT002")
     assert finding.fix is not None
     (edit,) = finding.fix.edits
     assert [float(w) for w in edit.replacement.split()] == pytest.approx([0, 0.6, -0.8])
@@ -63,71 +59,75 @@ def test_the_normalised_axis_is_written_where_the_axis_is_literal(tmp_path: Path
 
 
 def test_a_computed_axis_gets_advice_only(tmp_path: Path) -> None:
-    text = robot(joint(f'<axis xyz="${{1 + 1}} 0 0"/>{LIMIT}'))
-    (finding,) = found(tmp_path, text, "JNT002", "robot.xacro")
+    text = make_three_links(make_joint(f'<axis xyz="${{1 + 1}} 0 0"/>{LIMIT}'))
+    (finding,) = find(tmp_path, text, "JNT002", name="robot.xacro")
     assert finding.fix is not None
     assert not finding.fix.edits
 
 
 def test_one_of_lower_and_upper_is_enough(tmp_path: Path) -> None:
-    assert not found(tmp_path, robot(joint('<limit lower="-1" effort="1" velocity="1"/>')), "JNT004")
+    assert not find(tmp_path, make_three_links(make_joint('<limit lower="-1" effort="1" velocity="1"/>')), "JNT004")
 
 
 def test_continuous_joints_need_no_limit(tmp_path: Path) -> None:
-    assert not found(tmp_path, robot(joint(kind="continuous")), "JNT004")
+    assert not find(tmp_path, make_three_links(make_joint(kind="continuous")), "JNT004")
 
 
 def test_limits_absent_altogether_are_not_reported_as_equal(tmp_path: Path) -> None:
-    assert not found(tmp_path, robot(joint('<limit effort="1" velocity="1"/>')), "JNT005")
+    assert not find(tmp_path, make_three_links(make_joint('<limit effort="1" velocity="1"/>')), "JNT005")
 
 
 def test_a_lower_limit_above_the_default_upper_one_is_inverted(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, robot(joint('<limit lower="1" effort="1" velocity="1"/>')), "JNT005")
+    (finding,) = find(tmp_path, make_three_links(make_joint('<limit lower="1" effort="1" velocity="1"/>')), "JNT005")
     assert (finding.message_id, finding.severity) == ("inverted", Severity.ERROR)
     assert finding.fix is not None
     assert not finding.fix.edits, "there is no second value to exchange it with"
 
 
 def test_inverted_limits_are_exchanged_as_typed(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, robot(joint('<limit lower="1.570" upper="-0.5" effort="1" velocity="1"/>')), "JNT005")
+    (finding,) = find(
+        tmp_path,
+        make_three_links(make_joint('<limit lower="1.570" upper="-0.5" effort="1" velocity="1"/>')),
+        "JNT005",
+    )
     assert finding.fix is not None
     assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("1.570", "-0.5"), ("-0.5", "1.570")]
 
 
 def test_joints_locked_alike_are_one_finding_with_every_subject(tmp_path: Path) -> None:
     locked = '<limit lower="0" upper="0" effort="1" velocity="1"/>'
-    (finding,) = found(tmp_path, robot(joint(locked), joint(locked, name="k", child="c")), "JNT005")
+    (finding,) = find(tmp_path, make_three_links(make_joint(locked), make_joint(locked, name="k", child="c")), "JNT005")
     assert finding.severity == Severity.WARNING
     assert finding.subjects == ("joint[j]/limit", "joint[k]/limit")
 
 
 @pytest.mark.parametrize("code", ["JNT005", "JNT007"])
 def test_a_limit_that_a_macro_makes_twice_is_one_place(tmp_path: Path, code: str) -> None:
-    made = joint('<limit lower="0" upper="0" effort="0" velocity="1"/>', name="${n}", child="${c}")
-    text = robot(
+    made = make_joint('<limit lower="0" upper="0" effort="0" velocity="1"/>', name="${n}", child="${c}")
+    text = make_three_links(
         f'<xacro:macro name="m" params="n c">{made}</xacro:macro><xacro:m n="j" c="b"/><xacro:m n="k" c="c"/>'
     ).replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ')
-    (finding,) = found(tmp_path, text, code, "robot.xacro")
+    (finding,) = find(tmp_path, text, code, name="robot.xacro")
     assert len(finding.subjects) == 2
     assert not finding.related
 
 
 def test_missing_effort_is_an_error_on_any_joint_with_a_limit(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, robot(joint('<limit lower="0" upper="1"/>', "fixed")), "JNT007")
+    (finding,) = find(tmp_path, make_three_links(make_joint('<limit lower="0" upper="1"/>', "fixed")), "JNT007")
     assert (finding.message_id, finding.severity) == ("missing", Severity.ERROR)
     assert "effort and velocity" in finding.message
 
 
 def test_zero_effort_of_all_joints_is_one_finding(tmp_path: Path) -> None:
     idle = '<limit lower="0" upper="1" effort="0" velocity="1"/>'
-    (finding,) = found(tmp_path, robot(joint(idle), joint(idle, name="k", child="c")), "JNT007")
+    (finding,) = find(tmp_path, make_three_links(make_joint(idle), make_joint(idle, name="k", child="c")), "JNT007")
     assert finding.severity == Severity.WARNING
     assert finding.subjects == ("joint[j]/limit@effort", "joint[k]/limit@effort")
 
 
 def test_a_followers_effort_may_be_zero(tmp_path: Path) -> None:
     follower = '<limit lower="0" upper="1" effort="0" velocity="1"/><mimic joint="k"/>'
-    assert not found(tmp_path, robot(joint(follower), joint(LIMIT, name="k", child="c")), "JNT007")
+    assert not find(tmp_path, make_three_links(make_joint(follower), make_joint(LIMIT, name="k", child="c")), "JNT007")
 
 
 def follows(leader: str, rest: str = "", limit: str = LIMIT) -> str:
@@ -135,29 +135,35 @@ def follows(leader: str, rest: str = "", limit: str = LIMIT) -> str:
 
 
 def test_a_joint_that_follows_itself(tmp_path: Path) -> None:
-    assert [f.message_id for f in found(tmp_path, robot(joint(follows("j"))), "JNT009")] == ["itself"]
+    assert [f.message_id for f in find(tmp_path, make_three_links(make_joint(follows("j"))), "JNT009")] == ["itself"]
 
 
 def test_a_cycle_is_reported_once(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, robot(joint(follows("k")), joint(follows("j"), name="k", child="c")), "JNT009")
+    (finding,) = find(
+        tmp_path,
+        make_three_links(make_joint(follows("k")), make_joint(follows("j"), name="k", child="c")),
+        "JNT009",
+    )
     assert finding.message_id == "cycle"
     assert "j → k → j" in finding.message
 
 
 def test_a_joint_that_follows_into_a_cycle_is_not_part_of_it(tmp_path: Path) -> None:
-    text = robot(joint(follows("j")), joint(follows("j"), name="k", child="c"))
-    assert [f.subjects for f in found(tmp_path, text, "JNT009")] == [("joint[j]/mimic@joint",)]
+    text = make_three_links(make_joint(follows("j")), make_joint(follows("j"), name="k", child="c"))
+    assert [f.subjects for f in find(tmp_path, text, "JNT009")] == [("joint[j]/mimic@joint",)]
 
 
 def test_following_a_fixed_joint(tmp_path: Path) -> None:
-    text = robot(joint(follows("k")), joint(kind="fixed", name="k", child="c"))
-    assert [f.message_id for f in found(tmp_path, text, "JNT009")] == ["fixed"]
+    text = make_three_links(make_joint(follows("k")), make_joint(kind="fixed", name="k", child="c"))
+    assert [f.message_id for f in find(tmp_path, text, "JNT009")] == ["fixed"]
 
 
 @pytest.mark.parametrize(("multiplier", "leaves"), [("1", False), ("-1", False), ("1.0009", False), ("1.01", True)])
 def test_a_follower_stays_within_its_limits(tmp_path: Path, multiplier: str, leaves: bool) -> None:
-    text = robot(joint(follows("k", f'multiplier="{multiplier}"')), joint(LIMIT, name="k", child="c"))
-    findings = found(tmp_path, text, "JNT009")
+    text = make_three_links(
+        make_joint(follows("k", f'multiplier="{multiplier}"')), make_joint(LIMIT, name="k", child="c")
+    )
+    findings = find(tmp_path, text, "JNT009")
     assert bool(findings) == leaves
     assert all(f.severity == Severity.WARNING for f in findings)
 
@@ -168,37 +174,43 @@ def origin(rpy: str, xyz: str = "0 0 0") -> str:
 
 @pytest.mark.parametrize("rpy", ["0 0 3.14159", "-3.1416 0 0", "0 1.57 0", "0 0 0.785", "1.0472 0 0", "0 0 1.57075"])
 def test_near_misses(tmp_path: Path, rpy: str) -> None:
-    assert len(found(tmp_path, robot(joint(origin(rpy))), "JNT013")) == 1
+    assert len(find(tmp_path, make_three_links(make_joint(origin(rpy))), "JNT013")) == 1
 
 
 @pytest.mark.parametrize("rpy", ["0 0 3.141592653589793", "0 0 1.570796", "0.79 0 0", "0 0 3", "0.25 0.52 0.3"])
 def test_full_digits_and_ordinary_angles_are_no_near_misses(tmp_path: Path, rpy: str) -> None:
-    assert not found(tmp_path, robot(joint(origin(rpy))), "JNT013")
+    assert not find(tmp_path, make_three_links(make_joint(origin(rpy))), "JNT013")
 
 
 def test_two_constants_in_one_attribute_are_two_findings_and_each_edits_its_word(tmp_path: Path) -> None:
-    findings = found(tmp_path, robot(joint(origin("1.57 0 -3.14"))), "JNT013")
+    findings = find(tmp_path, make_three_links(make_joint(origin("1.57 0 -3.14"))), "JNT013")
     edits = [e for f in findings if f.fix is not None for e in f.fix.edits]
     assert [(e.expected, float(e.replacement)) for e in edits] == [("1.57", math.pi / 2), ("-3.14", -math.pi)]
 
 
 def test_in_xacro_the_constant_is_written_as_an_expression_and_expressions_are_left_alone(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, robot(joint(origin("${2 * 1.57} 0 -1.5708"))), "JNT013", "robot.xacro")
+    (finding,) = find(
+        tmp_path, make_three_links(make_joint(origin("${2 * 1.57} 0 -1.5708"))), "JNT013", name="robot.xacro"
+    )
     assert finding.fix is not None
     assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("-1.5708", "${-pi/2}")]
 
 
 def test_a_sibling_with_all_digits_is_named(tmp_path: Path) -> None:
-    text = robot(joint(origin("0 0 3.1416")), joint(origin("0 0 -3.14159265358979"), name="k", child="c"))
-    (finding,) = found(tmp_path, text, "JNT013")
+    text = make_three_links(
+        make_joint(origin("0 0 3.1416")), make_joint(origin("0 0 -3.14159265358979"), name="k", child="c")
+    )
+    (finding,) = find(tmp_path, text, "JNT013")
     assert finding.message_id == "mixed"
     assert "joint k" in finding.message
     assert len(finding.related) == 1
 
 
 def test_all_spellings_of_a_constant_are_one_finding_at_the_coarsest(tmp_path: Path) -> None:
-    text = robot(joint(origin("1.5708 0 -1.5708")), joint(origin("-1.57 0 1.570796"), name="k", child="c"))
-    (finding,) = found(tmp_path, text, "JNT013")
+    text = make_three_links(
+        make_joint(origin("1.5708 0 -1.5708")), make_joint(origin("-1.57 0 1.570796"), name="k", child="c")
+    )
+    (finding,) = find(tmp_path, text, "JNT013")
     assert (finding.message_id, finding.location.subject) == ("mixed", "joint[k]/origin@rpy")
     assert "`1.57` (joint k, off by 0.8 mm/m), `1.5708` (2 times, off by 3.7 µm/m)" in finding.message
     assert finding.fix is not None
@@ -210,8 +222,10 @@ def test_all_spellings_of_a_constant_are_one_finding_at_the_coarsest(tmp_path: P
 
 
 def test_what_is_hardly_off_is_one_finding_for_the_robot(tmp_path: Path) -> None:
-    text = robot(joint(origin("1.5708 0 -3.1416")), joint(origin("-1.5708 0 0.7854"), name="k", child="c"))
-    (finding,) = found(tmp_path, text, "JNT013")
+    text = make_three_links(
+        make_joint(origin("1.5708 0 -3.1416")), make_joint(origin("-1.5708 0 0.7854"), name="k", child="c")
+    )
+    (finding,) = find(tmp_path, text, "JNT013")
     assert (finding.message_id, finding.subjects) == ("several", ("joint[j]/origin@rpy", "joint[k]/origin@rpy"))
     assert finding.message.startswith("4 angles ")
     assert finding.fix is not None
@@ -219,21 +233,24 @@ def test_what_is_hardly_off_is_one_finding_for_the_robot(tmp_path: Path) -> None
 
 
 def test_an_expression_is_a_spelling_with_all_digits(tmp_path: Path) -> None:
-    text = robot(joint(origin("1.5708 0 0")), joint(origin("${-pi/2} 0 0"), name="k", child="c"))
-    (finding,) = found(tmp_path, text, "JNT013", "robot.xacro")
+    text = make_three_links(make_joint(origin("1.5708 0 0")), make_joint(origin("${-pi/2} 0 0"), name="k", child="c"))
+    (finding,) = find(tmp_path, text, "JNT013", name="robot.xacro")
     assert finding.message_id == "mixed"
     assert "`${-pi/2}` (joint k, exact)" in finding.message
 
 
 def test_zeros_at_the_end_are_no_other_spelling(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, robot(joint(origin("1.570 0 -1.57"))), "JNT013")
+    (finding,) = find(tmp_path, make_three_links(make_joint(origin("1.570 0 -1.57"))), "JNT013")
     assert finding.message_id == "rounded"
     assert "typed 2 times" in finding.message
 
 
 def test_a_constant_with_all_digits_alone_is_no_finding(tmp_path: Path) -> None:
-    text = robot(joint(origin("1.5707963268 0 0")), joint(origin("1.5707963267948966 0 0"), name="k", child="c"))
-    assert not found(tmp_path, text, "JNT013")
+    text = make_three_links(
+        make_joint(origin("1.5707963268 0 0")),
+        make_joint(origin("1.5707963267948966 0 0"), name="k", child="c"),
+    )
+    assert not find(tmp_path, text, "JNT013")
 
 
 def drawn(rpy: str) -> str:
@@ -243,27 +260,31 @@ def drawn(rpy: str) -> str:
 @pytest.mark.parametrize(
     ("text", "severity"),
     [
-        (robot(joint(origin("1.57 0 0"))), Severity.WARNING),
-        (robot(joint(origin("1.5707 0 0"))), Severity.INFO),
-        (robot(links=drawn("1.57 0 0")), Severity.INFO),
-        (robot(joint(origin("1.5708 0 0")), links=drawn("1.57 0 0")), Severity.INFO),
+        (make_three_links(make_joint(origin("1.57 0 0"))), Severity.WARNING),
+        (make_three_links(make_joint(origin("1.5707 0 0"))), Severity.INFO),
+        (make_three_links(links=drawn("1.57 0 0")), Severity.INFO),
+        (make_three_links(make_joint(origin("1.5708 0 0")), links=drawn("1.57 0 0")), Severity.INFO),
     ],
 )
 def test_a_tenth_of_a_millimetre_per_metre_matters_where_a_link_is_placed(
     tmp_path: Path, text: str, severity: Severity
 ) -> None:
-    (finding,) = found(tmp_path, text, "JNT013")
+    (finding,) = find(tmp_path, text, "JNT013")
     assert finding.severity == severity
 
 
 @pytest.mark.parametrize(("x", "noise"), [("1e-17", True), ("-9e-10", True), ("1e-6", False), ("0", False)])
 def test_noise_is_below_a_nanometre(tmp_path: Path, x: str, noise: bool) -> None:
-    assert bool(found(tmp_path, robot(joint(origin("0 0 0", f"{x} 0 0"))), "JNT014")) == noise
+    assert bool(find(tmp_path, make_three_links(make_joint(origin("0 0 0", f"{x} 0 0"))), "JNT014")) == noise
 
 
 def test_all_noise_of_a_file_is_one_finding_and_is_replaced_by_zeros(tmp_path: Path) -> None:
     shape = '<visual><origin xyz="1e-18 0.1 -2E-20" rpy="1e-16 0 0"/><geometry><sphere radius="1"/></geometry></visual>'
-    (finding,) = found(tmp_path, robot(joint(origin("0 0 3e-14")), links=f'<link name="d">{shape}</link>'), "JNT014")
+    (finding,) = find(
+        tmp_path,
+        make_three_links(make_joint(origin("0 0 3e-14")), links=f'<link name="d">{shape}</link>'),
+        "JNT014",
+    )
     assert finding.fix is not None
     assert [e.expected for e in finding.fix.edits] == ["1e-18", "-2E-20", "1e-16", "3e-14"]
     assert {e.replacement for e in finding.fix.edits} == {"0"}
@@ -272,11 +293,13 @@ def test_all_noise_of_a_file_is_one_finding_and_is_replaced_by_zeros(tmp_path: P
 
 @pytest.mark.parametrize(("axis", "noise"), [("6e-17 1 0", 1), ("1e-8 1 0", 0), ("0 1e-17 0", 0), ("0 1 0", 0)])
 def test_an_axis_that_is_noise_beside_its_length(tmp_path: Path, axis: str, noise: int) -> None:
-    assert len(found(tmp_path, robot(joint(f'<axis xyz="{axis}"/>{LIMIT}')), "JNT014")) == noise
+    assert len(find(tmp_path, make_three_links(make_joint(f'<axis xyz="{axis}"/>{LIMIT}')), "JNT014")) == noise
 
 
 def test_what_an_expression_leaves_of_zero_was_not_typed(tmp_path: Path) -> None:
-    assert not found(tmp_path, robot(joint(origin("0 0 0", "${cos(pi/2)} 0 0"))), "JNT014", "robot.xacro")
+    assert not find(
+        tmp_path, make_three_links(make_joint(origin("0 0 0", "${cos(pi/2)} 0 0"))), "JNT014", name="robot.xacro"
+    )
 
 
 @pytest.mark.parametrize(
@@ -295,23 +318,23 @@ def test_what_an_expression_leaves_of_zero_was_not_typed(tmp_path: Path) -> None
 def test_a_shifted_zero_is_a_turn_about_the_axis_that_nobody_would_choose(
     tmp_path: Path, rpy: str, shifted: bool
 ) -> None:
-    assert bool(found(tmp_path, robot(joint(origin(rpy) + '<axis xyz="0 1 0"/>')), "JNT016")) == shifted
+    assert bool(find(tmp_path, make_three_links(make_joint(origin(rpy) + '<axis xyz="0 1 0"/>')), "JNT016")) == shifted
 
 
 def test_the_shift_is_signed_about_the_axis(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, robot(joint(origin("0 -0.75239 0") + '<axis xyz="0 -1 0"/>')), "JNT016")
+    (finding,) = find(tmp_path, make_three_links(make_joint(origin("0 -0.75239 0") + '<axis xyz="0 -1 0"/>')), "JNT016")
     assert finding.data["degrees"] == pytest.approx(43.1088, abs=1e-4)
 
 
 def test_a_joint_that_cannot_turn_has_no_zero(tmp_path: Path) -> None:
     locked = '<limit lower="0" upper="0" effort="1" velocity="1"/>'
-    text = robot(joint(f'<origin rpy="0 -0.75239 0"/><axis xyz="0 1 0"/>{locked}'))
-    assert not found(tmp_path, text, "JNT016")
+    text = make_three_links(make_joint(f'<origin rpy="0 -0.75239 0"/><axis xyz="0 1 0"/>{locked}'))
+    assert not find(tmp_path, text, "JNT016")
 
 
 def turning(child: str, more: str = "") -> str:
     """A joint without limits whose zero is shifted, and what it turns about y."""
-    axle = joint('<origin rpy="0 -0.75239 0"/><axis xyz="0 1 0"/>', "continuous")
+    axle = make_joint('<origin rpy="0 -0.75239 0"/><axis xyz="0 1 0"/>', "continuous")
     return f'<robot name="r"><link name="a"/><link name="b">{child}</link>{axle}{more}</robot>'
 
 
@@ -343,21 +366,21 @@ LONG = '<visual><geometry><box size="0.2 0.02 0.1"/></geometry></visual>'
 def test_the_zero_of_an_endless_joint_matters_where_its_child_is_not_round(
     tmp_path: Path, child: str, shows: bool
 ) -> None:
-    assert bool(found(tmp_path, turning(child), "JNT016")) == shows
+    assert bool(find(tmp_path, turning(child), "JNT016")) == shows
 
 
 def test_the_zero_of_an_endless_joint_matters_where_it_carries_another(tmp_path: Path) -> None:
     next_one = '<link name="c"/><joint name="k" type="continuous"><parent link="b"/><child link="c"/></joint>'
-    assert found(tmp_path, turning(ROUND, next_one), "JNT016")
+    assert find(tmp_path, turning(ROUND, next_one), "JNT016")
 
 
 def test_a_turn_about_a_slider_is_no_shift(tmp_path: Path) -> None:
-    text = robot(joint(origin("0 -0.75239 0") + '<axis xyz="0 1 0"/>', "prismatic"))
-    assert not found(tmp_path, text, "JNT016")
+    text = make_three_links(make_joint(origin("0 -0.75239 0") + '<axis xyz="0 1 0"/>', "prismatic"))
+    assert not find(tmp_path, text, "JNT016")
 
 
 def turns(limit: str, name: str = "j", child: str = "b", kind: str = "revolute") -> str:
-    return joint(f'<axis xyz="0 0 1"/><limit {limit}/>', kind, name, child)
+    return make_joint(f'<axis xyz="0 0 1"/><limit {limit}/>', kind, name, child)
 
 
 @pytest.mark.parametrize(
@@ -381,16 +404,16 @@ def turns(limit: str, name: str = "j", child: str = "b", kind: str = "revolute")
     ],
 )
 def test_a_range_in_degrees_is_told_from_placeholders(tmp_path: Path, lower: str, upper: str, degrees: bool) -> None:
-    text = robot(turns(f'lower="{lower}" upper="{upper}" effort="1" velocity="1"'))
-    assert bool(found(tmp_path, text, "JNT006")) == degrees
+    text = make_three_links(turns(f'lower="{lower}" upper="{upper}" effort="1" velocity="1"'))
+    assert bool(find(tmp_path, text, "JNT006")) == degrees
 
 
 def test_one_range_in_degrees_tells_the_unit_of_the_others(tmp_path: Path) -> None:
-    text = robot(
+    text = make_three_links(
         turns('lower="-170" upper="170" effort="1" velocity="1"'),
         turns('lower="0" upper="100" effort="1" velocity="1"', "k", "c"),
     )
-    (finding,) = found(tmp_path, text, "JNT006")
+    (finding,) = find(tmp_path, text, "JNT006")
     assert finding.subjects == ("joint[j]/limit@lower", "joint[j]/limit@upper", "joint[k]/limit@upper")
     assert finding.fix is not None
     assert [float(edit.replacement) for edit in finding.fix.edits] == pytest.approx(
@@ -399,8 +422,8 @@ def test_one_range_in_degrees_tells_the_unit_of_the_others(tmp_path: Path) -> No
 
 
 def test_in_a_xacro_the_repair_of_degrees_stays_readable(tmp_path: Path) -> None:
-    text = robot(turns('lower="-90" upper="${180 / 2}" effort="1" velocity="1"'))
-    (finding,) = found(tmp_path, text, "JNT006", "robot.xacro")
+    text = make_three_links(turns('lower="-90" upper="${180 / 2}" effort="1" velocity="1"'))
+    (finding,) = find(tmp_path, text, "JNT006", name="robot.xacro")
     assert finding.fix is not None
     assert [edit.replacement for edit in finding.fix.edits] == ["${radians(-90)}"]
 
@@ -420,12 +443,12 @@ def test_a_speed_in_degrees_needs_a_quarter_of_a_turn_or_two_values(
     tmp_path: Path, speeds: list[str], kind: str, degrees: bool
 ) -> None:
     limit = 'lower="-1" upper="1" effort="1" velocity="{}"'
-    text = robot(turns(limit.format(speeds[0]), kind=kind), turns(limit.format(speeds[1]), "k", "c", kind))
-    assert bool(found(tmp_path, text, "JNT006")) == degrees
+    text = make_three_links(turns(limit.format(speeds[0]), kind=kind), turns(limit.format(speeds[1]), "k", "c", kind))
+    assert bool(find(tmp_path, text, "JNT006")) == degrees
 
 
 def test_a_range_in_degrees_is_not_told_again_as_too_wide(tmp_path: Path) -> None:
-    text = robot(turns('lower="-180" upper="180" effort="1" velocity="1"'))
+    text = make_three_links(turns('lower="-180" upper="180" effort="1" velocity="1"'))
     run = check_text(tmp_path, text, codes={"JNT006", "JNT008"})
     assert [f.code for f in run.findings] == ["JNT006"]
 
@@ -444,8 +467,8 @@ def test_a_range_in_degrees_is_not_told_again_as_too_wide(tmp_path: Path) -> Non
     ],
 )
 def test_limits_that_are_never_reached(tmp_path: Path, kind: str, lower: str, upper: str, message: str | None) -> None:
-    text = robot(turns(f'lower="{lower}" upper="{upper}" effort="1" velocity="1"', kind=kind))
-    assert [f.message_id for f in found(tmp_path, text, "JNT008")] == ([message] if message else [])
+    text = make_three_links(turns(f'lower="{lower}" upper="{upper}" effort="1" velocity="1"', kind=kind))
+    assert [f.message_id for f in find(tmp_path, text, "JNT008")] == ([message] if message else [])
 
 
 @pytest.mark.parametrize(
@@ -462,13 +485,15 @@ def test_limits_that_are_never_reached(tmp_path: Path, kind: str, lower: str, up
     ],
 )
 def test_an_angle_beyond_a_turn_is_degrees_unless_it_is_a_sum(tmp_path: Path, angle: str, degrees: bool) -> None:
-    text = robot(joint(f'<origin rpy="0 {angle} 0"/>', "fixed"))
-    assert bool(found(tmp_path, text, "JNT012")) == degrees
+    text = make_three_links(make_joint(f'<origin rpy="0 {angle} 0"/>', "fixed"))
+    assert bool(find(tmp_path, text, "JNT012")) == degrees
 
 
 def test_all_angles_of_an_origin_are_in_the_same_unit(tmp_path: Path) -> None:
-    text = robot(joint('<origin rpy="0 90 -5"/>', "fixed"), joint('<origin rpy="0 1 0"/>', "fixed", "k", "c"))
-    (finding,) = found(tmp_path, text, "JNT012")
+    text = make_three_links(
+        make_joint('<origin rpy="0 90 -5"/>', "fixed"), make_joint('<origin rpy="0 1 0"/>', "fixed", "k", "c")
+    )
+    (finding,) = find(tmp_path, text, "JNT012")
     assert finding.subjects == ("joint[j]/origin@rpy",)
     assert finding.fix is not None
     assert [(e.expected, float(e.replacement)) for e in finding.fix.edits] == [
@@ -478,11 +503,11 @@ def test_all_angles_of_an_origin_are_in_the_same_unit(tmp_path: Path) -> None:
 
 
 def test_an_origin_that_a_macro_makes_twice_is_mended_once(tmp_path: Path) -> None:
-    made = joint('<origin rpy="0 90 0"/>', "fixed", "${n}", "${c}")
-    text = robot(
+    made = make_joint('<origin rpy="0 90 0"/>', "fixed", "${n}", "${c}")
+    text = make_three_links(
         f'<xacro:macro name="m" params="n c">{made}</xacro:macro><xacro:m n="j" c="b"/><xacro:m n="k" c="c"/>'
     ).replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ')
-    (finding,) = found(tmp_path, text, "JNT012", "robot.xacro")
+    (finding,) = find(tmp_path, text, "JNT012", name="robot.xacro")
     assert finding.subjects == ("joint[j]/origin@rpy", "joint[k]/origin@rpy")
     assert finding.fix is not None
     assert [edit.replacement for edit in finding.fix.edits] == ["${radians(90)}"]
@@ -505,20 +530,24 @@ def test_an_origin_that_a_macro_makes_twice_is_mended_once(tmp_path: Path) -> No
     ],
 )
 def test_soft_limits(tmp_path: Path, soft: str, kind: str, messages: list[str]) -> None:
-    text = robot(joint(f"{LIMIT}<safety_controller {soft}/>", kind))
-    assert [f.message_id for f in found(tmp_path, text, "JNT010")] == messages
+    text = make_three_links(make_joint(f"{LIMIT}<safety_controller {soft}/>", kind))
+    assert [f.message_id for f in find(tmp_path, text, "JNT010")] == messages
 
 
 def test_a_soft_limit_outside_is_pulled_in_on_its_side(tmp_path: Path) -> None:
     safety = '<safety_controller soft_lower_limit="-3" soft_upper_limit="0.9" k_velocity="1"/>'
-    (finding,) = found(tmp_path, robot(joint(LIMIT + safety)), "JNT010")
+    (finding,) = find(tmp_path, make_three_links(make_joint(LIMIT + safety)), "JNT010")
     assert finding.fix is not None
     assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("-3", "-1")]
 
 
 def test_all_joints_without_an_axis_are_one_finding(tmp_path: Path) -> None:
-    text = robot(joint(kind="continuous"), joint(LIMIT, "prismatic", "k", "c"), joint(kind="fixed", name="l"))
-    (finding,) = found(tmp_path, text, "JNT003")
+    text = make_three_links(
+        make_joint(kind="continuous"),
+        make_joint(LIMIT, "prismatic", "k", "c"),
+        make_joint(kind="fixed", name="l"),
+    )
+    (finding,) = find(tmp_path, text, "JNT003")
     assert finding.subjects == ("joint[j]", "joint[k]")
 
 
@@ -531,7 +560,7 @@ def test_all_joints_without_an_axis_are_one_finding(tmp_path: Path) -> None:
     ],
 )
 def test_negative_dynamics(tmp_path: Path, dynamics: str, kind: str, messages: list[str]) -> None:
-    findings = found(tmp_path, robot(joint(f"<dynamics {dynamics}/>", kind)), "JNT011")
+    findings = find(tmp_path, make_three_links(make_joint(f"<dynamics {dynamics}/>", kind)), "JNT011")
     assert [f.message_id for f in findings] == messages
     assert all(f.fix is not None and f.fix.edits[0].replacement == f.fix.edits[0].expected[1:] for f in findings)
 
@@ -546,12 +575,12 @@ def test_negative_dynamics(tmp_path: Path, dynamics: str, kind: str, messages: l
     ],
 )
 def test_a_calibration_edge_lies_within_the_limits(tmp_path: Path, edge: str, kind: str, outside: bool) -> None:
-    text = robot(joint(f"{LIMIT}<calibration {edge}/>", kind))
-    assert bool(found(tmp_path, text, "JNT017")) == outside
+    text = make_three_links(make_joint(f"{LIMIT}<calibration {edge}/>", kind))
+    assert bool(find(tmp_path, text, "JNT017")) == outside
 
 
 def test_residue_of_an_export_is_set_to_zero_without_asking(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, robot(joint('<origin xyz="1e-18 0 1"/>', "fixed")), "JNT014")
+    (finding,) = find(tmp_path, make_three_links(make_joint('<origin xyz="1e-18 0 1"/>', "fixed")), "JNT014")
     assert finding.fix is not None
     assert finding.fix.applicability is Applicability.SAFE
 
@@ -560,5 +589,9 @@ def test_residue_of_an_export_is_set_to_zero_without_asking(tmp_path: Path) -> N
     "attributes", ['lower="-1" upper="1" efort="1" velocity="1"', 'lwer="-1" effort="1" velocity="1"']
 )
 def test_a_misspelt_limit_is_not_told_again_as_a_missing_one(tmp_path: Path, attributes: str) -> None:
-    run = check_text(tmp_path, robot(joint(f"<limit {attributes}/>")), codes={"JNT004", "JNT007", "XML004", "XML005"})
+    run = check_text(
+        tmp_path,
+        make_three_links(make_joint(f"<limit {attributes}/>")),
+        codes={"JNT004", "JNT007", "XML004", "XML005"},
+    )
     assert [f.code for f in run.findings] == ["XML004"]

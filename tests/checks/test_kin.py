@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from builders import joint, link, robot
 from conftest import check_text
 
 from urdfcheck.core import FactUnavailableError, Run, Severity
@@ -15,13 +16,12 @@ from urdfcheck.source.text.xml import SourceFile, parse_xml
 TREE = {"KIN001", "KIN002", "KIN003", "KIN004", "KIN005", "KIN006", "KIN007", "KIN008", "XML005"}
 
 
-def robot(links: str, *joints: str) -> str:
-    """``robot("a b c", "a b", "b c")``: links a, b, c and joints from a to b and from b to c."""
-    text = "".join(f'<link name="{name}"/>' for name in links.split())
-    for number, joint in enumerate(joints):
-        parent, child = joint.split()
-        text += f'<joint name="j{number}" type="fixed"><parent link="{parent}"/><child link="{child}"/></joint>\n'
-    return f'<robot name="r">{text}</robot>'
+def make_tree(links: str, *joints: str) -> str:
+    """Return the links a, b, c and joints from a to b and from b to c for ``make_tree("a b c", "a b", "b c")``."""
+    return robot(
+        *map(link, links.split()),
+        *(joint(f"j{number}", *pair.split()) + "\n" for number, pair in enumerate(joints)),
+    )
 
 
 def codes(run: Run) -> list[str]:
@@ -32,19 +32,19 @@ def codes(run: Run) -> list[str]:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        (robot("a"), []),
-        (robot("a b c", "a b", "a c"), []),
-        (robot("base_link arm tool", "base_lnk arm", "arm tool"), ["KIN002"]),
-        (robot("base arm tool", "base arm", "arm tol"), ["KIN002"]),
-        (robot("a b camera", "a b", "b zzz"), ["KIN002"]),
-        (robot("a b camera lidar", "a b", "b zzz"), ["KIN002", "KIN005"]),
-        (robot("a b c", "a b", "c c"), ["KIN006"]),
-        (robot("a b c", "a c", "b c"), ["KIN003"]),
-        (robot("a b", "a b", "b a"), ["KIN004"]),
-        (robot("w a b c", "w a", "a b", "b c", "c a"), ["KIN004"]),
-        (robot("w a b", "a b", "b a"), ["KIN004"]),
-        (robot("a b c d", "a b", "c d"), ["KIN005"]),
-        (robot(""), ["KIN007"]),
+        (make_tree("a"), []),
+        (make_tree("a b c", "a b", "a c"), []),
+        (make_tree("base_link arm tool", "base_lnk arm", "arm tool"), ["KIN002"]),
+        (make_tree("base arm tool", "base arm", "arm tol"), ["KIN002"]),
+        (make_tree("a b camera", "a b", "b zzz"), ["KIN002"]),
+        (make_tree("a b camera lidar", "a b", "b zzz"), ["KIN002", "KIN005"]),
+        (make_tree("a b c", "a b", "c c"), ["KIN006"]),
+        (make_tree("a b c", "a c", "b c"), ["KIN003"]),
+        (make_tree("a b", "a b", "b a"), ["KIN004"]),
+        (make_tree("w a b c", "w a", "a b", "b c", "c a"), ["KIN004"]),
+        (make_tree("w a b", "a b", "b a"), ["KIN004"]),
+        (make_tree("a b c d", "a b", "c d"), ["KIN005"]),
+        (make_tree(""), ["KIN007"]),
     ],
 )
 def test_one_cause_one_finding(tmp_path: Path, text: str, expected: list[str]) -> None:
@@ -81,7 +81,7 @@ def test_a_fixed_joint_may_share_the_name_of_a_link(tmp_path: Path) -> None:
 )
 def test_proposes_a_name_only_where_it_is_a_misspelling(tmp_path: Path, unknown: str, near: str | None) -> None:
     links = "base_link wheel_1 wheel_4 left_arm upper_leg"
-    text = robot(links, f"{unknown} wheel_1", "wheel_1 wheel_4", "wheel_1 left_arm", "wheel_1 upper_leg")
+    text = make_tree(links, f"{unknown} wheel_1", "wheel_1 wheel_4", "wheel_1 left_arm", "wheel_1 upper_leg")
     finding = next(f for f in check_text(tmp_path, text, codes={"KIN002"}).findings)
     assert finding.data.get("near") == near
     assert finding.fix is not None
@@ -89,26 +89,26 @@ def test_proposes_a_name_only_where_it_is_a_misspelling(tmp_path: Path, unknown:
 
 
 def test_a_child_means_first_a_link_that_still_has_no_parent(tmp_path: Path) -> None:
-    text = robot("base wheel_left weel_left_2 a", "base wheel_left", "base weel_left_3x", "base a")
+    text = make_tree("base wheel_left weel_left_2 a", "base wheel_left", "base weel_left_3x", "base a")
     assert not check_text(tmp_path, text, codes={"KIN002"}).failures
-    (finding,) = check_text(tmp_path, robot("b arm arms", "b arm", "arm armz"), codes={"KIN002"}).findings
+    (finding,) = check_text(tmp_path, make_tree("b arm arms", "b arm", "arm armz"), codes={"KIN002"}).findings
     assert finding.data["near"] == "arms"
 
 
 def test_a_missing_link_is_one_finding_however_many_joints_name_it(tmp_path: Path) -> None:
-    text = robot("a b c", "torso a", "torso b", "torso c")
+    text = make_tree("a b c", "torso a", "torso b", "torso c")
     (finding,) = check_text(tmp_path, text, codes=TREE).findings
     assert (finding.code, len(finding.subjects)) == ("KIN002", 3)
 
 
 def test_the_loop_is_told_link_by_link(tmp_path: Path) -> None:
-    (finding,) = check_text(tmp_path, robot("w a b c", "w a", "a b", "b c", "c a"), codes=TREE).findings
+    (finding,) = check_text(tmp_path, make_tree("w a b c", "w a", "a b", "b c", "c a"), codes=TREE).findings
     assert finding.data["loop"] == "a → b → c → a"
     assert finding.location.subject == "joint[j3]/child@link"
 
 
 def test_pieces_are_listed_the_largest_first(tmp_path: Path) -> None:
-    (finding,) = check_text(tmp_path, robot("x a b c d", "a b", "b c"), codes=TREE).findings
+    (finding,) = check_text(tmp_path, make_tree("x a b c d", "a b", "b c"), codes=TREE).findings
     assert finding.data["roots"] == ["a", "x", "d"]
     assert finding.data["main"] == "a (3 links)"
 
@@ -116,7 +116,7 @@ def test_pieces_are_listed_the_largest_first(tmp_path: Path) -> None:
 def test_a_chain_of_two_thousand_links(tmp_path: Path) -> None:
     count = 2000
     joints = [f"l{i} l{i + 1}" for i in range(count - 1)]
-    text = robot(" ".join(f"l{i}" for i in range(count)), *joints, f"l{count - 1} l0")
+    text = make_tree(" ".join(f"l{i}" for i in range(count)), *joints, f"l{count - 1} l0")
     assert codes(check_text(tmp_path, text, codes={"KIN003", "KIN004", "KIN005"})) == ["KIN004"]
 
 
@@ -133,14 +133,14 @@ def test_xacro_that_nothing_expanded_says_nothing_about_the_tree(tmp_path: Path)
         ('<robot name="r"><link name=""/><link name="b"/></robot>', "NAM001"),
         ('<robot name="r"><link/><link name="b"/></robot>', "XML005"),
         ('<robot name="r"><link name="b"/><joint name="j" type="fixed"><child link="b"/></joint></robot>', "XML005"),
-        (robot("a b", "zzz b"), "KIN002"),
-        (robot("a b", "a b", "b b"), "KIN006"),
-        (robot("a b c", "a c", "b c"), "KIN003"),
-        (robot("w a b c", "w a", "a b", "b c", "c a"), "KIN004"),
-        (robot("w v a b", "w a", "v a", "a b", "b a"), "KIN003"),
-        (robot("a b", "a b", "b a"), "KIN004"),
-        (robot("a b"), "KIN005"),
-        (robot(""), "KIN007"),
+        (make_tree("a b", "zzz b"), "KIN002"),
+        (make_tree("a b", "a b", "b b"), "KIN006"),
+        (make_tree("a b c", "a c", "b c"), "KIN003"),
+        (make_tree("w a b c", "w a", "a b", "b c", "c a"), "KIN004"),
+        (make_tree("w v a b", "w a", "v a", "a b", "b a"), "KIN003"),
+        (make_tree("a b", "a b", "b a"), "KIN004"),
+        (make_tree("a b"), "KIN005"),
+        (make_tree(""), "KIN007"),
     ],
 )
 def test_a_check_that_needs_the_tree_names_the_finding_that_was_made(tmp_path: Path, text: str, code: str) -> None:
@@ -161,7 +161,7 @@ def test_a_check_that_needs_the_tree_names_the_finding_that_was_made(tmp_path: P
     ],
 )
 def test_joints_of_a_missing_link_are_counted_up(tmp_path: Path, joints: list[str], where: str) -> None:
-    (finding,) = check_text(tmp_path, robot("a b c d e", *joints), codes={"KIN002"}).findings
+    (finding,) = check_text(tmp_path, make_tree("a b c d e", *joints), codes={"KIN002"}).findings
     assert finding.data["where"] == where
 
 
@@ -195,9 +195,9 @@ class TestKIN008:
         assert codes(check_text(tmp_path, wrong, codes={"KIN008"})) == []
 
     def test_abstains_without_a_tree(self, tmp_path: Path) -> None:
-        run = check_text(tmp_path, robot("a b"), codes={"KIN008"})
+        run = check_text(tmp_path, make_tree("a b"), codes={"KIN008"})
         assert codes(run) == []
-        run = check_text(tmp_path, robot("a b c", "a b"), codes={"KIN008"})
+        run = check_text(tmp_path, make_tree("a b c", "a b"), codes={"KIN008"})
         assert [s.code for s in run.skipped] == ["KIN008"]
 
 
@@ -286,7 +286,7 @@ def test_an_empty_model_is_an_error_where_gazebo_is_the_target(tmp_path: Path) -
 
 
 def test_a_description_without_any_inertial_is_told_once(tmp_path: Path) -> None:
-    moving_parts = robot("a b", "a b").replace("fixed", "continuous")
+    moving_parts = make_tree("a b", "a b").replace("fixed", "continuous")
     assert codes(check_text(tmp_path, moving_parts, codes={"KIN010", "INR001"})) == ["INR001"]
-    (finding,) = check_text(tmp_path, robot("a b", "a b"), codes={"KIN010", "INR001"}).findings
+    (finding,) = check_text(tmp_path, make_tree("a b", "a b"), codes={"KIN010", "INR001"}).findings
     assert (finding.code, finding.severity) == ("KIN010", Severity.INFO)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from conftest import FIXTURES, check, check_text
+from builders import find
+from conftest import FIXTURES, check
 
 from urdfcheck.core import Finding, Run, Severity
 
@@ -16,28 +17,24 @@ CAR = """<robot name="car"><link name="base_link"><collision>{shape}</collision>
 BOX = '<origin xyz="0 0 0.1" rpy="0.5235987755982988 0 0"/><geometry><box size="1 0.2 0.2"/></geometry>'
 
 
-def found(folder: Path, body: str, code: str) -> tuple[Finding, ...]:
-    """The findings of a launch file on its own."""
-    return only(check_text(folder, f"<launch>{body}</launch>", "robot.launch", codes={code}))
+def find_in_launch(folder: Path, body: str, code: str) -> list[Finding]:
+    """Return the findings of a launch file on its own."""
+    return find(folder, f"<launch>{body}</launch>", code, name="robot.launch")
 
 
-def package(folder: Path, body: str, code: str, shape: str = BOX, depend: str = "") -> tuple[Finding, ...]:
-    """The findings of a launch file in the package ``car`` that has a robot."""
-    texts = {
+def find_in_package(folder: Path, body: str, code: str, shape: str = BOX, depend: str = "") -> list[Finding]:
+    """Return the findings of a launch file in the package ``car`` that has a robot."""
+    files = {
         "package.xml": f'<package format="2"><name>car</name>{depend}</package>',
         "urdf/car.urdf": CAR.format(shape=shape),
         "launch/car.launch": f"<launch>{body}</launch>",
     }
-    for name, text in texts.items():
-        path = folder / "car" / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
-    return only(check(folder / "car" / "launch" / "car.launch", codes={code}))
+    return find(folder / "car", files, code, name="launch/car.launch")
 
 
-def only(run: Run) -> tuple[Finding, ...]:
+def only(run: Run) -> list[Finding]:
     assert not run.failures
-    return run.findings
+    return list(run.findings)
 
 
 # -- LCH001 ------------------------------------------------------------------------------------------------------------
@@ -64,12 +61,12 @@ def load(path: str) -> str:
     ],
 )
 def test_why_a_description_cannot_be_loaded(tmp_path: Path, body: str, message: str | None) -> None:
-    assert [f.message_id for f in package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
+    assert [f.message_id for f in find_in_package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
 
 
 def test_a_declared_dependency_is_merely_not_installed(tmp_path: Path) -> None:
     depend = "<exec_depend>other_car</exec_depend>"
-    (finding,) = package(tmp_path, load("$(find other_car)/car.urdf"), "LCH001", depend=depend)
+    (finding,) = find_in_package(tmp_path, load("$(find other_car)/car.urdf"), "LCH001", depend=depend)
     assert (finding.message_id, finding.severity) == ("unknown", Severity.INFO)
 
 
@@ -78,7 +75,7 @@ def test_an_argument_that_another_launch_file_hands_over_is_its_business(tmp_pat
     outer = tmp_path / "car" / "launch" / "all.launch"
     outer.parent.mkdir(parents=True)
     outer.write_text(text.format("$(find car)/urdf/car.urdf"), encoding="utf-8")
-    assert not package(tmp_path, '<arg name="model"/>' + load("$(arg model)"), "LCH001")
+    assert not find_in_package(tmp_path, '<arg name="model"/>' + load("$(arg model)"), "LCH001")
     assert [Path(m.path).name for m in check(outer, codes={"LCH001"}).models] == ["car.urdf"]
     outer.write_text(text.format("$(find car)/urdf/cart.urdf"), encoding="utf-8")
     (finding,) = only(check(outer, codes={"LCH001"}))
@@ -97,7 +94,7 @@ def test_an_argument_that_another_launch_file_hands_over_is_its_business(tmp_pat
     ],
 )
 def test_a_python_launch_file(tmp_path: Path, code: str, message: str | None, severity: Severity | None) -> None:
-    package(tmp_path, "", "LCH001")
+    find_in_package(tmp_path, "", "LCH001")
     path = tmp_path / "car" / "launch" / "car.launch.py"
     path.write_text(code, encoding="utf-8")
     findings = only(check(path))
@@ -128,22 +125,22 @@ INCLUDE = '<include file="{}"/>'
     ],
 )
 def test_why_an_include_leads_nowhere(tmp_path: Path, body: str, message: str | None) -> None:
-    assert [f.message_id for f in package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
+    assert [f.message_id for f in find_in_package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
 
 
 def test_an_include_of_ros_2_may_be_put_there_by_the_build(tmp_path: Path) -> None:
     body = INCLUDE.format("$(find-pkg-share car)/launch/arm.launch.xml")
-    (finding,) = package(tmp_path, body, "LCH001")
+    (finding,) = find_in_package(tmp_path, body, "LCH001")
     assert (finding.message_id, finding.severity) == ("include-file", Severity.ERROR)
     (tmp_path / "car" / "CMakeLists.txt").write_text("install(FILES arm.launch.xml DESTINATION launch)")
-    assert not package(tmp_path, body, "LCH001")
+    assert not find_in_package(tmp_path, body, "LCH001")
 
 
 def test_a_circle_through_another_file_closes_in_that_one(tmp_path: Path) -> None:
     (tmp_path / "car" / "launch").mkdir(parents=True)
     other = tmp_path / "car" / "launch" / "other.launch"
     other.write_text(f"<launch>{INCLUDE.format('$(dirname)/car.launch')}</launch>", encoding="utf-8")
-    (finding,) = package(tmp_path, INCLUDE.format("$(dirname)/other.launch"), "LCH001")
+    (finding,) = find_in_package(tmp_path, INCLUDE.format("$(dirname)/other.launch"), "LCH001")
     assert finding.location.span is not None
     assert Path(finding.location.span.file).name == "other.launch"
 
@@ -152,7 +149,7 @@ def test_a_circle_through_another_file_closes_in_that_one(tmp_path: Path) -> Non
     ("name", "found"), [("arm.launch.py", True), ("car.launch", False), ("made.launch.py", False), ("arm.rviz", False)]
 )
 def test_a_python_launch_file_includes_another(tmp_path: Path, name: str, found: bool) -> None:
-    package(tmp_path, "", "LCH001")
+    find_in_package(tmp_path, "", "LCH001")
     (tmp_path / "car" / "launch" / "made.launch.py.in").write_text("", encoding="utf-8")
     path = tmp_path / "car" / "launch" / "all.launch.py"
     path.write_text(f"d = get_package_share_directory('car')\nI(join(d, 'launch', '{name}'))", encoding="utf-8")
@@ -162,7 +159,7 @@ def test_a_python_launch_file_includes_another(tmp_path: Path, name: str, found:
 
 def test_the_path_itself_is_pointed_at_and_a_similar_file_named(tmp_path: Path) -> None:
     command = '<param name="robot_description" command="$(find xacro)/xacro \'$(find car)/urdf/cars.urdf\' a:=1"/>'
-    (finding,) = package(tmp_path, command, "LCH001")
+    (finding,) = find_in_package(tmp_path, command, "LCH001")
     span = finding.location.span
     assert span is not None
     text = (tmp_path / "car" / "launch" / "car.launch").read_text()
@@ -197,11 +194,11 @@ CREATE = 'pkg="ros_gz_sim" exec="create"'
     ],
 )
 def test_options_of_spawners(tmp_path: Path, node: str, messages: list[str]) -> None:
-    assert [f.message_id for f in found(tmp_path, node, "LCH002")] == messages
+    assert [f.message_id for f in find_in_launch(tmp_path, node, "LCH002")] == messages
 
 
 def test_the_robots_own_name_is_the_missing_value(tmp_path: Path) -> None:
-    (finding,) = package(tmp_path, LOAD + spawn("-urdf -param d\n  -model -unpause"), "LCH002")
+    (finding,) = find_in_package(tmp_path, LOAD + spawn("-urdf -param d\n  -model -unpause"), "LCH002")
     assert finding.fix is not None
     assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("-model", "-model car")]
 
@@ -215,7 +212,7 @@ def test_the_robots_own_name_is_the_missing_value(tmp_path: Path) -> None:
     ],
 )
 def test_the_repair_says_what_to_write(tmp_path: Path, args: str, title: str) -> None:
-    (finding,) = found(tmp_path, spawn(args), "LCH002")
+    (finding,) = find_in_launch(tmp_path, spawn(args), "LCH002")
     assert finding.fix is not None
     assert finding.fix.title == title
 
@@ -236,13 +233,13 @@ def test_the_repair_says_what_to_write(tmp_path: Path, args: str, title: str) ->
     ],
 )
 def test_each_generation_of_ros_has_removed_its_own(tmp_path: Path, body: str, new: list[str]) -> None:
-    findings = found(tmp_path, body, "LCH003")
+    findings = find_in_launch(tmp_path, body, "LCH003")
     assert [e.replacement for f in findings if f.fix is not None for e in f.fix.edits] == new
 
 
 def test_the_old_xacro_script(tmp_path: Path) -> None:
     body = '<param name="robot_description" command="$(find xacro)/xacro.py $(find car)/urdf/car.urdf"/>'
-    (finding,) = package(tmp_path, body, "LCH003")
+    (finding,) = find_in_package(tmp_path, body, "LCH003")
     assert finding.fix is not None
     assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("xacro.py", "xacro")]
 
@@ -263,7 +260,7 @@ def test_the_old_xacro_script(tmp_path: Path) -> None:
     ],
 )
 def test_arguments(tmp_path: Path, body: str, messages: list[str]) -> None:
-    assert [f.message_id for f in found(tmp_path, body, "LCH004")] == messages
+    assert [f.message_id for f in find_in_launch(tmp_path, body, "LCH004")] == messages
 
 
 @pytest.mark.parametrize(
@@ -285,34 +282,34 @@ def test_arguments(tmp_path: Path, body: str, messages: list[str]) -> None:
     ],
 )
 def test_an_argument_is_declared_once_in_its_scope(tmp_path: Path, body: str, message: str | None) -> None:
-    findings = found(tmp_path, body, "LCH006")
+    findings = find_in_launch(tmp_path, body, "LCH006")
     assert [f.message_id for f in findings] == ([] if message is None else [message])
     assert all((f.severity == Severity.ERROR) == (f.message_id == "ros1") for f in findings)
 
 
 def test_only_a_declaration_that_says_the_same_is_deleted(tmp_path: Path) -> None:
     for value, expected in (("1", ['<arg name="x" default="1"/>']), ("2", [])):
-        (finding,) = found(tmp_path, f'<arg name="x" default="1"/><arg name="x" default="{value}"/>', "LCH006")
+        (finding,) = find_in_launch(tmp_path, f'<arg name="x" default="1"/><arg name="x" default="{value}"/>', "LCH006")
         assert finding.fix is not None
         assert [e.expected for e in finding.fix.edits] == expected
 
 
 @pytest.mark.parametrize(("node", "read"), [('type="n"', "$(arg x)"), ('exec="n"', "$(var x)")])
 def test_the_repair_reads_an_argument_as_the_generation_of_ros_does(tmp_path: Path, node: str, read: str) -> None:
-    (finding,) = found(tmp_path, f'<arg name="x" default="1"/><node name="n" pkg="p" {node}/>', "LCH004")
+    (finding,) = find_in_launch(tmp_path, f'<arg name="x" default="1"/><node name="n" pkg="p" {node}/>', "LCH004")
     assert finding.fix is not None
     assert f"`{read}`" in finding.fix.title
 
 
 def test_a_required_argument_is_the_including_files_business(tmp_path: Path) -> None:
     (tmp_path / "all.launch").write_text('<launch><include file="robot.launch"/></launch>', encoding="utf-8")
-    assert not found(tmp_path, '<arg name="x"/><param name="p" value="$(arg x)"/>', "LCH004")
+    assert not find_in_launch(tmp_path, '<arg name="x"/><param name="p" value="$(arg x)"/>', "LCH004")
 
 
 def test_a_line_is_deleted_with_its_line_break_and_nothing_else(tmp_path: Path) -> None:
     body = '\n  <arg name="x" default="1"/>\n  <param name="use_gui" value="1"/><param name="p" value="1"/>\n'
-    (unused,) = found(tmp_path, body, "LCH004")
-    (leftover,) = found(tmp_path, body, "LCH007")
+    (unused,) = find_in_launch(tmp_path, body, "LCH004")
+    (leftover,) = find_in_launch(tmp_path, body, "LCH007")
     assert unused.fix is not None
     assert leftover.fix is not None
     assert [e.expected for e in unused.fix.edits] == ['  <arg name="x" default="1"/>\n']
@@ -321,7 +318,7 @@ def test_a_line_is_deleted_with_its_line_break_and_nothing_else(tmp_path: Path) 
 
 def test_an_element_with_content_is_not_deleted(tmp_path: Path) -> None:
     body = '<node name="n" pkg="rostopic" type="rostopic" args="pub /calibrated std_msgs/Bool true"><env/></node>'
-    (finding,) = found(tmp_path, body, "LCH007")
+    (finding,) = find_in_launch(tmp_path, body, "LCH007")
     assert finding.fix is not None
     assert not finding.fix.edits
 
@@ -348,7 +345,7 @@ def transform(words: str) -> str:
     ],
 )
 def test_static_transforms_against_the_model(tmp_path: Path, words: str, messages: list[str]) -> None:
-    assert [f.message_id for f in package(tmp_path, transform(words), "LCH005")] == messages
+    assert [f.message_id for f in find_in_package(tmp_path, transform(words), "LCH005")] == messages
 
 
 @pytest.mark.parametrize(
@@ -363,9 +360,9 @@ def test_static_transforms_against_the_model(tmp_path: Path, words: str, message
 )
 def test_the_footprint_lies_at_the_lowest_point(tmp_path: Path, shape: str, ground: float) -> None:
     wrong, right = (f"0 0 {z} 0 0 0 base_link base_footprint 40" for z in (ground + 0.003, ground + 0.001))
-    (finding,) = package(tmp_path / "wrong", transform(wrong), "LCH005", shape)
+    (finding,) = find_in_package(tmp_path / "wrong", transform(wrong), "LCH005", shape)
     assert finding.data["ground"] == pytest.approx(ground, abs=1e-6)
-    (finding,) = package(tmp_path / "right", transform(right), "LCH005", shape)
+    (finding,) = find_in_package(tmp_path / "right", transform(right), "LCH005", shape)
     assert finding.message_id == "footprint"
 
 
@@ -375,15 +372,15 @@ def test_a_description_in_a_variable_leads_to_the_model(tmp_path: Path) -> None:
       <param name="robot_description" value="$(var rd)"/>
     </node>
     <node pkg="tf2_ros" exec="static_transform_publisher" args="0 0 0 0 0 0 odom laser"/>"""
-    (finding,) = package(tmp_path, body, "LCH005")
+    (finding,) = find_in_package(tmp_path, body, "LCH005")
     assert finding.message_id == "second-parent"
-    (finding,) = package(tmp_path, body.replace("car.urdf", "cars.urdf"), "LCH001")
+    (finding,) = find_in_package(tmp_path, body.replace("car.urdf", "cars.urdf"), "LCH001")
     assert finding.message_id == "file"
 
 
 def test_without_the_meshes_only_the_direction_is_known(tmp_path: Path) -> None:
     shape = '<geometry><mesh filename="missing.stl"/></geometry>'
-    (finding,) = package(tmp_path, transform("0 0 0 0 0 0 base_link base_footprint 40"), "LCH005", shape)
+    (finding,) = find_in_package(tmp_path, transform("0 0 0 0 0 0 base_link base_footprint 40"), "LCH005", shape)
     assert finding.message_id == "footprint"
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builders import find, joint, link, robot
 from conftest import check_text
 
 from urdfcheck.checks import msh011_format_unsupported
@@ -25,7 +26,7 @@ def shape(role: str, name: str = "part.obj", scale: str = "1 1 1") -> str:
     return f'<{role}><geometry><mesh filename="{name}" scale="{scale}"/></geometry></{role}>'
 
 
-def found(
+def find_in_mesh(
     folder: Path,
     code: str,
     content: str | bytes,
@@ -34,15 +35,12 @@ def found(
     step: float = 0.0,
     **request: object,
 ) -> list[Finding]:
-    """The findings of one rule on a chain of links, ``step`` metres apart, that share one mesh file."""
+    """Return the findings of one rule on a chain of links, ``step`` metres apart, that share one mesh file."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
-    text = "".join(f'<link name="l{i}">{link}</link>' for i, link in enumerate(links))
-    text += "".join(
-        f'<joint name="j{b}" type="fixed"><origin xyz="{step} 0 0"/><parent link="l{a}"/><child link="l{b}"/></joint>'
-        for a, b in pairwise(range(len(links)))
-    )
-    return list(check_text(folder, f'<robot name="r">{text}</robot>', codes={code}, **request).findings)
+    chain = [link(f"l{i}", parts) for i, parts in enumerate(links)]
+    joints = (joint(f"j{b}", f"l{a}", f"l{b}", xyz=f"{step} 0 0") for a, b in pairwise(range(len(links))))
+    return find(folder, robot(*chain, *joints), code, **request)
 
 
 def scaled(content: str, factor: float) -> str:
@@ -100,29 +98,29 @@ def stl(header: bytes) -> bytes:
     ],
 )
 def test_why_a_file_is_no_mesh(tmp_path: Path, content: bytes, reason: str) -> None:
-    (finding,) = found(tmp_path, "MSH001", content, shape("visual", "part.stl"), name="part.stl")
+    (finding,) = find_in_mesh(tmp_path, "MSH001", content, shape("visual", "part.stl"), name="part.stl")
     assert (finding.severity, finding.data["reason_id"]) == (Severity.ERROR, reason)
 
 
 @pytest.mark.parametrize(("content", "repair"), [(b"<html></html>", "raw file"), (b"", "again")])
 def test_the_repair_fits_the_reason(tmp_path: Path, content: bytes, repair: str) -> None:
-    (finding,) = found(tmp_path, "MSH001", content, shape("visual"))
+    (finding,) = find_in_mesh(tmp_path, "MSH001", content, shape("visual"))
     assert finding.fix is not None
     assert repair in finding.fix.title
 
 
 def test_a_format_that_is_not_read_is_not_called_broken(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "MSH001", b"data", shape("visual", "part.wrl"), name="part.wrl")
+    (finding,) = find_in_mesh(tmp_path, "MSH001", b"data", shape("visual", "part.wrl"), name="part.wrl")
     assert (finding.severity, finding.message_id) == (Severity.WARNING, "unread")
 
 
 def test_a_broken_file_that_is_used_twice_is_one_finding(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "MSH001", b"", shape("visual") + shape("collision"), shape("visual"))
+    (finding,) = find_in_mesh(tmp_path, "MSH001", b"", shape("visual") + shape("collision"), shape("visual"))
     assert len(finding.related) == 2
 
 
 def test_a_missing_file_is_another_rules_business(tmp_path: Path) -> None:
-    assert not found(tmp_path, "MSH001", CLOSED, shape("visual", "elsewhere.obj"))
+    assert not find_in_mesh(tmp_path, "MSH001", CLOSED, shape("visual", "elsewhere.obj"))
 
 
 # -- PKG009 ---------------------------------------------------------------------------------------------------------
@@ -132,14 +130,14 @@ POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 1234
 
 @pytest.mark.parametrize("content", [POINTER, POINTER.replace(b"\n", b"\r\n"), b"\xef\xbb\xbf" + POINTER])
 def test_a_pointer_is_known_without_reading_meshes(tmp_path: Path, content: bytes) -> None:
-    (finding,) = found(tmp_path, "PKG009", content, shape("visual") + shape("collision"), tier="source")
+    (finding,) = find_in_mesh(tmp_path, "PKG009", content, shape("visual") + shape("collision"), tier="source")
     assert (finding.severity, finding.data["bytes"]) == (Severity.ERROR, 1234)
     assert len(finding.related) == 1
 
 
 @pytest.mark.parametrize("content", [CLOSED, "", "the file version https://git-lfs.github.com/spec/v1"])
 def test_what_is_no_pointer(tmp_path: Path, content: str) -> None:
-    assert not found(tmp_path, "PKG009", content, shape("visual"), shape("visual", "missing.obj"))
+    assert not find_in_mesh(tmp_path, "PKG009", content, shape("visual"), shape("visual", "missing.obj"))
 
 
 def test_the_pointers_of_one_repository_are_one_finding(tmp_path: Path) -> None:
@@ -148,7 +146,7 @@ def test_the_pointers_of_one_repository_are_one_finding(tmp_path: Path) -> None:
     for name in ("arm/a.stl", "arm/b.stl", "hand/meshes/c.stl"):
         (tmp_path / name).write_bytes(POINTER)
     uses = [shape("visual", name) for name in ("arm/a.stl", "hand/meshes/c.stl", "arm/b.stl")]
-    arm, hand = found(tmp_path, "PKG009", "", *uses)
+    arm, hand = find_in_mesh(tmp_path, "PKG009", "", *uses)
     assert (arm.message_id, arm.data["count"], arm.data["bytes"]) == ("pointers", 2, 2468)
     assert (hand.message_id, hand.data["count"]) == ("pointer", 1)
     assert arm.cause is not None
@@ -156,19 +154,19 @@ def test_the_pointers_of_one_repository_are_one_finding(tmp_path: Path) -> None:
 
 
 def test_a_pointer_is_not_called_unreadable_as_well(tmp_path: Path) -> None:
-    assert not found(tmp_path, "MSH001", POINTER, shape("visual"))
+    assert not find_in_mesh(tmp_path, "MSH001", POINTER, shape("visual"))
 
 
 # -- MSH002 ---------------------------------------------------------------------------------------------------------
 
 
 def test_a_closed_mesh_has_no_open_edges(tmp_path: Path) -> None:
-    assert not found(tmp_path, "MSH002", CLOSED, shape("visual") + shape("collision"))
+    assert not find_in_mesh(tmp_path, "MSH002", CLOSED, shape("visual") + shape("collision"))
 
 
 def test_an_open_mesh_matters_where_it_collides(tmp_path: Path) -> None:
-    (collides,) = found(tmp_path / "a", "MSH002", OPEN, shape("visual") + shape("collision"))
-    (drawn,) = found(tmp_path / "b", "MSH002", OPEN, shape("visual"), shape("visual"))
+    (collides,) = find_in_mesh(tmp_path / "a", "MSH002", OPEN, shape("visual") + shape("collision"))
+    (drawn,) = find_in_mesh(tmp_path / "b", "MSH002", OPEN, shape("visual"), shape("visual"))
     assert collides.severity == Severity.WARNING
     assert collides.location.subject == "link[l0]/collision/geometry/mesh@filename"
     assert drawn.severity == Severity.INFO
@@ -177,7 +175,7 @@ def test_an_open_mesh_matters_where_it_collides(tmp_path: Path) -> None:
 def test_all_open_collision_meshes_of_a_robot_are_one_finding(tmp_path: Path) -> None:
     tmp_path.mkdir(exist_ok=True)
     (tmp_path / "other.obj").write_text(OPEN.replace("v 1 ", "v 2 "))
-    (finding,) = found(tmp_path, "MSH002", OPEN, shape("collision"), shape("collision", "other.obj"))
+    (finding,) = find_in_mesh(tmp_path, "MSH002", OPEN, shape("collision"), shape("collision", "other.obj"))
     assert finding.subjects == tuple(f"link[l{i}]/collision/geometry/mesh@filename" for i in range(2))
     assert finding.message.startswith(
         "2 collision meshes are open along 6 edges, part.obj (3), other.obj (3), in 2 places"
@@ -186,7 +184,7 @@ def test_all_open_collision_meshes_of_a_robot_are_one_finding(tmp_path: Path) ->
 
 
 def test_the_hole_is_measured_in_metres(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "MSH002", OPEN, shape("collision", scale="0.1 0.1 0.1"))
+    (finding,) = find_in_mesh(tmp_path, "MSH002", OPEN, shape("collision", scale="0.1 0.1 0.1"))
     (loop,) = finding.data["loops"]
     assert finding.data["open_edges"] == 3
     assert loop["closed"]
@@ -197,13 +195,15 @@ def test_the_hole_is_measured_in_metres(tmp_path: Path) -> None:
 def test_the_points_of_a_hole_are_bounded(tmp_path: Path) -> None:
     ring = "".join(f"v {i} {i * i} 0\n" for i in range(500))
     fan = ring + "v 250 0 9\n" + "".join(f"f {i + 1} {(i + 1) % 500 + 1} 501\n" for i in range(500))
-    (finding,) = found(tmp_path, "MSH002", fan, shape("collision"))
+    (finding,) = find_in_mesh(tmp_path, "MSH002", fan, shape("collision"))
     assert finding.data["open_edges"] == 500
     assert len(finding.data["loops"][0]["points"]) <= 64
 
 
 def test_the_hole_is_as_large_as_the_mesh_is_drawn(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "MSH002", collada(0.001, 400.0), shape("collision", "part.dae"), name="part.dae")
+    (finding,) = find_in_mesh(
+        tmp_path, "MSH002", collada(0.001, 400.0), shape("collision", "part.dae"), name="part.dae"
+    )
     (loop,) = finding.data["loops"]
     assert np.max(loop["points"]) == 0.4
     assert loop["length"] == pytest.approx(0.4 * (2 + 2**0.5), rel=1e-5)
@@ -213,7 +213,7 @@ def test_the_hole_is_as_large_as_the_mesh_is_drawn(tmp_path: Path) -> None:
 
 
 def test_the_edges_at_which_the_winding_changes_are_counted(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "MSH003", MIXED, shape("collision"))
+    (finding,) = find_in_mesh(tmp_path, "MSH003", MIXED, shape("collision"))
     assert finding.data["wrong"] == 3
     # Those of the triangle that was turned over.
     assert {tuple(point) for line in finding.data["lines"] for point in line} == {(1, 0, 0), (0, 1, 0), (0, 0, 1)}
@@ -221,17 +221,17 @@ def test_the_edges_at_which_the_winding_changes_are_counted(tmp_path: Path) -> N
 
 @pytest.mark.parametrize("content", [CLOSED, OPEN, INSIDE_OUT])
 def test_a_winding_that_is_the_same_everywhere_is_consistent(tmp_path: Path, content: str) -> None:
-    assert not found(tmp_path, "MSH003", content, shape("collision"))
+    assert not find_in_mesh(tmp_path, "MSH003", content, shape("collision"))
 
 
 @pytest.mark.parametrize("content", [CLOSED, OPEN, MIXED])
 def test_only_a_closed_mesh_of_negative_volume_is_inside_out(tmp_path: Path, content: str) -> None:
-    assert not found(tmp_path, "MSH004", content, shape("visual"))
+    assert not find_in_mesh(tmp_path, "MSH004", content, shape("visual"))
 
 
 def test_a_mirroring_scale_turns_it_the_right_way_out(tmp_path: Path) -> None:
-    assert found(tmp_path / "a", "MSH004", INSIDE_OUT, shape("visual", scale="1 1 2"))
-    assert not found(tmp_path / "b", "MSH004", INSIDE_OUT, shape("visual", scale="1 -1 1"))
+    assert find_in_mesh(tmp_path / "a", "MSH004", INSIDE_OUT, shape("visual", scale="1 1 2"))
+    assert not find_in_mesh(tmp_path / "b", "MSH004", INSIDE_OUT, shape("visual", scale="1 -1 1"))
 
 
 # -- MSH005 ---------------------------------------------------------------------------------------------------------
@@ -243,27 +243,27 @@ TOUCHING = CLOSED + "v -1 0 0\nv 0 -1 0\nf 1 6 5\nf 1 5 4\nf 1 4 6\nf 5 6 4\n"
 
 
 def test_the_edges_of_three_triangles_are_drawn(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "MSH005", WALLED, shape("collision", scale="2 2 2"))
+    (finding,) = find_in_mesh(tmp_path, "MSH005", WALLED, shape("collision", scale="2 2 2"))
     assert finding.data["count"] == 3
     assert {tuple(point) for line in finding.data["lines"] for point in line} == {(0, 0, 0), (2, 0, 0), (0, 2, 0)}
 
 
 @pytest.mark.parametrize("content", [CLOSED, OPEN, TOUCHING, CLOSED + moved(CLOSED, 0.0, 4)])
 def test_closed_bodies_may_touch_in_an_edge_or_a_face(tmp_path: Path, content: str) -> None:
-    assert not found(tmp_path, "MSH005", content, shape("collision"))
+    assert not find_in_mesh(tmp_path, "MSH005", content, shape("collision"))
 
 
 def test_an_open_mesh_is_reported_as_open_only(tmp_path: Path) -> None:
     flag = CLOSED + "v 0.5 0.5 1\nf 2 3 5\n"
-    assert found(tmp_path, "MSH002", flag, shape("collision"))
-    assert not found(tmp_path, "MSH005", flag, shape("collision"))
+    assert find_in_mesh(tmp_path, "MSH002", flag, shape("collision"))
+    assert not find_in_mesh(tmp_path, "MSH005", flag, shape("collision"))
 
 
 @pytest.mark.parametrize("code", ["MSH005", "MSH006", "MSH009", "MSH010", "MSH013", "MSH014"])
 def test_what_only_matters_in_contact_is_not_reported_of_drawn_meshes(tmp_path: Path, code: str) -> None:
     content = WALLED + "f 1 2 5\n" + moved(CLOSED, 100.0, 5)
     links = (shape("visual", scale="1 1 -1"),)
-    assert not found(tmp_path, code, content, *links, options={"MSH009": {"triangles": 3}})
+    assert not find_in_mesh(tmp_path, code, content, *links, options={"MSH009": {"triangles": 3}})
 
 
 # -- MSH006, MSH007 -------------------------------------------------------------------------------------------------
@@ -272,7 +272,7 @@ def test_what_only_matters_in_contact_is_not_reported_of_drawn_meshes(tmp_path: 
 def test_triangles_that_are_nothing_are_counted_for_all_meshes_together(tmp_path: Path) -> None:
     (tmp_path / "other.obj").write_text(CLOSED + "v 0.5 0 0\nf 1 2 5\nf 1 1 2\n")
     links = (shape("collision"), shape("collision", "other.obj"))
-    (finding,) = found(tmp_path, "MSH006", CLOSED + "f 2 1 3\n", *links)
+    (finding,) = find_in_mesh(tmp_path, "MSH006", CLOSED + "f 2 1 3\n", *links)
     assert (finding.data["duplicate"], finding.data["degenerate"]) == (1, 2)
     assert finding.severity == Severity.INFO
     assert len(finding.related) == 1
@@ -280,24 +280,26 @@ def test_triangles_that_are_nothing_are_counted_for_all_meshes_together(tmp_path
 
 
 def test_a_triangle_without_area_is_drawn_where_it_is(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "MSH006", CLOSED + "v 0.5 0 0\nf 1 2 5\n", shape("collision", scale="0.1 0.1 0.1"))
+    (finding,) = find_in_mesh(
+        tmp_path, "MSH006", CLOSED + "v 0.5 0 0\nf 1 2 5\n", shape("collision", scale="0.1 0.1 0.1")
+    )
     assert finding.data["places"][0]["triangles"] == [[[0, 0, 0], [0.1, 0, 0], [0.05, 0, 0]]]
 
 
 @pytest.mark.parametrize("number", ["nan", "inf", "-inf", "1e999"])
 def test_a_corner_that_is_nowhere(tmp_path: Path, number: str) -> None:
-    (finding,) = found(tmp_path, "MSH007", CLOSED + f"v 0 {number} 0\nf 1 2 5\n", shape("visual"))
+    (finding,) = find_in_mesh(tmp_path, "MSH007", CLOSED + f"v 0 {number} 0\nf 1 2 5\n", shape("visual"))
     assert (finding.severity, finding.data["count"]) == (Severity.ERROR, 1)
 
 
 def test_the_hole_that_it_leaves_is_no_second_finding(tmp_path: Path) -> None:
-    assert not found(tmp_path, "MSH002", OPEN + "v nan 0 0\nf 1 2 5\n", shape("collision"))
+    assert not find_in_mesh(tmp_path, "MSH002", OPEN + "v nan 0 0\nf 1 2 5\n", shape("collision"))
 
 
 def test_a_mesh_that_is_nowhere_altogether_is_unreadable(tmp_path: Path) -> None:
     nowhere = CLOSED.replace("v 0 0 0", "v nan 0 0").replace("f 2 3 4\n", "")
-    assert not found(tmp_path, "MSH007", nowhere, shape("visual"))
-    assert found(tmp_path, "MSH001", nowhere, shape("visual"))
+    assert not find_in_mesh(tmp_path, "MSH007", nowhere, shape("visual"))
+    assert find_in_mesh(tmp_path, "MSH001", nowhere, shape("visual"))
 
 
 # -- MSH008 ---------------------------------------------------------------------------------------------------------
@@ -308,7 +310,7 @@ def test_a_mesh_that_is_nowhere_altogether_is_unreadable(tmp_path: Path) -> None
 )
 def test_a_mesh_in_another_unit_is_larger_than_its_robot(tmp_path: Path, unit: float, size: float, scale: str) -> None:
     links = ("", shape("visual", scale=" ".join([scale] * 3)))
-    (finding,) = found(tmp_path, "MSH008", scaled(CLOSED, unit * size), *links, step=0.3)
+    (finding,) = find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, unit * size), *links, step=0.3)
     assert (finding.message_id, finding.severity) == ("large", Severity.WARNING)
     assert finding.data["size"] == pytest.approx(unit * size * float(scale))
     assert "0.4 m" in finding.data["readings"] or unit == 39.37
@@ -317,7 +319,7 @@ def test_a_mesh_in_another_unit_is_larger_than_its_robot(tmp_path: Path, unit: f
 @pytest.mark.parametrize("factor", [1e-3, 1.0, 1e3])
 def test_file_and_scale_may_change_together(tmp_path: Path, factor: float) -> None:
     scale = " ".join([repr(0.4 / factor)] * 3)
-    assert not found(tmp_path, "MSH008", scaled(CLOSED, factor), "", shape("visual", scale=scale), step=0.3)
+    assert not find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, factor), "", shape("visual", scale=scale), step=0.3)
 
 
 @pytest.mark.parametrize(
@@ -325,12 +327,12 @@ def test_file_and_scale_may_change_together(tmp_path: Path, factor: float) -> No
 )
 def test_how_large_a_part_may_be_depends_on_the_robot(tmp_path: Path, size: float, step: float, reported: bool) -> None:
     """Five metres, or ten times the distance of the farthest link; without distances nothing is too large."""
-    assert bool(found(tmp_path, "MSH008", scaled(CLOSED, size), "", shape("visual"), step=step)) == reported
+    assert bool(find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, size), "", shape("visual"), step=step)) == reported
 
 
 def test_only_the_uses_without_scale_are_reported(tmp_path: Path) -> None:
     drawn, collides = shape("visual", scale="0.001 0.001 0.001"), shape("collision")
-    (finding,) = found(tmp_path, "MSH008", scaled(CLOSED, 400.0), "", drawn + collides, step=0.3)
+    (finding,) = find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, 400.0), "", drawn + collides, step=0.3)
     assert finding.location.subject == "link[l1]/collision/geometry/mesh@filename"
     assert not finding.related
 
@@ -352,14 +354,14 @@ def test_every_link_that_uses_the_mesh_is_a_subject(tmp_path: Path) -> None:
 
 
 def test_metres_that_are_scaled_as_millimetres_vanish(tmp_path: Path) -> None:
-    (finding,) = found(
+    (finding,) = find_in_mesh(
         tmp_path, "MSH008", scaled(CLOSED, 0.4), "", shape("visual", scale="0.001 0.001 0.001"), step=0.3
     )
     assert finding.message_id == "small"
 
 
 def test_a_tiny_mesh_without_scale_is_meant(tmp_path: Path) -> None:
-    assert not found(tmp_path, "MSH008", scaled(CLOSED, 0.0004), "", shape("visual"), step=0.3)
+    assert not find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, 0.0004), "", shape("visual"), step=0.3)
 
 
 @pytest.mark.parametrize(
@@ -375,7 +377,7 @@ def test_the_unit_of_collada_divides_the_programs(
     tmp_path: Path, unit: float, size: float, scale: str, right: str
 ) -> None:
     links = ("", shape("visual", "part.dae", " ".join([scale] * 3)))
-    (finding,) = found(tmp_path, "MSH008", collada(unit, size), *links, name="part.dae", step=0.3)
+    (finding,) = find_in_mesh(tmp_path, "MSH008", collada(unit, size), *links, name="part.dae", step=0.3)
     assert finding.message_id == "unit"
     assert right in finding.message
     assert finding.data["drawn"] == pytest.approx(finding.data["plain"] * unit)
@@ -383,13 +385,13 @@ def test_the_unit_of_collada_divides_the_programs(
 
 @pytest.mark.parametrize("unit", [1.0, 1.0005])
 def test_a_unit_of_one_metre_does_not(tmp_path: Path, unit: float) -> None:
-    assert not found(tmp_path, "MSH008", collada(unit, 0.4), shape("visual", "part.dae"), name="part.dae")
+    assert not find_in_mesh(tmp_path, "MSH008", collada(unit, 0.4), shape("visual", "part.dae"), name="part.dae")
 
 
 def test_meshes_of_one_unit_are_one_finding(tmp_path: Path) -> None:
     (tmp_path / "other.dae").write_text(collada(0.0254, 7.0))
     links = (shape("visual", "part.dae"), shape("visual", "other.dae") + shape("collision", "other.dae"))
-    (finding,) = found(tmp_path, "MSH008", collada(0.0254, 15.0), *links, name="part.dae")
+    (finding,) = find_in_mesh(tmp_path, "MSH008", collada(0.0254, 15.0), *links, name="part.dae")
     assert (finding.data["count"], len(finding.related)) == (2, 2)
 
 
@@ -398,7 +400,7 @@ def test_a_unit_that_is_no_positive_number_is_reported_once_for_all_that_declare
     tmp_path: Path, unit: float
 ) -> None:
     both = shape("visual", "part.dae") + shape("collision", "part.dae")
-    (finding,) = found(tmp_path, "MSH008", collada(unit, 0.4), both, both, name="part.dae", step=0.3)
+    (finding,) = find_in_mesh(tmp_path, "MSH008", collada(unit, 0.4), both, both, name="part.dae", step=0.3)
     assert (finding.message_id, finding.data["declared"], len(finding.related)) == ("unit_invalid", repr(unit), 3)
 
 
@@ -408,7 +410,7 @@ def test_a_unit_that_is_no_positive_number_is_reported_once_for_all_that_declare
 @pytest.mark.parametrize(("limit", "reported"), [(3, True), (4, False)])
 def test_how_many_triangles_may_collide(tmp_path: Path, limit: int, reported: bool) -> None:
     links = (shape("visual") + shape("collision"), shape("collision"))
-    findings = found(tmp_path, "MSH009", CLOSED, *links, options={"MSH009": {"triangles": limit}})
+    findings = find_in_mesh(tmp_path, "MSH009", CLOSED, *links, options={"MSH009": {"triangles": limit}})
     assert [(f.data["triangles"], len(f.related)) for f in findings] == ([(4, 1)] if reported else [])
 
 
@@ -416,12 +418,12 @@ def test_how_many_triangles_may_collide(tmp_path: Path, limit: int, reported: bo
     ("scale", "mirrors"), [("1 -1 1", True), ("-1 -1 1", False), ("-1 -1 -1", True), ("0 -1 1", False)]
 )
 def test_an_odd_number_of_negative_factors_is_a_mirror(tmp_path: Path, scale: str, mirrors: bool) -> None:
-    assert bool(found(tmp_path, "MSH010", CLOSED, shape("collision", scale=scale))) == mirrors
+    assert bool(find_in_mesh(tmp_path, "MSH010", CLOSED, shape("collision", scale=scale))) == mirrors
 
 
 def test_all_mirrored_shapes_are_one_finding(tmp_path: Path) -> None:
     left, right = shape("collision", scale="1 -1 1"), shape("collision")
-    (finding,) = found(tmp_path, "MSH010", CLOSED, left, right, left)
+    (finding,) = find_in_mesh(tmp_path, "MSH010", CLOSED, left, right, left)
     assert (finding.data["count"], len(finding.related)) == (2, 1)
 
 
@@ -441,12 +443,12 @@ OFF = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 
 )
 def test_which_program_loads_what(tmp_path: Path, name: str, content: str | bytes, refused: set[str]) -> None:
     targets = ("gazebo", "mujoco", "drake", "bullet", "rviz", "moveit", "pinocchio")
-    findings = found(tmp_path, "MSH011", content, shape("collision", name), name=name, targets=targets)
+    findings = find_in_mesh(tmp_path, "MSH011", content, shape("collision", name), name=name, targets=targets)
     assert {f.message_id for f in findings} == refused
 
 
 def test_without_a_target_it_is_one_info_that_names_who_cannot(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "MSH011", OFF, shape("collision", "part.off"), name="part.off")
+    (finding,) = find_in_mesh(tmp_path, "MSH011", OFF, shape("collision", "part.off"), name="part.off")
     assert finding.severity is Severity.INFO
     assert finding.message.startswith("MuJoCo, Drake, PyBullet, Gazebo cannot load")
     assert set(finding.consequences) == {"mujoco", "drake", "bullet", "gazebo"}
@@ -463,7 +465,7 @@ def test_mujoco_counts_the_triangles_of_stl_files(tmp_path: Path, monkeypatch: p
     monkeypatch.setattr(msh011_format_unsupported, "MUJOCO_STL_FACES", 0)
     links = (shape("collision", "part.stl"), shape("collision", "part.obj"))
     (tmp_path / "part.obj").write_text(CLOSED)
-    (finding,) = found(tmp_path, "MSH011", stl(b"part"), *links, name="part.stl", targets=("mujoco",))
+    (finding,) = find_in_mesh(tmp_path, "MSH011", stl(b"part"), *links, name="part.stl", targets=("mujoco",))
     assert (finding.message_id, finding.data["triangles"], finding.data["count"]) == ("faces", 1, 1)
 
 
@@ -474,7 +476,7 @@ TEXT = (
 
 @pytest.mark.parametrize(("content", "message"), [(stl(b"solid part"), "solid"), (TEXT, "text"), (stl(b"part"), None)])
 def test_an_stl_file_should_look_like_what_it_is(tmp_path: Path, content: bytes, message: str | None) -> None:
-    findings = found(tmp_path, "MSH012", content, shape("visual", "part.stl"), name="part.stl")
+    findings = find_in_mesh(tmp_path, "MSH012", content, shape("visual", "part.stl"), name="part.stl")
     assert [f.message_id for f in findings] == ([] if message is None else [message])
 
 
@@ -484,20 +486,20 @@ def test_an_stl_file_should_look_like_what_it_is(tmp_path: Path, content: bytes,
 def test_the_mesh_of_most_pieces_comes_first(tmp_path: Path) -> None:
     (tmp_path / "two.obj").write_text(CLOSED + moved(CLOSED, 2.0, 4))
     three = CLOSED + moved(CLOSED, 2.0, 4) + moved(CLOSED, 4.0, 8)
-    (finding,) = found(tmp_path, "MSH013", three, shape("collision", "two.obj"), shape("collision"))
+    (finding,) = find_in_mesh(tmp_path, "MSH013", three, shape("collision", "two.obj"), shape("collision"))
     assert finding.data["meshes"] == "part.obj (3), two.obj (2)"
     assert finding.location.subject.startswith("link[l1]")
 
 
 def test_pieces_that_touch_in_an_edge_hang_together(tmp_path: Path) -> None:
-    assert not found(tmp_path, "MSH013", TOUCHING, shape("collision"))
+    assert not find_in_mesh(tmp_path, "MSH013", TOUCHING, shape("collision"))
 
 
 @pytest.mark.parametrize("scale", ["1 1 1", "0.001 0.001 0.001", "1 1 -7"])
 @pytest.mark.parametrize(("content", "reported"), [(CLOSED + moved(CLOSED, 3.0, 4), True), (CLOSED, False)])
 def test_a_hull_that_is_much_larger_than_its_mesh(tmp_path: Path, content: str, reported: bool, scale: str) -> None:
     """Two tetrahedra side by side and three apart: their hull adds a prism, and is five times their volume."""
-    findings = found(tmp_path, "MSH014", content, shape("collision", scale=scale))
+    findings = find_in_mesh(tmp_path, "MSH014", content, shape("collision", scale=scale))
     assert [f.data["most"] for f in findings] == ([pytest.approx(5.0)] if reported else [])
 
 
@@ -505,10 +507,11 @@ def test_a_hull_that_is_much_larger_than_its_mesh(tmp_path: Path, content: str, 
 def test_how_much_larger_a_hull_may_be(tmp_path: Path, times: float, reported: bool) -> None:
     content = CLOSED + moved(CLOSED, 3.0, 4)
     assert (
-        bool(found(tmp_path, "MSH014", content, shape("collision"), options={"MSH014": {"times": times}})) == reported
+        bool(find_in_mesh(tmp_path, "MSH014", content, shape("collision"), options={"MSH014": {"times": times}}))
+        == reported
     )
 
 
 @pytest.mark.parametrize("content", [OPEN, OPEN + moved(OPEN, 3.0, 4), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 2\n"])
 def test_a_mesh_without_volume_loses_none(tmp_path: Path, content: str) -> None:
-    assert not found(tmp_path, "MSH014", content, shape("collision"))
+    assert not find_in_mesh(tmp_path, "MSH014", content, shape("collision"))

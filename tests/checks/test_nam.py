@@ -6,9 +6,10 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from builders import find, joint, robot
 from conftest import check, check_text
 
-from urdfcheck.core import Finding, Severity
+from urdfcheck.core import Severity
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 
@@ -91,18 +92,13 @@ class TestNAM003:
         assert bool(run.findings) == found
 
 
-def found(folder: Path, body: str, code: str) -> tuple[Finding, ...]:
-    run = check_text(folder, f'<robot name="r">{body}</robot>', codes={code})
-    assert not run.failures
-    return run.findings
-
-
 def links(*names: str) -> str:
     return "".join(f'<link name="{name}"/>' for name in names)
 
 
-def joint(name: str, parent: str, child: str, origin: str = "", type_: str = "fixed") -> str:
-    return f'<joint name="{name}" type="{type_}"><parent link="{parent}"/><child link="{child}"/><origin {origin}/></joint>'
+def make_joint(name: str, parent: str, child: str, origin: str = "", kind: str = "fixed") -> str:
+    """Return a joint; ``origin`` are the attributes of this element."""
+    return joint(name, parent, child, f"<origin {origin}/>", kind=kind)
 
 
 class TestNAM002:
@@ -125,12 +121,12 @@ class TestNAM002:
         ],
     )
     def test_the_style_of_almost_all_names(self, tmp_path: Path, names: tuple[str, ...], odd: list[str]) -> None:
-        findings = found(tmp_path, links(*names), "NAM002")
+        findings = find(tmp_path, robot(links(*names)), "NAM002")
         assert [f.subjects for f in findings] == ([tuple(f"link[{name}]@name" for name in odd)] if odd else [])
 
     def test_one_finding_for_links_and_joints(self, tmp_path: Path) -> None:
-        joints = "".join(joint(f"{name}_mount", "base_link", name) for name in (*self.LOWER, "Laser_link"))
-        (finding,) = found(tmp_path, links("base_link", *self.LOWER, "Laser_link") + joints, "NAM002")
+        joints = "".join(make_joint(f"{name}_mount", "base_link", name) for name in (*self.LOWER, "Laser_link"))
+        (finding,) = find(tmp_path, robot(links("base_link", *self.LOWER, "Laser_link") + joints), "NAM002")
         assert "Laser_link, Laser_link_mount" in finding.message
 
 
@@ -153,15 +149,15 @@ class TestNAM004:
         ],
     )
     def test_optical_frames(self, tmp_path: Path, parent: str, origin: str, message: str | None) -> None:
-        body = links(parent, "camera_optical_frame") + joint("j", parent, "camera_optical_frame", origin)
-        assert [f.message_id for f in found(tmp_path, body, "NAM004")] == ([] if message is None else [message])
+        body = links(parent, "camera_optical_frame") + make_joint("j", parent, "camera_optical_frame", origin)
+        assert [f.message_id for f in find(tmp_path, robot(body), "NAM004")] == ([] if message is None else [message])
 
     def test_where_a_wrong_one_looks_and_what_to_write(self, tmp_path: Path) -> None:
         """x forward turned by +90° about x and -90° about z: z points back, y up."""
-        body = links("camera_link", "camera_optical") + joint(
+        body = links("camera_link", "camera_optical") + make_joint(
             "j", "camera_link", "camera_optical", 'rpy="1.5708 0 -1.5708"'
         )
-        (finding,) = found(tmp_path, body, "NAM004")
+        (finding,) = find(tmp_path, robot(body), "NAM004")
         assert "looks back, with the top of the picture down" in finding.message
         assert finding.fix is not None
         assert [e.expected for e in finding.fix.edits] == ["1.5708 0 -1.5708"]
@@ -178,8 +174,8 @@ class TestNAM004:
         ],
     )
     def test_the_base(self, tmp_path: Path, chain: tuple[str, ...], message: str | None) -> None:
-        joints = "".join(joint(f"j{i}", a, b) for i, (a, b) in enumerate(pairwise(chain)))
-        findings = found(tmp_path, links(*chain) + joints, "NAM004")
+        joints = "".join(make_joint(f"j{i}", a, b) for i, (a, b) in enumerate(pairwise(chain)))
+        findings = find(tmp_path, robot(links(*chain) + joints), "NAM004")
         assert [f.message_id for f in findings] == ([] if message is None else [message])
 
     @pytest.mark.parametrize(
@@ -193,8 +189,8 @@ class TestNAM004:
         ],
     )
     def test_tool0_points_away_from_the_flange(self, tmp_path: Path, rpy: str, right: bool) -> None:
-        body = links("flange", "tool0") + joint("j", "flange", "tool0", f'rpy="{rpy}"')
-        assert bool(found(tmp_path, body, "NAM004")) != right
+        body = links("flange", "tool0") + make_joint("j", "flange", "tool0", f'rpy="{rpy}"')
+        assert bool(find(tmp_path, robot(body), "NAM004")) != right
 
 
 class TestNAM005:
@@ -203,8 +199,8 @@ class TestNAM005:
         """Pairs of links beside a base, the first of each ``y`` to the left of the second."""
         body = links("base_link", *(name for pair in pairs for name in pair[:2]))
         for left, right, y in pairs:
-            body += joint(f"j_{left}", "base_link", left, f'xyz="0 {y / 2} 0" rpy="{rpy}"', type_)
-            body += joint(f"j_{right}", "base_link", right, f'xyz="0 {-y / 2} 0" rpy="{rpy}"', type_)
+            body += make_joint(f"j_{left}", "base_link", left, f'xyz="0 {y / 2} 0" rpy="{rpy}"', type_)
+            body += make_joint(f"j_{right}", "base_link", right, f'xyz="0 {-y / 2} 0" rpy="{rpy}"', type_)
         return body
 
     USUAL = (("left_wheel", "right_wheel", 0.4), ("l_arm", "r_arm", 0.3))
@@ -224,47 +220,49 @@ class TestNAM005:
     def test_the_majority_tells_which_side_is_left(
         self, tmp_path: Path, pair: tuple[str, str, float], wrong: bool
     ) -> None:
-        findings = found(tmp_path, self.robot(*self.USUAL, pair), "NAM005")
+        findings = find(tmp_path, robot(self.robot(*self.USUAL, pair)), "NAM005")
         assert [f.subjects for f in findings] == ([(f"link[{pair[0]}]", f"link[{pair[1]}]")] if wrong else [])
 
     def test_a_base_that_is_turned_round_is_no_finding(self, tmp_path: Path) -> None:
         pairs = [(left, right, -y) for left, right, y in self.USUAL]
-        assert not found(tmp_path, self.robot(*pairs, ("left_lidar", "right_lidar", -0.2)), "NAM005")
-        assert found(tmp_path, self.robot(*pairs, ("left_lidar", "right_lidar", 0.2)), "NAM005")
+        assert not find(tmp_path, robot(self.robot(*pairs, ("left_lidar", "right_lidar", -0.2))), "NAM005")
+        assert find(tmp_path, robot(self.robot(*pairs, ("left_lidar", "right_lidar", 0.2))), "NAM005")
 
     def test_one_against_one_decides_nothing(self, tmp_path: Path) -> None:
-        assert not found(tmp_path, self.robot(self.USUAL[0], ("left_lidar", "right_lidar", -0.2)), "NAM005")
+        assert not find(tmp_path, robot(self.robot(self.USUAL[0], ("left_lidar", "right_lidar", -0.2))), "NAM005")
 
     @pytest.mark.parametrize(("type_", "rpy"), [("prismatic", "0 0 0"), ("fixed", "0 0 3.14159")])
     def test_fingers_and_rear_cameras_have_a_left_of_their_own(self, tmp_path: Path, type_: str, rpy: str) -> None:
         body = self.robot(*self.USUAL) + links("left_part", "right_part")
-        body += joint("a", "base_link", "left_part", f'xyz="0 -0.1 0" rpy="{rpy}"', type_)
-        body += joint("b", "base_link", "right_part", f'xyz="0 0.1 0" rpy="{rpy}"', type_)
-        assert not found(tmp_path, body, "NAM005")
+        body += make_joint("a", "base_link", "left_part", f'xyz="0 -0.1 0" rpy="{rpy}"', type_)
+        body += make_joint("b", "base_link", "right_part", f'xyz="0 0.1 0" rpy="{rpy}"', type_)
+        assert not find(tmp_path, robot(body), "NAM005")
 
     def test_a_limb_counts_once(self, tmp_path: Path) -> None:
         """Two pairs of three links each, and one of them is wrong: nobody can tell which."""
         body = self.robot(("left_arm", "right_arm", 0.4), ("left_leg", "right_leg", -0.4))
         for side in ("left", "right"):
             body += links(f"{side}_hand", f"{side}_finger")
-            body += joint(f"h_{side}", f"{side}_arm", f"{side}_hand") + joint(
+            body += make_joint(f"h_{side}", f"{side}_arm", f"{side}_hand") + make_joint(
                 f"f_{side}", f"{side}_hand", f"{side}_finger"
             )
-        assert not found(tmp_path, body, "NAM005")
+        assert not find(tmp_path, robot(body), "NAM005")
 
     def test_a_name_without_end(self, tmp_path: Path) -> None:
-        assert not found(
-            tmp_path, self.robot(*self.USUAL) + links("l_" * 20_000) + joint("j", "l_arm", "l_" * 20_000), "NAM005"
+        assert not find(
+            tmp_path,
+            robot(self.robot(*self.USUAL) + links("l_" * 20_000) + make_joint("j", "l_arm", "l_" * 20_000)),
+            "NAM005",
         )
 
 
 class TestNAM006:
     def test_all_spellings_of_a_name_are_one_finding(self, tmp_path: Path) -> None:
-        (finding,) = found(tmp_path, links("wheel", "Wheel", "WHEEL", "arm"), "NAM006")
+        (finding,) = find(tmp_path, robot(links("wheel", "Wheel", "WHEEL", "arm")), "NAM006")
         assert "'Wheel' and 'WHEEL'" in finding.message
 
     def test_a_link_and_a_joint_are_never_confused(self, tmp_path: Path) -> None:
-        assert not found(tmp_path, links("base", "wheel") + joint("Wheel", "base", "wheel"), "NAM006")
+        assert not find(tmp_path, robot(links("base", "wheel") + make_joint("Wheel", "base", "wheel")), "NAM006")
 
 
 class TestNAM007:
@@ -283,7 +281,7 @@ class TestNAM007:
         ],
     )
     def test_one_name(self, tmp_path: Path, name: str, parent: str, child: str, message: str | None) -> None:
-        findings = found(tmp_path, links(parent, child) + joint(name, parent, child), "NAM007")
+        findings = find(tmp_path, robot(links(parent, child) + make_joint(name, parent, child)), "NAM007")
         assert [f.message_id for f in findings] == ([] if message is None else [message])
 
     @pytest.mark.parametrize(
@@ -292,7 +290,7 @@ class TestNAM007:
     )
     def test_another_wheel(self, tmp_path: Path, name: str, wrong: bool) -> None:
         wheels = [f"wheel_{i}" for i in range(1, 5)]
-        body = links("base", "mast", *wheels) + joint("m", "base", "mast")
-        body += "".join(joint(f"{wheel}_axle_joint", "base", wheel) for wheel in wheels[:3]).replace("_axle", "")
-        findings = found(tmp_path, body + joint(name, "base", "wheel_4"), "NAM007")
+        body = links("base", "mast", *wheels) + make_joint("m", "base", "mast")
+        body += "".join(make_joint(f"{wheel}_axle_joint", "base", wheel) for wheel in wheels[:3]).replace("_axle", "")
+        findings = find(tmp_path, robot(body + make_joint(name, "base", "wheel_4")), "NAM007")
         assert [f.message_id for f in findings] == (["other"] if wrong else [])

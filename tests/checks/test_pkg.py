@@ -20,7 +20,7 @@ def _repository(tmp_path: Path) -> None:
     (tmp_path / ".git").mkdir()
 
 
-def link(name: str, *filenames: str) -> str:
+def make_mesh_link(name: str, *filenames: str) -> str:
     roles = ("visual", "collision")
     shapes = (f'<{r}><geometry><mesh filename="{f}"/></geometry></{r}>' for r, f in zip(roles, filenames, strict=False))
     return f'<link name="{name}">' + "".join(shapes) + "</link>\n"
@@ -50,7 +50,11 @@ def only(run: Run) -> Finding:
 
 
 def test_one_finding_for_each_unknown_package_with_all_its_files(tmp_path: Path) -> None:
-    run = audit(package(tmp_path), link("a", "package://q/a.stl", "package://q/b.stl"), link("b", "package://q/a.stl"))
+    run = audit(
+        package(tmp_path),
+        make_mesh_link("a", "package://q/a.stl", "package://q/b.stl"),
+        make_mesh_link("b", "package://q/a.stl"),
+    )
     finding = only(run)
     assert (finding.code, finding.severity) == ("PKG001", Severity.ERROR)
     assert finding.data["files"] == ["package://q/a.stl", "package://q/b.stl"]
@@ -60,7 +64,7 @@ def test_one_finding_for_each_unknown_package_with_all_its_files(tmp_path: Path)
 
 
 def test_declared_dependency_that_is_not_installed_is_an_info(tmp_path: Path) -> None:
-    finding = only(audit(package(tmp_path, depends="q"), link("a", "package://q/a.stl")))
+    finding = only(audit(package(tmp_path, depends="q"), make_mesh_link("a", "package://q/a.stl")))
     assert (finding.message_id, finding.severity) == ("files-declared", Severity.INFO)
 
 
@@ -68,7 +72,7 @@ def test_hyphen_for_underscore_names_the_package_that_is_meant(tmp_path: Path) -
     model = package(tmp_path, "meshes/a.stl")
     (tmp_path / "my_arm").mkdir()
     (tmp_path / "my_arm/package.xml").write_text("<package><name>my_arm</name></package>", encoding="utf-8")
-    finding = only(audit(model, link("a", "package://my-arm/a.stl")))
+    finding = only(audit(model, make_mesh_link("a", "package://my-arm/a.stl")))
     assert finding.data["near"] == ["my_arm"]
     assert finding.fix is not None
     assert [e.replacement for e in finding.fix.edits] == ["package://my_arm/a.stl"]
@@ -76,7 +80,7 @@ def test_hyphen_for_underscore_names_the_package_that_is_meant(tmp_path: Path) -
 
 
 def test_path_without_a_package_name(tmp_path: Path) -> None:
-    assert only(audit(package(tmp_path), link("a", "package:///p/a.stl"))).message_id == "nameless"
+    assert only(audit(package(tmp_path), make_mesh_link("a", "package:///p/a.stl"))).message_id == "nameless"
 
 
 @pytest.mark.parametrize(
@@ -104,7 +108,13 @@ def test_package_that_the_expansion_needs(tmp_path: Path, depends: str, explicit
 
 def test_visual_and_collision_of_one_missing_file_are_one_finding(tmp_path: Path) -> None:
     model = package(tmp_path, "meshes/b.stl")
-    finding = only(audit(model, link("a", "package://p/meshes/a.stl", "../meshes/a.stl"), link("b", "../meshes/b.stl")))
+    finding = only(
+        audit(
+            model,
+            make_mesh_link("a", "package://p/meshes/a.stl", "../meshes/a.stl"),
+            make_mesh_link("b", "../meshes/b.stl"),
+        )
+    )
     assert (finding.code, finding.message_id, len(finding.related)) == ("PKG002", "file", 1)
 
 
@@ -114,7 +124,7 @@ def test_a_path_that_was_put_together_leads_to_its_parts(tmp_path: Path) -> None
     model.write_text(
         '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
         '<xacro:property name="all" value="${xacro.load_yaml(\'m.yaml\')}"/>'
-        + link("a", "${all['arm']['mesh']}")
+        + make_mesh_link("a", "${all['arm']['mesh']}")
         + "</robot>",
         encoding="utf-8",
     )
@@ -124,14 +134,24 @@ def test_a_path_that_was_put_together_leads_to_its_parts(tmp_path: Path) -> None
 
 def test_missing_folder_is_one_finding(tmp_path: Path) -> None:
     model = package(tmp_path)
-    finding = only(audit(model, link("a", "package://p/meshes/x/a.stl"), link("b", "package://p/meshes/y/b.stl")))
+    finding = only(
+        audit(
+            model, make_mesh_link("a", "package://p/meshes/x/a.stl"), make_mesh_link("b", "package://p/meshes/y/b.stl")
+        )
+    )
     assert finding.message_id == "folder"
     assert finding.data["links"] == ["a", "b"]
 
 
 def test_folder_in_a_files_place_is_called_one(tmp_path: Path) -> None:
     model = package(tmp_path, "meshes/b.stl")
-    finding = only(audit(model, link("a", "package://p/meshes", "../meshes"), link("b", "package://p/meshes/b.stl")))
+    finding = only(
+        audit(
+            model,
+            make_mesh_link("a", "package://p/meshes", "../meshes"),
+            make_mesh_link("b", "package://p/meshes/b.stl"),
+        )
+    )
     assert (finding.code, finding.message_id, finding.data["what"]) == ("PKG002", "kind", "a folder")
     assert len(finding.related) == 1
 
@@ -140,13 +160,13 @@ def test_folder_in_a_files_place_is_called_one(tmp_path: Path) -> None:
 def test_pipe_in_a_files_place_is_called_one(tmp_path: Path) -> None:
     model = package(tmp_path, "meshes/b.stl")
     os.mkfifo(tmp_path / "p/meshes/a.stl")
-    finding = only(audit(model, link("a", "package://p/meshes/a.stl")))
+    finding = only(audit(model, make_mesh_link("a", "package://p/meshes/a.stl")))
     assert (finding.code, finding.message_id) == ("PKG002", "kind")
 
 
 def test_file_of_the_same_name_elsewhere_in_the_package_is_named(tmp_path: Path) -> None:
     model = package(tmp_path, "meshes/visual/a.stl", "meshes/b.stl")
-    finding = only(audit(model, link("a", "package://p/meshes/a.stl")))
+    finding = only(audit(model, make_mesh_link("a", "package://p/meshes/a.stl")))
     assert [Path(n).parts[-2:] for n in finding.data["near"]] == [("visual", "a.stl")]
 
 
@@ -162,7 +182,7 @@ def test_files_that_a_macro_names_in_one_text_are_one_finding(tmp_path: Path) ->
     model = model.with_suffix(".urdf.xacro")
     model.write_text(
         '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="m" params="n">\n'
-        + link("${n}", "package://p/meshes/${n}.stl")
+        + make_mesh_link("${n}", "package://p/meshes/${n}.stl")
         + '</xacro:macro><xacro:m n="a"/><xacro:m n="b"/></robot>',
         encoding="utf-8",
     )
@@ -173,7 +193,7 @@ def test_files_that_a_macro_names_in_one_text_are_one_finding(tmp_path: Path) ->
 
 def test_wrong_case_is_corrected_in_the_path_only(tmp_path: Path) -> None:
     model = package(tmp_path, "Meshes/Wheel.STL")
-    finding = only(audit(model, link("a", "package://p/meshes/wheel.stl")))
+    finding = only(audit(model, make_mesh_link("a", "package://p/meshes/wheel.stl")))
     assert finding.code == "PKG003"
     assert finding.fix is not None
     assert finding.fix.applicability is Applicability.SAFE
@@ -183,17 +203,17 @@ def test_wrong_case_is_corrected_in_the_path_only(tmp_path: Path) -> None:
 def test_absolute_path_into_the_package_gets_its_package_path(tmp_path: Path) -> None:
     model = package(tmp_path, "meshes/a.stl")
     mesh = (tmp_path / "p/meshes/a.stl").as_posix()
-    finding = only(audit(model, link("a", mesh, mesh)))
+    finding = only(audit(model, make_mesh_link("a", mesh, mesh)))
     assert (finding.code, finding.message_id) == ("PKG004", "here-only")
     assert finding.fix is not None
     assert [e.replacement for e in finding.fix.edits] == ["package://p/meshes/a.stl"] * 2
 
 
 def test_machine_path_is_told_once_whether_or_not_it_may_be_looked_at(tmp_path: Path) -> None:
-    finding = only(audit(package(tmp_path), link("a", "file:///nowhere/a.stl")))
+    finding = only(audit(package(tmp_path), make_mesh_link("a", "file:///nowhere/a.stl")))
     assert (finding.code, finding.message_id) == ("PKG004", "unread")
     model = package(tmp_path)
-    finding = only(audit(model, link("a", f"file://{model.parent}/nowhere/a.stl")))
+    finding = only(audit(model, make_mesh_link("a", f"file://{model.parent}/nowhere/a.stl")))
     assert (finding.code, finding.message_id) == ("PKG004", "nowhere")
 
 
@@ -202,7 +222,7 @@ def test_path_that_xacro_computes_is_no_machine_path_but_must_exist(tmp_path: Pa
     model.unlink()
     model = model.with_suffix(".urdf.xacro")
     head = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
-    model.write_text(head + link("a", "file://$(find p)/meshes/a.stl") + "</robot>", encoding="utf-8")
+    model.write_text(head + make_mesh_link("a", "file://$(find p)/meshes/a.stl") + "</robot>", encoding="utf-8")
     assert only(check(model, codes=CODES)).code == "PKG002"
 
 
@@ -256,7 +276,7 @@ def neighbour(folder: Path) -> None:
 def test_paths_that_lead_out_of_the_package(tmp_path: Path, path: str, message: str | None, edit: str | None) -> None:
     model = package(tmp_path, "meshes/a.stl")
     neighbour(tmp_path)
-    findings = audit(model, link("a", path), codes={"PKG005"}).findings
+    findings = audit(model, make_mesh_link("a", path), codes={"PKG005"}).findings
     assert [f.message_id for f in findings] == ([message] if message else [])
     for finding in findings:
         assert finding.fix is not None
@@ -267,7 +287,10 @@ def test_paths_that_lead_to_one_place_are_one_finding(tmp_path: Path) -> None:
     model = package(tmp_path, "meshes/a.stl")
     neighbour(tmp_path)
     (tmp_path / "q/meshes/d.stl").write_text("")
-    links = [link("a", "package://p/../q/meshes/b.stl", "../../q/meshes/d.stl"), link("b", "../../q/meshes/b.stl")]
+    links = [
+        make_mesh_link("a", "package://p/../q/meshes/b.stl", "../../q/meshes/d.stl"),
+        make_mesh_link("b", "../../q/meshes/b.stl"),
+    ]
     finding = only(audit(model, *links, codes={"PKG005"}))
     assert len(finding.related) == 2
 
@@ -306,7 +329,7 @@ def test_spelling_of_paths(
     tmp_path: Path, path: str, found: tuple[str, str, Severity] | None, edit: str | None
 ) -> None:
     names = ("meshes/a.stl", "meshes/größe.stl", "my meshes/a.stl", "meshes/a-b_c.v2.stl")
-    findings = audit(package(tmp_path, *names), link("a", path), codes={*CODES, "PKG011"}).findings
+    findings = audit(package(tmp_path, *names), make_mesh_link("a", path), codes={*CODES, "PKG011"}).findings
     assert [(f.code, f.message_id, f.severity) for f in findings] == ([found] if found else [])
     for finding in findings:
         assert finding.fix is not None
@@ -315,18 +338,20 @@ def test_spelling_of_paths(
 
 @pytest.mark.parametrize("path", ["..\\gone.stl", "package://p\\gone.stl", "package://gone\\a.stl"])
 def test_backslashes_come_before_what_they_hide(tmp_path: Path, path: str) -> None:
-    finding = only(audit(package(tmp_path), link("a", path), codes={*CODES, "PKG011", "PKG012"}))
+    finding = only(audit(package(tmp_path), make_mesh_link("a", path), codes={*CODES, "PKG011", "PKG012"}))
     assert (finding.code, finding.severity) == ("PKG011", Severity.ERROR)
     assert "the file is there" not in finding.message
     assert finding.fix is not None
     (edit,) = finding.fix.edits
-    finding = only(audit(tmp_path / "p/urdf/r.urdf", link("a", edit.replacement), codes={*CODES, "PKG011", "PKG012"}))
+    finding = only(
+        audit(tmp_path / "p/urdf/r.urdf", make_mesh_link("a", edit.replacement), codes={*CODES, "PKG011", "PKG012"})
+    )
     assert finding.code == ("PKG001" if "gone/" in edit.replacement else "PKG002")
 
 
 def test_files_of_one_folder_with_a_blank_are_one_finding(tmp_path: Path) -> None:
     model = package(tmp_path, "my meshes/a.stl", "my meshes/b c.stl", "d e/f.stl")
-    links = [link("a", "../my meshes/a.stl", "../my meshes/b c.stl"), link("b", "../d e/f.stl")]
+    links = [make_mesh_link("a", "../my meshes/a.stl", "../my meshes/b c.stl"), make_mesh_link("b", "../d e/f.stl")]
     assert [len(f.data["files"]) for f in audit(model, *links, codes={"PKG011"}).findings] == [2, 1]
 
 
@@ -335,7 +360,7 @@ def test_files_of_one_folder_with_a_blank_are_one_finding(tmp_path: Path) -> Non
 
 def test_the_one_package_that_has_the_files_is_meant(tmp_path: Path) -> None:
     model = package(tmp_path, "meshes/a.stl", "meshes/b.stl")
-    finding = only(audit(model, link("a", "package://other/meshes/a.stl", "package://other/meshes/b.stl")))
+    finding = only(audit(model, make_mesh_link("a", "package://other/meshes/a.stl", "package://other/meshes/b.stl")))
     assert finding.data["near"] == ["p"]
     assert "did you mean p, which has these files?" in finding.message
     assert finding.fix is not None
@@ -343,7 +368,7 @@ def test_the_one_package_that_has_the_files_is_meant(tmp_path: Path) -> None:
 
 
 def test_a_slash_too_many_is_taken_away_where_a_package_stands_behind_it(tmp_path: Path) -> None:
-    finding = only(audit(package(tmp_path, "meshes/a.stl"), link("a", "package:///p/meshes/a.stl")))
+    finding = only(audit(package(tmp_path, "meshes/a.stl"), make_mesh_link("a", "package:///p/meshes/a.stl")))
     assert finding.message_id == "nameless"
     assert finding.fix is not None
     assert [e.replacement for e in finding.fix.edits] == ["package://p/meshes/a.stl"]
@@ -352,11 +377,13 @@ def test_a_slash_too_many_is_taken_away_where_a_package_stands_behind_it(tmp_pat
 
 def test_what_needs_meshes_that_are_not_installed_is_listed_as_skipped(tmp_path: Path) -> None:
     model = package(tmp_path, depends="q")
-    run = audit(model, link("a", "package://q/a.stl", "package://q/b.stl"), codes={"PKG001", "MSH001", "KIN001"})
+    run = audit(
+        model, make_mesh_link("a", "package://q/a.stl", "package://q/b.stl"), codes={"PKG001", "MSH001", "KIN001"}
+    )
     assert only(run).severity == Severity.INFO
     assert [s.code for s in run.skipped if "2 meshes in package q" in s.reason] == ["MSH001"]
     (tmp_path / "p/package.xml").write_text("<package><name>p</name></package>", encoding="utf-8")
-    run = audit(model, link("a", "package://q/a.stl", "package://q/b.stl"), codes={"PKG001", "MSH001"})
+    run = audit(model, make_mesh_link("a", "package://q/a.stl", "package://q/b.stl"), codes={"PKG001", "MSH001"})
     assert only(run).severity == Severity.ERROR
     assert not run.skipped
 
@@ -454,7 +481,7 @@ def test_missing_line_is_written_as_its_neighbours_are(tmp_path: Path, before: s
 # -- what is installed -----------------------------------------------------------------------------------------------------
 
 AMENT = "<export><build_type>ament_cmake</build_type></export>"
-MESH = link("a", "package://p/meshes/a.stl")
+MESH = make_mesh_link("a", "package://p/meshes/a.stl")
 
 
 @pytest.mark.parametrize(
@@ -564,12 +591,12 @@ def test_packages_of_ros_1_and_other_builds_are_left_alone(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("name", "text", "left"),
     [
-        ("urdf/a.urdf", link("a", "package://p/meshes/b.stl"), ["meshes/c.dae"]),
-        ("urdf/a.xacro", link("a", "package://p/meshes/${kind}.stl"), ["meshes/c.dae"]),
-        ("urdf/a.xacro", link("a", "package://p/meshes/${kind}.${format}"), []),
-        ("urdf/a.xacro", link("a", "$(find p)/meshes/${file}"), []),
-        ("urdf/a.xacro", link("a", "${folder}/b.stl"), ["meshes/c.dae"]),
-        ("urdf/a.xacro", link("a", "package://p/other/${kind}.stl"), ["meshes/b.stl", "meshes/c.dae"]),
+        ("urdf/a.urdf", make_mesh_link("a", "package://p/meshes/b.stl"), ["meshes/c.dae"]),
+        ("urdf/a.xacro", make_mesh_link("a", "package://p/meshes/${kind}.stl"), ["meshes/c.dae"]),
+        ("urdf/a.xacro", make_mesh_link("a", "package://p/meshes/${kind}.${format}"), []),
+        ("urdf/a.xacro", make_mesh_link("a", "$(find p)/meshes/${file}"), []),
+        ("urdf/a.xacro", make_mesh_link("a", "${folder}/b.stl"), ["meshes/c.dae"]),
+        ("urdf/a.xacro", make_mesh_link("a", "package://p/other/${kind}.stl"), ["meshes/b.stl", "meshes/c.dae"]),
         ("config/a.yaml", "mesh: meshes/b.stl", ["meshes/c.dae"]),
         ("config/a.yaml", "meshes:\n - b.stl\n - c.dae", []),
         ("scripts/a.py", 'load("meshes/" + name + ".stl")', ["meshes/c.dae"]),
@@ -579,14 +606,14 @@ def test_packages_of_ros_1_and_other_builds_are_left_alone(tmp_path: Path) -> No
     ],
 )
 def test_what_names_a_mesh(tmp_path: Path, name: str, text: str, left: list[str]) -> None:
-    used = f'<robot name="r">{link("a", "package://p/meshes/a.stl")}</robot>'
+    used = f'<robot name="r">{make_mesh_link("a", "package://p/meshes/a.stl")}</robot>'
     files = {"package.xml": manifest(), "urdf/r.urdf": used, name: text}
     write(tmp_path, {**files, "meshes/a.stl": "", "meshes/b.stl": "", "meshes/c.dae": ""})
     assert [f.data["files"] for f in findings(tmp_path, "PKG010")] == ([left] if left else [])
 
 
 def test_meshes_are_asked_for_in_runs_on_whole_packages_only(tmp_path: Path) -> None:
-    used = f'<robot name="r">{link("a", "package://p/meshes/a.stl")}</robot>'
+    used = f'<robot name="r">{make_mesh_link("a", "package://p/meshes/a.stl")}</robot>'
     root = write(
         tmp_path, {"p/package.xml": manifest(), "p/urdf/r.urdf": used, "p/meshes/a.stl": "", "p/meshes/b.stl": ""}
     )
@@ -600,15 +627,15 @@ def test_meshes_for_other_packages_are_left_alone(tmp_path: Path) -> None:
     files = {"p/package.xml": manifest(), "p/urdf/r.urdf": URDF, "p/meshes/a.stl": "", "p/meshes/b.stl": ""}
     write(tmp_path, files)
     assert not findings(tmp_path, "PKG010")  # nothing at hand names any of them
-    text = f'<robot name="q">{link("a", "package://p/meshes/a.stl")}</robot>'
+    text = f'<robot name="q">{make_mesh_link("a", "package://p/meshes/a.stl")}</robot>'
     write(tmp_path, {"q/package.xml": manifest(name="q"), "q/urdf/q.urdf": text})
     assert [f.data["files"] for f in findings(tmp_path, "PKG010")] == [["meshes/b.stl"]]
 
 
 def test_mesh_may_be_for_a_package_out_of_reach_that_depends_on_this_one(tmp_path: Path) -> None:
-    used = f'<robot name="r">{link("a", "package://p/meshes/a.stl")}</robot>'
+    used = f'<robot name="r">{make_mesh_link("a", "package://p/meshes/a.stl")}</robot>'
     other = manifest("<depend>p</depend>", name="q")
-    secret = f'<robot name="q">{link("a", "package://p/meshes/b.stl")}</robot>'
+    secret = f'<robot name="q">{make_mesh_link("a", "package://p/meshes/b.stl")}</robot>'
     files = {"p/package.xml": manifest(), "p/urdf/r.urdf": used, "p/meshes/a.stl": "", "p/meshes/b.stl": ""}
     write(tmp_path, {**files, "q/package.xml": manifest(name="q"), "q/urdf/q.urdf": secret})
     (tmp_path / ".git").rmdir()  # nothing says that the two belong together

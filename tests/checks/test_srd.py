@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
+from builders import find, robot
 from conftest import check
 
 from urdfcheck.core import Finding, Severity
@@ -30,18 +32,14 @@ ARM = (
 GROUP = '<group name="arm"><chain base_link="base" tip_link="tool"/></group>'
 
 
-def found(folder: Path, srdf: str, code: str = "SRD001", arm: str = ARM, limits: str = "") -> tuple[Finding, ...]:
+def find_with_srdf(folder: Path, srdf: str, code: str = "SRD001", arm: str = ARM, limits: str = "") -> list[Finding]:
+    """Return the findings on an arm with a semantic description, and with a ``joint_limits.yaml`` where ``limits`` has text."""
     (folder / ".git").mkdir(parents=True, exist_ok=True)  # no other test's package is in its workspace
-    (folder / "arm.urdf").write_text(f'<robot name="arm">{arm}</robot>')
-    (folder / "arm.srdf").write_text(f'<robot name="arm">{srdf}</robot>')
-    if limits:
-        (folder / "joint_limits.yaml").write_text(limits)
-    run = check(folder / "arm.urdf", codes={code})
-    assert not run.failures
-    return run.findings
+    files = {"arm.urdf": robot(arm, name="arm"), "arm.srdf": robot(srdf, name="arm")}
+    return find(folder, files | ({"joint_limits.yaml": limits} if limits else {}), code, name="arm.urdf")
 
 
-def ids(findings: tuple[Finding, ...]) -> list[str]:
+def ids(findings: Iterable[Finding]) -> list[str]:
     return [f.message_id for f in findings]
 
 
@@ -67,7 +65,7 @@ def ids(findings: tuple[Finding, ...]) -> list[str]:
     ],
 )
 def test_each_name_is_looked_up(tmp_path: Path, line: str, subject: str) -> None:
-    (finding,) = found(tmp_path, GROUP.replace("tool", "upper") + line)
+    (finding,) = find_with_srdf(tmp_path, GROUP.replace("tool", "upper") + line)
     assert (finding.location.subject, finding.severity) == (subject, Severity.ERROR)
     if finding.message_id != "group":
         assert "did you mean" in finding.message
@@ -78,30 +76,30 @@ def test_each_name_is_looked_up(tmp_path: Path, line: str, subject: str) -> None
 def test_virtual_joints_are_joints(tmp_path: Path) -> None:
     srdf = '<virtual_joint name="v" type="planar" parent_frame="map" child_link="base"/><group name="g"><joint name="v"/></group>'
     state = '<group_state name="s" group="g"><joint name="v" value="0 0 0"/></group_state>'
-    assert not found(tmp_path, srdf + state)
+    assert not find_with_srdf(tmp_path, srdf + state)
 
 
 def test_one_name_is_one_finding(tmp_path: Path) -> None:
     state = '<group_state name="{}" group="arm"><joint name="elbw" value="0"/><joint name="shoulder" value="0"/></group_state>'
-    (finding,) = found(tmp_path, GROUP + state.format("a") + state.format("b"))
+    (finding,) = find_with_srdf(tmp_path, GROUP + state.format("a") + state.format("b"))
     assert len(finding.related) == 1
 
 
 def test_names_are_trimmed_as_by_moveit(tmp_path: Path) -> None:
-    assert not found(tmp_path, GROUP.replace('"base"', '" base "'))
+    assert not find_with_srdf(tmp_path, GROUP.replace('"base"', '" base "'))
 
 
 def test_a_name_of_another_variant_is_known(tmp_path: Path) -> None:
     (tmp_path / "wide.urdf").write_text('<robot name="arm"><link name="gripper_base"/></robot>')
     grip = '<group name="grip"><link name="gripper_base"/></group>'
-    assert not found(tmp_path, GROUP + grip)
+    assert not find_with_srdf(tmp_path, GROUP + grip)
     (tmp_path / "wide.urdf").unlink()
-    assert ids(found(tmp_path, GROUP + grip)) == ["link"]
+    assert ids(find_with_srdf(tmp_path, GROUP + grip)) == ["link"]
 
 
 def test_a_description_of_another_robot_of_this_name_is_not_compared(tmp_path: Path) -> None:
     fingers = "".join(f'<group name="g{n}"><link name="finger_{n}"/></group>' for n in range(9))
-    assert not found(tmp_path, GROUP + fingers)
+    assert not find_with_srdf(tmp_path, GROUP + fingers)
 
 
 def workspace(folder: Path, depends: str, model: str = "") -> list[str]:
@@ -144,7 +142,7 @@ def test_groups_in_a_circle(tmp_path: Path, pairs: list[str], path: str | None) 
         f'<group name="{name}"><joint name="elbow"/>{"".join(f"<group name={chr(34)}{i}{chr(34)}/>" for i in inner)}</group>'
         for name, inner in inside.items()
     )
-    findings = found(tmp_path, groups)
+    findings = find_with_srdf(tmp_path, groups)
     assert [f.data["path"] for f in findings] == ([] if path is None else [path])
 
 
@@ -158,7 +156,7 @@ def test_groups_in_a_circle(tmp_path: Path, pairs: list[str], path: str | None) 
     ],
 )
 def test_a_chain_leads_down(tmp_path: Path, base: str, tip: str, message: str | None) -> None:
-    findings = found(tmp_path, f'<group name="g"><chain base_link="{base}" tip_link="{tip}"/></group>')
+    findings = find_with_srdf(tmp_path, f'<group name="g"><chain base_link="{base}" tip_link="{tip}"/></group>')
     assert ids(findings) == ([] if message is None else [message])
     if message == "chain-reversed":
         assert findings[0].fix is not None
@@ -168,7 +166,7 @@ def test_a_chain_leads_down(tmp_path: Path, base: str, tip: str, message: str | 
 @pytest.mark.parametrize(("kind", "reported"), [("floating", True), ("planar", True), ("fixed", False)])
 def test_a_virtual_joint_moves_the_root(tmp_path: Path, kind: str, reported: bool) -> None:
     joint = f'<virtual_joint name="v" type="{kind}" parent_frame="odom" child_link="upper"/>'
-    assert ids(found(tmp_path, GROUP + joint)) == (["virtual-not-root"] if reported else [])
+    assert ids(find_with_srdf(tmp_path, GROUP + joint)) == (["virtual-not-root"] if reported else [])
 
 
 @pytest.mark.parametrize(
@@ -183,7 +181,7 @@ def test_a_virtual_joint_moves_the_root(tmp_path: Path, kind: str, reported: boo
 )
 def test_a_state_is_of_its_group(tmp_path: Path, group: str, reported: bool) -> None:
     state = '<group_state name="s" group="g"><joint name="elbow" value="0"/></group_state>'
-    findings = found(tmp_path, f'{GROUP}<group name="g">{group}</group>{state}')
+    findings = find_with_srdf(tmp_path, f'{GROUP}<group name="g">{group}</group>{state}')
     assert ids(findings) == (["state-foreign"] if reported else [])
 
 
@@ -209,24 +207,24 @@ def state(**values: object) -> str:
     ],
 )
 def test_a_state_is_within_the_limits(tmp_path: Path, value: object, reported: bool) -> None:
-    assert ids(found(tmp_path, state(elbow=value), "SRD002")) == (["outside"] if reported else [])
+    assert ids(find_with_srdf(tmp_path, state(elbow=value), "SRD002")) == (["outside"] if reported else [])
 
 
 def test_soft_limits_narrow(tmp_path: Path) -> None:
     soft = '<safety_controller soft_lower_limit="-1" soft_upper_limit="1" k_velocity="1"/>'
     arm = ARM.replace(hinge("elbow", "upper", "fore"), hinge("elbow", "upper", "fore", more=soft))
-    (finding,) = found(tmp_path, state(elbow=1.2), "SRD002", arm)
+    (finding,) = find_with_srdf(tmp_path, state(elbow=1.2), "SRD002", arm)
     assert "safety_controller" in finding.message
 
 
 @pytest.mark.parametrize(("limit", "reported"), [(1.0, True), (1.5, False)])
 def test_joint_limits_replace_those_of_the_model(tmp_path: Path, limit: float, reported: bool) -> None:
     limits = f"joint_limits: {{elbow: {{max_position: {limit}}}}}"
-    assert bool(found(tmp_path, state(elbow=1.2), "SRD002", limits=limits)) == reported
+    assert bool(find_with_srdf(tmp_path, state(elbow=1.2), "SRD002", limits=limits)) == reported
 
 
 def test_a_state_in_degrees_is_one_finding(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, state(elbow=90, shoulder=-45), "SRD002")
+    (finding,) = find_with_srdf(tmp_path, state(elbow=90, shoulder=-45), "SRD002")
     assert finding.message_id == "degrees"
     assert finding.fix is not None
     assert [e.replacement for e in finding.fix.edits] == ["1.5708", "-0.7854"]
@@ -236,7 +234,7 @@ def test_a_follower_goes_where_its_leader_says(tmp_path: Path) -> None:
     arm = ARM.replace(
         hinge("elbow", "upper", "fore"), hinge("elbow", "upper", "fore", more='<mimic joint="shoulder"/>')
     )
-    assert not found(tmp_path, state(elbow=9), "SRD002", arm)
+    assert not find_with_srdf(tmp_path, state(elbow=9), "SRD002", arm)
 
 
 # -- joint_limits.yaml -------------------------------------------------------------------------------------------------
@@ -261,7 +259,7 @@ def test_a_follower_goes_where_its_leader_says(tmp_path: Path) -> None:
 )
 def test_joint_limits_are_not_looser_than_the_model(tmp_path: Path, entry: str, messages: list[str]) -> None:
     limits = f"default_velocity_scaling_factor: 0.1\njoint_limits:\n  elbow: {{{entry}}}\n"
-    assert ids(found(tmp_path, GROUP, "SRD003", limits=limits)) == messages
+    assert ids(find_with_srdf(tmp_path, GROUP, "SRD003", limits=limits)) == messages
 
 
 @pytest.mark.parametrize(
@@ -273,7 +271,7 @@ def test_joint_limits_are_not_looser_than_the_model(tmp_path: Path, entry: str, 
     ],
 )
 def test_joint_limits_name_joints(tmp_path: Path, limits: str) -> None:
-    (finding,) = found(tmp_path, GROUP, "SRD003", limits=limits)
+    (finding,) = find_with_srdf(tmp_path, GROUP, "SRD003", limits=limits)
     assert finding.message_id == "unknown"
     assert finding.fix is not None
     assert [e.replacement for e in finding.fix.edits] == ["elbow"]
@@ -283,13 +281,13 @@ def test_joint_limits_name_joints(tmp_path: Path, limits: str) -> None:
     "limits", ["joint_limits: {a: {max_velocity: 1.0}, elbow: 3}", "elbow: {limit: {lower: 1}}", "[1, 2]"]
 )
 def test_other_files_of_this_name_are_left_alone(tmp_path: Path, limits: str) -> None:
-    assert not found(tmp_path, GROUP, "SRD003", limits=limits)
+    assert not find_with_srdf(tmp_path, GROUP, "SRD003", limits=limits)
 
 
 def test_a_continuous_joint_takes_no_position_limit(tmp_path: Path) -> None:
     arm = ARM.replace('name="elbow" type="revolute"', 'name="elbow" type="continuous"')
     limits = "joint_limits: {elbow: {max_position: 1.0}}"
-    assert ids(found(tmp_path, GROUP, "SRD003", arm, limits)) == ["continuous"]
+    assert ids(find_with_srdf(tmp_path, GROUP, "SRD003", arm, limits)) == ["continuous"]
 
 
 @pytest.mark.parametrize(("tool", "reported"), [("ament_cmake", True), ("catkin", False)])
@@ -298,7 +296,7 @@ def test_ros_2_reads_no_integers(tmp_path: Path, tool: str, reported: bool) -> N
         f"<package><name>arm</name><buildtool_depend>{tool}</buildtool_depend></package>"
     )
     limits = "joint_limits:\n  elbow: {max_velocity: 1, max_acceleration: 0}\n  shoulder: {max_velocity: 1.0}\n"
-    findings = found(tmp_path, GROUP, "SRD003", limits=limits)
+    findings = find_with_srdf(tmp_path, GROUP, "SRD003", limits=limits)
     assert ids(findings) == (["integer"] if reported else [])
     if reported:
         assert findings[0].severity == Severity.ERROR
@@ -307,7 +305,7 @@ def test_ros_2_reads_no_integers(tmp_path: Path, tool: str, reported: bool) -> N
 
 
 def test_broken_joint_limits_are_an_error_at_their_line(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, GROUP, "SRD003", limits="joint_limits:\n  elbow: [1\n")
+    (finding,) = find_with_srdf(tmp_path, GROUP, "SRD003", limits="joint_limits:\n  elbow: [1\n")
     assert (finding.message_id, finding.severity) == ("broken", Severity.ERROR)
 
 
@@ -323,13 +321,13 @@ def test_broken_joint_limits_are_an_error_at_their_line(tmp_path: Path) -> None:
     ],
 )
 def test_a_passive_joint_takes_no_commands(tmp_path: Path, srdf: str, arm: str, message: str | None) -> None:
-    assert ids(found(tmp_path, srdf, "SRD004", arm)) == ([] if message is None else [message])
+    assert ids(find_with_srdf(tmp_path, srdf, "SRD004", arm)) == ([] if message is None else [message])
 
 
 def test_a_passive_joint_is_in_no_controller(tmp_path: Path) -> None:
     tmp_path.joinpath("moveit_controllers.yaml").write_text(
         "moveit_simple_controller_manager:\n  c: {type: FollowJointTrajectory, joints: [shoulder, elbow]}\n"
     )
-    (finding,) = found(tmp_path, '<passive_joint name="elbow"/>', "SRD004")
+    (finding,) = find_with_srdf(tmp_path, '<passive_joint name="elbow"/>', "SRD004")
     assert finding.message_id == "controller"
     assert finding.related[0].subject == "yaml[moveit_simple_controller_manager.c.joints[1]]"

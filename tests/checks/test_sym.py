@@ -6,7 +6,7 @@ from math import cos, pi, sin
 from pathlib import Path
 
 import pytest
-from conftest import check_text
+from builders import find, joint
 
 from urdfcheck.core import Finding, Severity
 
@@ -22,11 +22,10 @@ CORNERS = {
 }
 
 
-def joint(name: str, child: str, xyz: str, rpy: str, axis: str, kind: str = "continuous", parent: str = "base") -> str:
-    return (
-        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
-        f'<origin xyz="{xyz}" rpy="{rpy}"/><axis xyz="{axis}"/></joint>'
-    )
+def make_joint_on_base(
+    name: str, child: str, xyz: str, rpy: str, axis: str, kind: str = "continuous", parent: str = "base"
+) -> str:
+    return joint(name, parent, child, kind=kind, xyz=xyz, rpy=rpy, axis=axis)
 
 
 def car(kind: str = "continuous", **rpy: str) -> str:
@@ -34,12 +33,8 @@ def car(kind: str = "continuous", **rpy: str) -> str:
     parts = ['<link name="base"/>']
     for name, (xyz, usual, axis) in CORNERS.items():
         parts.append(f'<link name="{name}_wheel">{WHEEL}</link>')
-        parts.append(joint(name, f"{name}_wheel", xyz, rpy.get(name, usual), axis, kind))
+        parts.append(make_joint_on_base(name, f"{name}_wheel", xyz, rpy.get(name, usual), axis, kind))
     return f'<robot name="car" xmlns:xacro="http://www.ros.org/wiki/xacro">{"".join(parts)}</robot>'
-
-
-def found(folder: Path, code: str, text: str, name: str = "robot.urdf") -> list[Finding]:
-    return list(check_text(folder, text, name, codes={code}).findings)
 
 
 def edits(finding: Finding) -> list[tuple[str, str]]:
@@ -51,84 +46,84 @@ def edits(finding: Finding) -> list[tuple[str, str]]:
 
 
 def test_a_consistent_car_has_no_odd_wheel(tmp_path: Path) -> None:
-    assert not found(tmp_path, "SYM001", car())
+    assert not find(tmp_path, car(), "SYM001")
 
 
 @pytest.mark.parametrize("name", CORNERS)
 def test_each_wheel_is_named_when_it_is_the_one(tmp_path: Path, name: str) -> None:
     yaw = CORNERS[name][1].split()[2]
-    (finding,) = found(tmp_path, "SYM001", car(**{name: f"0 0.3 {yaw}"}))
+    (finding,) = find(tmp_path, car(**{name: f"0 0.3 {yaw}"}), "SYM001")
     assert finding.location.subject == f"joint[{name}]/origin@rpy"
     assert finding.message_id == "zero"
     assert abs(abs(finding.data["angle"]) - 17.19) < 0.01
 
 
 def test_the_angle_is_signed_about_the_joints_own_axis(tmp_path: Path) -> None:
-    (left,) = found(tmp_path / "a", "SYM001", car(front_left="0 0.3 0"))
-    (right,) = found(tmp_path / "b", "SYM001", car(front_right=f"0 0.3 {pi}"))
+    (left,) = find(tmp_path / "a", car(front_left="0 0.3 0"), "SYM001")
+    (right,) = find(tmp_path / "b", car(front_right=f"0 0.3 {pi}"), "SYM001")
     assert left.data["angle"] == pytest.approx(17.1887, abs=1e-3)
     assert right.data["angle"] == pytest.approx(-17.1887, abs=1e-3)
 
 
 def test_the_edit_writes_the_angles_of_the_pattern(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "SYM001", car(front_right="0 0.3 3.1416"))
+    (finding,) = find(tmp_path, car(front_right="0 0.3 3.1416"), "SYM001")
     assert edits(finding) == [("0 0.3 3.1416", "0 0 3.14159265358979")]
 
 
 def test_a_xacro_gets_pi_by_name(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "SYM001", car(front_right="0 0.3 3.1416"), "robot.urdf.xacro")
+    (finding,) = find(tmp_path, car(front_right="0 0.3 3.1416"), "SYM001", name="robot.urdf.xacro")
     assert edits(finding) == [("0 0.3 3.1416", "0 0 ${pi}")]
 
 
 def test_a_computed_rpy_is_not_edited(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "SYM001", car(front_left="0 ${0.1 + 0.2} 0"), "robot.urdf.xacro")
+    (finding,) = find(tmp_path, car(front_left="0 ${0.1 + 0.2} 0"), "SYM001", name="robot.urdf.xacro")
     assert not edits(finding)
 
 
 def test_a_wheel_that_is_tilted_has_toe_or_camber(tmp_path: Path) -> None:
-    (toe,) = found(tmp_path / "a", "SYM001", car(front_left="0 0 0.05"))
-    (camber,) = found(tmp_path / "b", "SYM001", car(front_left="0.05 0 0"))
+    (toe,) = find(tmp_path / "a", car(front_left="0 0 0.05"), "SYM001")
+    (camber,) = find(tmp_path / "b", car(front_left="0.05 0 0"), "SYM001")
     assert toe.message_id == camber.message_id == "wheel"
     assert (toe.data["toe"], toe.data["camber"]) == (pytest.approx(2.865, abs=1e-3), pytest.approx(0, abs=1e-9))
     assert (camber.data["toe"], camber.data["camber"]) == (pytest.approx(0, abs=1e-9), pytest.approx(2.865, abs=1e-3))
 
 
 def test_the_limits_of_a_revolute_joint_turn_with_it(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "SYM001", car("revolute", front_left="0 0.3 0"))
+    (finding,) = find(tmp_path, car("revolute", front_left="0 0.3 0"), "SYM001")
     assert "the joint's limits" in finding.message
 
 
 def test_the_distance_of_the_centre_of_mass_from_the_axis_is_told(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "SYM001", car(front_left="0 0.3 0"))
+    (finding,) = find(tmp_path, car(front_left="0 0.3 0"), "SYM001")
     assert "1 mm off the axis" in finding.message
 
 
 @pytest.mark.parametrize("rpy", ["0 0.001 0", f"0 {pi / 2} 0", f"0 {pi} 0"])
 def test_typing_errors_and_quarter_turns_are_choices(tmp_path: Path, rpy: str) -> None:
-    assert not found(tmp_path, "SYM001", car(front_left=rpy))
+    assert not find(tmp_path, car(front_left=rpy), "SYM001")
 
 
 def test_two_odd_wheels_of_four_leave_nobody_to_blame(tmp_path: Path) -> None:
-    assert not found(tmp_path, "SYM001", car(front_left="0 0.3 0", rear_right=f"0 0.7 {pi}"))
+    assert not find(tmp_path, car(front_left="0 0.3 0", rear_right=f"0 0.7 {pi}"), "SYM001")
 
 
 def test_a_different_wheel_is_no_sibling(tmp_path: Path) -> None:
     text = car(front_left="0 0.3 0").replace('value="0.03"', 'value="0.09"', 1)
-    assert not found(tmp_path, "SYM001", text)
+    assert not find(tmp_path, text, "SYM001")
 
 
 def test_children_without_inertial_and_mesh_are_not_compared(tmp_path: Path) -> None:
-    assert not found(tmp_path, "SYM001", car(front_left="0 0.3 0").replace(WHEEL, ""))
+    assert not find(tmp_path, car(front_left="0 0.3 0").replace(WHEEL, ""), "SYM001")
 
 
 def test_what_hangs_on_the_odd_joint_is_not_reported_again(tmp_path: Path) -> None:
     more = "".join(
         f'<link name="{name}_hub">{WHEEL}</link>'
-        + joint(f"{name}_2", f"{name}_hub", "0 0 0", "0 0 0", "0 1 0", parent=f"{name}_wheel")
+        + make_joint_on_base(f"{name}_2", f"{name}_hub", "0 0 0", "0 0 0", "0 1 0", parent=f"{name}_wheel")
         for name in CORNERS
     )
     text = car(front_left="0 0.3 0").replace("</robot>", f"{more}</robot>")
-    assert [f.location.subject for f in found(tmp_path, "SYM001", text)] == ["joint[front_left]/origin@rpy"]
+    assert [f.location.subject for f in find(tmp_path, text, "SYM001")] == ["joint[front_left]/origin@rpy"]
 
 
 def mounted(*, mount: str = "0 0 0", own: str = "0 0 0", sibling: str = "0 0 0") -> str:
@@ -137,15 +132,15 @@ def mounted(*, mount: str = "0 0 0", own: str = "0 0 0", sibling: str = "0 0 0")
     for name, (xyz, _, _) in CORNERS.items():
         odd = name == "front_left"
         parts.append(f'<link name="{name}_bracket"/><link name="{name}_wheel">{WHEEL}</link>')
-        held = joint(f"{name}_mount", f"{name}_bracket", xyz, mount if odd else sibling, "0 1 0", "fixed")
+        held = make_joint_on_base(f"{name}_mount", f"{name}_bracket", xyz, mount if odd else sibling, "0 1 0", "fixed")
         parts.append(held.replace('<axis xyz="0 1 0"/>', ""))
         own_rpy = own if odd else "0 0 0"
-        parts.append(joint(name, f"{name}_wheel", "0 0 0", own_rpy, "0 1 0", parent=f"{name}_bracket"))
+        parts.append(make_joint_on_base(name, f"{name}_wheel", "0 0 0", own_rpy, "0 1 0", parent=f"{name}_bracket"))
     return f'<robot name="car">{"".join(parts)}</robot>'
 
 
 def test_the_bracket_is_named_when_it_is_what_stands_askew(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "SYM001", mounted(mount="0 0.4 0"))
+    (finding,) = find(tmp_path, mounted(mount="0 0.4 0"), "SYM001")
     assert (finding.message_id, finding.location.subject) == ("mount", "joint[front_left_mount]/origin@rpy")
     assert edits(finding) == [("0 0.4 0", "0 0 0")]
     assert {r.subject for r in finding.related} == {
@@ -154,7 +149,7 @@ def test_the_bracket_is_named_when_it_is_what_stands_askew(tmp_path: Path) -> No
 
 
 def test_the_wheel_is_named_when_the_brackets_are_alike(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "SYM001", mounted(own="0 0.4 0"))
+    (finding,) = find(tmp_path, mounted(own="0 0.4 0"), "SYM001")
     assert (finding.message_id, finding.location.subject) == ("zero", "joint[front_left]/origin@rpy")
     assert edits(finding) == [("0 0.4 0", "0 0 0")]
 
@@ -163,7 +158,7 @@ def test_the_wheel_is_named_when_the_brackets_are_alike(tmp_path: Path) -> None:
 def test_where_bracket_and_wheel_are_off_both_are_named_and_nothing_is_edited(
     tmp_path: Path, mount: str, own: str
 ) -> None:
-    (finding,) = found(tmp_path, "SYM001", mounted(mount=mount, own=own))
+    (finding,) = find(tmp_path, mounted(mount=mount, own=own), "SYM001")
     assert finding.message_id == "chain"
     assert not edits(finding)
     assert "front_left_mount, front_left" in finding.message
@@ -175,8 +170,8 @@ def axle(left: str = "0 0 0", right: str = "0 0 0", mount: str = "0 0 0", kind: 
     parts = ['<link name="base"/>']
     for name, xyz, rpy, shoulder in (("left", "0 0.2 0.3", left, mount), ("right", "0 -0.2 0.3", right, "0 0 0")):
         parts.append(f'<link name="{name}_shoulder"/><link name="{name}_arm">{WHEEL}</link>')
-        parts.append(joint(f"{name}_mount", f"{name}_shoulder", xyz, shoulder, "0 1 0", "prismatic"))
-        parts.append(joint(name, f"{name}_arm", "0 0 -0.1", rpy, "0 1 0", kind, parent=f"{name}_shoulder"))
+        parts.append(make_joint_on_base(f"{name}_mount", f"{name}_shoulder", xyz, shoulder, "0 1 0", "prismatic"))
+        parts.append(make_joint_on_base(name, f"{name}_arm", "0 0 -0.1", rpy, "0 1 0", kind, parent=f"{name}_shoulder"))
     return f'<robot name="pair">{"".join(parts)}</robot>'
 
 
@@ -184,11 +179,11 @@ def test_a_pair_that_mirrors_or_repeats_itself_is_fine(tmp_path: Path) -> None:
     for i, (left, right) in enumerate(
         (("0 0 0", "0 0 0"), ("0 0.4 0", "0 0.4 0"), ("0.3 0 0", "-0.3 0 0"), ("0 1.5708 0", "0 0 0"))
     ):
-        assert not found(tmp_path / str(i), "SYM001", axle(left, right))
+        assert not find(tmp_path / str(i), axle(left, right), "SYM001")
 
 
 def test_of_a_pair_the_one_with_an_angle_that_nobody_chooses_is_named(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "SYM001", axle(right="0 -0.75239 0"))
+    (finding,) = find(tmp_path, axle(right="0 -0.75239 0"), "SYM001")
     assert (finding.message_id, finding.severity) == ("limits", Severity.WARNING)
     assert finding.location.subject == "joint[right]/origin@rpy"
     assert finding.data["angle"] == pytest.approx(-43.109, abs=1e-3)
@@ -200,32 +195,32 @@ def test_of_a_pair_the_one_with_an_angle_that_nobody_chooses_is_named(tmp_path: 
     ("left", "right"), [("0 0.3 0", "0 0 0"), ("0 0.75239 0", "0 0.31234 0"), ("0 0.75239 0", "0 0.2 0")]
 )
 def test_a_pair_of_which_nobody_can_say_more_is_named_as_a_pair(tmp_path: Path, left: str, right: str) -> None:
-    (finding,) = found(tmp_path, "SYM001", axle(left, right))
+    (finding,) = find(tmp_path, axle(left, right), "SYM001")
     assert (finding.message_id, finding.severity) == ("pair", Severity.INFO)
     assert "joints left and right carry like children" in finding.message
     assert not edits(finding)
 
 
 def test_the_pair_is_reported_at_the_angle_that_nobody_chooses(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "SYM001", axle("0 0.2 0", "0 0.75239 0"))
+    (finding,) = find(tmp_path, axle("0 0.2 0", "0 0.75239 0"), "SYM001")
     assert finding.location.subject == "joint[right]/origin@rpy"
     assert [r.subject for r in finding.related] == ["joint[left]/origin@rpy"]
 
 
 def test_a_pair_with_a_tilt_is_named_as_one(tmp_path: Path) -> None:
     sides = axle("0.05 0 0")
-    assert not found(tmp_path / "a", "SYM001", sides)  # left and right are SYM004's
-    (finding,) = found(tmp_path / "b", "SYM001", sides.replace("left", "upper").replace("right", "lower"))
+    assert not find(tmp_path / "a", sides, "SYM001")  # left and right are SYM004's
+    (finding,) = find(tmp_path / "b", sides.replace("left", "upper").replace("right", "lower"), "SYM001")
     assert (finding.message_id, finding.data["size"]) == ("pair_tilt", pytest.approx(2.865, abs=1e-3))
 
 
 def test_joints_on_what_stands_askew_are_not_the_ones_that_differ(tmp_path: Path) -> None:
-    assert [f.location.subject for f in found(tmp_path / "a", "SYM001", axle(mount="0 0.12345 0"))] == []
+    assert [f.location.subject for f in find(tmp_path / "a", axle(mount="0 0.12345 0"), "SYM001")] == []
     more = axle(mount="0 0.12345 0").replace(
         '<link name="left_shoulder"/>', f'<link name="left_shoulder">{WHEEL}</link>'
     )
     more = more.replace('<link name="right_shoulder"/>', f'<link name="right_shoulder">{WHEEL}</link>')
-    assert [f.location.subject for f in found(tmp_path / "b", "SYM001", more)] == ["joint[left_mount]/origin@rpy"]
+    assert [f.location.subject for f in find(tmp_path / "b", more, "SYM001")] == ["joint[left_mount]/origin@rpy"]
 
 
 def tripod(first: str, *, row: bool = False) -> str:
@@ -235,13 +230,13 @@ def tripod(first: str, *, row: bool = False) -> str:
         xyz = f"{0.1 * i} 0 0" if row else f"{0.1 * cos(2 * pi * i / 3):.6f} {0.1 * sin(2 * pi * i / 3):.6f} 0"
         rpy = "0 0 0" if row else f"0 0 {2 * pi * i / 3:.5f}"
         parts.append(f'<link name="leg_{i}">{WHEEL}</link>')
-        parts.append(joint(f"hip_{i}", f"leg_{i}", xyz, first if i == 0 else rpy, "0 1 0", "revolute"))
+        parts.append(make_joint_on_base(f"hip_{i}", f"leg_{i}", xyz, first if i == 0 else rpy, "0 1 0", "revolute"))
     return f'<robot name="tripod">{"".join(parts)}</robot>'
 
 
 def test_of_three_legs_at_120_degrees_the_odd_one_is_named(tmp_path: Path) -> None:
-    assert not found(tmp_path / "a", "SYM001", tripod("0 0 0"))
-    (finding,) = found(tmp_path / "b", "SYM001", tripod("0 0.3 0"))
+    assert not find(tmp_path / "a", tripod("0 0 0"), "SYM001")
+    (finding,) = find(tmp_path / "b", tripod("0 0.3 0"), "SYM001")
     assert (finding.message_id, finding.severity) == ("limits", Severity.WARNING)
     assert (
         "its two like siblings (hip_1, hip_2) follow one pattern of frames (rotation by 120° about z)"
@@ -251,17 +246,19 @@ def test_of_three_legs_at_120_degrees_the_odd_one_is_named(tmp_path: Path) -> No
 
 
 def test_of_three_in_a_row_numbers_have_to_decide(tmp_path: Path) -> None:
-    assert not found(tmp_path / "a", "SYM001", tripod("0 0.3 0", row=True))
-    (finding,) = found(tmp_path / "b", "SYM001", tripod("0 0.31234 0", row=True))
+    assert not find(tmp_path / "a", tripod("0 0.3 0", row=True), "SYM001")
+    (finding,) = find(tmp_path / "b", tripod("0 0.31234 0", row=True), "SYM001")
     assert finding.location.subject == "joint[hip_0]/origin@rpy"
     assert "its like siblings hip_1, hip_2 (mirror x) have round angles" in finding.message
 
 
 def test_a_base_that_is_turned_in_the_world_changes_nothing(tmp_path: Path) -> None:
-    world = '<link name="world"/>' + joint("to_world", "base", "1 2 3", "0.3 -0.8 2", "0 0 1", "fixed", parent="world")
+    world = '<link name="world"/>' + make_joint_on_base(
+        "to_world", "base", "1 2 3", "0.3 -0.8 2", "0 0 1", "fixed", parent="world"
+    )
     for i, text in enumerate((car(front_left="0 0.3 0"), axle(right="0 -0.75239 0"), tripod("0 0.3 0"))):
-        (usual,) = found(tmp_path / f"{i}a", "SYM001", text)
-        (turned,) = found(tmp_path / f"{i}b", "SYM001", text.replace("</robot>", f"{world}</robot>"))
+        (usual,) = find(tmp_path / f"{i}a", text, "SYM001")
+        (turned,) = find(tmp_path / f"{i}b", text.replace("</robot>", f"{world}</robot>"), "SYM001")
         assert (turned.message_id, turned.location.subject) == (usual.message_id, usual.location.subject)
         assert edits(turned) == edits(usual)
         assert turned.data["angle"] == pytest.approx(usual.data["angle"])
@@ -286,7 +283,7 @@ MACRO = """<robot name="car" xmlns:xacro="http://www.ros.org/wiki/xacro">
 
 def test_what_a_macro_computes_leads_to_the_argument_property_and_yaml_key(tmp_path: Path) -> None:
     (tmp_path / "w.yaml").write_text("pitch: -0.7\n", encoding="utf-8")
-    (finding,) = found(tmp_path, "SYM001", MACRO, "robot.urdf.xacro")
+    (finding,) = find(tmp_path, MACRO, "SYM001", name="robot.urdf.xacro")
     assert finding.message_id == "computed"
     assert not edits(finding)
     assert [(r.subject, r.span and r.span.line) for r in finding.related] == [
@@ -309,41 +306,45 @@ def wheeled(*axes: str, names: str = "wheel", rpy: str = "0 0 0", drawn: str = D
     parts = ['<link name="base"/>']
     for i, axis in enumerate(axes):
         parts.append(f'<link name="{names}_{i}">{drawn}</link>')
-        parts.append(joint(f"{names}_{i}_joint", f"{names}_{i}", f"{i * 0.2} {0.1 - i % 2 * 0.2} {z}", rpy, axis))
+        parts.append(
+            make_joint_on_base(f"{names}_{i}_joint", f"{names}_{i}", f"{i * 0.2} {0.1 - i % 2 * 0.2} {z}", rpy, axis)
+        )
     return f'<robot name="car">{"".join(parts)}</robot>'
 
 
 def test_wheels_that_roll_alike_are_fine(tmp_path: Path) -> None:
-    assert not found(tmp_path, "SYM005", wheeled("0 1 0", "0 1 0"))
-    assert not found(tmp_path, "SYM005", wheeled("0 -1 0", "0 -1 0"))
+    assert not find(tmp_path, wheeled("0 1 0", "0 1 0"), "SYM005")
+    assert not find(tmp_path, wheeled("0 -1 0", "0 -1 0"), "SYM005")
 
 
 def test_of_two_wheels_the_one_that_rolls_backwards_is_turned_over(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "SYM005", wheeled("0 -1 0", "0 1 0"))
+    (finding,) = find(tmp_path, wheeled("0 -1 0", "0 1 0"), "SYM005")
     assert finding.message_id == "opposed"
     assert edits(finding) == [("0 -1 0", "0 1 0")]
 
 
 def test_of_four_wheels_the_odd_one_is_turned_over(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "SYM005", wheeled("0 -1 0", "0 -1 0", "0 1 0", "0 -1 0"))
+    (finding,) = find(tmp_path, wheeled("0 -1 0", "0 -1 0", "0 1 0", "0 -1 0"), "SYM005")
     assert finding.message_id == "minority"
     assert finding.location.subject == "joint[wheel_2_joint]/axis@xyz"
     assert edits(finding) == [("0 1 0", "0 -1 0")]
 
 
 def test_casters_steered_and_standing_wheels_are_left_out(tmp_path: Path) -> None:
-    assert not found(tmp_path / "a", "SYM005", wheeled("0 -1 0", "0 1 0", names="caster_wheel"))
-    assert not found(tmp_path / "b", "SYM005", wheeled("0 0 -1", "0 0 1"))
+    assert not find(tmp_path / "a", wheeled("0 -1 0", "0 1 0", names="caster_wheel"), "SYM005")
+    assert not find(tmp_path / "b", wheeled("0 0 -1", "0 0 1"), "SYM005")
     steered = wheeled("0 -1 0", "0 1 0").replace('<link name="base"/>', '<link name="root"/><link name="base"/>')
-    steered = steered.replace("</robot>", joint("steer", "base", "0 0 0", "0 0 0", "0 0 1", parent="root") + "</robot>")
-    assert not found(tmp_path / "c", "SYM005", steered)
+    steered = steered.replace(
+        "</robot>", make_joint_on_base("steer", "base", "0 0 0", "0 0 0", "0 0 1", parent="root") + "</robot>"
+    )
+    assert not find(tmp_path / "c", steered, "SYM005")
 
 
 def test_wheels_in_several_directions_are_holonomic(tmp_path: Path) -> None:
     ball = '<visual><geometry><sphere radius="0.05"/></geometry></visual>'
-    assert not found(tmp_path, "SYM005", wheeled("0 1 0", "1 0 0", "0 -1 0", "-1 0 0", drawn=ball))
+    assert not find(tmp_path, wheeled("0 1 0", "1 0 0", "0 -1 0", "-1 0 0", drawn=ball), "SYM005")
 
 
 def test_a_box_is_no_wheel(tmp_path: Path) -> None:
     box = '<visual><geometry><box size="0.1 0.02 0.1"/></geometry></visual>'
-    assert not found(tmp_path, "SYM005", wheeled("0 -1 0", "0 1 0", drawn=box))
+    assert not find(tmp_path, wheeled("0 -1 0", "0 1 0", drawn=box), "SYM005")

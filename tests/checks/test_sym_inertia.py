@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import check_text
+from builders import find, inertial, joint, link, robot
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
@@ -47,47 +47,44 @@ def write_mesh(folder: Path, name: str = "lump.stl") -> None:
     (folder / name).write_text("\n".join([*lines, "endsolid lump"]), encoding="utf-8")
 
 
-def inertial(mass: float = MASS, com: object = COM, tensor: np.ndarray = TENSOR, rpy: str = "0 0 0") -> str:
-    six = dict(zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), tensor[np.triu_indices(3)].tolist(), strict=True))
+def make_lump_inertial(mass: float = MASS, com: object = COM, tensor: np.ndarray = TENSOR, rpy: str = "0 0 0") -> str:
+    values = (f"{value:.9g}" for value in tensor[np.triu_indices(3)].tolist())
+    terms = dict(zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), values, strict=True))
     place = " ".join(f"{v:.9g}" for v in com)  # type: ignore[attr-defined]
-    numbers = " ".join(f'{name}="{value:.9g}"' for name, value in six.items())
-    return f'<inertial><origin xyz="{place}" rpy="{rpy}"/><mass value="{mass:.9g}"/><inertia {numbers}/></inertial>'
+    return inertial(f"{mass:.9g}", com=place, rpy=rpy, **terms)
 
 
 def drawn(xyz: str = "0 0 0", rpy: str = "0 0 0", scale: str = "1 1 1") -> str:
     return f'<visual><origin xyz="{xyz}" rpy="{rpy}"/><geometry><mesh filename="lump.stl" scale="{scale}"/></geometry></visual>'
 
 
-def robot(*names: str, kind: str = "continuous", **links: str) -> str:
-    """Parts on a base; each one draws the lump and has its inertial unless told otherwise."""
-    parts = ['<link name="base"/>']
+def make_parts_on_base(*names: str, kind: str = "continuous", **links: str) -> str:
+    """Return parts on a base; each one draws the lump and has its inertial, unless ``links`` has other text for it."""
+    parts = [link("base")]
     for name in names:
-        parts.append(f'<link name="{name}_part">{links.get(name, drawn() + inertial())}</link>')
-        axis = "" if kind == "fixed" else '<axis xyz="0 0 1"/>'
-        parts.append(
-            f'<joint name="{name}" type="{kind}"><parent link="base"/><child link="{name}_part"/>'
-            f'<origin xyz="{PLACES[name]}"/>{axis}</joint>'
-        )
-    return f'<robot name="r">{"".join(parts)}</robot>'
+        parts.append(link(f"{name}_part", links.get(name, drawn() + make_lump_inertial())))
+        axis = "" if kind == "fixed" else "0 0 1"
+        parts.append(joint(name, "base", f"{name}_part", kind=kind, xyz=PLACES[name], axis=axis))
+    return robot(*parts)
 
 
 FOUR = ("fl", "rl", "rr", "fr")
 UNNAMED = ("rl", "mid", "top")
 
 
-def found(folder: Path, text: str, name: str = "robot.urdf") -> list[Finding]:
+def find_odd_inertia(folder: Path, text: str, name: str = "robot.urdf") -> list[Finding]:
     write_mesh(folder)
-    return list(check_text(folder, text, name, codes={"SYM003"}).findings)
+    return find(folder, text, "SYM003", name=name)
 
 
 def repaired(folder: Path, text: str) -> list[Finding]:
     """What is left when the only finding's edits are applied."""
-    (finding,) = found(folder, text)
+    (finding,) = find_odd_inertia(folder, text)
     assert finding.fix is not None
     assert finding.fix.edits
     for edit in sorted(finding.fix.edits, key=lambda e: -e.span.start):
         text = text[: edit.span.start] + edit.replacement + text[edit.span.end :]
-    return found(folder, text)
+    return find_odd_inertia(folder, text)
 
 
 def turned(rpy: tuple[float, float, float], move: tuple[float, float, float], mass: float = MASS) -> str:
@@ -95,33 +92,37 @@ def turned(rpy: tuple[float, float, float], move: tuple[float, float, float], ma
     turn = rpy_to_matrix(rpy)
     angles = " ".join(f"{a:.12g}" for a in matrix_to_rpy(turn))
     shape = drawn(" ".join(map(str, move)), angles)
-    return shape + inertial(mass, turn @ COM + move, turn @ TENSOR @ turn.T)
+    return shape + make_lump_inertial(mass, turn @ COM + move, turn @ TENSOR @ turn.T)
 
 
 def test_copies_that_agree_are_fine(tmp_path: Path) -> None:
-    assert not found(tmp_path, robot(*FOUR))
+    assert not find_odd_inertia(tmp_path, make_parts_on_base(*FOUR))
 
 
 @pytest.mark.parametrize("names", [FOUR, UNNAMED])
 @pytest.mark.parametrize(
     ("wrong", "told", "place"),
     [
-        (inertial(mass=1.1 * MASS), "mass 0.4753 kg instead of 0.4321 kg (× 1.1)", "inertial/mass@value"),
+        (make_lump_inertial(mass=1.1 * MASS), "mass 0.4753 kg instead of 0.4321 kg (× 1.1)", "inertial/mass@value"),
         (
-            inertial(com=COM * (1, -1, 1)),
+            make_lump_inertial(com=COM * (1, -1, 1)),
             "(30, -15, 8) mm instead of (30, 15, 8) mm, 30 mm away",
             "inertial/origin@xyz",
         ),
-        (inertial(tensor=TENSOR * (2 * np.eye(3) - 1)), "ixy 4e-06 instead of -4e-06, ixz 2e-06", "inertial/inertia"),
-        (inertial(tensor=TENSOR[[1, 0, 2]][:, [1, 0, 2]]), "other principal axes", "inertial/inertia"),
-        (inertial(tensor=TENSOR * 1.5), "principal moments", "inertial/inertia"),
+        (
+            make_lump_inertial(tensor=TENSOR * (2 * np.eye(3) - 1)),
+            "ixy 4e-06 instead of -4e-06, ixz 2e-06",
+            "inertial/inertia",
+        ),
+        (make_lump_inertial(tensor=TENSOR[[1, 0, 2]][:, [1, 0, 2]]), "other principal axes", "inertial/inertia"),
+        (make_lump_inertial(tensor=TENSOR * 1.5), "principal moments", "inertial/inertia"),
     ],
 )
 def test_the_odd_one_is_named_with_what_differs_and_repaired(
     tmp_path: Path, names: tuple[str, ...], wrong: str, told: str, place: str
 ) -> None:
-    text = robot(*names, rl=drawn() + wrong)
-    (finding,) = found(tmp_path, text)
+    text = make_parts_on_base(*names, rl=drawn() + wrong)
+    (finding,) = find_odd_inertia(tmp_path, text)
     assert (finding.message_id, finding.severity) == ("odd", Severity.WARNING)
     assert finding.location.subject == f"link[rl_part]/{place}"
     assert told in finding.message
@@ -130,52 +131,60 @@ def test_the_odd_one_is_named_with_what_differs_and_repaired(
 
 def test_frames_and_names_do_not_matter(tmp_path: Path) -> None:
     elsewhere = {"fl": turned((0.3, -1.0, 2.0), (0.01, 0.02, 0.03)), "fr": turned((0, 1.5708, 0), (0, 0, 0.1))}
-    assert not found(tmp_path / "a", robot(*FOUR, **elsewhere))
+    assert not find_odd_inertia(tmp_path / "a", make_parts_on_base(*FOUR, **elsewhere))
     elsewhere["rr"] = turned((3.0, 0.2, -0.4), (-0.1, 0, 0), mass=0.5)
-    text = robot(*FOUR, **elsewhere)
-    (finding,) = found(tmp_path / "b", text)
+    text = make_parts_on_base(*FOUR, **elsewhere)
+    (finding,) = find_odd_inertia(tmp_path / "b", text)
     assert "mass 0.5 kg instead of 0.4321 kg" in finding.message
     assert not repaired(tmp_path / "b", text)
 
 
 def test_the_tensor_stays_in_the_axes_that_its_author_chose(tmp_path: Path) -> None:
     turn = rpy_to_matrix((0.5, 0, 0))
-    own = inertial(tensor=turn.T @ TENSOR @ turn, rpy="0.5 0 0")
-    assert not found(tmp_path / "a", robot(*FOUR, rr=drawn() + own))
-    wrong = drawn() + inertial(tensor=2 * turn.T @ TENSOR @ turn, rpy="0.5 0 0")
-    (finding,) = found(tmp_path / "b", robot(*FOUR, rr=wrong))
+    own = make_lump_inertial(tensor=turn.T @ TENSOR @ turn, rpy="0.5 0 0")
+    assert not find_odd_inertia(tmp_path / "a", make_parts_on_base(*FOUR, rr=drawn() + own))
+    wrong = drawn() + make_lump_inertial(tensor=2 * turn.T @ TENSOR @ turn, rpy="0.5 0 0")
+    (finding,) = find_odd_inertia(tmp_path / "b", make_parts_on_base(*FOUR, rr=wrong))
     assert finding.fix is not None
     assert "rpy" not in finding.fix.title
-    assert not repaired(tmp_path / "b", robot(*FOUR, rr=wrong))
+    assert not repaired(tmp_path / "b", make_parts_on_base(*FOUR, rr=wrong))
 
 
 def test_a_part_that_a_negative_scale_mirrors_has_a_mirrored_inertial(tmp_path: Path) -> None:
     flip = np.diag((1.0, -1.0, 1.0))
-    right = drawn(scale="1 -1 1") + inertial(com=flip @ COM, tensor=flip @ TENSOR @ flip)
-    copied = drawn(scale="1 -1 1") + inertial()
-    assert not found(tmp_path / "a", robot(*UNNAMED, mid=right))
-    (finding,) = found(tmp_path / "b", robot(*UNNAMED, mid=copied))
+    right = drawn(scale="1 -1 1") + make_lump_inertial(com=flip @ COM, tensor=flip @ TENSOR @ flip)
+    copied = drawn(scale="1 -1 1") + make_lump_inertial()
+    assert not find_odd_inertia(tmp_path / "a", make_parts_on_base(*UNNAMED, mid=right))
+    (finding,) = find_odd_inertia(tmp_path / "b", make_parts_on_base(*UNNAMED, mid=copied))
     assert finding.location.subject == "link[mid_part]/inertial"
-    assert not repaired(tmp_path / "b", robot(*UNNAMED, mid=copied))
+    assert not repaired(tmp_path / "b", make_parts_on_base(*UNNAMED, mid=copied))
 
 
 def test_small_differences_are_an_info_and_typed_digits_none(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path / "a", robot(*FOUR, rr=drawn() + inertial(mass=1.03 * MASS)))
+    (finding,) = find_odd_inertia(
+        tmp_path / "a", make_parts_on_base(*FOUR, rr=drawn() + make_lump_inertial(mass=1.03 * MASS))
+    )
     assert finding.severity is Severity.INFO
-    assert not found(tmp_path / "b", robot(*FOUR, rr=drawn() + inertial(mass=1.007 * MASS)))
-    coarse = {name: drawn() + inertial().replace('mass value="0.4321"', 'mass value="0.43"') for name in FOUR}
+    assert not find_odd_inertia(
+        tmp_path / "b", make_parts_on_base(*FOUR, rr=drawn() + make_lump_inertial(mass=1.007 * MASS))
+    )
+    coarse = {name: drawn() + make_lump_inertial().replace('mass value="0.4321"', 'mass value="0.43"') for name in FOUR}
     coarse["rr"] = coarse["rr"].replace('mass value="0.43"', 'mass value="0.4256"')
-    assert not found(tmp_path / "c", robot(*FOUR, **coarse))
+    assert not find_odd_inertia(tmp_path / "c", make_parts_on_base(*FOUR, **coarse))
 
 
 def test_two_kinds_of_parts_have_no_odd_one(tmp_path: Path) -> None:
-    heavy = drawn() + inertial(mass=0.6)
-    assert not found(tmp_path / "a", robot(*FOUR, fl=heavy, fr=heavy))
-    assert not found(tmp_path / "b", robot(*UNNAMED, mid=heavy, top=drawn() + inertial(mass=0.8)))
+    heavy = drawn() + make_lump_inertial(mass=0.6)
+    assert not find_odd_inertia(tmp_path / "a", make_parts_on_base(*FOUR, fl=heavy, fr=heavy))
+    assert not find_odd_inertia(
+        tmp_path / "b", make_parts_on_base(*UNNAMED, mid=heavy, top=drawn() + make_lump_inertial(mass=0.8))
+    )
 
 
 def test_a_pair_is_named_as_a_pair(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, robot("mid", "top", mid=drawn() + inertial(mass=0.5)))
+    (finding,) = find_odd_inertia(
+        tmp_path, make_parts_on_base("mid", "top", mid=drawn() + make_lump_inertial(mass=0.5))
+    )
     assert (finding.message_id, finding.severity) == ("pair", Severity.INFO)
     assert finding.fix is not None
     assert not finding.fix.edits
@@ -188,34 +197,34 @@ def test_of_a_pair_the_one_that_does_not_fit_the_drawn_part_is_wrong(tmp_path: P
     centred = corners - com
     covariance = centred.T @ centred / 20  # of a uniform tetrahedron
     fitting = 0.4 * (np.trace(covariance) * np.eye(3) - covariance)
-    right, wrong = inertial(0.4, com, fitting), inertial(0.4, com * (1, -1, 1), fitting)
-    (finding,) = found(tmp_path, robot("mid", "top", mid=drawn() + wrong, top=drawn() + right))
+    right, wrong = make_lump_inertial(0.4, com, fitting), make_lump_inertial(0.4, com * (1, -1, 1), fitting)
+    (finding,) = find_odd_inertia(tmp_path, make_parts_on_base("mid", "top", mid=drawn() + wrong, top=drawn() + right))
     assert (finding.message_id, finding.location.subject) == ("odd", "link[mid_part]/inertial/origin@xyz")
     assert "its like link top_part has those of the part that both draw" in finding.message
 
 
 def test_points_and_impossible_bodies_are_not_compared(tmp_path: Path) -> None:
     for i, tensor in enumerate((0 * TENSOR, -TENSOR)):
-        odd = drawn() + inertial(0.9, COM, tensor)
-        assert not found(tmp_path / f"{i}a", robot("mid", "top", mid=odd))
-        assert not found(tmp_path / f"{i}b", robot(*UNNAMED, **dict.fromkeys(UNNAMED, odd)))
+        odd = drawn() + make_lump_inertial(0.9, COM, tensor)
+        assert not find_odd_inertia(tmp_path / f"{i}a", make_parts_on_base("mid", "top", mid=odd))
+        assert not find_odd_inertia(tmp_path / f"{i}b", make_parts_on_base(*UNNAMED, **dict.fromkeys(UNNAMED, odd)))
 
 
 def test_left_and_right_are_another_rules_matter(tmp_path: Path) -> None:
     text = (
-        robot("fl", "fr", fr=drawn() + inertial(mass=0.5))
+        make_parts_on_base("fl", "fr", fr=drawn() + make_lump_inertial(mass=0.5))
         .replace("fl_part", "left_part")
         .replace("fr_part", "right_part")
     )
-    assert not found(tmp_path, text)
+    assert not find_odd_inertia(tmp_path, text)
 
 
 def test_joints_of_another_type_and_casters_are_no_copies(tmp_path: Path) -> None:
-    heavy = drawn() + inertial(mass=0.6)
-    text = robot(*UNNAMED, mid=heavy)
-    assert found(tmp_path / "a", text)
-    assert not found(tmp_path / "b", text.replace('"mid" type="continuous"', '"mid" type="fixed"'))
-    assert not found(tmp_path / "c", text.replace("mid_part", "caster_part"))
+    heavy = drawn() + make_lump_inertial(mass=0.6)
+    text = make_parts_on_base(*UNNAMED, mid=heavy)
+    assert find_odd_inertia(tmp_path / "a", text)
+    assert not find_odd_inertia(tmp_path / "b", text.replace('"mid" type="continuous"', '"mid" type="fixed"'))
+    assert not find_odd_inertia(tmp_path / "c", text.replace("mid_part", "caster_part"))
 
 
 CYLINDER = '<visual><geometry><cylinder radius="0.05" length="0.02"/></geometry></visual>'
@@ -223,37 +232,41 @@ ROUND = np.diag((2.0e-4, 2.0e-4, 3.0e-4))
 
 
 def wheels(kind: str = "continuous", names: tuple[str, ...] = FOUR, **links: str) -> str:
-    usual = {name: CYLINDER + inertial(MASS, (0, 0, 0.002), ROUND) for name in names}
-    return robot(*names, kind=kind, **(usual | links))
+    usual = {name: CYLINDER + make_lump_inertial(MASS, (0, 0, 0.002), ROUND) for name in names}
+    return make_parts_on_base(*names, kind=kind, **(usual | links))
 
 
 def test_primitives_are_copies_where_four_hang_on_moving_joints(tmp_path: Path) -> None:
-    heavy = CYLINDER + inertial(1.25 * MASS, (0, 0, 0.002), ROUND * 1.25)
-    assert not found(tmp_path / "a", wheels())
-    (finding,) = found(tmp_path / "b", wheels(rr=heavy))
+    heavy = CYLINDER + make_lump_inertial(1.25 * MASS, (0, 0, 0.002), ROUND * 1.25)
+    assert not find_odd_inertia(tmp_path / "a", wheels())
+    (finding,) = find_odd_inertia(tmp_path / "b", wheels(rr=heavy))
     assert finding.location.subject == "link[rr_part]/inertial/mass@value"
-    assert not found(tmp_path / "c", wheels("fixed", rr=heavy))
-    assert not found(tmp_path / "d", wheels(names=UNNAMED, mid=heavy))
+    assert not find_odd_inertia(tmp_path / "c", wheels("fixed", rr=heavy))
+    assert not find_odd_inertia(tmp_path / "d", wheels(names=UNNAMED, mid=heavy))
 
 
 def test_what_a_symmetry_of_the_part_explains_is_no_difference(tmp_path: Path) -> None:
-    flipped = CYLINDER + inertial(MASS, (0, 0, -0.002), ROUND)
-    assert not found(tmp_path / "a", wheels(rr=flipped))
+    flipped = CYLINDER + make_lump_inertial(MASS, (0, 0, -0.002), ROUND)
+    assert not find_odd_inertia(tmp_path / "a", wheels(rr=flipped))
     spoke = np.array([(2.0e-4, 1e-5, 0), (1e-5, 2.1e-4, 0), (0, 0, 3.0e-4)])
     turn = rpy_to_matrix((0, 0, 1.234))
-    like = {name: CYLINDER + inertial(MASS, (0.003, 0.001, 0.002), spoke) for name in FOUR}
-    like["rr"] = CYLINDER + inertial(0.4, turn @ (0.003, 0.001, 0.002), turn @ spoke @ turn.T)
-    assert not found(tmp_path / "b", wheels(**like))
-    like["rr"] = CYLINDER + inertial(MASS, (0.009, 0.003, 0.002), spoke)
-    assert found(tmp_path / "c", wheels(**like))
+    like = {name: CYLINDER + make_lump_inertial(MASS, (0.003, 0.001, 0.002), spoke) for name in FOUR}
+    like["rr"] = CYLINDER + make_lump_inertial(0.4, turn @ (0.003, 0.001, 0.002), turn @ spoke @ turn.T)
+    assert not find_odd_inertia(tmp_path / "b", wheels(**like))
+    like["rr"] = CYLINDER + make_lump_inertial(MASS, (0.009, 0.003, 0.002), spoke)
+    assert find_odd_inertia(tmp_path / "c", wheels(**like))
 
 
 def test_a_line_that_a_macro_shares_is_not_edited(tmp_path: Path) -> None:
-    body = drawn() + inertial().replace('mass value="0.4321"', 'mass value="${m}"')
-    macro = re.sub(r'<link name="(\w+)_part">.*?</link>', r'<xacro:part name="\1" m="0.4321"/>', robot(*FOUR))
+    body = drawn() + make_lump_inertial().replace('mass value="0.4321"', 'mass value="${m}"')
+    macro = re.sub(
+        r'<link name="(\w+)_part">.*?</link>', r'<xacro:part name="\1" m="0.4321"/>', make_parts_on_base(*FOUR)
+    )
     head = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="part" params="name m">'
     text = macro.replace('<robot name="r">', f'{head}<link name="${{name}}_part">{body}</link></xacro:macro>')
-    (finding,) = found(tmp_path, text.replace('name="rr" m="0.4321"', 'name="rr" m="0.5"'), "robot.urdf.xacro")
+    (finding,) = find_odd_inertia(
+        tmp_path, text.replace('name="rr" m="0.4321"', 'name="rr" m="0.5"'), "robot.urdf.xacro"
+    )
     assert finding.message_id == "computed"
     assert finding.fix is not None
     assert not finding.fix.edits
@@ -264,7 +277,7 @@ def test_a_twin_is_what_the_copies_agree_on_in_the_links_own_frame(tmp_path: Pat
     write_mesh(tmp_path)
     path = tmp_path / "robot.urdf"
     odd = turned((0.3, -1.0, 2.0), (0.01, 0.02, 0.03), mass=0.5)
-    path.write_text(robot(*FOUR, rr=odd), encoding="utf-8")
+    path.write_text(make_parts_on_base(*FOUR, rr=odd), encoding="utf-8")
     source = load_source(path, {}, PackageFinder(tmp_path))
     assert source.root is not None
     model = Model(source=source, robot=source.root, tier="full", cache=ArrayCache())

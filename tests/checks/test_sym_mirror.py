@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builders import find
 from conftest import check_text
 from transforms import Robot, Transformation, each_link, rerooted, rotated_inertial, rotated_link, scaled
 
@@ -55,7 +56,7 @@ PARTS: dict[str, tuple[Pieces, tuple[float, float, float], tuple[int, int, int],
 }
 
 
-def link(name: str, pieces: Pieces) -> ET.Element:
+def make_box_link(name: str, pieces: Pieces) -> ET.Element:
     """A link of boxes with the inertial that they have."""
     solid = combine_solids([transform_solid(make_box_solid(size), np.eye(3), centre) for size, centre in pieces])
     mass = DENSITY * solid.volume
@@ -72,7 +73,7 @@ def link(name: str, pieces: Pieces) -> ET.Element:
     return element
 
 
-def joint(
+def make_motor_joint(
     name: str, parent: str, child: str, xyz: Sequence[float], axis: Sequence[int], limits: Sequence[float]
 ) -> ET.Element:
     element = ET.Element("joint", name=name, type="revolute")
@@ -92,9 +93,9 @@ def flipped(place: Sequence[float]) -> tuple[float, float, float]:
 def humanoid(left: str = "left_{}", right: str = "right_{}") -> Robot:
     """A torso that turns on a pelvis, with two arms of three joints each."""
     robot = ET.Element("robot", name="humanoid")
-    robot.append(link("pelvis", [((0.2, 0.3, 0.1), (0.0, 0.0, 0.0))]))
-    robot.append(link("torso", [((0.2, 0.3, 0.4), (0.01, 0.0, 0.2))]))
-    robot.append(joint("waist", "pelvis", "torso", (0, 0, 0.1), (0, 0, 1), (-1, 1)))
+    robot.append(make_box_link("pelvis", [((0.2, 0.3, 0.1), (0.0, 0.0, 0.0))]))
+    robot.append(make_box_link("torso", [((0.2, 0.3, 0.4), (0.01, 0.0, 0.2))]))
+    robot.append(make_motor_joint("waist", "pelvis", "torso", (0, 0, 0.1), (0, 0, 1), (-1, 1)))
     for side, mirrored in ((left, False), (right, True)):
         parent = "torso"
         for part, (pieces, xyz, axis, (lower, upper)) in PARTS.items():
@@ -102,8 +103,8 @@ def humanoid(left: str = "left_{}", right: str = "right_{}") -> Robot:
             if mirrored:
                 pieces, xyz = [(size, flipped(centre)) for size, centre in pieces], flipped(xyz)
                 lower, upper = (lower, upper) if axis == (0, 1, 0) else (-upper, -lower)
-            robot.append(link(name, pieces))
-            robot.append(joint(f"{name}_joint", parent, name, xyz, axis, (lower, upper)))
+            robot.append(make_box_link(name, pieces))
+            robot.append(make_motor_joint(f"{name}_joint", parent, name, xyz, axis, (lower, upper)))
             parent = name
     return robot
 
@@ -134,13 +135,13 @@ def numbers(robot: Robot, path: str, *names: str) -> dict[str, str]:
     return {name: repr(-float(value)) if name in names else value for name, value in element.attrib.items()}
 
 
-def found(folder: Path, robot: Robot) -> list[Finding]:
-    """What this rule finds, and the one that knows the mistakes of one link: a defect is told by one of them."""
-    return list(check_text(folder, ET.tostring(robot, encoding="unicode"), codes={"SYM004", "INR009"}).findings)
+def find_mirror_defects(folder: Path, robot: Robot) -> list[Finding]:
+    """Return what this rule finds, and the one that knows the mistakes of one link: one of them reports a defect."""
+    return find(folder, ET.tostring(robot, encoding="unicode"), {"SYM004", "INR009"})
 
 
 def one(folder: Path, robot: Robot) -> Finding:
-    (finding,) = found(folder, robot)
+    (finding,) = find_mirror_defects(folder, robot)
     return finding
 
 
@@ -217,7 +218,7 @@ def told(finding: Finding) -> tuple[str, str | None, str]:
 
 
 def test_a_mirrored_robot_is_fine(tmp_path: Path) -> None:
-    assert not found(tmp_path, ROBOT)
+    assert not find_mirror_defects(tmp_path, ROBOT)
 
 
 @pytest.mark.parametrize("defect", DEFECTS)
@@ -243,7 +244,7 @@ def test_small_differences_are_worth_knowing(tmp_path: Path, factor: float, seve
 
 
 def test_the_last_digits_are_not_told(tmp_path: Path) -> None:
-    assert not found(tmp_path, heavier(ROBOT, "right_arm", 1.009))
+    assert not find_mirror_defects(tmp_path, heavier(ROBOT, "right_arm", 1.009))
 
 
 TRANSFORMATIONS: dict[str, Transformation] = {
@@ -257,7 +258,7 @@ TRANSFORMATIONS: dict[str, Transformation] = {
 
 @pytest.mark.parametrize("change", TRANSFORMATIONS)
 def test_a_mirrored_robot_is_fine_in_other_frames(tmp_path: Path, change: str) -> None:
-    assert not found(tmp_path, TRANSFORMATIONS[change](ROBOT))
+    assert not find_mirror_defects(tmp_path, TRANSFORMATIONS[change](ROBOT))
 
 
 @pytest.mark.parametrize("defect", ["mass", "inertial copied", "limits copied", "limit", "origin"])
@@ -272,7 +273,7 @@ def test_a_defect_is_one_in_other_frames(tmp_path: Path, change: str, defect: st
 
 def test_the_robot_in_a_mirror_has_the_same_defects(tmp_path: Path) -> None:
     mirrored = humanoid("right_{}", "left_{}")
-    assert not found(tmp_path / "fine", mirrored)
+    assert not find_mirror_defects(tmp_path / "fine", mirrored)
     assert told(one(tmp_path, com_copied(mirrored))) == TOLD["centre of mass copied"]
 
 
@@ -315,9 +316,11 @@ def test_a_pair_that_nothing_names_may_be_meant_to_differ(tmp_path: Path) -> Non
 def test_the_axes_of_an_arm_may_be_called_l_and_r(tmp_path: Path) -> None:
     robot = ET.Element("robot", name="arm")
     for i, name in enumerate(("base", "link_l", "link_r")):
-        robot.append(link(name, PARTS["arm"][0]))
+        robot.append(make_box_link(name, PARTS["arm"][0]))
         if i:
-            robot.append(joint(f"joint_{i}", ("base", "link_l")[i - 1], name, (0, 0.1, 0.2), (0, 1, 0), (-1, i)))
+            robot.append(
+                make_motor_joint(f"joint_{i}", ("base", "link_l")[i - 1], name, (0, 0.1, 0.2), (0, 1, 0), (-1, i))
+            )
     assert not pairs_of(tmp_path, robot)
 
 
@@ -327,8 +330,10 @@ def test_the_fingers_of_either_hand_have_a_plane_of_their_own(tmp_path: Path) ->
     for hand in ("left_hand", "right_hand"):
         for name, y in (("left_finger", 0.03), ("right_finger", -0.03)):
             pieces = finger if y > 0 else [(size, flipped(centre)) for size, centre in finger]
-            robot.append(link(f"{hand}_{name}", pieces))
-            robot.append(joint(f"{hand}_{name}_joint", hand, f"{hand}_{name}", (0, y, -0.1), (1, 0, 0), (-0.5, 0.5)))
+            robot.append(make_box_link(f"{hand}_{name}", pieces))
+            robot.append(
+                make_motor_joint(f"{hand}_{name}_joint", hand, f"{hand}_{name}", (0, y, -0.1), (1, 0, 0), (-0.5, 0.5))
+            )
     planes = {
         p.one: p.plane.offset for p in mirror_pairs(model_of(tmp_path, robot)) if "finger" in p.one and "hand" in p.one
     }
@@ -375,7 +380,7 @@ def test_the_fix_is_written_in_the_wrong_links_own_inertial_frame(tmp_path: Path
         assert element is not None
         (name,) = (key for key, value in element.attrib.items() if value == edit.expected)
         mended = with_(mended, f"{RIGHT}/{path}", **{name: edit.replacement})
-    assert not found(tmp_path / "mended", mended)
+    assert not find_mirror_defects(tmp_path / "mended", mended)
 
 
 MACRO = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
@@ -393,7 +398,7 @@ MACRO = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
 
 def test_a_macro_that_forgets_to_reflect_is_not_edited(tmp_path: Path) -> None:
     """Its one line makes both sides: a number in it would be wrong on the other."""
-    arm = link("arm", PARTS["arm"][0])
+    arm = make_box_link("arm", PARTS["arm"][0])
     inertial = ET.tostring(arm.findall("inertial")[0], encoding="unicode")
     visuals = "".join(ET.tostring(visual, encoding="unicode") for visual in arm.findall("visual"))
     text = MACRO.format(inertial=inertial, visuals=visuals.replace("0.03 0.06 -0.05", "0.03 ${reflect * 0.06} -0.05"))
@@ -408,7 +413,7 @@ def test_a_macro_that_forgets_to_reflect_is_not_edited(tmp_path: Path) -> None:
 
 
 def test_a_side_whose_macro_computes_its_numbers_leads_to_their_definitions(tmp_path: Path) -> None:
-    arm = link("arm", PARTS["arm"][0])
+    arm = make_box_link("arm", PARTS["arm"][0])
     inertial = ET.tostring(arm.findall("inertial")[0], encoding="unicode")
     y = re.search(r'xyz="\S+ (\S+)', inertial)
     assert y is not None
@@ -434,11 +439,11 @@ def test_nothing_is_edited_where_nothing_says_which_side_is_wrong(tmp_path: Path
 def quadruped() -> Robot:
     """A body with four equal hips, left and right mirrored."""
     robot = ET.Element("robot", name="quadruped")
-    robot.append(link("body", [((0.5, 0.2, 0.1), (0.0, 0.0, 0.0))]))
+    robot.append(make_box_link("body", [((0.5, 0.2, 0.1), (0.0, 0.0, 0.0))]))
     pieces, _, _, limits = PARTS["arm"]
     for name, x, side in (("FL", 0.2, 1), ("FR", 0.2, -1), ("RL", -0.2, 1), ("RR", -0.2, -1)):
-        robot.append(link(f"{name}_hip", pieces if side > 0 else [(s, flipped(c)) for s, c in pieces]))
-        robot.append(joint(f"{name}_joint", "body", f"{name}_hip", (x, 0.15 * side, 0), (0, 1, 0), limits))
+        robot.append(make_box_link(f"{name}_hip", pieces if side > 0 else [(s, flipped(c)) for s, c in pieces]))
+        robot.append(make_motor_joint(f"{name}_joint", "body", f"{name}_hip", (x, 0.15 * side, 0), (0, 1, 0), limits))
     return robot
 
 
@@ -473,14 +478,14 @@ def copied(part: str) -> Robot:
     old = robot.find(f"link[@name='right_{part}']")
     assert old is not None
     robot.remove(old)
-    robot.append(link(f"right_{part}", PARTS[part][0]))
+    robot.append(make_box_link(f"right_{part}", PARTS[part][0]))
     return robot
 
 
 def test_one_part_used_on_both_sides_has_one_inertial(tmp_path: Path) -> None:
     robot = copied("hand")
     assert pairs_of(tmp_path, robot)["left_hand"].drawn_as == "copied"
-    assert not found(tmp_path, robot)
+    assert not find_mirror_defects(tmp_path, robot)
 
 
 def test_one_part_on_both_sides_is_not_mirrored(tmp_path: Path) -> None:
@@ -495,21 +500,23 @@ def test_one_part_on_both_sides_is_not_mirrored(tmp_path: Path) -> None:
 
 def test_one_module_on_both_sides_may_have_one_range(tmp_path: Path) -> None:
     robot = with_(copied("hand"), "joint[@name='right_hand_joint']/limit", lower="-0.5", upper="1.2")
-    assert not found(tmp_path, robot)
+    assert not find_mirror_defects(tmp_path, robot)
 
 
 def test_a_part_that_is_turned_round_for_the_other_side_turns_its_inertial(tmp_path: Path) -> None:
     """A symmetric part may be mirrored or turned: its centre of mass, off the middle of what is drawn, tells which."""
     robot = copy.deepcopy(ROBOT)
     for side, yaw, com in (("left", "0", "0.01 0.004 0"), ("right", "3.141592653589793", "-0.01 -0.004 0")):
-        box = link(f"{side}_tool", [((0.06, 0.04, 0.02), (0.0, 0.0, 0.0))])
+        box = make_box_link(f"{side}_tool", [((0.06, 0.04, 0.02), (0.0, 0.0, 0.0))])
         robot.append(box)
         y = 0.05 if side == "left" else -0.05
-        robot.append(joint(f"{side}_tool_joint", f"{side}_hand", f"{side}_tool", (0, y, -0.1), (0, 1, 0), (-1, 1)))
+        robot.append(
+            make_motor_joint(f"{side}_tool_joint", f"{side}_hand", f"{side}_tool", (0, y, -0.1), (0, 1, 0), (-1, 1))
+        )
         robot = with_(robot, f"link[@name='{side}_tool']/visual/origin", rpy=f"0 0 {yaw}")
         robot = with_(robot, f"link[@name='{side}_tool']/inertial/origin", xyz=com)
     assert pairs_of(tmp_path, robot)["left_tool"].drawn_as == "both"
-    assert not [f for f in found(tmp_path, robot) if f.code == "SYM004"]
+    assert not [f for f in find_mirror_defects(tmp_path, robot) if f.code == "SYM004"]
 
 
 def test_sides_that_are_drawn_differently_are_meant_to_differ(tmp_path: Path) -> None:
@@ -518,18 +525,18 @@ def test_sides_that_are_drawn_differently_are_meant_to_differ(tmp_path: Path) ->
     old = robot.find("link[@name='right_hand']")
     assert old is not None
     robot.remove(old)
-    robot.append(link("right_hand", pieces))
-    assert not found(tmp_path, robot)
+    robot.append(make_box_link("right_hand", pieces))
+    assert not find_mirror_defects(tmp_path, robot)
 
 
 def test_limbs_whose_zero_is_not_mirrored_have_other_limits(tmp_path: Path) -> None:
     robot = with_(ROBOT, "joint[@name='right_shoulder_joint']/origin", rpy="0.6 0 0")
     robot = with_(robot, "joint[@name='right_shoulder_joint']/limit", lower="-2.4", upper="-0.3")
-    assert not found(tmp_path, robot)
+    assert not find_mirror_defects(tmp_path, robot)
 
 
 def test_a_shifted_zero_does_not_displace_what_hangs_on_the_joint(tmp_path: Path) -> None:
-    assert not found(tmp_path, with_(ROBOT, "joint[@name='right_arm_joint']/origin", rpy="0 0.1 0"))
+    assert not find_mirror_defects(tmp_path, with_(ROBOT, "joint[@name='right_arm_joint']/origin", rpy="0 0.1 0"))
 
 
 def test_joints_that_follow_another_are_not_compared(tmp_path: Path) -> None:
@@ -537,12 +544,12 @@ def test_joints_that_follow_another_are_not_compared(tmp_path: Path) -> None:
     follower = robot.find("joint[@name='right_hand_joint']")
     assert follower is not None
     ET.SubElement(follower, "mimic", joint="left_hand_joint", multiplier="-1")
-    assert not found(tmp_path, robot)
+    assert not find_mirror_defects(tmp_path, robot)
 
 
 def test_a_placeholder_is_the_business_of_another_rule(tmp_path: Path) -> None:
     six = dict(zip(SIX, ("0.001", "0", "0", "0.001", "0", "0.001"), strict=True))
-    assert not [f for f in found(tmp_path, with_(ROBOT, f"{RIGHT}/inertia", **six)) if f.code == "SYM004"]
+    assert not [f for f in find_mirror_defects(tmp_path, with_(ROBOT, f"{RIGHT}/inertia", **six)) if f.code == "SYM004"]
 
 
 def test_without_drawings_only_what_mirror_and_copy_have_in_common_counts(tmp_path: Path) -> None:
@@ -550,13 +557,13 @@ def test_without_drawings_only_what_mirror_and_copy_have_in_common_counts(tmp_pa
     for side in ("left", "right"):
         for part in PARTS:
             robot = without(robot, f"link[@name='{side}_{part}']", "visual")
-    assert not found(tmp_path / "copied", com_copied(inertia_copied(robot)))
+    assert not find_mirror_defects(tmp_path / "copied", com_copied(inertia_copied(robot)))
     finding = one(tmp_path, heavier(robot, "right_arm", 1.5))
     assert told(finding) == ("moments", None, "link[right_arm]/inertial/mass@value")
 
 
 def test_one_side_only_is_no_pair(tmp_path: Path) -> None:
     robot = copy.deepcopy(ROBOT)
-    robot.append(link("left_camera", PARTS["hand"][0]))
-    robot.append(joint("left_camera_joint", "torso", "left_camera", (0.1, 0.02, 0.4), (0, 0, 1), (-1, 1)))
-    assert not found(tmp_path, robot)
+    robot.append(make_box_link("left_camera", PARTS["hand"][0]))
+    robot.append(make_motor_joint("left_camera_joint", "torso", "left_camera", (0.1, 0.02, 0.4), (0, 0, 1), (-1, 1)))
+    assert not find_mirror_defects(tmp_path, robot)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from builders import find, joint
 from conftest import check_text
 
 from urdfcheck.core import Finding
@@ -22,31 +23,23 @@ CORNERS = {
 }
 
 
-def joint(
+def make_joint_on_base(
     name: str, child: str, xyz: str, *, parent: str = "base", kind: str = "continuous", rpy: str = "0 0 0"
 ) -> str:
-    axis = "" if kind == "fixed" else '<axis xyz="0 1 0"/>'
-    return (
-        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
-        f'<origin xyz="{xyz}" rpy="{rpy}"/>{axis}</joint>'
-    )
+    return joint(name, parent, child, kind=kind, xyz=xyz, rpy=rpy, axis="" if kind == "fixed" else "0 1 0")
 
 
 def car(com: dict[str, str] | None = None, *, base: str = "0 0 0", scale: float = 1.0, **xyz: str) -> str:
     """Four wheels on the corners of a rectangle, some at another xyz or with another COM, on a base that is turned."""
     parts = [
         '<link name="world"/><link name="base"/>',
-        joint("to_world", "base", "0.3 0.1 0", parent="world", kind="fixed", rpy=base),
+        make_joint_on_base("to_world", "base", "0.3 0.1 0", parent="world", kind="fixed", rpy=base),
     ]
     for name, usual in CORNERS.items():
         place = " ".join(f"{float(word) * scale:.6g}" if scale != 1 else word for word in xyz.get(name, usual).split())
         parts.append(f'<link name="{name}_wheel">{WHEEL.format(com=(com or {}).get(name, "0 0.001 0"))}</link>')
-        parts.append(joint(name, f"{name}_wheel", place))
+        parts.append(make_joint_on_base(name, f"{name}_wheel", place))
     return f'<robot name="car">{"".join(parts)}</robot>'
-
-
-def found(folder: Path, text: str, name: str = "robot.urdf", code: str = "SYM002") -> list[Finding]:
-    return list(check_text(folder, text, name, codes={code}).findings)
 
 
 def edits(finding: Finding) -> list[tuple[str, str]]:
@@ -55,13 +48,13 @@ def edits(finding: Finding) -> list[tuple[str, str]]:
 
 
 def test_wheels_on_a_rectangle_are_fine(tmp_path: Path) -> None:
-    assert not found(tmp_path, car())
+    assert not find(tmp_path, car(), "SYM002")
 
 
 @pytest.mark.parametrize("name", CORNERS)
 def test_each_wheel_is_named_and_only_the_wrong_word_is_edited(tmp_path: Path, name: str) -> None:
     x, y, _ = CORNERS[name].split()
-    (finding,) = found(tmp_path, car(**{name: f"{x.replace('7', '72')} {y} 0"}))
+    (finding,) = find(tmp_path, car(**{name: f"{x.replace('7', '72')} {y} 0"}), "SYM002")
     assert finding.location.subject == f"joint[{name}]/origin@xyz"
     assert edits(finding) == [(x.replace("7", "72"), x)]
     assert finding.data["off"] == pytest.approx(2.0, abs=1e-3)
@@ -70,33 +63,33 @@ def test_each_wheel_is_named_and_only_the_wrong_word_is_edited(tmp_path: Path, n
 
 
 def test_the_repair_repairs_it(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path / "a", car(front_left="0.0712 0.0502 0.0031"))
+    (finding,) = find(tmp_path / "a", car(front_left="0.0712 0.0502 0.0031"), "SYM002")
     ((old, new),) = [("0.0712 0.0502 0.0031", " ".join(new for _, new in edits(finding)))]
     assert new == "0.07 0.052 0"
-    assert not found(tmp_path / "b", car(front_left="0.0712 0.0502 0.0031").replace(old, new))
+    assert not find(tmp_path / "b", car(front_left="0.0712 0.0502 0.0031").replace(old, new), "SYM002")
 
 
 def test_a_base_that_is_turned_and_a_robot_of_another_size_change_nothing(tmp_path: Path) -> None:
     for i, changed in enumerate(
         (car(front_left="0.072 0.0535 0", base="0.3 -0.8 2"), car(front_left="0.072 0.0535 0", scale=20.0))
     ):
-        (finding,) = found(tmp_path / str(i), changed)
+        (finding,) = find(tmp_path / str(i), changed, "SYM002")
         assert finding.location.subject == "joint[front_left]/origin@xyz"
 
 
 @pytest.mark.parametrize("xyz", ["0.0701 0.052 0", "0.07 0.1 0", "0.16 0.052 0"])
 def test_rounding_and_other_places_are_meant(tmp_path: Path, xyz: str) -> None:
-    assert not found(tmp_path, car(front_left=xyz))
+    assert not find(tmp_path, car(front_left=xyz), "SYM002")
 
 
 def test_a_frame_elsewhere_on_the_axis_is_a_choice_of_frame(tmp_path: Path) -> None:
     moved = {"front_left": "0 -0.004 0"}
-    assert not found(tmp_path / "a", car(moved, front_left="0.07 0.057 0"))
-    assert found(tmp_path / "b", car(front_left="0.07 0.057 0"))
+    assert not find(tmp_path / "a", car(moved, front_left="0.07 0.057 0"), "SYM002")
+    assert find(tmp_path / "b", car(front_left="0.07 0.057 0"), "SYM002")
 
 
 def test_two_wheels_that_are_off_leave_nobody_to_blame(tmp_path: Path) -> None:
-    assert not found(tmp_path, car(front_left="0.073 0.05 0", rear_right="-0.071 -0.055 0"))
+    assert not find(tmp_path, car(front_left="0.073 0.05 0", rear_right="-0.071 -0.055 0"), "SYM002")
 
 
 def legs(*, mount: str = "", own: str = "", hip: str = "", literal: bool = True) -> str:
@@ -105,48 +98,52 @@ def legs(*, mount: str = "", own: str = "", hip: str = "", literal: bool = True)
     for name, xyz in CORNERS.items():
         first = name == "front_left"
         parts.append(f'<link name="{name}_mount"/>')
-        parts.append(joint(f"{name}_bolts", f"{name}_mount", mount if mount and first else xyz, kind="fixed"))
+        parts.append(
+            make_joint_on_base(f"{name}_bolts", f"{name}_mount", mount if mount and first else xyz, kind="fixed")
+        )
         parts.append(f'<link name="{name}_hip">{WHEEL.format(com="0 0 0.01")}</link>')
         parts.append(
-            joint(name, f"{name}_hip", own if own and first else "0 0 0.01", parent=f"{name}_mount", kind="revolute")
+            make_joint_on_base(
+                name, f"{name}_hip", own if own and first else "0 0 0.01", parent=f"{name}_mount", kind="revolute"
+            )
         )
         parts.append(f'<link name="{name}_thigh">{WHEEL.format(com="0 0 -0.05")}</link>')
         reach = hip if hip and first else "0 0 -0.02"
-        parts.append(joint(f"{name}_knee", f"{name}_thigh", reach, parent=f"{name}_hip", kind="revolute"))
+        parts.append(make_joint_on_base(f"{name}_knee", f"{name}_thigh", reach, parent=f"{name}_hip", kind="revolute"))
     return f'<robot name="dog">{"".join(parts)}</robot>'
 
 
 def test_the_mount_is_named_when_it_is_what_stands_elsewhere(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, legs(mount="0.073 0.05 0"))
+    (finding,) = find(tmp_path, legs(mount="0.073 0.05 0"), "SYM002")
     assert (finding.message_id, finding.location.subject) == ("mount", "joint[front_left_bolts]/origin@xyz")
     assert edits(finding) == [("0.073", "0.07"), ("0.05", "0.052")]
 
 
 def test_the_joint_is_named_when_the_mounts_are_alike(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, legs(own="0.003 0.001 0.01"))
+    (finding,) = find(tmp_path, legs(own="0.003 0.001 0.01"), "SYM002")
     assert (finding.message_id, finding.location.subject) == ("misplaced", "joint[front_left]/origin@xyz")
     assert edits(finding) == [("0.003", "0"), ("0.001", "0")]
 
 
 def test_what_hangs_on_a_misplaced_joint_is_not_reported_again(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, legs(hip="0.002 0.001 -0.02"))
+    (finding,) = find(tmp_path, legs(hip="0.002 0.001 -0.02"), "SYM002")
     assert finding.location.subject == "joint[front_left_knee]/origin@xyz"
 
 
 def test_what_hangs_on_a_joint_that_is_turned_stands_where_its_siblings_do(tmp_path: Path) -> None:
     turned = legs().replace('<origin xyz="0 0 0.01" rpy="0 0 0"/>', '<origin xyz="0 0 0.01" rpy="0 0.2 0"/>', 1)
-    assert found(tmp_path / "a", turned, code="SYM001")
-    assert not found(tmp_path / "b", turned)
+    assert find(tmp_path / "a", turned, "SYM001")
+    assert not find(tmp_path / "b", turned, "SYM002")
 
 
 def test_the_mirror_image_of_a_misplaced_wheel_is_not_blamed(tmp_path: Path) -> None:
     arms = "".join(
         f'<link name="{side}_arm">{WHEEL.format(com="0 0 0")}</link>'
-        + joint(f"{side}_arm", f"{side}_arm", f"0 {y} 0.1", kind="revolute")
+        + make_joint_on_base(f"{side}_arm", f"{side}_arm", f"0 {y} 0.1", kind="revolute")
         for side, y in (("left", 0.03), ("right", -0.03))
     )
     text = car(rear_left="-0.072 0.052 0").replace("</robot>", arms + "</robot>")
-    (innocent,) = found(tmp_path / "a", text, code="SYM004")
+    (innocent,) = find(tmp_path / "a", text, "SYM004")
     assert innocent.location.subject == "joint[rear_right]/origin@xyz"
     (finding,) = check_text(tmp_path / "b", text, codes={"SYM002", "SYM004"}).findings
     assert (finding.code, finding.location.subject) == ("SYM002", "joint[rear_left]/origin@xyz")
@@ -175,28 +172,28 @@ def test_a_wheel_that_is_too_high_hangs_in_the_air(tmp_path: Path, name: str) ->
 )
 def test_a_part_that_is_no_wheel_to_stand_on_is_too_high_all_the_same(tmp_path: Path, z: str, said: str) -> None:
     """Nothing is drawn here that could touch the ground."""
-    (finding,) = found(tmp_path, car(front_left=f"0.07 0.052 {z}"))
+    (finding,) = find(tmp_path, car(front_left=f"0.07 0.052 {z}"), "SYM002")
     assert said in finding.message
 
 
 def test_the_height_of_a_wheel_that_hangs_in_the_air_is_nobodys_layout(tmp_path: Path) -> None:
     text = drawn(car(front_left="0.07 0.052 0.003", rear_left="-0.068 0.052 0"))
     assert wheels(tmp_path / "a", text) == {"joint[front_left]": "SYM006", "joint[rear_left]": "SYM002"}
-    (finding,) = found(tmp_path / "b", text)
+    (finding,) = find(tmp_path / "b", text, "SYM002")
     assert edits(finding) == [("-0.068", "-0.07")]
 
 
 def test_a_wheel_that_is_off_in_every_direction_is_one_finding(tmp_path: Path) -> None:
     text = drawn(car(front_left="0.072 0.052 0.003"))
     assert wheels(tmp_path / "a", text) == {"joint[front_left]": "SYM002"}
-    (finding,) = found(tmp_path / "b", text)
+    (finding,) = find(tmp_path / "b", text, "SYM002")
     assert edits(finding) == [("0.072", "0.07"), ("0.003", "0")]
 
 
 def test_a_computed_place_leads_to_what_it_is_computed_from(tmp_path: Path) -> None:
     head = '<robot name="car" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="reach" value="0.072"/>'
     text = car(front_left="${reach} 0.052 0").replace('<robot name="car">', head)
-    (finding,) = found(tmp_path, text, "robot.urdf.xacro")
+    (finding,) = find(tmp_path, text, "SYM002", name="robot.urdf.xacro")
     assert finding.message_id == "computed"
     assert not edits(finding)
     assert finding.fix is not None
@@ -210,7 +207,7 @@ def test_a_rotor_beside_its_ring_is_named(tmp_path: Path, count: int) -> None:
     for i in range(count):
         x, y, _ = rpy_to_matrix((0, 0, 6.283185307179586 * i / count))[:, 0] * (0.31 if i == 2 else 0.3)
         parts.append(f'<link name="blade_{i}">{WHEEL.format(com="0 0 0")}</link>')
-        parts.append(joint(f"rotor_{i}", f"blade_{i}", f"{x:.5f} {y:.5f} 0.05"))
-    (finding,) = found(tmp_path, f'<robot name="drone">{"".join(parts)}</robot>')
+        parts.append(make_joint_on_base(f"rotor_{i}", f"blade_{i}", f"{x:.5f} {y:.5f} 0.05"))
+    (finding,) = find(tmp_path, f'<robot name="drone">{"".join(parts)}</robot>', "SYM002")
     assert finding.location.subject == "joint[rotor_2]/origin@xyz"
     assert finding.data["off"] == pytest.approx(10.0, abs=0.01)

@@ -8,11 +8,10 @@ import pytest
 from conftest import check, check_text
 
 from urdfcheck.core import Finding, Severity
-from urdfcheck.facts.mesh import decode_limits as mesh_limits
-from urdfcheck.model import link_graph as graph
-from urdfcheck.model import tree
+from urdfcheck.facts.mesh import decode_limits
+from urdfcheck.model import link_graph, tree
 from urdfcheck.model.motion import poses
-from urdfcheck.source.launch import python_launch_file as launch_python
+from urdfcheck.source.launch import python_launch_file
 from urdfcheck.source.text import xml
 
 CODES = {"URC905", "XML001", "MSH001"}
@@ -59,7 +58,7 @@ def test_a_file_beside_the_model(tmp_path: Path, name: str, root: str, message: 
 
 
 def test_a_launch_file_in_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(launch_python, "MAX_PYTHON", 10)
+    monkeypatch.setattr(python_launch_file, "MAX_PYTHON", 10)
     path = tmp_path / "a.launch.py"
     path.write_text("x = 12345\n")
     assert not check(path, codes=CODES).findings
@@ -72,7 +71,7 @@ def test_a_mesh_with_too_many_triangles(tmp_path: Path, monkeypatch: pytest.Monk
     shape = '<visual><geometry><mesh filename="arm.obj"/></geometry></visual>'
     (tmp_path / "r.urdf").write_text(f'<robot name="r">\n<link name="a">{shape}{shape}</link></robot>')
     (tmp_path / "arm.obj").write_text(TRIANGLE)
-    monkeypatch.setattr(mesh_limits, "MOST_TRIANGLES", 1)
+    monkeypatch.setattr(decode_limits, "MOST_TRIANGLES", 1)
     assert not check(tmp_path / "r.urdf", codes=CODES).findings
     (tmp_path / "arm.obj").write_text(TRIANGLE + "f 1 2 3\n")
     finding = only(tmp_path, "r.urdf")
@@ -132,7 +131,7 @@ def test_names_are_not_compared_letter_by_letter_where_there_are_too_many(
 ) -> None:
     text = chain(2).replace('child link="l1"', 'child link="L1"')
     (named,) = check_text(tmp_path, text, codes={"KIN002"}).findings
-    monkeypatch.setattr(graph, "_MOST_COMPARED", 1)
+    monkeypatch.setattr(link_graph, "_MOST_COMPARED", 1)
     (unnamed,) = check_text(tmp_path, text, codes={"KIN002"}).findings
     assert "l1" in str(named.fix)
     assert "l1" not in str(unnamed.fix)

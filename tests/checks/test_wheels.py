@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builders import find
 from conftest import FIXTURES, check, check_text
 from numpy.typing import NDArray
 
@@ -51,7 +52,7 @@ class Car:
     def text(self) -> str:
         name, size = self.prefix, self.scale
         parts = [
-            f'<link name="{name}base">{inertial(5, self.com, (0.02, 0.02, 0.03), np.eye(3), size)}'
+            f'<link name="{name}base">{make_sized_inertial(5, self.com, (0.02, 0.02, 0.03), np.eye(3), size)}'
             f'<visual><origin xyz="{numbers((0, 0, 0.08), size)}"/><geometry>'
             f'<box size="{numbers((0.5, 0.2, 0.06), size)}"/></geometry></visual></link>'
         ]
@@ -62,7 +63,7 @@ class Car:
             parts.append(
                 f'<joint name="{name}{wheel.name}_joint" type="{wheel.kind}"><parent link="{name}base"/>'
                 f'<child link="{name}{wheel.name}"/>{origin(wheel.place, turn, size)}{axis}</joint>'
-                f'<link name="{name}{wheel.name}">{inertial(0.4, (0, 0, 0), spin, turn.T, size)}<visual>'
+                f'<link name="{name}{wheel.name}">{make_sized_inertial(0.4, (0, 0, 0), spin, turn.T, size)}<visual>'
                 f"{origin(turn.T @ (wheel.offset, 0, 0), turn.T @ ACROSS, size)}<geometry>"
                 f'<cylinder radius="{wheel.radius * size:.12g}" length="{0.02 * size:.12g}"/></geometry></visual></link>'
             )
@@ -90,7 +91,7 @@ def origin(place: object, turn: Array, size: float = 1.0) -> str:
     return f'<origin xyz="{numbers(place, size)}" rpy="{rpy}"/>'
 
 
-def inertial(mass: float, com: object, moments: object, turn: Array, size: float) -> str:
+def make_sized_inertial(mass: float, com: object, moments: object, turn: Array, size: float) -> str:
     xx, yy, zz = np.asarray(moments) * size**2
     return (
         f'<inertial>{origin(com, turn, size)}<mass value="{mass}"/>'
@@ -116,9 +117,8 @@ def changed(car: Car, index: int, **fields: object) -> Car:
     return replace(car, wheels=tuple(wheels))
 
 
-def found(folder: Path, code: str, car: Car | str) -> list[Finding]:
-    text = car if isinstance(car, str) else car.text()
-    return list(check_text(folder, text, codes={code}).findings)
+def find_in_car(folder: Path, code: str, car: Car | str) -> list[Finding]:
+    return find(folder, car if isinstance(car, str) else car.text(), code)
 
 
 def edits(finding: Finding) -> list[tuple[str, str]]:
@@ -168,12 +168,12 @@ WAYS: dict[str, Callable[[Car], Car]] = {
 @pytest.mark.parametrize("code", DEFECTS)
 def test_verdicts_hold_however_the_robot_is_written(tmp_path: Path, code: str, way: str) -> None:
     plain, other = DEFECTS[code], WAYS[way](DEFECTS[code])
-    (first,) = found(tmp_path / "plain", code, plain)
-    (second,) = found(tmp_path / "other", code, other)
+    (first,) = find_in_car(tmp_path / "plain", code, plain)
+    (second,) = find_in_car(tmp_path / "other", code, other)
     assert second.message_id == first.message_id
     assert second.location.subject.replace(other.prefix, "") == first.location.subject
     clean = FOUR if code != "DYN004" else THREE
-    assert not found(tmp_path / "clean", code, WAYS[way](clean))
+    assert not find_in_car(tmp_path / "clean", code, WAYS[way](clean))
 
 
 # -- SYM005 ----------------------------------------------------------------------------------------------------------------
@@ -183,12 +183,12 @@ def test_wheels_whose_mesh_is_missing_are_known_by_their_name(tmp_path: Path) ->
     text = changed(FOUR, 0, axis=(0, -1, 0)).text()
     start = '<geometry><cylinder radius="0.05" length="0.02"/></geometry>'
     missing = text.replace(start, '<geometry><mesh filename="missing.stl"/></geometry>')
-    (finding,) = found(tmp_path, "SYM005", missing)
+    (finding,) = find_in_car(tmp_path, "SYM005", missing)
     assert edits(finding) == [("0 -1 0", "0 1 0")]
 
 
 def test_a_wheel_high_above_the_ground_does_not_drive(tmp_path: Path) -> None:
-    assert not found(tmp_path, "SYM005", changed(FOUR, 0, axis=(0, -1, 0), place=(0.2, 0.12, 0.2)))
+    assert not find_in_car(tmp_path, "SYM005", changed(FOUR, 0, axis=(0, -1, 0), place=(0.2, 0.12, 0.2)))
 
 
 # -- SYM006 ----------------------------------------------------------------------------------------------------------------
@@ -198,7 +198,7 @@ def test_a_wheel_high_above_the_ground_does_not_drive(tmp_path: Path) -> None:
 @pytest.mark.parametrize("off", [0.002, -0.002, 0.03])
 def test_the_wheel_that_is_off_is_named_and_moved_back(tmp_path: Path, place: int, off: float) -> None:
     x, y, _ = CORNERS[place].place
-    (finding,) = found(tmp_path, "SYM006", changed(FOUR, place, place=(x, y, off)))
+    (finding,) = find_in_car(tmp_path, "SYM006", changed(FOUR, place, place=(x, y, off)))
     assert finding.message_id == "odd"
     assert finding.data["wheel"] == CORNERS[place].name
     assert finding.data["gap"] == pytest.approx(abs(off) * 1e3)
@@ -206,17 +206,17 @@ def test_the_wheel_that_is_off_is_named_and_moved_back(tmp_path: Path, place: in
 
 
 def test_a_gap_of_a_hundredth_of_the_radius_is_the_limit(tmp_path: Path) -> None:
-    assert not found(tmp_path / "a", "SYM006", changed(FOUR, 0, place=(0.2, 0.12, 0.00049)))
-    assert found(tmp_path / "b", "SYM006", changed(FOUR, 0, place=(0.2, 0.12, 0.00051)))
+    assert not find_in_car(tmp_path / "a", "SYM006", changed(FOUR, 0, place=(0.2, 0.12, 0.00049)))
+    assert find_in_car(tmp_path / "b", "SYM006", changed(FOUR, 0, place=(0.2, 0.12, 0.00051)))
 
 
 def test_a_plane_that_leans_is_a_plane(tmp_path: Path) -> None:
     raised = changed(changed(FOUR, 0, place=(0.2, 0.12, 0.004)), 3, place=(0.2, -0.12, 0.004))
-    assert not found(tmp_path, "SYM006", raised)
+    assert not find_in_car(tmp_path, "SYM006", raised)
 
 
 def test_diagonal_wheels_that_are_off_are_not_told_apart(tmp_path: Path) -> None:
-    (finding,) = found(
+    (finding,) = find_in_car(
         tmp_path, "SYM006", changed(changed(FOUR, 0, place=(0.2, 0.12, 0.004)), 2, place=(-0.2, -0.12, 0.004))
     )
     assert finding.message_id == "uneven"
@@ -224,10 +224,10 @@ def test_diagonal_wheels_that_are_off_are_not_told_apart(tmp_path: Path) -> None
 
 
 def test_a_wheel_with_another_radius_is_told_as_that(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "SYM006", changed(FOUR, 1, radius=0.048))
+    (finding,) = find_in_car(tmp_path, "SYM006", changed(FOUR, 1, radius=0.048))
     assert finding.message_id == "radius"
     assert finding.data["own"] == pytest.approx(48)
-    assert not found(tmp_path / "b", "SYM006", changed(FOUR, 1, radius=0.048, place=(-0.2, 0.12, -0.002)))
+    assert not find_in_car(tmp_path / "b", "SYM006", changed(FOUR, 1, radius=0.048, place=(-0.2, 0.12, -0.002)))
 
 
 def test_the_corners_of_a_drawn_wheel_are_not_its_height(tmp_path: Path) -> None:
@@ -245,7 +245,7 @@ def test_the_corners_of_a_drawn_wheel_are_not_its_height(tmp_path: Path) -> None
     )
     one = turned.replace('rpy="0 0 0"/><geometry><mesh', 'rpy="0 0.2617994 0"/><geometry><mesh', 1)
     assert one != turned
-    assert not found(tmp_path, "SYM006", one)
+    assert not find_in_car(tmp_path, "SYM006", one)
 
 
 @pytest.mark.parametrize(("axis", "said"), [("0 0 1", True), ("1 0 0", False)])
@@ -260,7 +260,7 @@ def test_steered_wheels_count_and_suspended_ones_do_not(tmp_path: Path, axis: st
         '<link name="hub"/><joint name="hub_joint" type="revolute"><parent link="base"/><child link="hub"/>'
         f'<axis xyz="{axis}"/><limit lower="-0.5" upper="0.5" effort="1" velocity="1"/></joint></robot>'
     )
-    assert bool(found(tmp_path, "SYM006", text.replace("</robot>", hub))) is said
+    assert bool(find_in_car(tmp_path, "SYM006", text.replace("</robot>", hub))) is said
 
 
 def test_wheels_far_above_the_ground_are_something_else(tmp_path: Path) -> None:
@@ -269,7 +269,7 @@ def test_wheels_far_above_the_ground_are_something_else(tmp_path: Path) -> None:
         [Wheel("upper_wheel_1", (0.1, 0.12, 0.05)), Wheel("upper_wheel_2", (0.1, -0.12, 0.05))],
         [Wheel("encoder_wheel", (0, 0, 0.05), radius=0.02)],
     ):
-        assert not found(tmp_path, "SYM006", replace(FOUR, wheels=(*CORNERS, *extra)))
+        assert not find_in_car(tmp_path, "SYM006", replace(FOUR, wheels=(*CORNERS, *extra)))
 
 
 # -- JNT015 ----------------------------------------------------------------------------------------------------------------
@@ -277,18 +277,18 @@ def test_wheels_far_above_the_ground_are_something_else(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("axis", [(0, 0, 1), (1, 0, 0), (0.1, 1, 0)])
 def test_an_axis_that_is_not_the_wheels_is_replaced(tmp_path: Path, axis: tuple[float, float, float]) -> None:
-    (finding,) = found(tmp_path, "JNT015", changed(FOUR, 0, axis=axis))
+    (finding,) = find_in_car(tmp_path, "JNT015", changed(FOUR, 0, axis=axis))
     assert finding.message_id == "axis"
     assert edits(finding) == [(numbers(axis), "0 1 0")]
     assert "as its visual and inertia tell" in finding.message
 
 
 def test_an_axis_within_five_degrees_is_a_camber(tmp_path: Path) -> None:
-    assert not found(tmp_path, "JNT015", changed(FOUR, 0, axis=(0.08, 1, 0)))
+    assert not find_in_car(tmp_path, "JNT015", changed(FOUR, 0, axis=(0.08, 1, 0)))
 
 
 def test_a_wheel_without_axis_turns_about_x(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "JNT015", changed(FOUR, 0, axis=None))
+    (finding,) = find_in_car(tmp_path, "JNT015", changed(FOUR, 0, axis=None))
     assert finding.message_id == "default"
     assert finding.fix is not None
     assert '<axis xyz="0 1 0"/>' in finding.fix.title
@@ -296,11 +296,11 @@ def test_a_wheel_without_axis_turns_about_x(tmp_path: Path) -> None:
 
 def test_a_steered_wheel_may_turn_about_its_fork(tmp_path: Path) -> None:
     tricycle = replace(THREE, caster=None, wheels=(*PAIR, Wheel("front_wheel", (0.2, 0, 0), axis=(0, 0, 1))))
-    assert not found(tmp_path, "JNT015", tricycle)
+    assert not find_in_car(tmp_path, "JNT015", tricycle)
 
 
 def test_moments_in_the_wrong_places_are_exchanged(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "JNT015", changed(FOUR, 0, spin=2))
+    (finding,) = find_in_car(tmp_path, "JNT015", changed(FOUR, 0, spin=2))
     assert finding.message_id == "inertia"
     assert finding.location.subject == "link[front_left_wheel]/inertial"
     assert edits(finding) == [("0.0005", "0.00026"), ("0.00026", "0.0005")]
@@ -308,7 +308,7 @@ def test_moments_in_the_wrong_places_are_exchanged(tmp_path: Path) -> None:
 
 def test_what_is_drawn_is_turned_where_the_rest_agrees_with_the_joint(tmp_path: Path) -> None:
     text = FOUR.text().replace('rpy="1.5707963268 0 0"/><geometry>', 'rpy="0 0 0"/><geometry>', 1)
-    (finding,) = found(tmp_path, "JNT015", text)
+    (finding,) = find_in_car(tmp_path, "JNT015", text)
     assert finding.message_id == "drawn"
     assert finding.location.subject.startswith("link[front_left_wheel]/visual")
 
@@ -317,7 +317,7 @@ def test_without_a_drawing_nobody_knows_which_is_wrong(tmp_path: Path) -> None:
     text = changed(FOUR, 0, spin=2).text()
     drawn = text[text.index("<visual>", text.index('<link name="front_left_wheel">')) :]
     drawn = drawn[: drawn.index("</visual>") + len("</visual>")]
-    (finding,) = found(tmp_path, "JNT015", text.replace(drawn, "", 1))
+    (finding,) = find_in_car(tmp_path, "JNT015", text.replace(drawn, "", 1))
     assert finding.message_id == "unsure"
 
 
@@ -326,7 +326,7 @@ def test_a_wheel_beside_its_axis_is_a_cam(tmp_path: Path, offset: float, said: b
     """A twentieth of the radius is the limit."""
     for frame in ((0, 0, 0), (0.3, -0.7, 2.0)):
         messages = [
-            f.message_id for f in found(tmp_path, "JNT015", replace(changed(FOUR, 0, offset=offset), frame=frame))
+            f.message_id for f in find_in_car(tmp_path, "JNT015", replace(changed(FOUR, 0, offset=offset), frame=frame))
         ]
         assert messages == (["eccentric"] if said else [])
 
@@ -338,9 +338,9 @@ def test_only_round_things_are_judged(tmp_path: Path) -> None:
         .text()
         .replace('<cylinder radius="0.05" length="0.02"/>', '<box size="0.1 0.1 0.02"/>')
     )
-    assert {f.message_id for f in found(tmp_path / "a", "JNT015", plate)} <= {"unsure"}
+    assert {f.message_id for f in find_in_car(tmp_path / "a", "JNT015", plate)} <= {"unsure"}
     arm = Car((Wheel("upper_arm", (0, 0, 0.5), axis=(1, 0, 0)), Wheel("lower_arm", (0, 0.5, 0.5), axis=(1, 0, 0))))
-    assert not found(tmp_path / "b", "JNT015", arm)
+    assert not find_in_car(tmp_path / "b", "JNT015", arm)
 
 
 def test_rods_that_are_called_after_a_wheel_turn_as_they_like(tmp_path: Path) -> None:
@@ -349,17 +349,17 @@ def test_rods_that_are_called_after_a_wheel_turn_as_they_like(tmp_path: Path) ->
         '<robot name="engine"><link name="base"/><joint name="wheel_rod" type="continuous"><parent link="base"/>'
         '<child link="rod"/><axis xyz="1 0 0"/></joint><link name="rod">{}</link></robot>'
     )
-    weight = inertial(0.1, (0, 0, 0.1), (3e-4, 3e-4, 1e-5), np.eye(3), 1.0)
+    weight = make_sized_inertial(0.1, (0, 0, 0.1), (3e-4, 3e-4, 1e-5), np.eye(3), 1.0)
     drawing = '<visual><origin xyz="0 0 0.1"/><geometry><cylinder radius="0.01" length="0.2"/></geometry></visual>'
     for place, inside in enumerate((weight, drawing, weight + drawing)):
-        assert not found(tmp_path / str(place), "JNT015", rod.format(inside))
+        assert not find_in_car(tmp_path / str(place), "JNT015", rod.format(inside))
 
 
 # -- DYN004 ----------------------------------------------------------------------------------------------------------------
 
 
 def test_a_cart_with_its_mass_behind_the_wheels_tips_over(tmp_path: Path) -> None:
-    (finding,) = found(tmp_path, "DYN004", DEFECTS["DYN004"])
+    (finding,) = find_in_car(tmp_path, "DYN004", DEFECTS["DYN004"])
     assert finding.message_id == "tips"
     assert finding.severity is Severity.WARNING
     assert finding.data["side"] == "-x (to the rear)"
@@ -372,22 +372,22 @@ def test_a_cart_with_its_mass_behind_the_wheels_tips_over(tmp_path: Path) -> Non
 @pytest.mark.parametrize(("x", "said"), [(0.004, "slope"), (0.02, None), (-0.0005, "slope"), (-0.004, "tips")])
 def test_how_much_slope_it_bears(tmp_path: Path, x: float, said: str | None) -> None:
     """The COM is about 9 cm above the ground: 4.76° are 8 mm, and half a degree, 0.8 mm, is what rounding may leave."""
-    messages = [f.message_id for f in found(tmp_path, "DYN004", replace(THREE, com=(x, 0, 0.05)))]
+    messages = [f.message_id for f in find_in_car(tmp_path, "DYN004", replace(THREE, com=(x, 0, 0.05)))]
     assert messages == ([] if said is None else [said])
 
 
 def test_a_short_caster_only_leans_the_robot(tmp_path: Path) -> None:
-    assert not found(tmp_path / "a", "DYN004", replace(THREE, caster=(0.2, 0, -0.02)))
-    assert not found(tmp_path / "b", "DYN004", replace(THREE, caster=(0.2, 0, -0.036)))
+    assert not find_in_car(tmp_path / "a", "DYN004", replace(THREE, caster=(0.2, 0, -0.02)))
+    assert not find_in_car(tmp_path / "b", "DYN004", replace(THREE, caster=(0.2, 0, -0.036)))
 
 
 def test_a_balancer_is_kept_upright_by_its_controller(tmp_path: Path) -> None:
-    assert not found(tmp_path, "DYN004", replace(THREE, com=(0.02, 0, 0.3), caster=None))
+    assert not find_in_car(tmp_path, "DYN004", replace(THREE, com=(0.02, 0, 0.3), caster=None))
 
 
 def test_what_is_fixed_to_the_world_cannot_fall(tmp_path: Path) -> None:
     bolted = '<link name="world"/><joint name="bolts" type="fixed"><parent link="world"/><child link="base"/></joint></robot>'
-    assert not found(tmp_path, "DYN004", DEFECTS["DYN004"].text().replace("</robot>", bolted))
+    assert not find_in_car(tmp_path, "DYN004", DEFECTS["DYN004"].text().replace("</robot>", bolted))
 
 
 def test_masses_that_are_not_known_decide_nothing(tmp_path: Path) -> None:
@@ -398,12 +398,12 @@ def test_masses_that_are_not_known_decide_nothing(tmp_path: Path) -> None:
     # Nor does a model whose base has none.
     start = text.index("<inertial>")
     bare = text[:start] + text[text.index("</inertial>") + len("</inertial>") :]
-    assert not found(tmp_path / "b", "DYN004", bare)
+    assert not find_in_car(tmp_path / "b", "DYN004", bare)
 
 
 def table(*, com: float, names: str = "leg") -> str:
     """Four legs of two joints each on the corners of a body."""
-    parts = [f'<link name="body">{inertial(8, (com, 0, 0), (0.1, 0.1, 0.1), np.eye(3), 1.0)}</link>']
+    parts = [f'<link name="body">{make_sized_inertial(8, (com, 0, 0), (0.1, 0.1, 0.1), np.eye(3), 1.0)}</link>']
     limit = '<axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="9" velocity="9"/>'
     for i, (x, y) in enumerate([(0.2, 0.1), (0.2, -0.1), (-0.2, 0.1), (-0.2, -0.1)]):
         parts.append(
@@ -418,7 +418,7 @@ def table(*, com: float, names: str = "leg") -> str:
 
 def test_legs_are_only_mentioned(tmp_path: Path) -> None:
     """Nobody needs to stand with all joints at zero."""
-    assert not found(tmp_path / "a", "DYN004", table(com=0.1))
-    (finding,) = found(tmp_path / "b", "DYN004", table(com=0.3))
+    assert not find_in_car(tmp_path / "a", "DYN004", table(com=0.1))
+    (finding,) = find_in_car(tmp_path / "b", "DYN004", table(com=0.3))
     assert finding.severity is Severity.INFO
-    assert not found(tmp_path / "c", "DYN004", table(com=0.3, names="finger"))
+    assert not find_in_car(tmp_path / "c", "DYN004", table(com=0.3, names="finger"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from builders import link, robot
 from conftest import check, check_text
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
@@ -454,9 +455,10 @@ def test_in_order_option(tmp_path: Path, command: str, fixed: str | None) -> Non
         assert fixed in text[: edit.span.start] + edit.replacement + text[edit.span.end :]
 
 
-def robot(name: str, mass: str, extra: str = "") -> str:
-    links = "".join(f'<link name="l{i}"><inertial><mass value="{mass}"/></inertial></link>' for i in range(3))
-    return f'<robot name="{name}" xmlns:xacro="http://www.ros.org/wiki/xacro">{links}{extra}</robot>'
+def make_robot_of_mass(name: str, mass: str, extra: str = "") -> str:
+    """Return a robot of three links with this mass."""
+    links = (link(f"l{i}", f'<inertial><mass value="{mass}"/></inertial>') for i in range(3))
+    return robot(*links, extra, name=name, xacro=True)
 
 
 def package(folder: Path, urdf: str, xacro_text: str, **options: float) -> Run:
@@ -467,8 +469,8 @@ def package(folder: Path, urdf: str, xacro_text: str, **options: float) -> Run:
 
 
 def test_copies_are_compared_as_numbers(tmp_path: Path) -> None:
-    assert not package(tmp_path, robot("r", "1.0"), robot("r", "${1}")).findings
-    finding = only(package(tmp_path, robot("r", "1"), robot("r", "2")))
+    assert not package(tmp_path, make_robot_of_mass("r", "1.0"), make_robot_of_mass("r", "${1}")).findings
+    finding = only(package(tmp_path, make_robot_of_mass("r", "1"), make_robot_of_mass("r", "2")))
     assert finding.message_id == "diverged"
     assert finding.data["values"] == [f"link[l{i}]/inertial/mass@value" for i in range(3)]
     assert "3 values (link[l0]/inertial/mass@value: 1.0 and 2.0, " in finding.message
@@ -476,7 +478,7 @@ def test_copies_are_compared_as_numbers(tmp_path: Path) -> None:
 
 
 def test_copies_that_differ_in_name_and_extensions_only(tmp_path: Path) -> None:
-    finding = only(package(tmp_path, robot("a", "1"), robot("b", "1", "<gazebo/>")))
+    finding = only(package(tmp_path, make_robot_of_mass("a", "1"), make_robot_of_mass("b", "1", "<gazebo/>")))
     assert finding.message_id == "equal-bodies"
     assert "('a' and 'b')" in finding.message
     assert "0 and 1 <gazebo>" in finding.message
@@ -484,14 +486,14 @@ def test_copies_that_differ_in_name_and_extensions_only(tmp_path: Path) -> None:
 
 def test_part_that_one_copy_lacks_counts_once(tmp_path: Path) -> None:
     extra = '<link name="lamp"><visual><geometry><sphere radius="1"/></geometry></visual></link>'
-    finding = only(package(tmp_path, robot("r", "1"), robot("r", "1", extra), overlap=0.7))
+    finding = only(package(tmp_path, make_robot_of_mass("r", "1"), make_robot_of_mass("r", "1", extra), overlap=0.7))
     assert finding.data["only_xacro"] == ["link[lamp]"]
     assert "1 part only in the xacro (link[lamp])" in finding.message
 
 
 def test_another_robot_of_the_package_is_no_copy(tmp_path: Path) -> None:
-    other = robot("r", "2").replace('"l1"', '"a1"').replace('"l2"', '"a2"')
-    assert not package(tmp_path, robot("r", "1"), other).findings
+    other = make_robot_of_mass("r", "2").replace('"l1"', '"a1"').replace('"l2"', '"a2"')
+    assert not package(tmp_path, make_robot_of_mass("r", "1"), other).findings
 
 
 # -- what nothing uses -----------------------------------------------------------------------------------------------------
@@ -507,7 +509,7 @@ def write(folder: Path, files: dict[str, str]) -> Path:
     return folder
 
 
-def found(folder: Path, codes: set[str], **request: object) -> list[Finding]:
+def find_in_folder(folder: Path, codes: set[str], **request: object) -> list[Finding]:
     run = check(folder, codes=codes, **request)
     assert not run.failures
     return list(run.findings)
@@ -564,10 +566,10 @@ def test_what_another_file_of_the_workspace_uses_is_used(
     }
     model = write(tmp_path, files) / "src/arm/urdf/arm.urdf.xacro"
     (tmp_path / ".git").mkdir()
-    assert [f.code for f in found(model, {code})] == [code]
+    assert [f.code for f in find_in_folder(model, {code})] == [code]
     include = '<xacro:include filename="$(find arm)/urdf/arm.urdf.xacro"/>'
     write(tmp_path, {where: HEAD + include + use + "</robot>"})
-    assert not found(model, {code})
+    assert not find_in_folder(model, {code})
 
 
 def test_package_out_of_reach_that_depends_on_this_one_may_use_everything(tmp_path: Path) -> None:
@@ -579,9 +581,9 @@ def test_package_out_of_reach_that_depends_on_this_one_may_use_everything(tmp_pa
     }
     model = write(tmp_path, files) / "src/arm/urdf/arm.urdf.xacro"
     codes = {"XAC002", "XAC003", "XAC004"}
-    assert {f.code for f in found(model, codes)} == codes
+    assert {f.code for f in find_in_folder(model, codes)} == codes
     write(tmp_path, {"src/other/package.xml": "<package><name>other</name><depend>arm</depend></package>"})
-    assert not found(model, codes)
+    assert not find_in_folder(model, codes)
 
 
 def test_nothing_is_known_of_macros_where_an_include_was_not_followed(tmp_path: Path) -> None:
@@ -625,9 +627,9 @@ def test_argument_that_something_of_the_package_hands_over_is_used(tmp_path: Pat
     files = {"package.xml": "<package><name>p</name></package>", name: text}
     model = write(tmp_path, files) / "robot.urdf.xacro"
     model.write_text(HEAD + BASE + '<xacro:arg name="side" default="left"/></robot>', encoding="utf-8")
-    assert not found(model, {"XAC004"})
+    assert not find_in_folder(model, {"XAC004"})
     (tmp_path / name).unlink()
-    assert found(model, {"XAC004"})
+    assert find_in_folder(model, {"XAC004"})
 
 
 def test_unread_arguments_are_deleted_with_their_lines(tmp_path: Path) -> None:

@@ -25,7 +25,6 @@ from xml.parsers import expat
 from fuzz.cases import SECRET, Case
 from jsonschema import Draft202012Validator
 
-from urdfcheck import rules as catalogue
 from urdfcheck.cli import FINDINGS, NOTHING, OK, compute_exit_code
 from urdfcheck.core import Run, Severity
 from urdfcheck.core.errors import ModelTimeout
@@ -35,6 +34,7 @@ from urdfcheck.output import html, text
 from urdfcheck.output.json import render as render_json
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.policy import Policy
+from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import AuditOptions, Request
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 from urdfcheck.system import sandbox
@@ -121,7 +121,7 @@ def judge(case: Case, folder: Path, *, everything: bool = False) -> Verdict:
 def check(path: Path, tier: str, *, scene: bool = False, cache: Path | None = None) -> Run:
     """The input as a run in this process."""
     root = path if path.is_dir() else path.parent
-    codes, limits = frozenset(catalogue.load_rules()), ResourceLimits(seconds=SECONDS)
+    codes, limits = frozenset(load_rules()), ResourceLimits(seconds=SECONDS)
     request = Request(
         paths=(path,),
         root=root,

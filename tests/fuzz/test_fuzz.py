@@ -17,9 +17,9 @@ from fuzz.oracle import Verdict, judge
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding
-from urdfcheck.run import audit as worker
+from urdfcheck.rules import load_check
+from urdfcheck.run.audit import _UnitAudit
 
 pytestmark = pytest.mark.slow
 
@@ -95,7 +95,7 @@ def test_a_check_that_crashes_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     def crash(*_: object, **__: object) -> Iterator[Finding]:
         raise LookupError("a defect of ours")
 
-    real = catalogue.load_check
+    real = load_check
     monkeypatch.setattr("urdfcheck.run.audit.load_check", lambda rule: crash if rule.code == "XML003" else real(rule))
     verdict = verdict_on(SMALL)
     assert verdict.outcome == "failure"
@@ -103,7 +103,7 @@ def test_a_check_that_crashes_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_silence_about_what_no_parser_accepts_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(worker._UnitAudit, "run_checks", lambda *_: None)
+    monkeypatch.setattr(_UnitAudit, "run_checks", lambda *_: None)
     assert verdict_on(SMALL).outcome == "clean"
     broken = Case("model.urdf", {"model.urdf": seeds.SMALL.replace("</robot>", "").encode()})
     assert verdict_on(broken).outcome == "silent"
@@ -113,7 +113,7 @@ def test_a_file_that_is_opened_out_of_reach_is_seen(monkeypatch: pytest.MonkeyPa
     def peek(*_: object) -> None:
         Path("/etc/passwd").read_bytes()
 
-    monkeypatch.setattr(worker._UnitAudit, "run_checks", peek)
+    monkeypatch.setattr(_UnitAudit, "run_checks", peek)
     assert verdict_on(SMALL).outcome == "ran"
 
 

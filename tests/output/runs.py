@@ -125,7 +125,7 @@ def finding(**changes: Any) -> Finding:
 IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
-def inertial(**changes: Any) -> SceneInertia:
+def make_inertia(**changes: Any) -> SceneInertia:
     plain = SceneInertia(
         mass=0.0283,
         com=(0.0001, 0.0, -0.0125),
@@ -136,10 +136,10 @@ def inertial(**changes: Any) -> SceneInertia:
     return replace(plain, **changes)
 
 
-def link(name: str, **changes: Any) -> SceneLink:
+def make_link(name: str, **changes: Any) -> SceneLink:
     plain = SceneLink(
         name=name,
-        inertial=inertial(),
+        inertial=make_inertia(),
         density=1000.0,
         drawn_com=(0.0, 0.0, -0.0125),
         drawn_moments=(6.6e-6, 6.6e-6, 1.3e-5),
@@ -150,7 +150,7 @@ def link(name: str, **changes: Any) -> SceneLink:
     return replace(plain, **changes)
 
 
-def joint(name: str, parent: str, child: str, **changes: Any) -> SceneJoint:
+def make_joint(name: str, parent: str, child: str, **changes: Any) -> SceneJoint:
     plain = SceneJoint(
         name=name,
         type="revolute",
@@ -168,8 +168,8 @@ def scene(**changes: Any) -> Scene:
     plain = Scene(
         model=MODEL,
         root="base",
-        links=(link("base", inertial=inertial(mass=0.5)), link("wheel")),
-        joints=(joint("axle", "base", "wheel", type="continuous", lower=None, upper=None),),
+        links=(make_link("base", inertial=make_inertia(mass=0.5)), make_link("wheel")),
+        joints=(make_joint("axle", "base", "wheel", type="continuous", lower=None, upper=None),),
         frames=(SceneFrame("base", "footprint", IDENTITY, None),),
         meshes=(
             SceneMesh(
@@ -191,8 +191,8 @@ def chain(length: int) -> Scene:
     """``length`` links, one on the other."""
     return scene(
         root="l0",
-        links=tuple(link(f"l{i}") for i in range(length)),
-        joints=tuple(joint(f"j{i}", f"l{i - 1}", f"l{i}") for i in range(1, length)),
+        links=tuple(make_link(f"l{i}") for i in range(length)),
+        joints=tuple(make_joint(f"j{i}", f"l{i - 1}", f"l{i}") for i in range(1, length)),
         frames=(),
     )
 
@@ -200,8 +200,8 @@ def chain(length: int) -> Scene:
 def star(arms: int) -> Scene:
     """A base with ``arms`` links on it."""
     return scene(
-        links=(link("base"), *(link(f"arm_{i}") for i in range(arms))),
-        joints=tuple(joint(f"j{i}", "base", f"arm_{i}") for i in range(arms)),
+        links=(make_link("base"), *(make_link(f"arm_{i}") for i in range(arms))),
+        joints=tuple(make_joint(f"j{i}", "base", f"arm_{i}") for i in range(arms)),
         frames=(),
     )
 

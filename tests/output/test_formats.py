@@ -24,7 +24,7 @@ from markdown_it import MarkdownIt
 from markdown_it.token import Token
 from output.runs import FILE, MODEL, SOURCE, a_run, chain, finding, info, rule, scene, span, span_of, star
 
-from urdfcheck.cli.commands import job_summary as job
+from urdfcheck.cli.commands import job_summary
 from urdfcheck.cli.options import parse_outputs
 from urdfcheck.core import (
     Applicability,
@@ -661,17 +661,17 @@ def test_two_reports_do_not_go_into_one_file_nor_over_a_model(tmp_path: Path) ->
 def test_the_summary_of_a_job_is_appended_while_there_is_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = tmp_path / "summary.md"
     monkeypatch.setenv("GITHUB_STEP_SUMMARY", str(file))
-    assert job.find_summary_file() == file
+    assert job_summary.find_summary_file() == file
     file.write_text("another step\n")
-    job.append_summary(a_run(), (), file)
+    job_summary.append_summary(a_run(), (), file)
     assert file.read_text().startswith("another step\n### ❌ urdfcheck: 1 error to repair\n")
     file.write_text("x" * 999_000)
-    job.append_summary(a_run(), (), file)
+    job_summary.append_summary(a_run(), (), file)
     assert file.stat().st_size == 999_000
     monkeypatch.delenv("GITHUB_STEP_SUMMARY")
-    assert job.find_summary_file() is None
+    assert job_summary.find_summary_file() is None
     with pytest.raises(UrdfcheckError, match="cannot write the summary"):
-        job.append_summary(a_run(), (), tmp_path)
+        job_summary.append_summary(a_run(), (), tmp_path)
 
 
 def test_the_command_writes_all_formats_at_once(tmp_path: Path) -> None:

@@ -13,7 +13,21 @@ from typing import Any
 
 import pytest
 from output.documents import Document, read
-from output.runs import FILE, SOURCE, a_run, chain, finding, info, joint, link, rule, scene, span, span_of, star
+from output.runs import (
+    FILE,
+    SOURCE,
+    a_run,
+    chain,
+    finding,
+    info,
+    make_joint,
+    make_link,
+    rule,
+    scene,
+    span,
+    span_of,
+    star,
+)
 
 from urdfcheck.core import Applicability, Edit, Finding, Fix, Location, Run, Severity, SkippedCheck, Span, Suppression
 from urdfcheck.core.scene import Scene, SceneFrame
@@ -77,7 +91,7 @@ def test_policy_allows_the_style_and_the_scripts_that_are_there_and_nothing_else
 
 def test_data_of_a_robot_ends_no_script_and_reads_back() -> None:
     name = "</script><!--<script>\u202e##[error]\x1b"
-    found = document(a_run(scenes=(scene(root=name, links=(link(name),), joints=(), frames=()),)))
+    found = document(a_run(scenes=(scene(root=name, links=(make_link(name),), joints=(), frames=()),)))
     data = next(t for t, a in zip(found.scripts, found.all("script"), strict=True) if a.get("id") == "uc-data")
     assert data.isascii()
     assert "<" not in data
@@ -110,7 +124,7 @@ def test_names_from_files_are_inert_wherever_they_appear() -> None:
         fix=Fix(HOSTILE, Applicability.SAFE, (Edit(replace(span_of("0.09"), file=HOSTILE), HOSTILE, HOSTILE),)),
         model=HOSTILE,
     )
-    joints = (joint(HOSTILE, HOSTILE, "b", type=HOSTILE),)
+    joints = (make_joint(HOSTILE, HOSTILE, "b", type=HOSTILE),)
     run = a_run(
         hostile,
         models=(info(path=HOSTILE, robot=HOSTILE, args={HOSTILE: HOSTILE}, id=HOSTILE),),
@@ -126,7 +140,7 @@ def test_names_from_files_are_inert_wherever_they_appear() -> None:
             scene(
                 model=HOSTILE,
                 root=HOSTILE,
-                links=(link(HOSTILE, shapes=()), link("b")),
+                links=(make_link(HOSTILE, shapes=()), make_link("b")),
                 joints=joints,
                 frames=(SceneFrame(HOSTILE, HOSTILE + "2", (), None),),
             ),
@@ -587,14 +601,17 @@ def test_a_long_chain_goes_straight_down() -> None:
 
 def test_a_loop_is_cut_where_it_closes() -> None:
     looped = scene(
-        root="", links=(link("a"), link("b")), joints=(joint("j", "a", "b"), joint("k", "b", "a")), frames=()
+        root="",
+        links=(make_link("a"), make_link("b")),
+        joints=(make_joint("j", "a", "b"), make_joint("k", "b", "a")),
+        frames=(),
     )
     assert [(n.name, n.kind) for n in build_forest(looped)] == [("a", "link"), ("b", "link"), ("a", "repeated")]
     assert "drawn elsewhere too" in document(a_run(scenes=(looped,))).text
 
 
 def test_a_joint_to_nowhere_is_drawn_to_a_missing_link() -> None:
-    broken = scene(root="", links=(link("a"),), joints=(joint("j", "a", "ghost"),), frames=())
+    broken = scene(root="", links=(make_link("a"),), joints=(make_joint("j", "a", "ghost"),), frames=())
     assert [(n.name, n.kind) for n in build_forest(broken)] == [("a", "link"), ("ghost", "missing")]
 
 
@@ -610,13 +627,13 @@ def test_a_launch_file_can_stand_above_the_root_but_takes_no_link_from_its_joint
 
 
 def test_every_link_is_drawn_once() -> None:
-    pieces = scene(links=tuple(link(n) for n in "abcd"), joints=(joint("j", "c", "d"),), root="", frames=())
+    pieces = scene(links=tuple(make_link(n) for n in "abcd"), joints=(make_joint("j", "c", "d"),), root="", frames=())
     assert sorted(n.name for n in build_forest(pieces)) == ["a", "b", "c", "d"]
 
 
 def test_long_names_are_shortened_in_the_drawing_only() -> None:
     name = "a_" + "very_" * 30 + "long_link"
-    html = render(a_run(scenes=(scene(root=name, links=(link(name),), joints=(), frames=()),)))
+    html = render(a_run(scenes=(scene(root=name, links=(make_link(name),), joints=(), frames=()),)))
     drawn = html.split('<svg class="graph"')[1].split("</svg>")[0]
     assert f"<title>link {name}</title>" in drawn
     assert f">{name}</text>" not in drawn

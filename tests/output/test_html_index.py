@@ -9,7 +9,6 @@ import pytest
 from output.documents import read
 from output.runs import a_run, finding, info, scene
 
-from urdfcheck import rules as catalogue
 from urdfcheck.cli import terminal
 from urdfcheck.cli.options import is_folder_output
 from urdfcheck.cli.terminal import write_report
@@ -17,6 +16,7 @@ from urdfcheck.core import Severity
 from urdfcheck.output.html import iter_report_pages, make_unique_file_names
 from urdfcheck.output.html.index_page import iter_audit_page
 from urdfcheck.output.shared.audit.unit_lines import AuditSummary, UnitRow
+from urdfcheck.rules import load_rules
 
 
 def row(name: str, errors: int, status: str = "checked", *more: str, mass: float | None = 2.0) -> UnitRow:
@@ -48,7 +48,7 @@ ROWS = (
 
 @pytest.fixture(scope="module")
 def text() -> str:
-    return "".join(iter_audit_page(AuditSummary.from_rows(ROWS), ROWS, rules=catalogue.load_rules(), version="1.2.3"))
+    return "".join(iter_audit_page(AuditSummary.from_rows(ROWS), ROWS, rules=load_rules(), version="1.2.3"))
 
 
 def test_it_says_all_without_a_script(text: str) -> None:

@@ -14,11 +14,10 @@ from hypothesis import strategies as st
 from output.runs import SOURCE, a_run, finding, info, span_of
 
 from urdfcheck.core import Location
-from urdfcheck.export.link_pairs import LinkPair, LinkPairs
-from urdfcheck.export.link_pairs import render_srdf as srdf
+from urdfcheck.export.link_pairs import LinkPair, LinkPairs, render_srdf
 from urdfcheck.output import FORMATS, render
-from urdfcheck.output import text as report
 from urdfcheck.output.shared import inert
+from urdfcheck.output.text import render as render_text
 from urdfcheck.source.text.xml import quote_attribute
 
 COMMAND = re.compile(r"^\s*::|##\w*\[", re.MULTILINE)
@@ -137,13 +136,13 @@ def test_no_part_of_a_report_acts(attack: str, output_format: str) -> None:
 def test_no_wrapped_line_begins_with_a_command(width: int) -> None:
     message = "a name ::error::of many ::add-mask::words ##[error]and more " * 3
     for color in (False, True):
-        lines = report.render(a_run(finding(message=message)), width=width, color=color)
+        lines = render_text(a_run(finding(message=message)), width=width, color=color)
         assert not COMMAND.search(re.sub(r"\x1b\[[0-9;]*m", "", lines))
 
 
 def test_a_code_frame_begins_with_the_number_of_its_line() -> None:
     source = SOURCE.replace('  <link name="base"/>', "::error::x")
-    text = report.render(
+    text = render_text(
         a_run(finding(location=Location("link", span_of("::error::x", source))), sources={span_of("0.09").file: source})
     )
     assert re.search(r"^  +\d+ │ ::error::x$", text, re.MULTILINE)
@@ -152,7 +151,7 @@ def test_a_code_frame_begins_with_the_number_of_its_line() -> None:
 def test_names_in_a_semantic_description() -> None:
     name = 'a\x9b31m ##[error] \u202e"<'
     pairs = LinkPairs(name, 10, (LinkPair(links=(name, "b"), reason="Never", proven_never=True, seen_colliding=False),))
-    document = inert.escape_for_xml(srdf(pairs))
+    document = inert.escape_for_xml(render_srdf(pairs))
     assert not ACTING.search(document)
     assert not COMMAND.search(document)
     root = ElementTree.fromstring(document)

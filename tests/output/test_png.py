@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from output.documents import read
-from output.runs import IDENTITY, a_run, info, link, scene
+from output.runs import IDENTITY, a_run, info, make_link, scene
 
 from urdfcheck.cli.options import parse_outputs
 from urdfcheck.cli.terminal import write_report
@@ -58,8 +58,8 @@ def sphere(colour: tuple[float, ...] | None, pose: tuple[float, ...] = IDENTITY,
     return SceneShape(role=role, kind="sphere", size=(0.5,), pose=pose, color=colour)
 
 
-def robot(*links: tuple[SceneShape, ...], meshes: tuple[SceneMesh, ...] = ()) -> Scene:
-    return scene(links=tuple(link(f"l{i}", shapes=shapes) for i, shapes in enumerate(links)), meshes=meshes)
+def make_scene(*links: tuple[SceneShape, ...], meshes: tuple[SceneMesh, ...] = ()) -> Scene:
+    return scene(links=tuple(make_link(f"l{i}", shapes=shapes) for i, shapes in enumerate(links)), meshes=meshes)
 
 
 def pixels(of: Scene) -> NDArray[np.uint8]:
@@ -103,8 +103,8 @@ def cube(flip: bool = False) -> SceneMesh:
 
 
 def test_a_robot_fills_the_picture_on_a_transparent_ground() -> None:
-    found = pixels(robot((sphere(RED),)))
-    red, green, blue, opacity = middle(robot((sphere(RED),)))
+    found = pixels(make_scene((sphere(RED),)))
+    red, green, blue, opacity = middle(make_scene((sphere(RED),)))
     assert red > 100
     assert (green, blue, opacity) == (0, 0, 255)
     assert found[0, 0].tolist() == [0, 0, 0, 0]
@@ -118,13 +118,13 @@ def test_a_robot_fills_the_picture_on_a_transparent_ground() -> None:
 def test_what_is_nearer_hides_what_is_behind(order: int) -> None:
     towards = np.array(robot_picture._EYE)
     near, far = sphere(RED, moved(*towards)), sphere(BLUE, moved(*-towards))
-    assert middle(robot(*[(s,) for s in (near, far)][::order]))[2] == 0
+    assert middle(make_scene(*[(s,) for s in (near, far)][::order]))[2] == 0
 
 
 def test_links_stand_where_their_frames_are() -> None:
-    left = link("left", shapes=(sphere(RED),), world=moved(y=-1.5))
-    right = link("right", shapes=(sphere(BLUE),), world=moved(y=1.5))
-    found = pixels(scene(links=(left, right, link("nowhere", shapes=(sphere(RED),), world=None))))
+    left = make_link("left", shapes=(sphere(RED),), world=moved(y=-1.5))
+    right = make_link("right", shapes=(sphere(BLUE),), world=moved(y=1.5))
+    found = pixels(scene(links=(left, right, make_link("nowhere", shapes=(sphere(RED),), world=None))))
     # Along +y is to the right of the picture, seen from the front and the right.
     red, blue = (np.flatnonzero((found[..., i] > 60).any(axis=0)) for i in (0, 2))
     assert red.max() < WIDTH / 2 < blue.min()
@@ -132,7 +132,7 @@ def test_links_stand_where_their_frames_are() -> None:
 
 def test_a_mesh_is_drawn_alike_when_it_is_inside_out() -> None:
     shape = SceneShape(role="visual", kind="mesh", size=(0.001,) * 3, pose=IDENTITY, mesh="cube.stl", file=0)
-    sides = [pixels(robot((shape,), meshes=(cube(flip),))) for flip in (False, True)]
+    sides = [pixels(make_scene((shape,), meshes=(cube(flip),))) for flip in (False, True)]
     assert np.array_equal(*sides)
     assert len({tuple(p) for p in sides[0][sides[0][..., 3] == 255][:, :3].tolist()}) >= 3, (
         "three sides, each in its light"
@@ -141,13 +141,13 @@ def test_a_mesh_is_drawn_alike_when_it_is_inside_out() -> None:
 
 def test_what_collides_is_shown_only_where_nothing_is_drawn() -> None:
     bump = sphere(BLUE, role="collision")
-    assert middle(robot((bump,)))[2] > 60
-    assert middle(robot((bump,), (sphere(RED, moved(z=0.001)),)))[2] == 0
+    assert middle(make_scene((bump,)))[2] > 60
+    assert middle(make_scene((bump,), (sphere(RED, moved(z=0.001)),)))[2] == 0
 
 
 def test_other_shapes_are_drawn_too() -> None:
     for kind, size in (("box", (1.0, 1.0, 1.0)), ("cylinder", (0.5, 1.0)), ("capsule", (0.5, 1.0))):
-        assert middle(robot((SceneShape(role="visual", kind=kind, size=size, pose=IDENTITY),)))[3] == 255
+        assert middle(make_scene((SceneShape(role="visual", kind=kind, size=size, pose=IDENTITY),)))[3] == 255
 
 
 def test_a_box_is_as_large_as_it_says() -> None:
@@ -155,7 +155,7 @@ def test_a_box_is_as_large_as_it_says() -> None:
         [
             c
             for c, _, _ in robot_picture._iter_triangles(
-                robot((SceneShape(role="visual", kind="box", size=(1.0, 2.0, 3.0), pose=IDENTITY),))
+                make_scene((SceneShape(role="visual", kind="box", size=(1.0, 2.0, 3.0), pose=IDENTITY),))
             )
         ]
     )
@@ -175,14 +175,14 @@ def test_a_box_is_as_large_as_it_says() -> None:
     ],
 )
 def test_what_has_no_place_or_size_gives_no_picture(shapes: tuple[SceneShape, ...]) -> None:
-    assert robot_picture.render_scene(robot(shapes, meshes=(cube(),))) == b""
+    assert robot_picture.render_scene(make_scene(shapes, meshes=(cube(),))) == b""
 
 
 def test_a_point_is_a_picture_of_nothing_much() -> None:
     assert (
         decoded(
             robot_picture.render_scene(
-                robot((SceneShape(role="visual", kind="box", size=(0.0, 0.0, 0.0), pose=IDENTITY),)), 8, 8
+                make_scene((SceneShape(role="visual", kind="box", size=(0.0, 0.0, 0.0), pose=IDENTITY),)), 8, 8
             )
         ).max()
         == 0
@@ -191,7 +191,7 @@ def test_a_point_is_a_picture_of_nothing_much() -> None:
 
 def test_too_much_to_fill_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(robot_picture, "_MOST", 100)
-    assert robot_picture.render_scene(robot((sphere(RED),))) == b""
+    assert robot_picture.render_scene(make_scene((sphere(RED),))) == b""
 
 
 @pytest.mark.parametrize(("many", "shape"), [(300, "box"), (1_200, "sphere")])
@@ -199,30 +199,32 @@ def test_a_stack_of_shapes_takes_no_long_time(many: int, shape: str) -> None:
     """Each box fills half of the picture; each sphere has some thousand triangles."""
     size = (1.0, 1.0, 1.0) if shape == "box" else (1.0,)
     assert (
-        robot_picture.render_scene(robot((SceneShape(role="visual", kind=shape, size=size, pose=IDENTITY),) * many))
+        robot_picture.render_scene(
+            make_scene((SceneShape(role="visual", kind=shape, size=size, pose=IDENTITY),) * many)
+        )
         == b""
     )
 
 
 def test_a_run_of_one_model_has_a_picture_and_any_other_says_why_not() -> None:
-    drawn = robot((sphere(RED),))
+    drawn = make_scene((sphere(RED),))
     assert decoded(render(a_run(scenes=(drawn,)))).shape == (900, 1200, 4)
     with pytest.raises(UrdfcheckError, match="there are 2"):
         render(a_run(models=(info(), info(path="b.urdf")), scenes=(drawn,)))
     with pytest.raises(UrdfcheckError, match=r"rover\.urdf has no shape"):
-        render(a_run(scenes=(robot(()),)))
+        render(a_run(scenes=(make_scene(()),)))
 
 
 def test_the_command_writes_it_as_it_is(tmp_path: Path) -> None:
     ((name, file),) = parse_outputs([f"png={tmp_path / 'robot.png'}"], [])
-    write_report(a_run(scenes=(robot((sphere(RED),)),)), name, file)
+    write_report(a_run(scenes=(make_scene((sphere(RED),)),)), name, file)
     assert decoded(file.read_bytes()).shape == (900, 1200, 4)
 
 
 @pytest.mark.parametrize(("robots", "expected"), [(1, 1), (2, 0)])
 def test_a_report_of_one_model_has_it_for_browsers_without_3d(robots: int, expected: int) -> None:
     infos = tuple(info(id=f"{i}", path=f"{i}.urdf", robot="<b>") for i in range(robots))
-    scenes = tuple(replace(robot((sphere(RED),)), model=f"{i}") for i in range(robots))
+    scenes = tuple(replace(make_scene((sphere(RED),)), model=f"{i}") for i in range(robots))
     pictures = read(html.render(a_run(models=infos, scenes=scenes))).all("img")
     assert len(pictures) == expected
     for picture in pictures:
@@ -232,6 +234,6 @@ def test_a_report_of_one_model_has_it_for_browsers_without_3d(robots: int, expec
 
 @pytest.mark.parametrize("broken", [b"", b"GIF89a", b"last byte"])
 def test_the_reader_of_these_tests_refuses_what_is_no_png(broken: bytes) -> None:
-    good = robot_picture.render_scene(robot((sphere(RED),)), 8, 8)
+    good = robot_picture.render_scene(make_scene((sphere(RED),)), 8, 8)
     with pytest.raises((ValueError, struct.error)):
         decoded(good[:-30] + b"x" + good[-29:] if broken == b"last byte" else broken)

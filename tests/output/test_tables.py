@@ -6,7 +6,7 @@ import re
 
 import pytest
 from output.documents import Document, read
-from output.runs import IDENTITY, inertial, joint, link, scene
+from output.runs import IDENTITY, make_inertia, make_joint, make_link, scene
 
 from urdfcheck.core.scene import Scene, SceneInertia, SceneMesh, SceneShape
 from urdfcheck.output.html.tables.joints_table import render_joints_table
@@ -23,7 +23,7 @@ def rows(markup: str) -> list[list[str]]:
 
 
 def physics(**changes: object) -> list[str]:
-    return rows(render_physics_table(scene(links=(link("wheel", **changes),)), {}))[0]
+    return rows(render_physics_table(scene(links=(make_link("wheel", **changes),)), {}))[0]
 
 
 def document(markup: str) -> Document:
@@ -58,16 +58,20 @@ def test_unknown_is_not_zero() -> None:
 
 
 def test_the_whole_robot_has_a_mass_and_a_place() -> None:
-    body = inertial(mass=1.0, com=(0.1, 0.0, 0.0))
-    links = (link("a", inertial=body), link("b", inertial=body, world=TURNED), link("frame", inertial=None))
+    body = make_inertia(mass=1.0, com=(0.1, 0.0, 0.0))
+    links = (
+        make_link("a", inertial=body),
+        make_link("b", inertial=body, world=TURNED),
+        make_link("frame", inertial=None),
+    )
     assert rows(render_physics_table(scene(links=links), {}))[-1][1:5] == ["2", "550.000", "50.000", "0"]
 
 
-@pytest.mark.parametrize("changes", [{"world": None}, {"inertial": inertial(com=())}])
+@pytest.mark.parametrize("changes", [{"world": None}, {"inertial": make_inertia(com=())}])
 def test_the_whole_robot_has_no_place_where_a_link_has_none(changes: dict[str, object]) -> None:
-    links = (link("a", inertial=inertial(mass=1.0)), link("b", **changes))
+    links = (make_link("a", inertial=make_inertia(mass=1.0)), make_link("b", **changes))
     assert rows(render_physics_table(scene(links=links), {}))[-1][1:5] == ["1.028", "—", "—", "—"]
-    assert "All together" not in render_physics_table(scene(links=(link("a", inertial=None),)), {})
+    assert "All together" not in render_physics_table(scene(links=(make_link("a", inertial=None),)), {})
 
 
 # -- meshes ------------------------------------------------------------------------------------------------------------
@@ -80,7 +84,7 @@ def shape(
 
 
 def used(*links: tuple[SceneShape, ...], meshes: tuple[SceneMesh, ...] = ()) -> Scene:
-    return scene(links=tuple(link(f"l{i}", shapes=shapes) for i, shapes in enumerate(links)), meshes=meshes)
+    return scene(links=tuple(make_link(f"l{i}", shapes=shapes) for i, shapes in enumerate(links)), meshes=meshes)
 
 
 def mesh(name: str, **changes: object) -> SceneMesh:
@@ -143,13 +147,16 @@ def test_other_shapes_follow_with_their_outer_size() -> None:
 
 
 def test_limits_are_told_in_degrees_or_millimetres() -> None:
-    joints = (joint("axle", "base", "wheel"), joint("lift", "base", "fork", type="prismatic", lower=0.0, upper=0.25))
+    joints = (
+        make_joint("axle", "base", "wheel"),
+        make_joint("lift", "base", "fork", type="prismatic", lower=0.0, upper=0.25),
+    )
     found = rows(render_joints_table(scene(joints=joints), {}))
     assert [row[5] for row in found] == ["−1.571 … 1.571 rad (−90° … 90°)", "0 … 250.000 mm"]
 
 
 def test_joints_have_a_column_for_what_one_of_them_has() -> None:
-    plain, drive = joint("a", "base", "wheel"), joint("b", "base", "w2", effort=3.0, mimic=("a", -1.0, 0.5))
+    plain, drive = make_joint("a", "base", "wheel"), make_joint("b", "base", "w2", effort=3.0, mimic=("a", -1.0, 0.5))
     assert "Effort" not in render_joints_table(scene(joints=(plain,)), {})
     table = render_joints_table(scene(joints=(plain, drive)), {})
     assert [row[6:] for row in rows(table)] == [["—", "—"], ["−1 × a + 0.5", "3"]]
@@ -158,10 +165,10 @@ def test_joints_have_a_column_for_what_one_of_them_has() -> None:
 
 def test_names_can_be_found_by_the_pages_script() -> None:
     name = "<b>"
-    tables = render_physics_table(scene(links=(link(name),)), {}) + render_meshes_table(
+    tables = render_physics_table(scene(links=(make_link(name),)), {}) + render_meshes_table(
         used((shape("visual", kind="box"),))
     )
-    tables += render_joints_table(scene(joints=(joint(name, "base", name, mimic=("m", 1.0, 0.0)),)), {})
+    tables += render_joints_table(scene(joints=(make_joint(name, "base", name, mimic=("m", 1.0, 0.0)),)), {})
     found = read(tables)
     assert [a["data-link"] for _, a in found.tags if "data-link" in a] == [name, "l0", "base", name]
     assert [a["data-joint"] for _, a in found.tags if "data-joint" in a] == [name, "m"]

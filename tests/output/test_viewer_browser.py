@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from output.runs import IDENTITY, a_run, finding, inertial, info, joint, link, scene
+from output.runs import IDENTITY, a_run, finding, info, make_inertia, make_joint, make_link, scene
 
 from urdfcheck.core import Location
 from urdfcheck.core.scene import Scene, SceneDrawing, SceneInertia, SceneMesh, SceneShape
@@ -59,7 +59,7 @@ def rotated() -> SceneInertia:
     moments = MASS / 12 * np.array([y + z, z + x, x + y])
     order = np.argsort(moments)
     axes = PRINCIPAL[:, order]
-    return inertial(
+    return make_inertia(
         mass=MASS, com=tuple(COM), moments=tuple(moments[order]), axes=tuple(axes.ravel()), tensor=(1.0,) * 6
     )
 
@@ -90,21 +90,23 @@ def a_robot() -> Scene:
     return scene(
         root="base",
         links=(
-            link("base", shapes=drawn("box", 0.4, 0.3, 0.1, color=(0.1, 0.3, 0.7, 1.0))),
-            link("arm", inertial=rotated(), shapes=drawn("cylinder", 0.04, 0.3, at=move(0, 0, 0.15))),
-            link("tool", shapes=drawn("mesh", 1.0, 1.0, 1.0, file=0)),
-            link("finger_a", shapes=drawn("sphere", 0.03)),
-            link("finger_b", shapes=drawn("capsule", 0.02, 0.05)),
-            link("camera_frame", inertial=None, shapes=()),
+            make_link("base", shapes=drawn("box", 0.4, 0.3, 0.1, color=(0.1, 0.3, 0.7, 1.0))),
+            make_link("arm", inertial=rotated(), shapes=drawn("cylinder", 0.04, 0.3, at=move(0, 0, 0.15))),
+            make_link("tool", shapes=drawn("mesh", 1.0, 1.0, 1.0, file=0)),
+            make_link("finger_a", shapes=drawn("sphere", 0.03)),
+            make_link("finger_b", shapes=drawn("capsule", 0.02, 0.05)),
+            make_link("camera_frame", inertial=None, shapes=()),
         ),
         joints=(
-            joint("shoulder", "base", "arm", turn=SHOULDER_AXIS, pose=flat(SHOULDER)),
-            joint(
+            make_joint("shoulder", "base", "arm", turn=SHOULDER_AXIS, pose=flat(SHOULDER)),
+            make_joint(
                 "slide", "arm", "tool", type="prismatic", turn=(0.0, 0.0, 1.0), lower=0.0, upper=0.2, pose=flat(SLIDE)
             ),
-            joint("grip", "tool", "finger_a", turn=(0.0, 1.0, 0.0), pose=flat(FINGER)),
-            joint("follow", "tool", "finger_b", turn=(0.0, 1.0, 0.0), pose=flat(FINGER), mimic=("grip", -2.0, 0.1)),
-            joint("mount", "base", "camera_frame", type="fixed", axis=None, pose=flat(move(-0.4, 0, 0.3))),
+            make_joint("grip", "tool", "finger_a", turn=(0.0, 1.0, 0.0), pose=flat(FINGER)),
+            make_joint(
+                "follow", "tool", "finger_b", turn=(0.0, 1.0, 0.0), pose=flat(FINGER), mimic=("grip", -2.0, 0.1)
+            ),
+            make_joint("mount", "base", "camera_frame", type="fixed", axis=None, pose=flat(move(-0.4, 0, 0.3))),
         ),
         frames=(),
         meshes=(an_open_box(),),
@@ -320,7 +322,7 @@ def test_scripts_keep_their_budget(report: Path) -> None:
 def test_names_of_strangers_stay_text(browser: Any, tmp_path: Path) -> None:
     name = "</script><img src=x onerror=\"document.title='taken'\">"
     robot = a_robot()
-    hostile = replace(robot, root=name, links=(link(name, shapes=robot.links[0].shapes),), joints=())
+    hostile = replace(robot, root=name, links=(make_link(name, shapes=robot.links[0].shapes),), joints=())
     path = tmp_path / "hostile.html"
     path.write_text(render(a_run(about(name), scenes=(hostile,))), encoding="utf-8")
     page = browser.new_page(reduced_motion="reduce")

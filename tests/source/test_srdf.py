@@ -28,7 +28,7 @@ def write(folder: Path, files: Mapping[str, str]) -> None:
         path.write_text(text, encoding="utf-8")
 
 
-def found(folder: Path, model: str, **arguments: str) -> list[str]:
+def list_descriptions(folder: Path, model: str, **arguments: str) -> list[str]:
     """The semantic descriptions of a model, by their paths from the folder."""
     path = folder / model
     source = load_source(path, arguments, PackageFinder(path, environment={}))
@@ -68,18 +68,18 @@ def test_they_are_looked_for_where_moveit_configurations_lie(tmp_path: Path, pla
     }
     write(tmp_path, {"ws/arm/urdf/arm.urdf": URDF, place: SRDF, **packages})
     (tmp_path / "ws/.git").mkdir()
-    assert found(tmp_path, "ws/arm/urdf/arm.urdf") == ([place] if belongs else [])
+    assert list_descriptions(tmp_path, "ws/arm/urdf/arm.urdf") == ([place] if belongs else [])
 
 
 def test_a_model_without_a_package_has_those_beside_it(tmp_path: Path) -> None:
     write(tmp_path, {"arm.urdf": URDF, "a.srdf": SRDF, "b.srdf": SRDF.replace('"arm"', '" arm "'), "deep/c.srdf": SRDF})
-    assert found(tmp_path, "arm.urdf") == ["a.srdf", "b.srdf"]
+    assert list_descriptions(tmp_path, "arm.urdf") == ["a.srdf", "b.srdf"]
 
 
 @pytest.mark.parametrize("text", [SRDF.replace("arm", "leg"), "<robot", "<arm/>", "", '<robot name="">'])
 def test_what_is_for_another_robot_or_cannot_be_read_is_none(tmp_path: Path, text: str) -> None:
     write(tmp_path, {"arm.urdf": URDF, "arm.srdf": text})
-    assert not found(tmp_path, "arm.urdf")
+    assert not list_descriptions(tmp_path, "arm.urdf")
 
 
 def test_a_xacro_is_expanded_with_the_arguments_of_the_model(tmp_path: Path) -> None:
@@ -88,8 +88,8 @@ def test_a_xacro_is_expanded_with_the_arguments_of_the_model(tmp_path: Path) -> 
     main = f'<robot name="$(arg name)" {XMLNS}><xacro:arg name="name" default="leg"/>'
     main += '<xacro:include filename="macros.srdf.xacro"/><xacro:pairs prefix="left_"/></robot>'
     write(tmp_path, {"arm.urdf": URDF, "macros.srdf.xacro": macros, "arm.srdf.xacro": main})
-    assert found(tmp_path, "arm.urdf") == []
-    assert found(tmp_path, "arm.urdf", name="arm") == ["arm.srdf.xacro"]
+    assert list_descriptions(tmp_path, "arm.urdf") == []
+    assert list_descriptions(tmp_path, "arm.urdf", name="arm") == ["arm.srdf.xacro"]
     srdf = load_srdf(tmp_path / "arm.srdf.xacro", {"name": "arm"}, PackageFinder(tmp_path, environment={}), robot="arm")
     assert srdf is not None
     (pair,) = srdf.disabled_pairs

@@ -17,7 +17,7 @@ from urdfcheck.model.shapes.mesh_marks import sample_for_drawing
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
-# A report draws so many triangles of so many meshes.
+# A report draws so many meshes, and so many triangles of each.
 MAX_MESHES, MAX_TRIANGLES = 8, 32
 
 

@@ -9,7 +9,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 
-# A closed mesh with less of its hull's volume than this is a sheet with two sides, whose volume is rounding.
+# A closed mesh with less of its hull's volume than this is a two-sided sheet, whose volume is a rounding error.
 MIN_HULL_SHARE = 1e-6
 
 

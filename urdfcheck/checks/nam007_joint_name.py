@@ -17,7 +17,7 @@ _SIDES = frozenset({"left", "right", "l", "r", "front", "rear", "back"})
 def check(model: Model, rule: Rule, *, least: int) -> Iterator[Finding]:
     yield from _build_findings("reversed", [joint for joint in model.joints if _is_reversed(joint)], rule)
     yield from _build_findings("other", list(_find_misnamed_joints(model, least)), rule)
-    # `base_to_arm_link` names the link arm_link, and a joint may have the name of its link.
+    # `base_to_arm_link` ends in the name of a link; KIN001 reports a moving joint with the name of a link.
     joints = [j for j in model.joints if not any(j.name.endswith(link) for link in (j.parent, j.child) if link)]
     yield from _build_findings("link-as-joint", [j for j in joints if _has_kind_suffix(j.name, "link", "joint")], rule)
     yield from _build_findings(

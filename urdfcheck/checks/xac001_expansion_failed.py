@@ -19,7 +19,7 @@ from urdfcheck.source.xacro.usage import collect_macros, collect_properties, fin
 
 _EXPRESSIONS = " when evaluating expression '"
 _PATH = re.compile(r"(?<![\w./])/[^\s'\",:]+")
-# The error of an empty file name, after which the folder before it is opened as a file.
+# The error of an empty file name: xacro then opens its folder as a file.
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
 
 

@@ -26,8 +26,7 @@ def check(model: Model, rule: Rule, *, each: int, near: float) -> Iterator[Findi
         return
     by_file: dict[str, list[list[Attribute]]] = {}
     for definitions in _find_unread_properties(source):
-        span = definitions[0].span
-        by_file.setdefault("" if span is None else span.file, []).append(definitions)
+        by_file.setdefault(definitions[0].location.file, []).append(definitions)
     for file, unread in by_file.items():
         if len(unread) > each:
             yield _build_summary_finding(file, unread, rule)

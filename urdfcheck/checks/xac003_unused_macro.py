@@ -18,8 +18,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         return
     by_file: dict[str, list[Macro]] = {}
     for macro in _find_uncalled_macros(source):
-        span = macro.element.span
-        by_file.setdefault("" if span is None else span.file, []).append(macro)
+        by_file.setdefault(macro.element.location.file, []).append(macro)
     for file, (first, *others) in by_file.items():
         names = [macro.name for macro in (first, *others)]
         yield rule.finding(

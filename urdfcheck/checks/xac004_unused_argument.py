@@ -24,7 +24,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         return
     by_file: dict[str, list[Attribute]] = {}
     for name in _find_unread_arguments(source):
-        by_file.setdefault("" if name.span is None else name.span.file, []).append(name)
+        by_file.setdefault(name.location.file, []).append(name)
     for file, (first, *others) in by_file.items():
         names = [name.value for name in (first, *others)]
         yield rule.finding(
@@ -52,11 +52,11 @@ def _find_unread_arguments(source: Source) -> list[Attribute]:
     declared = [e.attributes["name"] for e in iter_elements_by_tag(source.trees, "xacro:arg") if "name" in e.attributes]
     times = Counter(name.value for name in declared)
     used = collect_read_arguments(source.trees) | source.arguments_read | source.arguments.keys()
-    own = select_own_trees(source)
+    own_trees = select_own_trees(source)
     unread = [
         name
         for name in declared
-        if name.value not in used and times[name.value] == 1 and name.span is not None and name.span.file in own
+        if name.value not in used and times[name.value] == 1 and name.span is not None and name.span.file in own_trees
     ]
     elsewhere = collect_outside_mentions(source) if unread else None
     if elsewhere is None or not elsewhere.complete:

@@ -17,10 +17,10 @@ _MAX_EDITED = 500
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
-    own = select_own_trees(source)
+    own_trees = select_own_trees(source)
     by_file: dict[str, list[Element]] = {}
     for element in find_unprefixed_tags(source.trees):
-        if element.span is not None and element.span.file in own:
+        if element.span is not None and element.span.file in own_trees:
             by_file.setdefault(element.span.file, []).append(element)
     for name, elements in by_file.items():
         tags = list(dict.fromkeys(e.tag for e in elements))
@@ -28,7 +28,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             "unprefixed" if source.is_xacro else "plain",
             at=elements[0],
             related=elements[1:_MAX_EDITED],
-            edits=_propose_edits(elements, own[name], source.files[name]) if source.is_xacro else [],
+            edits=_propose_edits(elements, own_trees[name], source.files[name]) if source.is_xacro else [],
             severity=None if source.is_xacro else Severity.WARNING,
             tag=elements[0].tag,
             tags=tags,

@@ -20,7 +20,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     problems = source.find_problems("property-lost")
     if not problems:
         return
-    own = select_own_trees(source)
+    own_trees = select_own_trees(source)
     definitions = {
         a.span: e
         for e in iter_elements_by_tag(source.trees, "xacro:property")
@@ -33,9 +33,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         before, after = definitions.get(first.span), definitions.get(second.span)
         if before is None or after is None or _is_intentional(before, after, second=second, tags=tags):
             continue
-        files = _get_file_name(first), _get_file_name(second)
+        files = first.file, second.file
         message = _choose_message(first, second, files)
-        if message is None or not own.keys() & set(files):
+        if message is None or not own_trees.keys() & set(files):
             continue
         # The author of both files can see that the definition without effect is wrong.
         at, other = (first, second) if message == "included" else (second, first)
@@ -85,10 +85,6 @@ def _is_conditional(element: Element) -> bool:
 def _is_equal_value(one: str, other: str) -> bool:
     a, b = parse_number(one), parse_number(other)
     return one.split() == other.split() if a is None or b is None else math.isclose(a, b, rel_tol=1e-12)
-
-
-def _get_file_name(location: Location) -> str:
-    return "" if location.span is None else location.span.file
 
 
 def _get_line_number(location: Location) -> int:

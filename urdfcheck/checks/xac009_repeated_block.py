@@ -14,7 +14,7 @@ from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element
 
-# CAD exports of one part differ in these digits, by rounding.
+# CAD exports of one part differ by so much, which is rounding.
 _TOLERANCES = {"rel_tol": 1e-6, "abs_tol": 1e-12}
 
 

@@ -17,11 +17,13 @@ _STEP = 0.5 / 255
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    own = model.robot.find_children("material")
-    inner = [m for link in model.links for shape in link.visuals for m in shape.element.find_children("material")]
-    yield from _check_empty_names([*own, *inner], rule)
-    yield from _check_repeated_materials(own, rule)
-    yield from _check_conflicting_materials(own, inner, rule)
+    global_materials = model.robot.find_children("material")
+    local_materials = [
+        m for link in model.links for shape in link.visuals for m in shape.element.find_children("material")
+    ]
+    yield from _check_empty_names([*global_materials, *local_materials], rule)
+    yield from _check_repeated_materials(global_materials, rule)
+    yield from _check_conflicting_materials(global_materials, local_materials, rule)
 
 
 def _check_empty_names(materials: list[Element], rule: Rule) -> Iterator[Finding]:
@@ -33,23 +35,25 @@ def _check_empty_names(materials: list[Element], rule: Rule) -> Iterator[Finding
         yield replace(finding, subjects=tuple(location.subject for location in empty))
 
 
-def _check_repeated_materials(own: list[Element], rule: Rule) -> Iterator[Finding]:
+def _check_repeated_materials(global_materials: list[Element], rule: Rule) -> Iterator[Finding]:
     first: dict[str, Element] = {}
-    for material in own:
+    for material in global_materials:
         name = material.get("name")
         if name and first.setdefault(name, material) is not material:
             yield rule.finding("repeated", at=material, severity=Severity.ERROR, related=[first[name]], material=name)
 
 
-def _check_conflicting_materials(own: list[Element], inner: list[Element], rule: Rule) -> Iterator[Finding]:
+def _check_conflicting_materials(
+    global_materials: list[Element], local_materials: list[Element], rule: Rule
+) -> Iterator[Finding]:
     """Report definitions that have no effect: the first of a name counts, those of the robot before those of its links."""
     first: dict[str, Element] = {}
     others: dict[str, list[Element]] = {}
-    for material in chain(own, inner):
+    for material in chain(global_materials, local_materials):
         name = material.get("name").strip()
         if not name or not material.children:
             continue
-        if not _is_same_appearance(first.setdefault(name, material), material) and material not in own:
+        if not _is_same_appearance(first.setdefault(name, material), material) and material not in global_materials:
             others.setdefault(name, []).append(material)
     for name, materials in others.items():
         yield rule.finding(

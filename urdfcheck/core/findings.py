@@ -117,6 +117,11 @@ class Location:
     span: Span | None
     via: tuple[Span, ...] = ()
 
+    @property
+    def file(self) -> str:
+        """The file of the text, or empty."""
+        return "" if self.span is None else self.span.file
+
 
 class Located(Protocol):
     """Anything with a place in the source: an element, an attribute, a link, a joint."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator
 from functools import wraps
-from inspect import isgeneratorfunction
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
 from urdfcheck.core.errors import FactUnavailableError
@@ -30,9 +29,6 @@ def fact(compute: Callable[Concatenate[M, P], T]) -> Callable[Concatenate[M, P],
 
     :raises TypeError: when the function returns an iterator.
     """
-
-    if isgeneratorfunction(compute):
-        raise TypeError(f"{compute.__qualname__} is a generator: only its first caller would see what it yields")
 
     @wraps(compute)
     def get(model: M, /, *args: P.args, **kwargs: P.kwargs) -> T:

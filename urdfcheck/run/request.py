@@ -123,10 +123,12 @@ def make_request(options: RunOptions, *, scene: bool = False) -> tuple[Request, 
         request,
         policy=effective.policy,
         options=replace(request.options, samples=options.samples, scene=scene, heed_comments=not options.isolated),
-        packages=PackageFolders(_resolve_packages(options), _resolve_folders(options, "package_paths")),
+        packages=PackageFolders(
+            _resolve_packages(options), _resolve_folders(options.package_paths, options.spell("package_paths"))
+        ),
         # The folders that the configurations of the given paths name are in reach, those of files found below are not.
         allowed=(
-            *_resolve_folders(options, "allow_read"),
+            *_resolve_folders(options.allow_read, options.spell("allow_read")),
             *(folder for config in configs for folder in (*config.packages.values(), *config.package_path)),
         ),
         jobs=_count_jobs(options),
@@ -151,11 +153,11 @@ def make_access_request(options: RunOptions, config: Config, codes: frozenset[st
         options=AuditOptions(environment=tuple(options.environment), limits=_resolve_limits(options)),
         packages=PackageFolders(
             {**config.packages, **_resolve_packages(options)},
-            (*_resolve_folders(options, "package_paths"), *config.package_path),
+            (*_resolve_folders(options.package_paths, options.spell("package_paths")), *config.package_path),
         ),
         arguments=dict(options.arguments),
         cache=find_default_folder() if options.cache else None,
-        allowed=_resolve_folders(options, "allow_read"),
+        allowed=_resolve_folders(options.allow_read, options.spell("allow_read")),
     )
 
 
@@ -190,11 +192,10 @@ def _resolve_packages(options: RunOptions) -> dict[str, Path]:
     return {name: Path(folder).absolute() for name, folder in options.packages.items()}
 
 
-def _resolve_folders(options: RunOptions, name: str) -> tuple[Path, ...]:
-    folders: Sequence[AnyPath] = getattr(options, name)
+def _resolve_folders(folders: Sequence[AnyPath], option: str) -> tuple[Path, ...]:
     for folder in folders:
         if not Path(folder).is_dir():
-            raise UrdfcheckError(f"{options.spell(name)} {os.fspath(folder)}: is no folder")
+            raise UrdfcheckError(f"{option} {os.fspath(folder)}: is no folder")
     return tuple(map(Path, folders))
 
 

@@ -15,24 +15,11 @@ from urdfcheck.output.shared.anchors import (
     compute_severity_marks,
     parse_element_key,
 )
+from urdfcheck.rules import load_rules
 
 # Edges of the box and semi-axes of the ellipsoid of uniform density with the moments I1, I2, I3 of a mass m:
 # edge² = 6 (I2 + I3 - I1) / m, semi-axis² = 5 (I2 + I3 - I1) / (2 m), and cyclically.
 _BOX, _ELLIPSOID = 6.0, 2.5
-# Layers that show a finding best, by its code or by the family of its rule.
-_LAYERS: Mapping[str, tuple[str, ...]] = {
-    "MSH002": ("visual", "holes"),
-    "DYN004": ("visual", "ground", "com"),
-    "KIN007": ("visual", "ground"),
-    "INR": ("visual", "com", "box"),
-    "COL": ("visual", "collision", "overlaps"),
-    "GEO": ("visual", "collision"),
-    "JNT": ("visual", "axes", "frames"),
-    "KIN": ("visual", "frames"),
-    "SYM": ("visual", "axes", "frames"),
-    "DYN": ("visual", "com"),
-}
-_DEFAULT_LAYERS = ("visual",)
 # In metres: a graphics card computes with seven digits, so that no robot is visible beside anything larger.
 _LARGEST = 1e9
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
@@ -52,8 +39,9 @@ def build_scene_data(models: Iterable[tuple[str, str, Scene, Sequence[FindingCar
 
 
 def get_layers(code: str) -> tuple[str, ...]:
-    """Return the layers of the 3D view that show a finding of this rule best."""
-    return _LAYERS.get(code) or _LAYERS.get(code[:3], _DEFAULT_LAYERS)
+    """Return the layers of the 3D view that show a finding of this rule best; see ``rules/families.toml``."""
+    rule = load_rules().get(code)
+    return ("visual",) if rule is None else rule.layers
 
 
 class _MeshPool:

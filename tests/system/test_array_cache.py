@@ -160,7 +160,7 @@ def _fill(folder: Path) -> None:
 
 
 def test_several_processes_write_one_entry(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(Path(__file__).parents[1])  # where the new processes find this module
+    monkeypatch.syspath_prepend(Path(__file__).parents[2])  # where the new processes find this module
     workers = [multiprocessing.get_context("spawn").Process(target=_fill, args=(tmp_path,)) for _ in range(3)]
     for worker in workers:
         worker.start()

@@ -30,7 +30,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     make_sphere_solid,
     transform_solid,
 )
-from urdfcheck.facts.mesh import decode_limits as mesh_limits
+from urdfcheck.facts.mesh import decode_limits
 from urdfcheck.facts.mesh.decode_limits import MeshError
 from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid, measure_mesh
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
@@ -505,7 +505,7 @@ def test_collada_entities_are_found_in_every_encoding_that_is_read(encoding: str
 
 
 def test_triangles_are_counted_before_room_is_made_for_them(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mesh_limits, "MOST_TRIANGLES", 4)
+    monkeypatch.setattr(decode_limits, "MOST_TRIANGLES", 4)
     few, many = TETRAHEDRON, (TETRAHEDRON[0], [*TETRAHEDRON[1], (0, 1, 2)])
     for kind, write in WRITERS.items():
         assert measure_mesh(write(*few), kind).n_triangles == 4
@@ -539,7 +539,7 @@ WRITERS: dict[str, Callable[[Any, Any], bytes]] = {
 
 def test_an_ascii_stl_is_counted_too(monkeypatch: pytest.MonkeyPatch) -> None:
     assert measure_mesh(ascii_stl(*TETRAHEDRON), "stl").n_triangles == 4
-    monkeypatch.setattr(mesh_limits, "MOST_TRIANGLES", 3)
+    monkeypatch.setattr(decode_limits, "MOST_TRIANGLES", 3)
     assert reason(ascii_stl(*TETRAHEDRON), "stl") == "too-large"
 
 

@@ -20,12 +20,12 @@ from real_robots import list_robots
 from test_rules import BAD, GOOD, Case
 
 from urdfcheck import cli
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Rule, Verdict
 from urdfcheck.model import Model
 from urdfcheck.policy import consumers
 from urdfcheck.policy.config import TARGETS
 from urdfcheck.policy.limits import ResourceLimits
+from urdfcheck.rules import load_rules
 from urdfcheck.simulators.comparison import predict_verdict
 from urdfcheck.simulators.engine_input import build_input
 from urdfcheck.simulators.judgement import judge_outcome, matches_prediction
@@ -63,7 +63,7 @@ def sentences(table: Mapping[str, object]) -> Iterator[tuple[str, str]]:
             yield key, str(value)
 
 
-@pytest.mark.parametrize("rule", list(catalogue.load_rules().values()), ids=lambda rule: rule.code)
+@pytest.mark.parametrize("rule", list(load_rules().values()), ids=lambda rule: rule.code)
 def test_consumers_are_known_and_say_at_once_what_they_do(rule: Rule) -> None:
     for consumer, sentence in sentences(rule.consumers):
         assert consumer in {*consumers.CONSUMERS, *consumers.OTHERS}
@@ -110,7 +110,7 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> list[Example]:
         for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
             patch.delenv(variable, raising=False)
         for case in (*BAD, *GOOD) if ALL else BAD:
-            if {"model", "file"} & set(catalogue.load_rules()[case.rule].scopes):
+            if {"model", "file"} & set(load_rules()[case.rule].scopes):
                 found += written(case, tmp_path_factory.mktemp(str(case)))
     return found
 
@@ -122,7 +122,7 @@ def written(case: Case, folder: Path) -> Iterator[Example]:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8", newline="")
     target = folder if len(case.files) > 1 else folder / case.files[0][0]
-    needs = {"dynamics", "collision"} & set(catalogue.load_rules()[case.rule].needs)
+    needs = {"dynamics", "collision"} & set(load_rules()[case.rule].needs)
     yield from checked(str(case), folder, target, tier="full" if needs else "mesh")
 
 

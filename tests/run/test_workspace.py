@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from conftest import check
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Run
+from urdfcheck.rules import load_rules
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 FAMILIES = ("KIN", "LCH", "PKG", "SRD", "XAC", "XML")
@@ -173,7 +173,7 @@ def workspace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def audit(*paths: str) -> Run:
-    codes = {code for code in catalogue.load_rules() if code.startswith(FAMILIES)}
+    codes = {code for code in load_rules() if code.startswith(FAMILIES)}
     run = check(*map(Path, paths), codes=codes, tier="source")
     assert not run.failures
     return run

@@ -17,20 +17,21 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from builders import link, robot
 from conftest import check, command, make_request
 from hypothesis import given
 from hypothesis import strategies as st
 from real_robots import list_robots
 from test_rules import FIXED, cases
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Applicability, Edit, Finding, Location, ModelInfo, Rule, Run, Severity, Span, UrdfcheckError
 from urdfcheck.fix import fixer, patch
 from urdfcheck.fix.fixer import FixResult, compute_fixes, select_disjoint
 from urdfcheck.fix.patch import EditableFiles, EditableText, EditRefusedError
 from urdfcheck.fix.regression import find_regression
 from urdfcheck.policy import config
-from urdfcheck.run import pipeline as engine
+from urdfcheck.rules import load_rules, select_rules
+from urdfcheck.run import pipeline
 from urdfcheck.run.audit import audit_unit
 from urdfcheck.run.findings import get_sort_key
 from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
@@ -49,7 +50,7 @@ AXIS = JOINT.format(n="a", type="continuous", inner='<axis xyz="0 0 2"/>')
 
 def tried(*paths: Path, codes: Iterable[str] = ("ALL",), unsafe: bool = False, **settings: object) -> FixResult:
     """What fixing would do, in this process and from the source alone."""
-    request = make_request(*paths, codes=catalogue.select_rules(codes), **{"tier": "source", **settings})
+    request = make_request(*paths, codes=select_rules(codes), **{"tier": "source", **settings})
     return compute_fixes(request, IN_THIS_PROCESS, include_unsafe=unsafe)
 
 
@@ -60,8 +61,8 @@ def fix(*paths: Path, **options: object) -> FixResult:
     return found
 
 
-def robot(*parts: str, head: str = "") -> str:
-    return f'{head}<robot name="r"><link name="base"/>{"".join(parts)}</robot>\n'
+def make_robot_on_base(*parts: str, head: str = "") -> str:
+    return head + robot(link("base"), *parts) + "\n"
 
 
 def noisy(n: int = 1, x: str = "1e-17") -> str:
@@ -171,7 +172,7 @@ def test_bytes_outside_of_the_edits_stay(
 )
 @pytest.mark.parametrize("newline", ["\n", "\r\n"])
 def test_line_ends_marks_and_encodings_survive(tmp_path: Path, head: str, encoding: str, newline: str) -> None:
-    text = robot(f"{newline}<!-- ü -->{newline}", noisy(), newline, head=head)
+    text = make_robot_on_base(f"{newline}<!-- ü -->{newline}", noisy(), newline, head=head)
     path = tmp_path / "robot.urdf"
     path.write_bytes(text.encode(encoding))
     assert [f.code for f in fix(path).fixed] == ["JNT014"]
@@ -180,7 +181,7 @@ def test_line_ends_marks_and_encodings_survive(tmp_path: Path, head: str, encodi
 
 def test_what_would_not_be_written_as_it_was_is_left(tmp_path: Path) -> None:
     path = tmp_path / "robot.urdf"
-    path.write_bytes(robot(noisy()).encode("utf-16-be").join((b"\xfe\xff", b"")))
+    path.write_bytes(make_robot_on_base(noisy()).encode("utf-16-be").join((b"\xfe\xff", b"")))
     before = path.read_bytes()
     found = fix(path, codes=["JNT014"])
     if sys.byteorder == "little":
@@ -305,7 +306,7 @@ def test_a_shared_file_is_unsafe_where_one_model_calls_the_macro_twice(tmp_path:
 
 
 def test_numbers_that_mean_something_are_unsafe(tmp_path: Path) -> None:
-    path = written(tmp_path, robot(AXIS))
+    path = written(tmp_path, make_robot_on_base(AXIS))
     assert fix(path, codes=["JNT002"]).unsafe_count == 1
     assert 'xyz="0 0 2"' in path.read_text()
     fix(path, codes=["JNT002"], unsafe=True)
@@ -314,15 +315,15 @@ def test_numbers_that_mean_something_are_unsafe(tmp_path: Path) -> None:
 
 def test_a_suppressed_finding_is_not_fixed(tmp_path: Path) -> None:
     comment = "<!-- urdfcheck: ignore[JNT014] as exported -->"
-    path = written(tmp_path, robot(comment, noisy()))
+    path = written(tmp_path, make_robot_on_base(comment, noisy()))
     assert fix(path, codes=["JNT014", "URC902"]).changes == {}
 
 
 def test_a_comment_that_suppresses_nothing_goes_with_its_line(tmp_path: Path) -> None:
     comment = "\n  <!-- urdfcheck: ignore[JNT014] as exported -->\n  <!-- another -->\n"
-    path = written(tmp_path, robot(comment, noisy(x="0")))
+    path = written(tmp_path, make_robot_on_base(comment, noisy(x="0")))
     assert [f.code for f in fix(path, codes=["JNT014", "URC902"]).fixed] == ["URC902"]
-    assert path.read_text() == robot("\n  <!-- another -->\n", noisy(x="0"))
+    assert path.read_text() == make_robot_on_base("\n  <!-- another -->\n", noisy(x="0"))
 
 
 # -- nothing gets worse ------------------------------------------------------------------------------------------------
@@ -336,7 +337,9 @@ def test_only_the_fix_that_makes_it_worse_is_left_out(tmp_path: Path) -> None:
         f'<joint name="{n}" type="fixed"><parent link="base"/><child link="{n}"/></joint>' for n in ("bad", "good")
     )
     many = "".join(noisy(n) for n in range(4))
-    path = written(tmp_path, robot(WORSE, joints, many, '<link name="good"><visual><geometri/></visual></link>'))
+    path = written(
+        tmp_path, make_robot_on_base(WORSE, joints, many, '<link name="good"><visual><geometri/></visual></link>')
+    )
     found = fix(path, codes=["XML003", "JNT014", "INR002"], unsafe=True)
     text = path.read_text()
     assert "<intertial>" in text
@@ -352,7 +355,7 @@ def test_only_the_fix_that_makes_it_worse_is_left_out(tmp_path: Path) -> None:
 
 
 def test_fixes_that_overlap_come_one_after_the_other(tmp_path: Path) -> None:
-    path = written(tmp_path, robot(AXIS.replace("0 0 2", "1e-12 0 2")))
+    path = written(tmp_path, make_robot_on_base(AXIS.replace("0 0 2", "1e-12 0 2")))
     found = fix(path, codes=["JNT002", "JNT014"], unsafe=True)
     assert [f.code for f in found.fixed] == ["JNT014", "JNT002"], "the safe one first"
     assert 'xyz="0 0 1"' in path.read_text()
@@ -368,7 +371,7 @@ def test_a_robot_that_could_not_be_read_may_get_findings(tmp_path: Path) -> None
 
 def finding(code: str, subject: str = "link[a]", hides: Sequence[str] = ()) -> Finding:
     """A finding of this rule, of model m."""
-    rule = catalogue.load_rules()[code]
+    rule = load_rules()[code]
     at, data = Location(subject, None), {"hides": list(hides)}
     return Finding(
         code=code,
@@ -426,7 +429,9 @@ def test_what_a_finding_hid_is_not_new() -> None:
 
 def test_what_a_mesh_shows_that_is_found_at_last_is_not_new(tmp_path: Path) -> None:
     """Its file is empty, which is an error of its own, and no reason to leave its name wrong."""
-    text = robot('<link name="a"><visual><geometry><mesh filename="Part.stl"/></geometry></visual></link>', AXIS)
+    text = make_robot_on_base(
+        '<link name="a"><visual><geometry><mesh filename="Part.stl"/></geometry></visual></link>', AXIS
+    )
     path = written(tmp_path, text)
     written(tmp_path, "", "part.STL")
     found = fix(path, codes=["PKG003", "MSH001", "JNT002"], unsafe=True, tier="full")
@@ -522,30 +527,30 @@ def test_links_are_followed_to_what_may_be_changed_only(package: Path) -> None:
 
 def test_a_link_that_was_given_leads_nowhere_else(package: Path) -> None:
     link = package / "robot/urdf/part.urdf"
-    link.symlink_to(written(package, robot(noisy()), "parts/part.urdf"))
+    link.symlink_to(written(package, make_robot_on_base(noisy()), "parts/part.urdf"))
     with pytest.raises(EditRefusedError, match="outside"):
         EditableFiles([link], []).ensure_editable(link)
 
 
 def test_a_file_with_two_names_is_not_changed(tmp_path: Path) -> None:
-    path = written(tmp_path, robot(noisy()))
+    path = written(tmp_path, make_robot_on_base(noisy()))
     os.link(path, tmp_path / "second")
     assert "hard links" in reasons(fix(path, codes=["JNT014"]))[0]
 
 
 def test_a_read_only_file_is_not_changed(tmp_path: Path) -> None:
-    path = written(tmp_path, robot(noisy()))
+    path = written(tmp_path, make_robot_on_base(noisy()))
     path.chmod(0o444)
     found = fix(path, codes=["JNT014"])
     assert reasons(found) == [f"{found.refused[0][0].location.span.file}: it is read-only"]  # type: ignore[union-attr]
-    assert path.read_text() == robot(noisy())
+    assert path.read_text() == make_robot_on_base(noisy())
 
 
 # -- writing -----------------------------------------------------------------------------------------------------------
 
 
 def test_the_rights_of_a_file_stay(tmp_path: Path) -> None:
-    path = written(tmp_path, robot(noisy()))
+    path = written(tmp_path, make_robot_on_base(noisy()))
     path.chmod(0o640)
     fix(path, codes=["JNT014"])
     assert path.stat().st_mode & 0o777 == 0o640
@@ -595,8 +600,8 @@ def test_what_fails_in_the_middle_says_what_was_changed(tmp_path: Path, monkeypa
 
 
 def test_what_somebody_writes_while_it_is_checked_is_kept(tmp_path: Path) -> None:
-    path = written(tmp_path, robot(noisy()))
-    other = robot(noisy(), "<!-- mine -->")
+    path = written(tmp_path, make_robot_on_base(noisy()))
+    other = make_robot_on_base(noisy(), "<!-- mine -->")
 
     def slow(unit: Unit, settings: AuditSettings) -> UnitReport:
         if settings.options.texts:
@@ -624,17 +629,17 @@ def test_an_interrupt_while_writing_says_what_was_changed(tmp_path: Path, monkey
 
 
 def test_an_interrupt_while_fixing_changes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = written(tmp_path, robot(noisy()))
-    again = engine.run_audit
+    path = written(tmp_path, make_robot_on_base(noisy()))
+    again = pipeline.run_audit
 
-    def interrupted(request: Request, *words: object, **options: object) -> engine.AuditedRun:
+    def interrupted(request: Request, *words: object, **options: object) -> pipeline.AuditedRun:
         state = again(request, *words, **options)  # type: ignore[arg-type]
         return replace(state, outcome=replace(state.outcome, partial=bool(request.options.texts)))
 
     monkeypatch.setattr(fixer, "run_audit", interrupted)
     with pytest.raises(KeyboardInterrupt):
         fix(path, codes=["JNT014"])
-    assert path.read_text() == robot(noisy())
+    assert path.read_text() == make_robot_on_base(noisy())
 
 
 # -- as if a file held another text --------------------------------------------------------------------------------------
@@ -651,8 +656,8 @@ def test_an_overlay_is_read_in_place_of_the_file(tmp_path: Path) -> None:
 
 
 def test_only_models_that_read_a_changed_file_are_checked_again(tmp_path: Path) -> None:
-    written(tmp_path, robot(noisy()), "a.urdf")
-    written(tmp_path, robot(noisy(x="0")), "b.urdf")
+    written(tmp_path, make_robot_on_base(noisy()), "a.urdf")
+    written(tmp_path, make_robot_on_base(noisy(x="0")), "b.urdf")
     checked: list[str] = []
 
     def counted(unit: Unit, settings: AuditSettings) -> UnitReport:
@@ -672,7 +677,7 @@ def urdfcheck(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_fix_reports_what_remains_and_stdout_stays_json(tmp_path: Path) -> None:
-    path = written(tmp_path, robot(noisy(), AXIS))
+    path = written(tmp_path, make_robot_on_base(noisy(), AXIS))
     words = ("robot.urdf", "--select", "JNT002,JNT014", "--format", "json", "--fail-on", "warning")
     done = urdfcheck(*words, "--fix", cwd=tmp_path)
     assert [f["code"] for f in json.loads(done.stdout)["findings"]] == ["JNT002"]
@@ -680,11 +685,11 @@ def test_fix_reports_what_remains_and_stdout_stays_json(tmp_path: Path) -> None:
     assert done.returncode == 1
     done = urdfcheck(*words, "--fix", "--unsafe-fixes", cwd=tmp_path)
     assert (json.loads(done.stdout)["findings"], done.stderr, done.returncode) == ([], "fixed 1\n", 0)
-    assert path.read_text() == robot(noisy(x="0"), AXIS.replace("2", "1"))
+    assert path.read_text() == make_robot_on_base(noisy(x="0"), AXIS.replace("2", "1"))
 
 
 def test_diff_changes_nothing_and_can_be_applied(tmp_path: Path) -> None:
-    text = robot("\n", noisy(), "\n", AXIS, "\n")
+    text = make_robot_on_base("\n", noisy(), "\n", AXIS, "\n")
     path = written(tmp_path, text)
     done = urdfcheck("robot.urdf", "--select", "JNT002,JNT014", "--diff", cwd=tmp_path)
     assert done.returncode == 1
@@ -714,23 +719,23 @@ def test_a_diff_shows_where_the_last_newline_is_missing(tmp_path: Path) -> None:
     [(("--unsafe-fixes",), "add --fix or --diff"), (("--diff", "--format", "json"), "leave out --format")],
 )
 def test_options_that_make_no_sense_together(tmp_path: Path, words: tuple[str, ...], says: str) -> None:
-    written(tmp_path, robot())
+    written(tmp_path, make_robot_on_base())
     done = urdfcheck("robot.urdf", *words, cwd=tmp_path)
     assert done.returncode == 2
     assert says in done.stderr
 
 
 def test_what_was_not_fixed_is_said_once_for_each_reason(tmp_path: Path) -> None:
-    path = written(tmp_path, robot(noisy(), AXIS))
+    path = written(tmp_path, make_robot_on_base(noisy(), AXIS))
     path.chmod(0o444)
     done = urdfcheck("robot.urdf", "--select", "JNT002,JNT014", "--fix", "--unsafe-fixes", cwd=tmp_path)
     assert re.findall("not fixed: .*", done.stderr) == [
-        f"not fixed: robot.urdf:1:{robot(noisy()).index('1e-17') + 1} JNT014 and 1 more: robot.urdf: it is read-only"
+        f"not fixed: robot.urdf:1:{make_robot_on_base(noisy()).index('1e-17') + 1} JNT014 and 1 more: robot.urdf: it is read-only"
     ]
 
 
 def test_the_report_tells_what_each_option_repairs(tmp_path: Path) -> None:
-    written(tmp_path, robot(noisy(), AXIS))
+    written(tmp_path, make_robot_on_base(noisy(), AXIS))
     done = urdfcheck("robot.urdf", "--select", "JNT002,JNT014", "--verbose", cwd=tmp_path)
     assert "fix   write 0 [--fix]" in done.stdout
     assert "[--fix --unsafe-fixes]" in done.stdout

@@ -28,7 +28,7 @@ ROBOT = """<robot name="r">
 """
 
 
-def robot(folder: Path, before: str = "", inside: str = "", after: str = "") -> Path:
+def write_robot(folder: Path, before: str = "", inside: str = "", after: str = "") -> Path:
     path = folder / "r.urdf"
     path.write_text(ROBOT.format(before=before, inside=inside, after=after))
     return path
@@ -41,7 +41,7 @@ def of(run: Run, code: str) -> list[Finding]:
 @pytest.mark.parametrize("word", ["JNT005", "limit-inverted", "JNT", "joint", "INR003, JNT005"])
 @pytest.mark.parametrize("place", ["before", "inside"])
 def test_a_comment_covers_the_next_element_and_what_is_in_it(tmp_path: Path, word: str, place: str) -> None:
-    run = check(robot(tmp_path, **{place: f"<!-- urdfcheck: ignore[{word}] turned on purpose -->"}))
+    run = check(write_robot(tmp_path, **{place: f"<!-- urdfcheck: ignore[{word}] turned on purpose -->"}))
     (found,) = of(run, "JNT005")
     assert found.suppressed is not None
     assert (found.suppressed.kind, found.suppressed.reason) == ("source", "turned on purpose")
@@ -50,7 +50,7 @@ def test_a_comment_covers_the_next_element_and_what_is_in_it(tmp_path: Path, wor
 
 
 def test_it_covers_nothing_before_or_beside_it(tmp_path: Path) -> None:
-    run = check(robot(tmp_path, after="<!-- urdfcheck: ignore[JNT005] too late -->"))
+    run = check(write_robot(tmp_path, after="<!-- urdfcheck: ignore[JNT005] too late -->"))
     (found,) = of(run, "JNT005")
     assert found.suppressed is None
     (needless,) = of(run, "URC902")
@@ -74,7 +74,7 @@ def test_it_covers_nothing_before_or_beside_it(tmp_path: Path) -> None:
     ],
 )
 def test_a_comment_that_suppresses_nothing_is_a_finding(tmp_path: Path, comment: str, code: str, message: str) -> None:
-    run = check(robot(tmp_path, before=f"<!-- urdfcheck: {comment} -->"))
+    run = check(write_robot(tmp_path, before=f"<!-- urdfcheck: {comment} -->"))
     (complaint,) = [f for f in run.findings if f.code in {"URC902", "URC903"}]
     assert (complaint.code, complaint.message_id) == (code, message)
     (found,) = of(run, "JNT005")
@@ -82,7 +82,7 @@ def test_a_comment_that_suppresses_nothing_is_a_finding(tmp_path: Path, comment:
 
 
 def test_an_unknown_code_gets_the_nearest(tmp_path: Path) -> None:
-    (complaint,) = of(check(robot(tmp_path, before="<!-- urdfcheck: ignore[limit-invrted] why -->")), "URC902")
+    (complaint,) = of(check(write_robot(tmp_path, before="<!-- urdfcheck: ignore[limit-invrted] why -->")), "URC902")
     assert "did you mean limit-inverted?" in complaint.message
 
 
@@ -127,7 +127,7 @@ def test_inside_a_macro_it_covers_what_all_calls_make(tmp_path: Path) -> None:
 
 
 def test_what_was_not_looked_for_is_not_called_needless(tmp_path: Path) -> None:
-    path = robot(tmp_path, after="<!-- urdfcheck: ignore[MSH002] the mesh is a shell -->")
+    path = write_robot(tmp_path, after="<!-- urdfcheck: ignore[MSH002] the mesh is a shell -->")
     assert not of(check(path, codes={"JNT005", "URC902"}), "URC902")
     assert not of(check(path, tier="source"), "URC902")
     assert of(check(path), "URC902")
@@ -157,20 +157,20 @@ def test_comments_of_yaml_and_python_cover_their_line_or_the_next(tmp_path: Path
 
 def test_isolated_runs_heed_no_comment(tmp_path: Path) -> None:
     """A gate for strangers: the comment is a stranger's as well."""
-    path = robot(tmp_path, before="<!-- urdfcheck: ignore[JNT005] trust me -->")
+    path = write_robot(tmp_path, before="<!-- urdfcheck: ignore[JNT005] trust me -->")
     (found,) = of(check(path, heed_comments=False), "JNT005")
     assert found.suppressed is None
 
 
 def test_a_comment_alone_in_its_line_goes_with_the_line_and_another_alone(tmp_path: Path) -> None:
-    path = robot(tmp_path, after='<link name="x"/> <!-- urdfcheck: ignore[JNT005] no -->')
+    path = write_robot(tmp_path, after='<link name="x"/> <!-- urdfcheck: ignore[JNT005] no -->')
     (needless,) = of(check(path), "URC902")
     assert needless.fix is not None
     assert needless.fix.edits[0].expected == "<!-- urdfcheck: ignore[JNT005] no -->"
 
 
 def test_findings_differ_by_who_knows_them(tmp_path: Path) -> None:
-    run = check(robot(tmp_path, before="<!-- urdfcheck: ignore[JNT005] known -->"))
+    run = check(write_robot(tmp_path, before="<!-- urdfcheck: ignore[JNT005] known -->"))
     assert dict(run.suppressed_counts) == {"source": 1, "configuration": 0, "baseline": 0}
     assert replace(run, findings=run.active_findings).suppressed_counts == {
         "source": 0,
@@ -201,7 +201,7 @@ def test_of_a_finding_about_several_elements_all_must_be_covered(tmp_path: Path,
 
 def test_of_comments_on_one_element_each_that_covers_is_needed(tmp_path: Path) -> None:
     comments = "<!-- urdfcheck: ignore[JNT005] {} -->"
-    run = check(robot(tmp_path, before=comments.format("outer") * 2, inside=comments.format("inner")))
+    run = check(write_robot(tmp_path, before=comments.format("outer") * 2, inside=comments.format("inner")))
     (finding,) = of(run, "JNT005")
     assert finding.suppressed is not None
     assert finding.suppressed.reason == "inner"  # the nearest
@@ -209,6 +209,6 @@ def test_of_comments_on_one_element_each_that_covers_is_needed(tmp_path: Path) -
 
 
 def test_the_configuration_decides_how_bad_a_needless_comment_is(tmp_path: Path) -> None:
-    path = robot(tmp_path, after="<!-- urdfcheck: ignore[JNT005] no -->")
+    path = write_robot(tmp_path, after="<!-- urdfcheck: ignore[JNT005] no -->")
     (needless,) = of(check(path, severities={"URC902": "error"}), "URC902")
     assert str(needless.severity) == "error"

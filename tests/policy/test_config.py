@@ -11,12 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from urdfcheck import cli
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Run, UrdfcheckError
 from urdfcheck.policy import config
 from urdfcheck.policy.config import CliOverrides, ConfigResolver
 from urdfcheck.policy.policy import Policy
-from urdfcheck.run import pipeline as engine
+from urdfcheck.rules import load_rules
+from urdfcheck.run import pipeline
 from urdfcheck.run.jobs import Request
 from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
 from urdfcheck.source.text.toml import locate_keys
@@ -42,10 +42,10 @@ def run(*paths: Path, given: CliOverrides | None = None, isolated: bool = False)
     request = Request(
         paths=paths, root=settings.root, policy=Policy(codes=holds.policy.codes), config_resolver=configured
     )
-    return engine.run(request, engine.IN_THIS_PROCESS)
+    return pipeline.run(request, pipeline.IN_THIS_PROCESS)
 
 
-def found(outcome: Run) -> list[tuple[str, str, str]]:
+def list_findings(outcome: Run) -> list[tuple[str, str, str]]:
     """Model, code and severity of each finding."""
     return [(f.model, f.code, str(f.severity)) for f in outcome.findings]
 
@@ -61,7 +61,7 @@ class TestNearest:
         return tmp_path
 
     def test_each_file_has_its_own(self, folder: Path) -> None:
-        assert found(run(folder)) == [("a/urdf/a.urdf", "INR003", "error"), ("urdf/b.urdf", "INR003", "info")]
+        assert list_findings(run(folder)) == [("a/urdf/a.urdf", "INR003", "error"), ("urdf/b.urdf", "INR003", "info")]
 
     def test_the_id_of_a_model_is_the_same_whatever_was_named(self, folder: Path) -> None:
         alone = run(folder / "b/urdf/b.urdf").findings
@@ -84,12 +84,12 @@ class TestNearest:
 
     def test_isolated_asks_none(self, folder: Path) -> None:
         write(folder / "a/urdfcheck.toml", "this is no TOML")
-        assert {s for _, _, s in found(run(folder, isolated=True))} == {"error"}
+        assert {s for _, _, s in list_findings(run(folder, isolated=True))} == {"error"}
 
     def test_a_wrong_one_further_down_is_a_failure_of_its_files_only(self, folder: Path) -> None:
         write(folder / "b/urdfcheck.toml", "\nselct = []\n")
         outcome = run(folder)
-        assert found(outcome) == [("a/urdf/a.urdf", "INR003", "error")]
+        assert list_findings(outcome) == [("a/urdf/a.urdf", "INR003", "error")]
         assert len(outcome.failures) == 1
         assert "urdfcheck.toml:2: unknown key 'selct'; did you mean 'select'?" in outcome.failures[0]
 
@@ -125,7 +125,7 @@ class TestNearest:
         write(folder / "b/q/m.stl", "solid")
         write(folder / "b/urdfcheck.toml", '[packages]\nfar_meshes = "q"\n')
         outcome = run(folder, given=CliOverrides(select=frozenset({"PKG001"})))
-        assert [m for m, _, _ in found(outcome)] == ["a/urdf/r.urdf"]
+        assert [m for m, _, _ in list_findings(outcome)] == ["a/urdf/r.urdf"]
 
     def test_one_further_down_cannot_widen_the_reach(self, folder: Path) -> None:
         """Not beyond the folder that was given, though the file lies in a repository that goes further."""
@@ -137,7 +137,7 @@ class TestNearest:
     def test_a_pyproject_without_the_table_is_passed_over(self, folder: Path) -> None:
         (folder / "b/urdfcheck.toml").rename(folder / "b/kept")
         write(folder / "b/pyproject.toml", "[tool.other]\nx = 1\n")
-        assert {m for m, _, _ in found(run(folder))} == {"a/urdf/a.urdf", "b/urdf/b.urdf"}
+        assert {m for m, _, _ in list_findings(run(folder))} == {"a/urdf/a.urdf", "b/urdf/b.urdf"}
 
 
 class TestPaths:
@@ -411,13 +411,11 @@ def test_the_example_of_the_readme_is_right(tmp_path: Path) -> None:
 def test_every_code_a_page_declares_can_be_configured(tmp_path: Path) -> None:
     """Every option of every rule, by its default."""
     lines = []
-    for rule in catalogue.load_rules().values():
+    for rule in load_rules().values():
         lines += [f"[options.{rule.name}]", *(f"{o.name} = {json.dumps(o.default)}" for o in rule.options.values())]
     write(tmp_path / "urdfcheck.toml", "\n".join(lines))
     read = config.find_config(tmp_path).sections[0].options
-    assert read == {
-        c: {o.name: o.default for o in r.options.values()} for c, r in catalogue.load_rules().items() if r.options
-    }
+    assert read == {c: {o.name: o.default for o in r.options.values()} for c, r in load_rules().items() if r.options}
 
 
 class TestCommand:

@@ -27,7 +27,7 @@ INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" 
 BROKEN = f'<link name="{{}}">{INERTIAL.format(9)}</link>'
 
 
-def robot(folder: Path, text: str, name: str = "r.urdf.xacro") -> Path:
+def write_xacro(folder: Path, text: str, name: str = "r.urdf.xacro") -> Path:
     path = folder / name
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(XACRO.format(text), encoding="utf-8")
@@ -62,15 +62,15 @@ class TestValues:
     def test_that_the_text_asks_for(
         self, default: str, use: str, expected: tuple[str, ...] | None, tmp_path: Path
     ) -> None:
-        path = robot(tmp_path, f'<xacro:arg name="a" default="{default}"/>{use}')
+        path = write_xacro(tmp_path, f'<xacro:arg name="a" default="{default}"/>{use}')
         assert values(path).get("a") == expected
 
     def test_keys_of_a_dictionary_and_files(self, tmp_path: Path) -> None:
         for name in ("small", "large"):
-            robot(tmp_path, "", f"config/{name}/arm.xacro")
+            write_xacro(tmp_path, "", f"config/{name}/arm.xacro")
         (tmp_path / "config/notes").mkdir()
         (tmp_path / "colours.yaml").write_text("red: 1\nblue: 2\n")
-        path = robot(
+        path = write_xacro(
             tmp_path,
             '<xacro:arg name="size" default="small"/><xacro:arg name="colour" default="red"/>'
             '<xacro:include filename="config/$(arg size)/arm.xacro"/>'
@@ -82,26 +82,26 @@ class TestValues:
     def test_files_of_packages(self, tmp_path: Path) -> None:
         (tmp_path / "package.xml").write_text("<package><name>arms</name></package>")
         for name in ("small", "large"):
-            robot(tmp_path, "", f"config/{name}.xacro")
+            write_xacro(tmp_path, "", f"config/{name}.xacro")
         text = (
             '<xacro:arg name="size" default="small"/><xacro:include filename="$(find arms)/config/$(arg size).xacro"/>'
         )
-        path = robot(
+        path = write_xacro(
             tmp_path,
             f'{text}<xacro:include filename="$(find arms)$(find arms)"/><xacro:include filename="$(find no)/a"/>',
         )
         assert values(path) == {"size": ("small", "large")}
 
     def test_of_included_files_too(self, tmp_path: Path) -> None:
-        robot(tmp_path, '<xacro:arg name="a" default="true"/>', "inner.xacro")
-        assert values(robot(tmp_path, '<xacro:include filename="inner.xacro"/>')) == {"a": ("true", "false")}
+        write_xacro(tmp_path, '<xacro:arg name="a" default="true"/>', "inner.xacro")
+        assert values(write_xacro(tmp_path, '<xacro:include filename="inner.xacro"/>')) == {"a": ("true", "false")}
 
     def test_nothing_outside_is_looked_at(self, tmp_path: Path) -> None:
         (tmp_path / "home" / ".git").mkdir(parents=True)
         for name in ("alice", "bob"):
-            robot(tmp_path, "", f"secret/{name}.xacro")
+            write_xacro(tmp_path, "", f"secret/{name}.xacro")
         text = '<xacro:arg name="a" default="x"/><xacro:include filename="../secret/$(arg a).xacro"/>'
-        run = check(robot(tmp_path / "home", text), all_arguments=True)
+        run = check(write_xacro(tmp_path / "home", text), all_arguments=True)
         assert len(run.models) == 1
 
 
@@ -134,7 +134,7 @@ def three(folder: Path, condition: str, more: str = "") -> Run:
         f'<xacro:arg name="s{i}" default="false"/><xacro:property name="p{i}" value="$(arg s{i})"/>' for i in range(6)
     )
     text += f'<link name="base"/><xacro:if value="${{{condition}}}">{BROKEN.format("bad")}</xacro:if>{more}'
-    return check(robot(folder, text), codes={"INR003", "XAC001"}, all_arguments=True)
+    return check(write_xacro(folder, text), codes={"INR003", "XAC001"}, all_arguments=True)
 
 
 class TestFindings:
@@ -178,7 +178,7 @@ class TestFindings:
         ]
 
     def test_what_the_user_gives_is_not_varied(self, tmp_path: Path) -> None:
-        path = robot(
+        path = write_xacro(
             tmp_path, '<xacro:arg name="a" default="true"/><xacro:arg name="b" default="true"/><link name="l"/>'
         )
         run = check(path, all_arguments=True, arguments={"a": "true"})
@@ -186,7 +186,7 @@ class TestFindings:
 
     def test_what_the_configuration_gives_is_given_to_all(self, tmp_path: Path) -> None:
         """Without it there would be no model: the text has neither a default nor a value for it."""
-        robot(tmp_path, '<xacro:arg name="a" default="true"/><link name="$(arg n)"/>')
+        write_xacro(tmp_path, '<xacro:arg name="a" default="true"/><link name="$(arg n)"/>')
         (tmp_path / "urdfcheck.toml").write_text(
             '[[models]]\npath = "r.urdf.xacro"\narguments = { n = "l", a = "true" }\n'
         )
@@ -197,7 +197,7 @@ class TestFindings:
         ]
 
     def test_named_variants_are_told_together_too(self, tmp_path: Path) -> None:
-        path = robot(tmp_path, f'<xacro:arg name="n" default="1"/>{BROKEN.format("a")}')
+        path = write_xacro(tmp_path, f'<xacro:arg name="n" default="1"/>{BROKEN.format("a")}')
         launch = tmp_path / "r.launch"
         launch.write_text(
             '<launch><param name="robot_description" command="xacro $(dirname)/r.urdf.xacro n:=2"/></launch>'
@@ -209,7 +209,7 @@ class TestFindings:
 
     def test_one_text_is_one_finding_whatever_the_arguments_call_it(self, tmp_path: Path) -> None:
         text = f'<xacro:arg name="p" default="a"/><xacro:if value="${{\'$(arg p)\' == \'b\'}}"/>{BROKEN.format("$(arg p)")}'
-        run = check(robot(tmp_path, text), codes={"INR003"}, all_arguments=True)
+        run = check(write_xacro(tmp_path, text), codes={"INR003"}, all_arguments=True)
         (found,) = run.findings
         assert [subject.split("/")[0] for subjects in found.variants.values() for subject in subjects] == [
             "link[a]",
@@ -218,12 +218,12 @@ class TestFindings:
 
     def test_what_one_model_has_twice_stays_twice(self) -> None:
         """Else a baseline would know it once, and the second would be new."""
-        from urdfcheck import rules as catalogue
         from urdfcheck.core import Location
+        from urdfcheck.rules import load_rules
         from urdfcheck.run.jobs import Unit
         from urdfcheck.run.variants import merge_variants
 
-        rule = catalogue.load_rules()["URC907"]
+        rule = load_rules()["URC907"]
         finding = rule.finding("shadowed", at=Location("link[a]", None), library="x", path="y")
         units = [
             Unit(kind="model", path="r.xacro", id="r.xacro"),
@@ -240,7 +240,7 @@ class TestFindings:
             '<xacro:if value="${\'$(arg p)\' == \'b\'}"><xacro:property name="i" value="${b}"/></xacro:if>'
             f'<link name="l">{INERTIAL.format("${i}")}</link>'
         )
-        run = check(robot(tmp_path, text), codes={"INR003"}, all_arguments=True)
+        run = check(write_xacro(tmp_path, text), codes={"INR003"}, all_arguments=True)
         assert [f.model for f in run.findings] == ["r.urdf.xacro", "r.urdf.xacro p:=b"]
 
 
@@ -255,9 +255,9 @@ class TestOutputs:
         assert "\n  with  s1:=true s4:=true" in text.render(run)
 
     def test_json_lists_arguments_and_variants(self, run: Run) -> None:
-        from urdfcheck.output import json as as_json
+        from urdfcheck.output.json import render as render_json
 
-        (found,) = json.loads(as_json.render(run))["findings"]
+        (found,) = json.loads(render_json(run))["findings"]
         assert found["arguments"] == {"s1": "true", "s4": "true"}
         assert found["model"] in found["variants"]
 
@@ -271,7 +271,7 @@ def test_the_command_does_it_in_its_workers(tmp_path: Path, capsys: pytest.Captu
     from urdfcheck import cli
 
     text = "<xacro:if value=\"${'$(arg side)' == 'left'}\">" + BROKEN.format("a") + '</xacro:if><link name="b"/>'
-    path = robot(tmp_path, f'<xacro:arg name="side" default="right"/>{text}')
+    path = write_xacro(tmp_path, f'<xacro:arg name="side" default="right"/>{text}')
     words = ["--select", "INR003", "--tier", "source", "--format", "json"]
     assert cli.main([str(path), *words]) == cli.OK
     capsys.readouterr()

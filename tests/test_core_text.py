@@ -7,10 +7,12 @@ import pytest
 from urdfcheck.core.text import (
     format_box_size,
     format_count,
+    format_large_count,
     format_length,
     format_point,
     format_repetition,
     join_numbers,
+    truncate_text,
 )
 
 
@@ -45,3 +47,11 @@ def test_numbers_have_significant_digits() -> None:
 
 def test_coordinates_have_decimals_and_no_negative_zero() -> None:
     assert format_point([-1e-9, 0.1234, -1.0], decimals=3) == "0 0.123 -1"
+
+
+def test_a_large_count_has_separators() -> None:
+    assert (format_large_count(1, "edge"), format_large_count(12345, "edge")) == ("1 edge", "12,345 edges")
+
+
+def test_only_a_long_text_is_truncated() -> None:
+    assert (truncate_text("12345678", 8), truncate_text("123456789", 8)) == ("12345678", "12345...")

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 from conftest import check
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Confidence, Finding, Location, Severity, Verdict
 from urdfcheck.policy.consumers import CONSUMERS, apply_target_severity, predict_outcomes
+from urdfcheck.rules import load_rules
 
-RULE = catalogue.load_rules()["JNT009"]
+RULE = load_rules()["JNT009"]
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,9 @@ import pytest
 import trimesh
 from conftest import check
 
-from urdfcheck import rules as catalogue
 from urdfcheck.core import Finding, Rule, Run
 from urdfcheck.output.json import render
+from urdfcheck.rules import Check, load_check, load_rules
 from urdfcheck.run.findings_cache import is_cacheable
 
 ROBOT = """<robot name="r">
@@ -27,8 +27,8 @@ ROBOT = """<robot name="r">
 """
 
 
-@pytest.fixture
-def robot(tmp_path: Path) -> Path:
+@pytest.fixture(name="robot")
+def write_robot(tmp_path: Path) -> Path:
     path = tmp_path / "r.urdf"
     path.write_text(ROBOT.format(ixx="0.0333"), encoding="utf-8")
     trimesh.creation.box((0.04, 0.02, 0.01)).export(tmp_path / "part.stl")
@@ -39,9 +39,9 @@ def robot(tmp_path: Path) -> Path:
 def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The codes of the rules that were really asked."""
     asked: list[str] = []
-    original = catalogue.load_check
+    original = load_check
 
-    def check_of(rule: Rule) -> catalogue.Check:
+    def check_of(rule: Rule) -> Check:
         run = original(rule)
 
         def asking(subject: object, rule: Rule, **options: object) -> list[Finding]:
@@ -66,7 +66,7 @@ def test_the_second_run_finds_the_same_without_looking(robot: Path, calls: list[
     calls.clear()
     second = outcome(robot)
     assert json.loads(render(second)) == json.loads(render(first))
-    assert not {code for code in calls if is_cacheable(catalogue.load_rules()[code])}
+    assert not {code for code in calls if is_cacheable(load_rules()[code])}
     assert "INR003" in calls  # rules that read the source alone are quicker than what is kept
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from urdfcheck.source.launch import python_launch_file as launch_python
+from urdfcheck.source.launch import python_launch_file
 from urdfcheck.source.launch.launch_file import DescriptionSource, Launch, is_included_by_sibling, load_launch
 from urdfcheck.source.launch.python_launch_file import read_python_launch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
@@ -529,7 +529,7 @@ def test_a_python_launch_file_is_loaded_without_being_run(package: Path) -> None
 
 
 def test_python_more_paths_than_anybody_names_are_not_looked_up(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(launch_python, "MAX_PATHS", 2)
+    monkeypatch.setattr(python_launch_file, "MAX_PATHS", 2)
     path = package / "launch" / "many.launch.py"
     finder = PackageFinder(path, environment={})
     path.write_text("x = 'a.urdf'\ny = 'b.urdf'\nz = 'a.urdf'\n")

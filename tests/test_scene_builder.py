@@ -40,8 +40,8 @@ ARM = """<robot name="arm">
 </robot>"""
 
 
-@pytest.fixture(scope="module")
-def arm(tmp_path_factory: pytest.TempPathFactory) -> Run:
+@pytest.fixture(name="arm", scope="module")
+def check_arm(tmp_path_factory: pytest.TempPathFactory) -> Run:
     return check_text(tmp_path_factory.mktemp("arm"), ARM, scene=True)
 
 

@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 from conftest import check, check_text, make_request
 
-from urdfcheck import rules as catalogue
 from urdfcheck.cli import FAILED, compute_exit_code
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.output.json import render
 from urdfcheck.policy.superseding import drop_superseded
-from urdfcheck.run import pipeline as engine
+from urdfcheck.rules import load_check, load_rules
+from urdfcheck.run import pipeline
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 from urdfcheck.run.pipeline import run
 
@@ -29,7 +29,7 @@ def crash(*_: object, **__: object) -> Iterator[Finding]:
 def test_a_check_that_crashes_is_URC900_and_exit_2_and_the_others_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    real = catalogue.load_check
+    real = load_check
     monkeypatch.setattr("urdfcheck.run.audit.load_check", lambda rule: crash if rule.code == "INR004" else real(rule))
     outcome = check_text(tmp_path, f'<robot name="r"><link name="a">{INERTIA}</link></robot>')
     codes = {f.code for f in outcome.findings}
@@ -38,7 +38,7 @@ def test_a_check_that_crashes_is_URC900_and_exit_2_and_the_others_run(
     assert compute_exit_code(outcome, "never") == FAILED
 
 
-AUDIT = engine._audit_in_worker
+AUDIT = pipeline._audit_in_worker
 
 
 def die_on_a(unit: Unit, settings: AuditSettings) -> UnitReport:
@@ -50,7 +50,7 @@ def die_on_a(unit: Unit, settings: AuditSettings) -> UnitReport:
 def test_a_worker_that_dies_is_a_failure_of_its_model_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("a.urdf", "b.urdf"):
         (tmp_path / name).write_text('<robot name="r"><link name="base"/></robot>')
-    monkeypatch.setattr(engine, "_audit_in_worker", die_on_a)
+    monkeypatch.setattr(pipeline, "_audit_in_worker", die_on_a)
     outcome = run(make_request(tmp_path, jobs=2))
     assert [m.status for m in outcome.models] == ["failed", "checked"]
     assert "was killed (SIGKILL" in outcome.failures[0]
@@ -78,7 +78,7 @@ def test_the_weaker_rule_yields_and_the_stronger_says_so(tmp_path: Path) -> None
 
 
 def test_hidden_findings_are_named_by_what_hides_them() -> None:
-    rules = catalogue.load_rules()
+    rules = load_rules()
     stronger: Rule = rules["INR004"]
     weaker: Rule = rules["INR003"]
     from urdfcheck.core import Location
@@ -106,7 +106,7 @@ def test_hidden_findings_are_named_by_what_hides_them() -> None:
 def test_a_finding_about_several_is_hidden_where_all_of_them_are() -> None:
     from urdfcheck.core import Location
 
-    rules = catalogue.load_rules()
+    rules = load_rules()
 
     def finding(code: str, *links: str) -> Finding:
         rule, subjects = rules[code], tuple(f"link[{link}]/inertial/inertia" for link in links)
@@ -137,8 +137,8 @@ def test_a_worker_sees_nothing_around_what_is_checked(tmp_path: Path, monkeypatc
     Path("r.launch").write_text('<launch><param name="robot_description" textfile="../outside/r.urdf"/></launch>')
     Path("a.launch").write_text('<launch><param name="robot_description" textfile="/etc/r.urdf"/></launch>')
     request = make_request(Path(), codes=())
-    _, units = engine.plan_units(request)
-    with engine.audit_session(request, units, request.reach) as settings:
+    _, units = pipeline.plan_units(request)
+    with pipeline.audit_session(request, units, request.reach) as settings:
         seen = {folder for folder in settings.visible_folders if not folder.endswith("rules")}
     assert {unit.kind for unit in units} >= {"launch", "package"}
     assert seen == {str(tmp_path / "repo")}
@@ -174,7 +174,7 @@ def test_a_name_without_end_is_not_repeated_in_each_finding(tmp_path: Path) -> N
 def test_a_difference_of_two_elements_yields_to_what_explains_either() -> None:
     from urdfcheck.core import Location
 
-    rules = catalogue.load_rules()
+    rules = load_rules()
 
     def finding(code: str, joint: str, **data: object) -> Finding:
         rule, at = rules[code], Location(f"joint[{joint}]/origin@xyz", None)

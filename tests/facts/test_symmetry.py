@@ -44,7 +44,7 @@ def frames(rpy: object) -> np.ndarray:
     return np.array([rpy_to_matrix(one) for one in rpy])  # type: ignore[attr-defined]
 
 
-def found(xyz: object, turns: object, axes: object) -> OddFrame:
+def get_odd_frame(xyz: object, turns: object, axes: object) -> OddFrame:
     odd = find_odd_frame(xyz, turns, axes)  # type: ignore[arg-type]
     assert odd is not None
     return odd
@@ -61,7 +61,7 @@ def ring(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_the_wheel_that_was_turned_by_hand_is_found() -> None:
-    odd = found(CAR_XYZ, frames(CAR_RPY), CAR_AXES)
+    odd = get_odd_frame(CAR_XYZ, frames(CAR_RPY), CAR_AXES)
     assert odd.index == 0
     assert odd.kind == "zero_offset"
     assert odd.angle == pytest.approx(-0.75239)
@@ -118,10 +118,10 @@ def test_the_verdict_depends_on_neither_order_nor_pose_nor_size(
 @pytest.mark.parametrize("rpy", [(0, -0.75239, 0), (0.02, 0, 0.03)])
 def test_a_mirrored_robot_has_the_same_odd_one(across: int, rpy: tuple[float, float, float]) -> None:
     turns = frames([rpy, *CAR_RPY[1:]])
-    usual = found(CAR_XYZ, turns, CAR_AXES)
+    usual = get_odd_frame(CAR_XYZ, turns, CAR_AXES)
     mirror = np.eye(3)
     mirror[across, across] = -1.0
-    image = found(CAR_XYZ @ mirror, mirror @ turns @ mirror, CAR_AXES @ mirror)
+    image = get_odd_frame(CAR_XYZ @ mirror, mirror @ turns @ mirror, CAR_AXES @ mirror)
     assert (image.index, image.kind) == (usual.index, usual.kind)
     assert abs(image.angle) == pytest.approx(abs(usual.angle))
     assert_allclose(image.expected_frame, mirror @ usual.expected_frame @ mirror, atol=1e-9)
@@ -134,7 +134,7 @@ def test_an_offset_of_any_wheel_has_its_sign_about_that_wheels_axis(index: int, 
     turns = frames(REPAIRED)
     axis = np.array(CAR_AXES[index], dtype=float)
     turns[index] = turns[index] @ rpy_to_matrix((0, turn * axis[1], 0))
-    odd = found(CAR_XYZ, turns, CAR_AXES)
+    odd = get_odd_frame(CAR_XYZ, turns, CAR_AXES)
     assert (odd.index, odd.kind) == (index, "zero_offset")
     assert odd.angle == pytest.approx(turn, abs=1e-4)
 
@@ -145,7 +145,7 @@ def test_a_tilted_wheel_is_told_from_a_turned_one(index: int, tilt: float, about
     turns = frames(REPAIRED)
     across = rpy_to_matrix((0, about, 0)) @ rpy_to_matrix((tilt, 0, 0)) @ rpy_to_matrix((0, -about, 0))
     turns[index] = turns[index] @ across
-    odd = found(CAR_XYZ, turns, CAR_AXES)
+    odd = get_odd_frame(CAR_XYZ, turns, CAR_AXES)
     assert (odd.index, odd.kind) == (index, "axis_tilt")
     assert odd.angle == pytest.approx(tilt, abs=1e-4)
     assert odd.axis @ (turns[index] @ CAR_AXES[index]) == pytest.approx(0.0, abs=1e-9)
@@ -157,7 +157,7 @@ def test_a_tilted_wheel_is_told_from_a_turned_one(index: int, tilt: float, about
 def test_splayed_legs_follow_their_mirrors() -> None:
     assert find_odd_frame(LEG_XYZ, frames(LEG_RPY), LEG_AXES) is None
     turned = [*LEG_RPY[:2], (0, 0, -0.249), LEG_RPY[3]]
-    odd = found(LEG_XYZ, frames(turned), LEG_AXES)
+    odd = get_odd_frame(LEG_XYZ, frames(turned), LEG_AXES)
     assert (odd.index, odd.kind) == (2, "axis_tilt")
     assert odd.angle == pytest.approx(0.1, abs=1e-6)
     assert_allclose(odd.expected_frame, rpy_to_matrix(LEG_RPY[2]), atol=1e-6)
@@ -185,7 +185,7 @@ def test_on_a_ring_the_right_one_is_named_or_none(
 def test_on_a_ring_one_that_is_turned_is_named(count: int) -> None:
     places, turns = ring(count)
     turns[1] = turns[1] @ rpy_to_matrix((0, 0, 0.4))
-    odd = found(places, turns, [(0, 0, 1)] * count)
+    odd = get_odd_frame(places, turns, [(0, 0, 1)] * count)
     assert (odd.index, odd.kind, odd.angle) == (1, "zero_offset", pytest.approx(0.4))
 
 
@@ -195,14 +195,14 @@ def test_rows_that_differ_among_themselves_do_not_hide_the_symmetry_of_left_and_
     turns = frames([(0, 0, s * a) for a in (0.5, 0.2, -0.2, -0.5) for s in (1, -1)])
     assert find_odd_frame(places, turns, [(0, 1, 0)] * 8) is None
     turns[3] = turns[3] @ rpy_to_matrix((0, 0.3, 0))
-    odd = found(places, turns, [(0, 1, 0)] * 8)
+    odd = get_odd_frame(places, turns, [(0, 1, 0)] * 8)
     assert (odd.index, odd.kind, odd.angle) == (3, "zero_offset", pytest.approx(0.3))
 
 
 def test_a_row_follows_its_shift() -> None:
     places = [(0.1 * i, 0, 0) for i in range(4)]
     turns = frames([(0, 0, 0), (0, 0.3, 0), (0, 0, 0), (0, 0, 0)])
-    odd = found(places, turns, [(0, 1, 0)] * 4)
+    odd = get_odd_frame(places, turns, [(0, 1, 0)] * 4)
     assert (odd.index, odd.kind, odd.angle) == (1, "zero_offset", pytest.approx(0.3))
     assert "translation along x" in odd.pattern
 

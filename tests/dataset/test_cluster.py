@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from test_dataset import INERTIA
+from dataset.test_dataset_audit import INERTIA
 
 from urdfcheck.cli import FAILED, OK, main
 from urdfcheck.dataset import cluster

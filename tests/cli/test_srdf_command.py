@@ -6,39 +6,36 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from builders import box, collision, joint, limit, link
 from conftest import check
 
 from urdfcheck.cli import FAILED, NOTHING, OK, main
 
-BOX = '<collision><origin xyz="{at}"/><geometry><box size="{size}"/></geometry></collision>'
 
-
-def link(name: str, size: str = "", at: str = "0 0 0") -> str:
-    return f'<link name="{name}">{BOX.format(size=size, at=at) if size else ""}</link>'
+def make_link(name: str, size: str = "", at: str = "0 0 0") -> str:
+    """Return a link that collides with a box where a size is given."""
+    return link(name, collision(box(size), xyz=at) if size else "")
 
 
 def hinge(parent: str, child: str, at: str, reach: float) -> str:
-    ends = f'<parent link="{parent}"/><child link="{child}"/><origin xyz="{at}"/>'
-    limit = f'<axis xyz="0 1 0"/><limit lower="{-reach}" upper="{reach}" effort="1" velocity="1"/>'
-    return f'<joint name="to_{child}" type="revolute">{ends}{limit}</joint>'
+    return joint(f"to_{child}", parent, child, limit(-reach, reach), kind="revolute", xyz=at, axis="0 1 0")
 
 
 def fixed(parent: str, child: str, at: str) -> str:
-    ends = f'<parent link="{parent}"/><child link="{child}"/><origin xyz="{at}"/>'
-    return f'<joint name="to_{child}" type="fixed">{ends}</joint>'
+    return joint(f"to_{child}", parent, child, xyz=at)
 
 
 # The forearm can be folded into the base; the lamp is far above all, the shelf and the stop are in the way at rest.
 ARM = "".join(
     (
         '<robot name="arm">',
-        link("base", "0.2 0.2 0.2"),
-        link("upper", "0.3 0.05 0.05", "0.2 0 0"),
-        link("flange"),
-        link("fore", "0.3 0.05 0.05", "0.2 0 0"),
-        link("lamp", "0.1 0.1 0.1"),
-        link("shelf", "0.1 0.5 0.02"),
-        link("sleeve", "0.06 0.06 0.06"),
+        make_link("base", "0.2 0.2 0.2"),
+        make_link("upper", "0.3 0.05 0.05", "0.2 0 0"),
+        make_link("flange"),
+        make_link("fore", "0.3 0.05 0.05", "0.2 0 0"),
+        make_link("lamp", "0.1 0.1 0.1"),
+        make_link("shelf", "0.1 0.5 0.02"),
+        make_link("sleeve", "0.06 0.06 0.06"),
         hinge("base", "upper", "0 0 0.2", 0.6),
         fixed("upper", "flange", "0.4 0 0"),
         hinge("flange", "fore", "0 0 0", 2.9),
@@ -66,8 +63,8 @@ REASONS = {
 }
 
 
-@pytest.fixture
-def arm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+@pytest.fixture(name="arm")
+def write_arm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("URDFCHECK_CACHE_DIR", str(tmp_path / "cache"))
     (tmp_path / "arm.urdf").write_text(ARM)
     return tmp_path / "arm.urdf"

@@ -12,8 +12,7 @@ import pytest
 import trimesh
 from numpy.testing import assert_allclose
 
-from urdfcheck.facts.mesh import decode_limits as mesh_limits
-from urdfcheck.facts.mesh import gltf as mesh_gltf
+from urdfcheck.facts.mesh import decode_limits, gltf
 from urdfcheck.facts.mesh.decode import RawMesh, decode_mesh
 from urdfcheck.facts.mesh.decode_limits import MeshError
 
@@ -155,7 +154,7 @@ def test_what_claims_more_than_there_is_is_refused_before_room_is_made_for_it(na
 
 
 def test_a_mesh_may_be_placed_often_but_not_without_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (mesh_limits, mesh_gltf):
+    for module in (decode_limits, gltf):
         monkeypatch.setattr(module, "MOST_PLACED", 3)
     document, binary = scene([0, 1, 2])
     for times in (3, 4):
@@ -168,7 +167,7 @@ def test_a_mesh_may_be_placed_often_but_not_without_end(monkeypatch: pytest.Monk
 
 
 def test_triangles_are_counted_as_often_as_they_are_placed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mesh_limits, "MOST_TRIANGLES", 2)
+    monkeypatch.setattr(decode_limits, "MOST_TRIANGLES", 2)
     document, binary = scene([0, 1, 2])
     document["nodes"].append({"mesh": 0})
     document["scenes"][0]["nodes"].append(1)

@@ -20,15 +20,15 @@ import pytest
 from conftest import REPOSITORY, check, make_request
 from referencing import Registry, Resource
 
-from urdfcheck import rules as catalogue
 from urdfcheck.cli import FAILED, FINDINGS, NOTHING, OK, main
 from urdfcheck.core import Finding, Severity
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.dataset import audit as dataset
+from urdfcheck.dataset.audit import AuditOutcome, audit_dataset
 from urdfcheck.output.shared.audit import unit_lines
 from urdfcheck.policy.limits import ResourceLimits
-from urdfcheck.run import audit as worker
-from urdfcheck.run import pipeline as engine
+from urdfcheck.rules import load_check, load_rules
+from urdfcheck.run import pipeline
+from urdfcheck.run.audit import audit_unit
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 from urdfcheck.system import sandbox
 from urdfcheck.system.process_pool import Worker
@@ -72,11 +72,11 @@ class Audit:
                 if len(asked) == self.stop_after:
                     raise KeyboardInterrupt
                 asked.append(Path(unit.path).name)
-                yield place, worker.audit_unit(unit, settings)
+                yield place, audit_unit(unit, settings)
 
         wanted = {"tier": "source", **self.request, **request}
         work = make_request(self.models, **wanted)
-        self.outcome = dataset.audit_dataset(work, self.folder, stream, restart=restart)
+        self.outcome = audit_dataset(work, self.folder, stream, restart=restart)
         return asked
 
     @property
@@ -127,8 +127,8 @@ def test_the_lines_hold_what_a_report_of_all_together_holds(tmp_path: Path) -> N
 
     audit = Audit(mixed(tmp_path / "mixed"), tmp_path / "out")
     audit()
-    report = json.loads(render(engine.strip_volatile_values(check(audit.models, tier="source"))))
-    alone = {code for code, rule in catalogue.load_rules().items() if rule.scopes == ("run",)}
+    report = json.loads(render(pipeline.strip_volatile_values(check(audit.models, tier="source"))))
+    alone = {code for code, rule in load_rules().items() if rule.scopes == ("run",)}
     found = [finding for line in audit.lines for finding in line["findings"]]
     assert sorted(map(json.dumps, found)) == sorted(json.dumps(f) for f in report["findings"] if f["code"] not in alone)
     assert [line["model"] for line in audit.lines if line["model"]] == report["models"]
@@ -157,7 +157,7 @@ def test_the_outcome_does_not_depend_on_the_number_of_jobs(audit: Audit, tmp_pat
     audit()
     there = tmp_path / f"out{jobs}"
     request = make_request(audit.models, tier="source", jobs=jobs)
-    dataset.audit_dataset(request, there, lambda units, settings: engine.stream_reports(units, settings, jobs=jobs))
+    audit_dataset(request, there, lambda units, settings: pipeline.stream_reports(units, settings, jobs=jobs))
     assert ((there / "audit.jsonl").read_bytes(), (there / "index.html").read_bytes()) == audit.bytes
 
 
@@ -371,10 +371,10 @@ def test_a_folder_has_one_audit_at_a_time(audit: Audit) -> None:
         done = subprocess.run(second, capture_output=True, text=True, cwd=REPOSITORY)
         said.append(done.stderr)
         for place, unit in enumerate(units):
-            yield place, worker.audit_unit(unit, settings)
+            yield place, audit_unit(unit, settings)
 
     request = make_request(audit.models, tier="source")
-    dataset.audit_dataset(request, audit.folder, stream)
+    audit_dataset(request, audit.folder, stream)
     assert said == [f"urdfcheck: another audit is at work in {audit.folder}\n"]
     done = subprocess.run([*second, "--restart"], capture_output=True, text=True, cwd=REPOSITORY)
     assert (done.returncode, done.stderr) == (FINDINGS, "")
@@ -468,7 +468,7 @@ def test_a_full_disk_is_said_and_what_was_finished_is_kept(audit: Audit) -> None
 def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
     audit: Audit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    real = catalogue.load_check
+    real = load_check
 
     workers = tmp_path / "workers"
 
@@ -484,9 +484,9 @@ def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
     limits = ResourceLimits(seconds=2.0)
     request = make_request(audit.models, tier="source", limits=limits)
 
-    def outcome() -> dataset.AuditOutcome:
-        return dataset.audit_dataset(
-            request, audit.folder, lambda units, settings: engine.stream_reports(units, settings, jobs=1)
+    def outcome() -> AuditOutcome:
+        return audit_dataset(
+            request, audit.folder, lambda units, settings: pipeline.stream_reports(units, settings, jobs=1)
         )
 
     assert outcome().summary.statuses == {"checked": 5, "stopped": 1}
@@ -498,7 +498,7 @@ def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
     assert outcome().checked == 0  # it would take as long again
 
 
-AUDIT = engine._audit_in_worker
+AUDIT = pipeline._audit_in_worker
 
 
 def die_on_3(unit: Unit, settings: AuditSettings) -> UnitReport:
@@ -513,9 +513,9 @@ def test_a_worker_that_dies_is_a_failure_and_its_model_tried_again(
 ) -> None:
     request = make_request(audit.models, tier="source")
     with monkeypatch.context() as patch:
-        patch.setattr(engine, "_audit_in_worker", die_on_3)
-        found = dataset.audit_dataset(
-            request, audit.folder, lambda units, settings: engine.stream_reports(units, settings, jobs=2)
+        patch.setattr(pipeline, "_audit_in_worker", die_on_3)
+        found = audit_dataset(
+            request, audit.folder, lambda units, settings: pipeline.stream_reports(units, settings, jobs=2)
         ).summary
     assert found.failure_count == 1
     assert "003.urdf" in found.failures[0]

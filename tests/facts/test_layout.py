@@ -24,7 +24,7 @@ def moved(places: np.ndarray, index: int, by: object) -> np.ndarray:
     return changed
 
 
-def found(places: np.ndarray) -> MisplacedPosition:
+def get_misplaced_position(places: np.ndarray) -> MisplacedPosition:
     one = find_misplaced_position(places)
     assert one is not None
     return one
@@ -38,7 +38,7 @@ def ring(count: int, radius: float = 0.3) -> np.ndarray:
 @pytest.mark.parametrize("index", range(4))
 @pytest.mark.parametrize("by", [(0.002, 0, 0), (0, -0.002, 0), (0, 0, 0.002), (0.01, 0, 0), (0.003, 0.002, 0.001)])
 def test_a_corner_that_is_off_is_named(index: int, by: tuple[float, float, float]) -> None:
-    one = found(moved(CORNERS, index, by))
+    one = get_misplaced_position(moved(CORNERS, index, by))
     assert one.index == index
     assert_allclose(one.expected, CORNERS[index], atol=1e-5)
     assert one.layout == "the corners of a rectangle of 140 mm by 104 mm"
@@ -52,14 +52,14 @@ def test_layouts_that_are_kept_have_no_odd_place(places: np.ndarray) -> None:
 
 @pytest.mark.parametrize("count", [5, 6, 8])
 def test_on_a_ring_every_other_place_says_where_the_odd_one_belongs(count: int) -> None:
-    one = found(moved(ring(count), 2, (0.005, 0.002, 0)))
+    one = get_misplaced_position(moved(ring(count), 2, (0.005, 0.002, 0)))
     assert (one.index, one.partners) == (2, count - 1)
     assert one.layout == f"a ring of {count} with a radius of 300 mm"
 
 
 @pytest.mark.parametrize("index", range(5))
 def test_in_a_row_the_neighbours_say_it(index: int) -> None:
-    one = found(moved(np.array([(0.1 * i, 0.3, 0) for i in range(5)]), index, (0.004, 0, 0.002)))
+    one = get_misplaced_position(moved(np.array([(0.1 * i, 0.3, 0) for i in range(5)]), index, (0.004, 0, 0.002)))
     assert one.index == index
     assert one.layout == "a row with 100 mm between neighbours"
 
@@ -73,7 +73,7 @@ def test_the_verdict_depends_on_neither_order_nor_pose_nor_size(
 ) -> None:
     turn = rpy_to_matrix(rpy)
     places = moved(CORNERS, 3, (0.003, 0.002, 0))[order]
-    one = found(scale * (places @ turn.T + move))
+    one = get_misplaced_position(scale * (places @ turn.T + move))
     assert order[one.index] == 3
     assert_allclose(one.expected, scale * (turn @ CORNERS[3] + move), atol=1e-5 * scale)
 
@@ -96,7 +96,7 @@ def test_the_right_one_is_named_or_none(
 
 def test_a_corner_drawn_out_along_a_side_is_named_only_where_other_coordinates_say_so() -> None:
     # Its neighbour left behind by a longer rectangle explains it as well, unless the sides are as far from the middle.
-    assert found(moved(CORNERS, 0, (0.004, 0, 0))).index == 0
+    assert get_misplaced_position(moved(CORNERS, 0, (0.004, 0, 0))).index == 0
     assert find_misplaced_position(moved(CORNERS + np.array((0.1, 0, 0)), 0, (0.004, 0, 0))) is None
 
 

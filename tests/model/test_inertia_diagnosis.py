@@ -8,11 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from castings import CASTING, MISTAKES, DeclaredInertial, drawn_boxes, geometry, inertial, uniform, write_stl
+from builders import joint, link, robot
+from castings import CASTING, MISTAKES, DeclaredInertial, drawn_boxes, format_inertial, geometry, uniform, write_stl
 
 from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.model import Model
-from urdfcheck.model.inertials import inertia_diagnosis as diagnoses
+from urdfcheck.model.inertials import inertia_diagnosis
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_proposals import propose_from_geometry
 from urdfcheck.model.repairs.inertial_edits import build_inertial_repair
@@ -26,18 +27,15 @@ WRONG = {id: mistake(TRUE, DRAWN) for id, _, mistake in MISTAKES}
 MESH = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
 
 
-def robot(*links: str, fixed: str = "") -> str:
-    """Links that each hang on the base by a joint of their own."""
+def make_star(*links: str, fixed: str = "") -> str:
+    """Return links that each hang on the base by a joint of their own."""
     names = [link.split('"')[1] for link in links]
-    joints = "".join(
-        f'<joint name="to_{name}" type="continuous"><parent link="base"/><child link="{name}"/><origin xyz="0 {i} 0"/></joint>'
-        for i, name in enumerate(names)
-    )
-    return f'<robot name="r"><link name="base"/>{"".join(links)}{joints}{fixed}</robot>'
+    joints = (joint(f"to_{name}", "base", name, kind="continuous", xyz=f"0 {i} 0") for i, name in enumerate(names))
+    return robot(link("base"), *links, *joints, fixed)
 
 
-def link(name: str, numbers: DeclaredInertial | None, drawn: str = MESH) -> str:
-    return f'<link name="{name}">{"" if numbers is None else inertial(numbers)}{drawn}</link>'
+def make_link(name: str, numbers: DeclaredInertial | None, drawn: str = MESH) -> str:
+    return link(name, "" if numbers is None else format_inertial(numbers), drawn)
 
 
 def model(folder: Path, text: str, cache: ArrayCache | None = None) -> Model:
@@ -63,7 +61,7 @@ def judged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], t
         calls += 1
         return diagnose_inertial(*arguments, **options)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(diagnoses, "diagnose_inertial", counted)
+    monkeypatch.setattr(inertia_diagnosis, "diagnose_inertial", counted)
 
     def judge(text: str) -> tuple[dict[str, str | None], int]:
         nonlocal calls
@@ -75,19 +73,19 @@ def judged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], t
 
 
 Judge = Callable[[str], tuple[dict[str, str | None], int]]
-ARM, LEG = link("arm", WRONG["com_missing"]), link("leg", WRONG["about_origin"], drawn_boxes(CASTING))
+ARM, LEG = make_link("arm", WRONG["com_missing"]), make_link("leg", WRONG["about_origin"], drawn_boxes(CASTING))
 
 
 def test_an_unchanged_robot_is_not_judged_again(judged: Judge) -> None:
-    first, calls = judged(robot(ARM, LEG))
+    first, calls = judged(make_star(ARM, LEG))
     assert first == {"arm": "com_missing", "leg": "about_origin"}
     assert calls >= 2
-    assert judged(robot(ARM, LEG)) == (first, 0)
+    assert judged(make_star(ARM, LEG)) == (first, 0)
 
 
 def test_a_verdict_that_was_kept_is_the_one_that_was_made(tmp_path: Path) -> None:
     cache = ArrayCache(tmp_path / "cache")
-    found = [inertial_diagnoses(model(tmp_path, robot(ARM, LEG), cache)) for _ in range(2)]
+    found = [inertial_diagnoses(model(tmp_path, make_star(ARM, LEG), cache)) for _ in range(2)]
     for name, before in found[0].items():
         first, again = before.diagnosis, found[1][name].diagnosis
         assert again is not first
@@ -99,15 +97,15 @@ def test_a_verdict_that_was_kept_is_the_one_that_was_made(tmp_path: Path) -> Non
 
 
 def test_a_changed_number_is_judged_and_the_other_link_is_not(judged: Judge) -> None:
-    judged(robot(ARM, LEG))
-    causes, calls = judged(robot(ARM, link("leg", WRONG["products_sign"], drawn_boxes(CASTING))))
+    judged(make_star(ARM, LEG))
+    causes, calls = judged(make_star(ARM, make_link("leg", WRONG["products_sign"], drawn_boxes(CASTING))))
     assert causes == {"arm": "com_missing", "leg": "products_sign"}
-    alone = judged(robot(link("leg", WRONG["steiner_twice"], drawn_boxes(CASTING))))[1]
+    alone = judged(make_star(make_link("leg", WRONG["steiner_twice"], drawn_boxes(CASTING))))[1]
     assert calls == alone
 
 
 def test_another_content_of_the_mesh_is_judged(judged: Judge, tmp_path: Path) -> None:
-    text = robot(link("arm", TRUE))
+    text = make_star(make_link("arm", TRUE))
     assert judged(text)[0] == {"arm": None}
     write_stl(tmp_path / "part.stl", [((a / 100, b / 100, c / 100), np.array(at) / 100) for (a, b, c), at in CASTING])
     assert judged(text)[0] == {"arm": "mesh_scale"}
@@ -117,29 +115,29 @@ def test_a_cover_that_moves_is_judged(judged: Judge) -> None:
     whole, hole = ((0.2, 0.1, 0.04), (0.0, 0.0, 0.0)), ((0.16, 0.06, 0.04), (0.0, 0.0, 0.0))
     frame = [((0.2, 0.02, 0.04), (0.0, y, 0.0)) for y in (-0.04, 0.04)]
     frame += [((0.02, 0.06, 0.04), (x, 0.0, 0.0)) for x in (-0.09, 0.09)]
-    arm = link("arm", uniform(geometry([whole]).solid), drawn_boxes(frame))
+    arm = make_link("arm", uniform(geometry([whole]).solid), drawn_boxes(frame))
     screws = (
-        link("cover", None, drawn_boxes([hole]))
+        make_link("cover", None, drawn_boxes([hole]))
         + '<joint name="screws" type="fixed"><parent link="arm"/><child link="cover"/><origin xyz="{} 0 0"/></joint>'
     )
-    assert judged(robot(arm, fixed=screws.format(0))) == ({"arm": None}, 2)  # by itself, and with its cover
-    assert judged(robot(arm, fixed=screws.format(0)))[1] == 0
+    assert judged(make_star(arm, fixed=screws.format(0))) == ({"arm": None}, 2)  # by itself, and with its cover
+    assert judged(make_star(arm, fixed=screws.format(0)))[1] == 0
     # Either the frame alone or frame and cover are meant, and neither has these numbers: nothing is said.
-    assert judged(robot(arm, fixed=screws.format(0.5))) == ({}, 2)
+    assert judged(make_star(arm, fixed=screws.format(0.5))) == ({}, 2)
 
 
 @pytest.mark.parametrize("damage", [b"", b"not an archive", None], ids=["empty", "rubbish", "other content"])
 def test_a_damaged_cache_is_harmless(judged: Judge, tmp_path: Path, damage: bytes | None) -> None:
-    first, calls = judged(robot(ARM))
+    first, calls = judged(make_star(ARM))
     (entry,) = (tmp_path / "cache" / "diagnosis").rglob("*.npz")
     if damage is None:
         for content in (b"[]", b"{}", b'{"whole": 1}', b"\xff", b'{"whole": "", "links": 3, "verdicts": []}'):
             parts = ArrayCache(tmp_path / "cache").entry("diagnosis", "".join(entry.parent.parts[-2:]))
             parts["links"] = {"text": np.frombuffer(content, dtype=np.uint8)}
-            assert judged(robot(ARM)) == (first, calls)
+            assert judged(make_star(ARM)) == (first, calls)
     else:
         entry.write_bytes(damage)
-        assert judged(robot(ARM)) == (first, calls)
+        assert judged(make_star(ARM)) == (first, calls)
 
 
 # -- what an edit says --------------------------------------------------------------------------------------------------
@@ -166,7 +164,7 @@ def test_digits_stay_where_only_the_sign_or_a_power_of_ten_changes(
     tmp_path: Path, typed: str, wanted: float, written: str
 ) -> None:
     text = f'<link name="a"><inertial><mass value="1"/><inertia {SIX.format(typed)}/></inertial></link>'
-    given = model(tmp_path, robot(text)).link_by_name["a"].inertial
+    given = model(tmp_path, make_star(text)).link_by_name["a"].inertial
     assert given is not None
     # The other numbers are as small, or the change would be none.
     tensor = np.diag((2.0, 2.0, 2.0)) if abs(wanted) > 1e-6 or not wanted else np.diag((1e-14, 1e-14, 1e-14))
@@ -180,7 +178,7 @@ def test_digits_stay_where_only_the_sign_or_a_power_of_ten_changes(
 
 
 def test_nothing_is_written_where_nothing_changes(tmp_path: Path) -> None:
-    given = model(tmp_path, robot(link("arm", TRUE))).link_by_name["arm"].inertial
+    given = model(tmp_path, make_star(make_link("arm", TRUE))).link_by_name["arm"].inertial
     assert given is not None
     assert build_inertial_repair(given, TRUE).text == ""
     assert build_inertial_repair(given, TRUE).edits == ()
@@ -188,8 +186,8 @@ def test_nothing_is_written_where_nothing_changes(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["ixy", "izz"])
 def test_a_missing_number_is_told_and_nothing_edited(tmp_path: Path, name: str) -> None:
-    text = re.sub(f' {name}="[^"]*"', "", link("arm", TRUE))
-    given = model(tmp_path, robot(text)).link_by_name["arm"].inertial
+    text = re.sub(f' {name}="[^"]*"', "", make_link("arm", TRUE))
+    given = model(tmp_path, make_star(text)).link_by_name["arm"].inertial
     assert given is not None
     change = build_inertial_repair(given, TRUE)
     assert f'{name}="' in change.text
@@ -197,8 +195,8 @@ def test_a_missing_number_is_told_and_nothing_edited(tmp_path: Path, name: str) 
 
 
 def test_the_inertia_of_the_drawn_part_keeps_the_axes_of_the_inertial(tmp_path: Path) -> None:
-    text = link("arm", WRONG["com_unit"]).replace('rpy="0 0 0"', 'rpy="0 0 1.5707963267948966"')
-    one = model(tmp_path, robot(text))
+    text = make_link("arm", WRONG["com_unit"]).replace('rpy="0 0 0"', 'rpy="0 0 1.5707963267948966"')
+    one = model(tmp_path, make_star(text))
     change = propose_from_geometry(one, one.link_by_name["arm"])
     assert change is not None
     written = dict(re.findall(r'(\w+)="([^"]*)"', change.text))
@@ -214,7 +212,7 @@ def test_noise_of_the_mesh_is_no_number_to_write(tmp_path: Path) -> None:
     folder.mkdir()
     write_stl(folder / "part.stl", box)
     odd = uniform(geometry([((0.1, 0.1, 0.1), (0.0, 0.3, 0.0))]).solid)
-    one = model(folder, robot(link("arm", odd)))
+    one = model(folder, make_star(make_link("arm", odd)))
     change = propose_from_geometry(one, one.link_by_name["arm"])
     assert change is not None
     assert 'xyz="0.1 0 0"' in change.text
@@ -223,6 +221,6 @@ def test_noise_of_the_mesh_is_no_number_to_write(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("inertial", ["", "<inertial/>", '<inertial><mass value="0"/></inertial>'])
 def test_without_a_mass_the_drawn_part_has_no_inertia(tmp_path: Path, inertial: str) -> None:
-    one = model(tmp_path, robot(f'<link name="arm">{inertial}{MESH}</link>'))
+    one = model(tmp_path, make_star(f'<link name="arm">{inertial}{MESH}</link>'))
     assert propose_from_geometry(one, one.link_by_name["arm"]) is None
     assert inertial_diagnoses(one) == {}

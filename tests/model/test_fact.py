@@ -32,7 +32,7 @@ def missing(model: Remembering) -> int:
 
 @fact
 def numbers(model: Remembering) -> Iterator[int]:
-    yield 1
+    return iter((1,))
 
 
 def test_a_fact_is_computed_once_for_each_set_of_arguments() -> None:
@@ -59,6 +59,14 @@ def test_a_fact_that_is_not_available_is_not_computed_again() -> None:
 def test_an_iterator_is_refused_because_its_second_reader_would_find_nothing() -> None:
     with pytest.raises(TypeError, match="numbers is an iterator"):
         numbers(Remembering())
+
+
+def test_a_generator_is_refused_before_it_is_called() -> None:
+    def yielded(model: Remembering) -> Iterator[int]:
+        yield 1
+
+    with pytest.raises(TypeError, match="yielded is a generator"):
+        fact(yielded)
 
 
 def test_a_fact_keeps_its_name_and_docstring() -> None:

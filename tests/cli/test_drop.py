@@ -11,35 +11,23 @@ from pathlib import Path
 
 import jsonschema
 import pytest
+from builders import inertial, joint, limit, robot
 from conftest import FIXTURES, REPOSITORY, check, check_text
 
 from urdfcheck.cli import main
 from urdfcheck.core import Run
 from urdfcheck.core.drop_test import STEPS, DropTest
 from urdfcheck.output import html, text
-from urdfcheck.output import json as json_output
+from urdfcheck.output.json import render as render_json
 
 CAR_3 = FIXTURES / "car-3" / "urdf" / "car-3.urdf"
 SCHEMA = json.loads((files("urdfcheck.output") / "report.schema.json").read_text(encoding="utf-8"))
 BOX = '<collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision>'
 
 
-def inertial(mass: float, moment: float, xyz: str = "0 0 0") -> str:
-    """An inertial with three equal moments."""
-    moments = f'ixx="{moment}" ixy="0" ixz="0" iyy="{moment}" iyz="0" izz="{moment}"'
-    return f'<inertial><origin xyz="{xyz}"/><mass value="{mass}"/><inertia {moments}/></inertial>'
-
-
-def joint(name: str, parent: str, child: str, xyz: str, axis: str, more: str = "") -> str:
-    """A revolute joint that a motor can hold."""
-    return (
-        f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/><origin xyz="{xyz}"/>'
-        f'<axis xyz="{axis}"/><limit lower="-3" upper="3" effort="100" velocity="9"/>{more}</joint>'
-    )
-
-
-def robot(*parts: str) -> str:
-    return f'<robot name="r">{"".join(parts)}</robot>'
+def make_driven_joint(name: str, parent: str, child: str, xyz: str, axis: str, more: str = "") -> str:
+    """Return a revolute joint that a motor can hold."""
+    return joint(name, parent, child, limit(-3, 3, 100, 9), more, kind="revolute", xyz=xyz, axis=axis)
 
 
 def cart(mass: float, moment: float) -> str:
@@ -50,20 +38,24 @@ def cart(mass: float, moment: float) -> str:
     )
     for k, (x, y) in enumerate(((0.1, 0.12), (0.1, -0.12), (-0.1, 0.12), (-0.1, -0.12))):
         parts.append(f'<link name="wheel_{k}">{inertial(mass, moment)}{wheel}</link>')
-        parts.append(joint(f"axle_{k}", "base", f"wheel_{k}", f"{x} {y} 0", "0 1 0").replace("revolute", "continuous"))
+        parts.append(
+            make_driven_joint(f"axle_{k}", "base", f"wheel_{k}", f"{x} {y} 0", "0 1 0").replace(
+                "revolute", "continuous"
+            )
+        )
     return robot(*parts)
 
 
 def chain(links: int, light: float, tip: float) -> str:
     """An arm of light links with a heavy tip, on a foot."""
-    parts = [f'<link name="l0">{inertial(2, 5e-3, "0 0 0.05")}{BOX}</link>']
+    parts = [f'<link name="l0">{inertial(2, 5e-3, com="0 0 0.05")}{BOX}</link>']
     axes = ("0 0 1", "0 1 0", "0 1 0", "0 1 0", "1 0 0", "0 1 0")
     shape = '<collision><origin xyz="0 0 0.05"/><geometry><box size="0.04 0.04 0.1"/></geometry></collision>'
     for k in range(1, links + 1):
         mass = tip if k == links else light
-        parts.append(f'<link name="l{k}">{inertial(mass, mass * 1e-3, "0 0 0.05")}{shape}</link>')
+        parts.append(f'<link name="l{k}">{inertial(mass, mass * 1e-3, com="0 0 0.05")}{shape}</link>')
         bent = f'0 0 0.1" rpy="{axes[k - 1].replace("1", "0.3")}'
-        parts.append(joint(f"j{k}", f"l{k - 1}", f"l{k}", bent, axes[k - 1]).replace('"100"', '"5"'))
+        parts.append(make_driven_joint(f"j{k}", f"l{k - 1}", f"l{k}", bent, axes[k - 1]).replace('"100"', '"5"'))
     return robot(*parts)
 
 
@@ -118,8 +110,8 @@ def test_a_table_settles(tmp_path: Path) -> None:
     legs = []
     for k, (x, y) in enumerate(((0.4, 0.25), (0.4, -0.25), (-0.4, 0.25), (-0.4, -0.25))):
         shape = '<collision><origin xyz="0 0 -0.35"/><geometry><cylinder radius="0.02" length="0.7"/></geometry></collision>'
-        legs += [f'<link name="leg_{k}">{inertial(1, 0.04, "0 0 -0.35")}{shape}</link>']
-        legs += [joint(f"j{k}", "top", f"leg_{k}", f"{x} {y} 0", "0 1 0")]
+        legs += [f'<link name="leg_{k}">{inertial(1, 0.04, com="0 0 -0.35")}{shape}</link>']
+        legs += [make_driven_joint(f"j{k}", "top", f"leg_{k}", f"{x} {y} 0", "0 1 0")]
     run = dropped(tmp_path, robot(f'<link name="top">{inertial(10, 0.5)}{BOX}</link>', *legs))
     (found,) = run.drops
     assert not run.findings
@@ -162,8 +154,8 @@ def test_wheels_of_next_to_no_mass_tremble(tmp_path: Path) -> None:
 
 def test_the_robot_is_held_by_its_motors_as_far_as_they_can(tmp_path: Path) -> None:
     arm = robot(
-        f'<link name="world">{BOX}</link><link name="arm">{inertial(1, 1e-3, "0.2 0 0")}</link>',
-        joint("shoulder", "world", "arm", "0 0 1", "0 1 0"),
+        f'<link name="world">{BOX}</link><link name="arm">{inertial(1, 1e-3, com="0.2 0 0")}</link>',
+        make_driven_joint("shoulder", "world", "arm", "0 0 1", "0 1 0"),
     )
     strong = outcome(tmp_path, arm)
     assert strong.fixed == "its root is world"
@@ -185,10 +177,10 @@ def test_a_follower_follows(tmp_path: Path) -> None:
         '<origin rpy="0 0 0"/><mass value="0.1"/><inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/>'
     )
     arm = robot(
-        f'<link name="world">{BOX}</link><link name="a">{inertial(0.1, 1e-4, "0.1 0 0")}</link>',
+        f'<link name="world">{BOX}</link><link name="a">{inertial(0.1, 1e-4, com="0.1 0 0")}</link>',
         f'<link name="b"><inertial>{finger}</inertial></link>',
-        joint("first", "world", "a", "0 0 2", "0 1 0"),
-        joint("second", "world", "b", "0 1 2", "0 1 0", '<mimic joint="first" multiplier="2"/>'),
+        make_driven_joint("first", "world", "a", "0 0 2", "0 1 0"),
+        make_driven_joint("second", "world", "b", "0 1 2", "0 1 0", '<mimic joint="first" multiplier="2"/>'),
     )
     from urdfcheck.facts.motion.simulation import Simulation
 
@@ -200,7 +192,7 @@ def test_a_follower_follows(tmp_path: Path) -> None:
 
 
 def test_a_root_without_mass_is_bolted_down(tmp_path: Path) -> None:
-    arm = f'<link name="base"/><link name="arm">{inertial(1, 1e-2)}{BOX}</link>' + joint(
+    arm = f'<link name="base"/><link name="arm">{inertial(1, 1e-2)}{BOX}</link>' + make_driven_joint(
         "j", "base", "arm", "0 0 1", "0 1 0"
     )
     assert outcome(tmp_path, robot(arm)).fixed == "its root base has no mass"
@@ -213,7 +205,7 @@ def test_what_is_drawn_touches_where_nothing_collides(tmp_path: Path) -> None:
     assert found.ground == pytest.approx(-0.05)
 
 
-LOOSE = f'<link name="b">{inertial(1, 1e-3)}</link>' + joint("j", "a", "b", "0 0 1", "0 1 0").replace(
+LOOSE = f'<link name="b">{inertial(1, 1e-3)}</link>' + make_driven_joint("j", "a", "b", "0 0 1", "0 1 0").replace(
     "revolute", "floating"
 )
 SOUND = f'<link name="a">{inertial(1, 1e-3)}{BOX}</link>'
@@ -229,7 +221,10 @@ def test_what_no_motor_holds_need_not_come_to_rest(kind: str, tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("model", "why"),
     [
-        (robot(SOUND, '<link name="b"/>', joint("j", "a", "b", "0 0 0", "0 1 0")), "'b' moves and has no mass"),
+        (
+            robot(SOUND, '<link name="b"/>', make_driven_joint("j", "a", "b", "0 0 0", "0 1 0")),
+            "'b' moves and has no mass",
+        ),
         (robot(SOUND.replace('"0.001"', '"0"')), "no inertia (INR004)"),
         (robot(SOUND.replace(BOX, "")), "no shape that could touch the ground"),
         (robot(f'<link name="world">{BOX}</link>'), "nothing of the robot can move"),
@@ -313,8 +308,8 @@ def test_damping_that_is_taken_before_the_step_is_stable_up_to_twice_the_time_co
 def test_a_tiny_inertia_behind_a_damped_joint_explodes_where_damping_is_explicit(tmp_path: Path) -> None:
     damped = '<dynamics damping="1"/>'
     arm = robot(
-        f'<link name="base">{inertial(5, 0.05)}{BOX}</link><link name="tip">{inertial(1e-3, 1e-7, "0.01 0 0")}</link>',
-        joint("j", "base", "tip", "0 0 0.3", "0 1 0", damped),
+        f'<link name="base">{inertial(5, 0.05)}{BOX}</link><link name="tip">{inertial(1e-3, 1e-7, com="0.01 0 0")}</link>',
+        make_driven_joint("j", "base", "tip", "0 0 0.3", "0 1 0", damped),
     )
     ((implicit, explicit),) = (found.curves for found in dropped(tmp_path, arm, STEPS[:4]).drops)
     assert implicit.all_stable
@@ -373,7 +368,7 @@ def test_a_check_tells_that_it_needs_the_command() -> None:
 
 
 def test_the_json_keeps_to_the_schema(car_3: Run) -> None:
-    report = json.loads(json_output.render(car_3))
+    report = json.loads(render_json(car_3))
     jsonschema.validate(report, SCHEMA)
     (found,) = report["drops"]
     assert found["held"]["touching"][0]["link"] == "wheel_1"
@@ -382,7 +377,7 @@ def test_the_json_keeps_to_the_schema(car_3: Run) -> None:
 
 def test_a_burst_is_no_number_in_any_report(tmp_path: Path) -> None:
     run = dropped(tmp_path, chain(6, 0.02, 10_000))
-    report = json_output.render(run)
+    report = render_json(run)
     jsonschema.validate(json.loads(report), SCHEMA)
     assert json.loads(report)["drops"][0]["held"]["speed"] is None
     assert "explodes after" in text.render(run)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from urdfcheck.facts.mesh import topology as mesh_topology
+from urdfcheck.facts.mesh import topology
 from urdfcheck.facts.mesh.topology import classify_edges, count_component_faces, find_repeated_faces, weld_exact
 
 # Few different numbers, so that corners and faces do coincide; -0 equals 0.
@@ -21,9 +21,9 @@ triangles = st.lists(st.lists(st.integers(0, 6), min_size=3, max_size=3, unique=
 @pytest.fixture(params=["as it is", "every hash is equal", "no table is tried"])
 def _hashes(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     if request.param == "every hash is equal":
-        monkeypatch.setattr(mesh_topology, "_MIX", (np.uint64(0),) * 3)
+        monkeypatch.setattr(topology, "_MIX", (np.uint64(0),) * 3)
     if request.param == "no table is tried":
-        monkeypatch.setattr(mesh_topology, "_ROUNDS", 0)
+        monkeypatch.setattr(topology, "_ROUNDS", 0)
 
 
 @pytest.mark.usefixtures("_hashes")
