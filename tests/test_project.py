@@ -21,7 +21,7 @@ from urdfcheck.cli.commands.check import build_parser
         ["ruff", "format", "--check", "."],
         ["mypy"],
     ],
-    ids=lambda command: " ".join(command),
+    ids=" ".join,
 )
 def test_tools_have_nothing_to_say(command: list[str]) -> None:
     done = subprocess.run([sys.executable, "-m", *command], cwd=REPOSITORY, capture_output=True, text=True)

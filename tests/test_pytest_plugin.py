@@ -91,7 +91,7 @@ def test_a_process_that_dies_fails_the_tests_that_wait_for_it(
 ) -> None:
     program = (
         "import os; from urdfcheck.run import pipeline; from urdfcheck.cli.commands.serve import serve\n"
-        "pipeline.stream_reports = lambda *_: os._exit(7)\nserve()"
+        "pipeline.stream_reports = lambda *_, **__: os._exit(7)\nserve()"
     )
     monkeypatch.setattr(pytest_plugin, "_PROGRAM", [sys.executable, "-c", program])
     done = run(folder, "--urdfcheck")

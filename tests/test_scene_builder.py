@@ -119,8 +119,16 @@ def test_the_meshes_of_the_page_are_those_of_the_files(car):
     by_name = {mesh.name: mesh.drawings[0] for mesh in scene.meshes}
     base = next(d for name, d in by_name.items() if name.endswith("base_link.STL"))
     entry = next(m for m in data["meshes"] if geometry[m["offset"] :].startswith(base.data))
-    ends = (np.array(entry["low"]), np.array(entry["high"]))
-    points, faces, _ = unpack_mesh(PackedMesh(base.data, entry["vertices"], entry["faces"], entry["holes"], *ends))
+    points, faces, _ = unpack_mesh(
+        PackedMesh(
+            data=base.data,
+            n_vertices=entry["vertices"],
+            n_faces=entry["faces"],
+            n_hole_edges=entry["holes"],
+            low=np.array(entry["low"]),
+            high=np.array(entry["high"]),
+        )
+    )
     file = trimesh.load(FIXTURES / "car-3" / "meshes" / "base_link.STL")
     assert trimesh.Trimesh(points, faces).area == pytest.approx(file.area, rel=1e-3)
     assert np.ptp(points, axis=0) == pytest.approx(file.extents, rel=1e-5)
@@ -173,7 +181,15 @@ def test_the_rims_of_holes_are_drawn(tmp_path: Path):
     run = check_text(tmp_path, f'<robot name="r"><link name="a">{mesh}</link></robot>', scene=True)
     data, geometry = data_of(run)
     (entry,) = data["meshes"]
-    ends = np.array(entry["low"]), np.array(entry["high"])
-    _, _, holes = unpack_mesh(PackedMesh(geometry, entry["vertices"], entry["faces"], entry["holes"], *ends))
+    _, _, holes = unpack_mesh(
+        PackedMesh(
+            data=geometry,
+            n_vertices=entry["vertices"],
+            n_faces=entry["faces"],
+            n_hole_edges=entry["holes"],
+            low=np.array(entry["low"]),
+            high=np.array(entry["high"]),
+        )
+    )
     # One triangle is missing: two edges of a square, and the diagonal.
     assert sorted(np.linalg.norm(holes[:, 1] - holes[:, 0], axis=1)) == pytest.approx([1.0, 1.0, 2**0.5], rel=1e-3)

@@ -84,7 +84,7 @@ class Example:
 def read(path: Path, arguments: Mapping[str, str], package_paths: Sequence[Path]) -> EngineInput | None:
     source = load_source(path, arguments, PackageFinder(path.absolute(), {}, list(package_paths)))
     is_robot = source.root is not None and source.root.tag == "robot"
-    return build_input(source, Model(source, source.root, "source") if is_robot else None)
+    return build_input(source, Model(source=source, robot=source.root, tier="source") if is_robot else None)
 
 
 def checked(name: str, folder: Path, target: Path, **request: object) -> Iterator[Example]:
@@ -129,7 +129,9 @@ def written(case: Case, folder: Path) -> Iterator[Example]:
 def wrong(engine: str, examples: Sequence[Example], around: Path) -> list[str]:
     """Where an engine does not do what the findings say."""
     done = dict(
-        iter_outcomes([(engine, e.robot) for e in examples], [str(around)], ResourceLimits(seconds=60), apart=False)
+        iter_outcomes(
+            [(engine, e.robot) for e in examples], around=[str(around)], limits=ResourceLimits(seconds=60), apart=False
+        )
     )
     told = []
     for place, example in enumerate(examples):
@@ -213,7 +215,9 @@ def test_an_engine_that_crashes_says_so_and_takes_nobody_along() -> None:
     ensure_asked("pinocchio")
     robot = EngineInput(document=b'<robot name="r"><link name="a"/></robot>')
     nested = EngineInput(document=b'<robot name="r">' + chain(20_000) + b"</robot>")
-    first, second = (dict(iter_outcomes([("urdfdom", r)], [], ResourceLimits()))[0] for r in (nested, robot))
+    first, second = (
+        dict(iter_outcomes([("urdfdom", r)], around=[], limits=ResourceLimits()))[0] for r in (nested, robot)
+    )
     assert "crashes" in first.refused
     assert second.loaded is not None
 
@@ -230,7 +234,7 @@ def chain(levels: int) -> bytes:
 
 # -- what was measured, in words --------------------------------------------------------------------------------------
 
-MOTION = EngineDynamics(("j",), (((0.5,),),), ((2.0,),), (-4.0,))
+MOTION = EngineDynamics(joints=("j",), masses=(((0.5,),),), torques=((2.0,),), accelerations=(-4.0,))
 TYPED = TypedRobot(
     root="base",
     heads={"base": "base", "arm": "arm"},
@@ -269,7 +273,8 @@ def test_what_an_engine_did_is_judged_by_what_was_typed(
     loaded: LoadedRobot | None, verdict: Verdict, words: str
 ) -> None:
     judgement = judge_outcome(
-        EngineInput(document=b"", typed=TYPED, moved_links=("arm",)), LoadOutcome("mujoco", loaded, "no such file")
+        EngineInput(document=b"", typed=TYPED, moved_links=("arm",)),
+        LoadOutcome("mujoco", loaded=loaded, refused="no such file"),
     )
     assert judgement.verdict is verdict
     assert " ".join(judgement.reasons).startswith(words)
@@ -277,5 +282,5 @@ def test_what_an_engine_did_is_judged_by_what_was_typed(
 
 def test_of_what_is_no_tree_the_missing_links_are_seen() -> None:
     assert judge_outcome(
-        EngineInput(document=b"", moved_links=("arm", "hand")), LoadOutcome("bullet", LOADED)
+        EngineInput(document=b"", moved_links=("arm", "hand")), LoadOutcome("bullet", loaded=LOADED)
     ).reasons == ("without link hand",)

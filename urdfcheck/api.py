@@ -105,12 +105,21 @@ def check(
         timeout=timeout,
         memory=memory,
     )
+    return _run(options, scene=scene)
+
+
+def _run(options: RunOptions, *, scene: bool) -> Run:
+    """Check the options, then run what they describe.
+
+    :raises UrdfcheckError: for a wrong argument or configuration.
+    :raises KeyboardInterrupt: when the user interrupts.
+    """
     if not options.paths:
         raise UrdfcheckError("paths: name at least one model, launch file, package or folder")
     if any(not os.fspath(path) for path in options.paths):
         raise UrdfcheckError("a path is empty ('.' is the working directory)")
-    if samples < 1:
-        raise UrdfcheckError(f"samples {samples}: at least 1")
+    if options.samples < 1:
+        raise UrdfcheckError(f"samples {options.samples}: at least 1")
     request, _ = make_request(options, scene=scene)
     with _worker_surroundings():
         warm_worker = start_warm_worker()

@@ -119,7 +119,8 @@ def load_page(path: Path) -> Rule:
             depends_on_targets=bool(meta.get("depends_on_targets", False)),
             fix=Applicability(meta.get("fix", "display")),
             options={
-                key: RuleOption(key, o["default"], o["unit"], o["doc"]) for key, o in meta.get("options", {}).items()
+                key: RuleOption(key, default=o["default"], unit=o["unit"], doc=o["doc"])
+                for key, o in meta.get("options", {}).items()
             },
             messages=meta["messages"],
             fixes=meta["fixes"],

@@ -99,7 +99,7 @@ def _turn(robot: Robot, folder: Path, rules: list[Rule]) -> tuple[float, float]:
     def model() -> Model:
         source = load_source(path, {}, PackageFinder(folder, {}, []), explicit=True)
         assert source.root is not None
-        made = Model(source, source.root, cache=ArrayCache(folder / "kept"))
+        made = Model(source=source, robot=source.root, cache=ArrayCache(folder / "kept"))
         for facts in made.meshes.facts.values():
             _ = facts.hull, facts.components, facts.vertices
         return made

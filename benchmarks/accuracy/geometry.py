@@ -38,7 +38,7 @@ def drawn(part: Part) -> dict[float, VisualGeometry]:
         urdf.write_text(f'<robot name="part">{links}</robot>', encoding="utf-8")
         source = load_source(urdf, {}, PackageFinder(urdf, {}, []))
         assert source.root is not None
-        model = Model(source, source.root)
+        model = Model(source=source, robot=source.root)
         found = {s: measure_link_geometry(model, model.link_by_name[f"x{s}"]) for s in SCALES}
     shown = {s: g for s, g in found.items() if g is not None and g.closed}
     if len(shown) < len(SCALES):

@@ -203,7 +203,7 @@ def model(folder: Path, text: str) -> Model:
     path.write_text(text)
     source = load_source(path, {}, PackageFinder(path, environment={}))
     assert source.root is not None
-    return Model(source, source.root)
+    return Model(source=source, robot=source.root)
 
 
 def test_links_are_adjacent_across_links_without_geometry(tmp_path: Path) -> None:

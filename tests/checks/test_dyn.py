@@ -53,7 +53,7 @@ def model_of(folder: Path, text: str) -> Model:
     path.write_text(text, encoding="utf-8")
     source = load_source(path, {}, PackageFinder(path))
     assert source.root is not None
-    return Model(source, source.root)
+    return Model(source=source, robot=source.root)
 
 
 # -- DYN002: effort below gravity --------------------------------------------------------------------------------

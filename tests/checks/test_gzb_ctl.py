@@ -123,7 +123,7 @@ def test_the_shapes_are_called_as_sdformat_calls_them(tmp_path: Path) -> None:
     path.write_text(f'<robot name="r">{MERGED}</robot>', encoding="utf-8")
     source = load_source(path, {}, PackageFinder(path))
     assert source.root is not None
-    assert [shape.name for shape in reduce_fixed_joints(Model(source, source.root)).collisions] == [
+    assert [shape.name for shape in reduce_fixed_joints(Model(source=source, robot=source.root)).collisions] == [
         "base_collision",
         "base_fixed_joint_lump__foot_collision_1",
         "base_fixed_joint_lump__foo_collision_2",

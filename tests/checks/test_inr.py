@@ -338,7 +338,7 @@ def test_the_fix_writes_the_same_body_in_the_axes_of_the_link(tmp_path: Path) ->
         path.write_text(source)
         loaded = load_source(path, {}, PackageFinder(tmp_path))
         assert loaded.root is not None
-        link = Model(loaded, loaded.root).link_by_name["arm"]
+        link = Model(source=loaded, robot=loaded.root).link_by_name["arm"]
         assert link.inertial is not None
         assert link.inertial.tensor_in_link is not None
         return [float(v) for v in link.inertial.tensor_in_link.ravel()]

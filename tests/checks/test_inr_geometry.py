@@ -405,7 +405,7 @@ def model_of(folder: Path, content: str) -> Model:
     path.write_text(content, encoding="utf-8")
     source = load_source(path, {}, PackageFinder(path))
     assert source.root is not None
-    return Model(source, source.root)
+    return Model(source=source, robot=source.root)
 
 
 def drawing(shape: str, rpy: str = "0.3 -0.4 0.5", xyz: str = "0.1 0.2 0.3") -> str:

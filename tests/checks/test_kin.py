@@ -145,7 +145,7 @@ def test_xacro_that_nothing_expanded_says_nothing_about_the_tree(tmp_path: Path)
 )
 def test_a_check_that_needs_the_tree_names_the_finding_that_was_made(tmp_path: Path, text: str, code: str) -> None:
     assert code in codes(check_text(tmp_path, text, codes={*TREE, "NAM001"}))
-    root = parse_xml(SourceFile(tmp_path, "robot.urdf", text))
+    root = parse_xml(SourceFile(tmp_path, "robot.urdf", text=text))
     with pytest.raises(FactUnavailableError, match=code):
         Tree.build([Link(e) for e in root.find_children("link")], [Joint(e) for e in root.find_children("joint")])
 

@@ -280,7 +280,7 @@ def test_a_twin_is_what_the_copies_agree_on_in_the_links_own_frame(tmp_path: Pat
     path.write_text(make_parts_on_base(*FOUR, rr=odd), encoding="utf-8")
     source = load_source(path, {}, PackageFinder(tmp_path))
     assert source.root is not None
-    model = Model(source, source.root, "full", ArrayCache())
+    model = Model(source=source, robot=source.root, tier="full", cache=ArrayCache())
     ((group),) = part_copies(model)
     assert [copy.link.name for copy in group] == ["fl_part", "rl_part", "rr_part", "fr_part"]
     wanted = estimate_from_copies(model)["rr_part"].expected

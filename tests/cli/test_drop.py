@@ -252,7 +252,7 @@ def standing_of(folder: Path, model: str):  # type: ignore[no-untyped-def]
     path.write_text(model, encoding="utf-8")
     source = load_source(path, {}, PackageFinder(folder, {}, []))
     assert source.root is not None
-    return build_standing_robot(Model(source, source.root))
+    return build_standing_robot(Model(source=source, robot=source.root))
 
 
 # -- physics -----------------------------------------------------------------------------------------------------------

@@ -157,7 +157,7 @@ def test_the_outcome_does_not_depend_on_the_number_of_jobs(audit: Audit, tmp_pat
     audit()
     there = tmp_path / f"out{jobs}"
     request = make_request(audit.models, tier="source", jobs=jobs)
-    audit_dataset(request, there, lambda units, settings: pipeline.stream_reports(units, settings, jobs))
+    audit_dataset(request, there, lambda units, settings: pipeline.stream_reports(units, settings, jobs=jobs))
     assert ((there / "audit.jsonl").read_bytes(), (there / "index.html").read_bytes()) == audit.bytes
 
 
@@ -485,7 +485,9 @@ def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
     request = make_request(audit.models, tier="source", limits=limits)
 
     def outcome() -> AuditOutcome:
-        return audit_dataset(request, audit.folder, lambda units, settings: pipeline.stream_reports(units, settings, 1))
+        return audit_dataset(
+            request, audit.folder, lambda units, settings: pipeline.stream_reports(units, settings, jobs=1)
+        )
 
     assert outcome().summary.statuses == {"checked": 5, "stopped": 1}
     assert [f["code"] for f in audit.lines[1]["findings"]][-1:] == ["URC906"]
@@ -513,7 +515,7 @@ def test_a_worker_that_dies_is_a_failure_and_its_model_tried_again(
     with monkeypatch.context() as patch:
         patch.setattr(pipeline, "_audit_in_worker", die_on_3)
         found = audit_dataset(
-            request, audit.folder, lambda units, settings: pipeline.stream_reports(units, settings, 2)
+            request, audit.folder, lambda units, settings: pipeline.stream_reports(units, settings, jobs=2)
         ).summary
     assert found.failure_count == 1
     assert "003.urdf" in found.failures[0]

@@ -26,7 +26,7 @@ def yaw(angle: float) -> Array:
 
 @pytest.mark.parametrize(("x", "y", "margin"), [(0, 0, 0.1), (0.15, 0, 0.05), (0, -0.08, 0.02), (0.25, 0, -0.05)])
 def test_the_margin_is_the_distance_to_the_nearest_edge(x: float, y: float, margin: float) -> None:
-    found = compute_ground_support(TABLE, PARTS, (x, y, 0.3))
+    found = compute_ground_support(TABLE, parts=PARTS, com=(x, y, 0.3))
     assert set(found.touching) == {0, 1, 2, 3}
     assert found.margin == pytest.approx(margin)
     assert found.height == pytest.approx(0.3)
@@ -34,14 +34,14 @@ def test_the_margin_is_the_distance_to_the_nearest_edge(x: float, y: float, marg
 
 
 def test_outside_a_corner_the_corner_is_nearest() -> None:
-    found = compute_ground_support(TABLE, PARTS, (0.23, 0.14, 0.3))
+    found = compute_ground_support(TABLE, parts=PARTS, com=(0.23, 0.14, 0.3))
     assert found.margin == pytest.approx(-0.05)
     assert found.nearest == pytest.approx((0.2, 0.1, 0.0))
     assert found.outwards == pytest.approx((0.6, 0.8, 0.0))
 
 
 def test_on_an_edge_the_way_out_is_across_it() -> None:
-    found = compute_ground_support(TABLE, PARTS, (0.2, 0.0, 0.3))
+    found = compute_ground_support(TABLE, parts=PARTS, com=(0.2, 0.0, 0.3))
     assert found.margin == 0.0
     assert found.outwards == pytest.approx((1.0, 0.0, 0.0))
 
@@ -50,12 +50,12 @@ def test_moving_turning_and_scaling_the_body_change_nothing() -> None:
     for _ in range(20):
         com = RANDOM.uniform((-0.3, -0.2, 0.1), (0.3, 0.2, 0.4))
         plain, turn, shift, size = (
-            compute_ground_support(TABLE, PARTS, com),
+            compute_ground_support(TABLE, parts=PARTS, com=com),
             yaw(RANDOM.uniform(0, 6)),
             RANDOM.uniform(-3, 3, 3),
             7.0,
         )
-        other = compute_ground_support(TABLE @ turn.T * size + shift, PARTS, turn @ com * size + shift)
+        other = compute_ground_support(TABLE @ turn.T * size + shift, parts=PARTS, com=turn @ com * size + shift)
         assert other.margin == pytest.approx(plain.margin * size)
         assert other.nearest == pytest.approx(turn @ plain.nearest * size + shift)
         assert simulate_tipping(TABLE @ turn.T * size + shift, PARTS, turn @ com * size + shift).tilt == pytest.approx(
@@ -68,7 +68,7 @@ def test_a_foot_that_hangs_within_the_slack_touches() -> None:
     for part, touches in ((0.9, True), (1.1, False)):
         lifted = TABLE.copy()
         lifted[0, 2] = part * math.tan(SLACK) * reach
-        assert (0 in compute_ground_support(lifted, PARTS, (0, 0, 0.3)).touching) is touches
+        assert (0 in compute_ground_support(lifted, parts=PARTS, com=(0, 0, 0.3)).touching) is touches
 
 
 def test_a_rounded_foot_touches_at_its_lowest_point_only() -> None:
@@ -76,14 +76,14 @@ def test_a_rounded_foot_touches_at_its_lowest_point_only() -> None:
     angles = np.arange(64) * math.tau / 64
     rim = np.column_stack((np.sin(angles), np.zeros(64), 1 - np.cos(angles))) * 0.2
     found = compute_ground_support(
-        np.concatenate((rim, rim + np.array((0, 0.3, 0)))), np.repeat((0, 1), 64), (0, 0.15, 0.4)
+        np.concatenate((rim, rim + np.array((0, 0.3, 0)))), parts=np.repeat((0, 1), 64), com=(0, 0.15, 0.4)
     )
     assert np.ptp(found.polygon[:, 0]) == 0.0
 
 
 def test_a_corner_that_is_there_twice_is_one() -> None:
     twice = np.concatenate((TABLE, TABLE + 1e-17))
-    assert len(compute_ground_support(twice, np.arange(16), (0, 0, 0.3)).polygon) == 4
+    assert len(compute_ground_support(twice, parts=np.arange(16), com=(0, 0, 0.3)).polygon) == 4
 
 
 def test_what_stands_rests_as_it_was_put() -> None:

@@ -373,7 +373,18 @@ def finding(code: str, subject: str = "link[a]", hides: Sequence[str] = ()) -> F
     """A finding of this rule, of model m."""
     rule = load_rules()[code]
     at, data = Location(subject, None), {"hides": list(hides)}
-    return Finding(code, rule.name, rule.severity, rule.confidence, "id", "…", at, (subject,), data=data, model="m")
+    return Finding(
+        code=code,
+        name=rule.name,
+        severity=rule.severity,
+        confidence=rule.confidence,
+        message_id="id",
+        message="…",
+        location=at,
+        subjects=(subject,),
+        data=data,
+        model="m",
+    )
 
 
 def run_of(*findings: Finding, status: str = "checked", failures: tuple[str, ...] = ()) -> Run:

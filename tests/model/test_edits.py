@@ -34,7 +34,7 @@ def model(tmp_path: Path) -> Model:
     path.write_text(ROBOT)
     source = load_source(path, {}, PackageFinder(path))
     assert source.root is not None
-    return Model(source, source.root)
+    return Model(source=source, robot=source.root)
 
 
 def test_masses_are_those_that_are_typed_as_numbers(model: Model) -> None:

@@ -45,7 +45,7 @@ def model(folder: Path, text: str, cache: ArrayCache | None = None) -> Model:
     path = folder / "robot.urdf"
     path.write_text(text)
     source = load_source(path, {}, PackageFinder(path))
-    return Model(source, source.root, cache=cache or ArrayCache())
+    return Model(source=source, robot=source.root, cache=cache or ArrayCache())
 
 
 # -- what is judged again -----------------------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ from urdfcheck.source.package.finder import PackageFinder
 
 def model_of(path: Path, arguments: dict[str, str] | None = None, roots: tuple[Path, ...] = ()) -> Model | None:
     source = load_source(path, arguments or {}, PackageFinder(path.absolute(), paths=roots))
-    return None if source.root is None or source.root.tag != "robot" else Model(source, source.root)
+    return None if source.root is None or source.root.tag != "robot" else Model(source=source, robot=source.root)
 
 
 def same_frames_as_yourdfpy(model: Model, folder: Path) -> int:

@@ -144,14 +144,23 @@ def make_link(name: str, **changes: Any) -> SceneLink:
         drawn_com=(0.0, 0.0, -0.0125),
         drawn_moments=(6.6e-6, 6.6e-6, 1.3e-5),
         world=IDENTITY,
-        shapes=(SceneShape("visual", "mesh", (1.0, 1.0, 1.0), IDENTITY, "wheel.stl", 0),),
+        shapes=(SceneShape(role="visual", kind="mesh", size=(1.0, 1.0, 1.0), pose=IDENTITY, mesh="wheel.stl", file=0),),
         span=None,
     )
     return replace(plain, **changes)
 
 
 def make_joint(name: str, parent: str, child: str, **changes: Any) -> SceneJoint:
-    plain = SceneJoint(name, "revolute", parent, child, (0.0, 1.0, 0.0), -1.5708, 1.5708, None)
+    plain = SceneJoint(
+        name=name,
+        type="revolute",
+        parent=parent,
+        child=child,
+        axis=(0.0, 1.0, 0.0),
+        lower=-1.5708,
+        upper=1.5708,
+        span=None,
+    )
     return replace(plain, **changes)
 
 
@@ -162,7 +171,18 @@ def scene(**changes: Any) -> Scene:
         links=(make_link("base", inertial=make_inertia(mass=0.5)), make_link("wheel")),
         joints=(make_joint("axle", "base", "wheel", type="continuous", lower=None, upper=None),),
         frames=(SceneFrame("base", "footprint", IDENTITY, None),),
-        meshes=(SceneMesh("meshes/wheel.stl", "c0ffee", "stl", 642084, 12840, (0.06, 0.06, 0.025), None, True),),
+        meshes=(
+            SceneMesh(
+                name="meshes/wheel.stl",
+                digest="c0ffee",
+                format="stl",
+                bytes=642084,
+                triangles=12840,
+                extents=(0.06, 0.06, 0.025),
+                unit=None,
+                watertight=True,
+            ),
+        ),
     )
     return replace(plain, **changes)
 

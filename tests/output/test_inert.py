@@ -150,7 +150,7 @@ def test_a_code_frame_begins_with_the_number_of_its_line() -> None:
 
 def test_names_in_a_semantic_description() -> None:
     name = 'a\x9b31m ##[error] \u202e"<'
-    pairs = LinkPairs(name, 10, (LinkPair((name, "b"), "Never", True, False),))
+    pairs = LinkPairs(name, 10, (LinkPair(links=(name, "b"), reason="Never", proven_never=True, seen_colliding=False),))
     document = inert.escape_for_xml(render_srdf(pairs))
     assert not ACTING.search(document)
     assert not COMMAND.search(document)

@@ -25,13 +25,26 @@ def port(text: str) -> ScenePort:
 
 
 def node(name: str, reads: str = "", writes: str = "", **changes: object) -> SceneNode:
-    sides = [tuple(port(p) for p in side.split(", ") if p) for side in (reads, writes)]
-    plain = SceneNode("node", name, f"pkg{name}", "does something", *sides, "", False, (), ())
+    inputs, outputs = (tuple(port(p) for p in side.split(", ") if p) for side in (reads, writes))
+    plain = SceneNode(
+        kind="node",
+        name=name,
+        program=f"pkg{name}",
+        purpose="does something",
+        reads=inputs,
+        writes=outputs,
+        condition="",
+        off=False,
+        facts=(),
+        spans=(),
+    )
     return replace(plain, **changes)  # type: ignore[arg-type]
 
 
 def parameter(name: str = "/robot_description", **changes: object) -> SceneParameter:
-    plain = SceneParameter(ScenePort("parameter", name), "urdf/rover.urdf", "", "", False, ())
+    plain = SceneParameter(
+        port=ScenePort("parameter", name), origin="urdf/rover.urdf", problem="", condition="", off=False, spans=()
+    )
     return replace(plain, **changes)  # type: ignore[arg-type]
 
 
@@ -43,7 +56,7 @@ NODES = (
 
 
 def drawn(*nodes: SceneNode, parameters: tuple[SceneParameter, ...] = (), findings: tuple = ()) -> str:  # type: ignore[type-arg]
-    launch = SceneLaunch("launch/rover.launch", "ros1", nodes, parameters)
+    launch = SceneLaunch(file="launch/rover.launch", dialect="ros1", nodes=nodes, parameters=parameters)
     markup = render_launch_files(scene(launches=(launch,)), build_finding_cards(findings))
     read(markup)  # properly nested
     return markup
@@ -156,14 +169,16 @@ def test_too_many_boxes_or_lines_are_listed_only(count: int, topics: int) -> Non
 
 def test_a_file_that_says_nothing_says_so() -> None:
     assert "It starts no node." in drawn()
-    launch = SceneLaunch("a.launch", "ros1", (), (), ("The file could not be read.",))
+    launch = SceneLaunch(
+        file="a.launch", dialect="ros1", nodes=(), parameters=(), notes=("The file could not be read.",)
+    )
     assert "could not be read" in render_launch_files(scene(launches=(launch,)), ())
 
 
 def test_findings_are_found_by_place_in_every_launch_file() -> None:
     other = Span("b.launch", 1, 1, 1, 9, 0, 8)
     nodes = (node("/a", spans=(TAG,)), node("/b", spans=(other,)))
-    launches = tuple(SceneLaunch(f"{n.name}.launch", "ros1", (n,), ()) for n in nodes)
+    launches = tuple(SceneLaunch(file=f"{n.name}.launch", dialect="ros1", nodes=(n,), parameters=()) for n in nodes)
     markup = render_launch_files(
         scene(launches=launches), build_finding_cards((finding(location=Location("node", other)),))
     )

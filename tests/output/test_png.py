@@ -55,7 +55,7 @@ def moved(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> tuple[float, ...]:
 
 
 def sphere(colour: tuple[float, ...] | None, pose: tuple[float, ...] = IDENTITY, role: str = "visual") -> SceneShape:
-    return SceneShape(role, "sphere", (0.5,), pose, color=colour)
+    return SceneShape(role=role, kind="sphere", size=(0.5,), pose=pose, color=colour)
 
 
 def make_scene(*links: tuple[SceneShape, ...], meshes: tuple[SceneMesh, ...] = ()) -> Scene:
@@ -79,8 +79,27 @@ def cube(flip: bool = False) -> SceneMesh:
     faces = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
     packed = pack_mesh(corners, faces[:, ::-1] if flip else faces, np.zeros((0, 2, 3)), max_faces=1000)
     low, high = tuple(map(float, packed.low)), tuple(map(float, packed.high))
-    drawing = SceneDrawing(packed.n_vertices, packed.n_faces, 0, False, low, high, packed.data, RED)
-    return SceneMesh("cube.stl", "cube", "stl", 684, 12, (200.0,) * 3, None, True, drawings=(drawing,))
+    drawing = SceneDrawing(
+        vertices=packed.n_vertices,
+        faces=packed.n_faces,
+        holes=0,
+        wide=False,
+        low=low,
+        high=high,
+        data=packed.data,
+        color=RED,
+    )
+    return SceneMesh(
+        name="cube.stl",
+        digest="cube",
+        format="stl",
+        bytes=684,
+        triangles=12,
+        extents=(200.0,) * 3,
+        unit=None,
+        watertight=True,
+        drawings=(drawing,),
+    )
 
 
 def test_a_robot_fills_the_picture_on_a_transparent_ground() -> None:
@@ -112,7 +131,7 @@ def test_links_stand_where_their_frames_are() -> None:
 
 
 def test_a_mesh_is_drawn_alike_when_it_is_inside_out() -> None:
-    shape = SceneShape("visual", "mesh", (0.001,) * 3, IDENTITY, "cube.stl", 0)
+    shape = SceneShape(role="visual", kind="mesh", size=(0.001,) * 3, pose=IDENTITY, mesh="cube.stl", file=0)
     sides = [pixels(make_scene((shape,), meshes=(cube(flip),))) for flip in (False, True)]
     assert np.array_equal(*sides)
     assert len({tuple(p) for p in sides[0][sides[0][..., 3] == 255][:, :3].tolist()}) >= 3, (
@@ -128,7 +147,7 @@ def test_what_collides_is_shown_only_where_nothing_is_drawn() -> None:
 
 def test_other_shapes_are_drawn_too() -> None:
     for kind, size in (("box", (1.0, 1.0, 1.0)), ("cylinder", (0.5, 1.0)), ("capsule", (0.5, 1.0))):
-        assert middle(make_scene((SceneShape("visual", kind, size, IDENTITY),)))[3] == 255
+        assert middle(make_scene((SceneShape(role="visual", kind=kind, size=size, pose=IDENTITY),)))[3] == 255
 
 
 def test_a_box_is_as_large_as_it_says() -> None:
@@ -136,7 +155,7 @@ def test_a_box_is_as_large_as_it_says() -> None:
         [
             c
             for c, _, _ in robot_picture._iter_triangles(
-                make_scene((SceneShape("visual", "box", (1.0, 2.0, 3.0), IDENTITY),))
+                make_scene((SceneShape(role="visual", kind="box", size=(1.0, 2.0, 3.0), pose=IDENTITY),))
             )
         ]
     )
@@ -147,12 +166,12 @@ def test_a_box_is_as_large_as_it_says() -> None:
     "shapes",
     [
         (),
-        (SceneShape("visual", "", (), ()),),
+        (SceneShape(role="visual", kind="", size=(), pose=()),),
         (sphere(RED, pose=()),),
         (sphere(RED, moved(float("nan"))),),
         (sphere(RED, moved(1e80)),),
-        (SceneShape("visual", "mesh", (1.0, 1.0, 1.0), IDENTITY, "package://gone/a.stl"),),
-        (SceneShape("visual", "mesh", (), IDENTITY, "cube.stl", 0),),
+        (SceneShape(role="visual", kind="mesh", size=(1.0, 1.0, 1.0), pose=IDENTITY, mesh="package://gone/a.stl"),),
+        (SceneShape(role="visual", kind="mesh", size=(), pose=IDENTITY, mesh="cube.stl", file=0),),
     ],
 )
 def test_what_has_no_place_or_size_gives_no_picture(shapes: tuple[SceneShape, ...]) -> None:
@@ -162,7 +181,9 @@ def test_what_has_no_place_or_size_gives_no_picture(shapes: tuple[SceneShape, ..
 def test_a_point_is_a_picture_of_nothing_much() -> None:
     assert (
         decoded(
-            robot_picture.render_scene(make_scene((SceneShape("visual", "box", (0.0, 0.0, 0.0), IDENTITY),)), 8, 8)
+            robot_picture.render_scene(
+                make_scene((SceneShape(role="visual", kind="box", size=(0.0, 0.0, 0.0), pose=IDENTITY),)), 8, 8
+            )
         ).max()
         == 0
     )
@@ -177,7 +198,12 @@ def test_too_much_to_fill_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None
 def test_a_stack_of_shapes_takes_no_long_time(many: int, shape: str) -> None:
     """Each box fills half of the picture; each sphere has some thousand triangles."""
     size = (1.0, 1.0, 1.0) if shape == "box" else (1.0,)
-    assert robot_picture.render_scene(make_scene((SceneShape("visual", shape, size, IDENTITY),) * many)) == b""
+    assert (
+        robot_picture.render_scene(
+            make_scene((SceneShape(role="visual", kind=shape, size=size, pose=IDENTITY),) * many)
+        )
+        == b""
+    )
 
 
 def test_a_run_of_one_model_has_a_picture_and_any_other_says_why_not() -> None:

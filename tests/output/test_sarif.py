@@ -265,7 +265,7 @@ def test_a_baseline_that_knows_nothing_is_a_baseline_too(tmp_path: Path, monkeyp
     monkeypatch.chdir(tmp_path)
     path = tmp_path / "r.urdf"
     path.write_text('<robot name="r"><link name="a"/><link name="b"/></robot>')
-    empty = Baseline(tmp_path / "known.json", tmp_path)
+    empty = Baseline(path=tmp_path / "known.json", root=tmp_path)
     assert {r["baselineState"] for r in results(check(path, tier="source", baseline=empty))} == {"new"}
 
 
@@ -333,7 +333,7 @@ def applied(text: str, change: Any) -> str:
 @pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
 def test_another_program_that_applies_a_fix_gets_what_urdfcheck_writes(newline: str) -> None:
     text = TYPED.replace("\n", newline)
-    file = SourceFile(Path(FILE), FILE, text)
+    file = SourceFile(Path(FILE), FILE, text=text)
 
     def edit(old: str, new: str) -> Edit:
         start = text.index(old)

@@ -80,7 +80,7 @@ def test_the_whole_robot_has_no_place_where_a_link_has_none(changes: dict[str, o
 def shape(
     role: str, mesh: int | None = None, kind: str = "mesh", size: tuple[float, ...] = (1.0, 1.0, 1.0)
 ) -> SceneShape:
-    return SceneShape(role, kind, size, IDENTITY, "" if mesh is None else "a.stl", mesh)
+    return SceneShape(role=role, kind=kind, size=size, pose=IDENTITY, mesh="" if mesh is None else "a.stl", file=mesh)
 
 
 def used(*links: tuple[SceneShape, ...], meshes: tuple[SceneMesh, ...] = ()) -> Scene:
@@ -89,7 +89,7 @@ def used(*links: tuple[SceneShape, ...], meshes: tuple[SceneMesh, ...] = ()) -> 
 
 def mesh(name: str, **changes: object) -> SceneMesh:
     facts = {"digest": name, "format": "stl", "bytes": 1284, "triangles": 12, "extents": (10.0, 20.0, 30.0)}
-    return SceneMesh(name, **{"watertight": True, **facts, **changes})  # type: ignore[arg-type]
+    return SceneMesh(name=name, **{"watertight": True, **facts, **changes})  # type: ignore[arg-type]
 
 
 def test_a_mesh_tells_who_uses_it_and_how_large() -> None:
@@ -107,7 +107,7 @@ def test_copies_and_unreadable_files_are_told() -> None:
     meshes = (
         mesh("m/a.stl", watertight=False, open_edges=7),
         mesh("m/b.stl", digest="m/a.stl"),
-        SceneMesh("m/c.dae", problem="no XML", bytes=3),
+        SceneMesh(name="m/c.dae", problem="no XML", bytes=3),
     )
     table = render_meshes_table(used(tuple(shape("visual", i) for i in range(3)), meshes=meshes))
     assert "files in m/" in document(table).text
@@ -124,9 +124,9 @@ def test_other_shapes_follow_with_their_outer_size() -> None:
         shape("collision", kind="capsule", size=(0.1, 0.5)),
         shape("visual", kind="sphere", size=(0.1,)),
         shape("visual", kind="box", size=(1.0, 2.0, 3.0)),
-        SceneShape("visual", "mesh", (1.0, 1.0, 1.0), IDENTITY, "package://gone/a.stl"),
-        SceneShape("visual", "mesh", (1.0, 1.0, 1.0), IDENTITY, "package://gone/b.stl"),
-        SceneShape("visual", "", (), ()),
+        SceneShape(role="visual", kind="mesh", size=(1.0, 1.0, 1.0), pose=IDENTITY, mesh="package://gone/a.stl"),
+        SceneShape(role="visual", kind="mesh", size=(1.0, 1.0, 1.0), pose=IDENTITY, mesh="package://gone/b.stl"),
+        SceneShape(role="visual", kind="", size=(), pose=()),
         shape("visual", 0),
     )
     found = rows(render_meshes_table(used(shapes, meshes=(mesh("a.stl"),))))

@@ -79,13 +79,13 @@ def an_open_box() -> SceneMesh:
         high=tuple(packed.high),
         data=packed.data,
     )
-    return SceneMesh("meshes/tool.stl", triangles=11, extents=(0.1, 0.1, 0.1), drawings=(drawing,))
+    return SceneMesh(name="meshes/tool.stl", triangles=11, extents=(0.1, 0.1, 0.1), drawings=(drawing,))
 
 
 def a_robot() -> Scene:
     def drawn(kind: str, *size: float, at: Matrix | None = None, **look: Any) -> tuple[SceneShape, ...]:
         pose = IDENTITY if at is None else flat(at)
-        return tuple(SceneShape(role, kind, size, pose, **look) for role in ("visual", "collision"))
+        return tuple(SceneShape(role=role, kind=kind, size=size, pose=pose, **look) for role in ("visual", "collision"))
 
     return scene(
         root="base",

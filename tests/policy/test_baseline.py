@@ -207,7 +207,7 @@ def test_known_findings_stay_in_the_json_report(folder: Path, capsys: pytest.Cap
 def test_it_knows_each_finding_as_often_as_it_was_there(folder: Path) -> None:
     """Two findings of one subject and message are two: one more of them is new."""
     known = {("XML003", "robot/a", "unknown"): 1}
-    again = baseline.Baseline(folder / "b.json", folder, models={"m": known})
+    again = baseline.Baseline(path=folder / "b.json", root=folder, models={"m": known})
     text = baseline.render_baseline(again.models)
     (folder / "b.json").write_text(text)
     assert baseline.read_baseline(folder / "b.json", folder).models == {"m": known}

@@ -55,7 +55,15 @@ def test_without_findings_all_load_it() -> None:
 def warning(**consequences: str) -> Finding:
     at = Location("joint[j]", None)
     return Finding(
-        *("JNT009", "x", Severity.WARNING, Confidence.PROOF, "m", "m", at, ("joint[j]",)), consequences=consequences
+        code="JNT009",
+        name="x",
+        severity=Severity.WARNING,
+        confidence=Confidence.PROOF,
+        message_id="m",
+        message="m",
+        location=at,
+        subjects=("joint[j]",),
+        consequences=consequences,
     )
 
 

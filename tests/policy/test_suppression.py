@@ -149,7 +149,7 @@ def test_a_file_that_others_may_include_is_judged_with_all_of_them(tmp_path: Pat
 
 def test_comments_of_yaml_and_python_cover_their_line_or_the_next(tmp_path: Path) -> None:
     text = "a: 1  # urdfcheck: ignore[CTL004] one\n# urdfcheck: ignore[CTL004] two\nb: 2\n"
-    first, second = find_ignore_comments(SourceFile(tmp_path / "c.yaml", "c.yaml", text))
+    first, second = find_ignore_comments(SourceFile(tmp_path / "c.yaml", "c.yaml", text=text))
     assert text[first.start : first.end] == text.splitlines(keepends=True)[0]
     assert text[second.start : second.end] == "b: 2\n"
     assert (first.reason, second.reason) == ("one", "two")

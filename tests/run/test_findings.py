@@ -123,7 +123,7 @@ class TestUnit:
 
     @pytest.mark.parametrize(("copies", "safe"), [(1, True), (2, False)])
     def test_a_fix_of_text_that_makes_several_elements_is_unsafe(self, copies: int, safe: bool) -> None:
-        root = parse_xml(SourceFile(Path("r.urdf"), "r.urdf", '<robot><link name="a"/></robot>'))
+        root = parse_xml(SourceFile(Path("r.urdf"), "r.urdf", text='<robot><link name="a"/></robot>'))
         (link,) = root.children
         root.children[:] = [link] * copies
         assert link.span is not None

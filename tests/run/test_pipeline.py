@@ -87,7 +87,16 @@ def test_hidden_findings_are_named_by_what_hides_them() -> None:
     elsewhere = Location("link[b]/inertial/inertia", None)
 
     def finding(rule: Rule, location: Location) -> Finding:
-        return Finding(rule.code, rule.name, rule.severity, rule.confidence, "m", "m", location, (location.subject,))
+        return Finding(
+            code=rule.code,
+            name=rule.name,
+            severity=rule.severity,
+            confidence=rule.confidence,
+            message_id="m",
+            message="m",
+            location=location,
+            subjects=(location.subject,),
+        )
 
     kept = drop_superseded([finding(weaker, at), finding(stronger, at), finding(weaker, elsewhere)], rules)
     assert [(f.code, f.location.subject) for f in kept] == [("INR004", at.subject), ("INR003", elsewhere.subject)]
@@ -102,7 +111,16 @@ def test_a_finding_about_several_is_hidden_where_all_of_them_are() -> None:
     def finding(code: str, *links: str) -> Finding:
         rule, subjects = rules[code], tuple(f"link[{link}]/inertial/inertia" for link in links)
         at = Location(subjects[0], None)
-        return Finding(rule.code, rule.name, rule.severity, rule.confidence, "m", "m", at, subjects)
+        return Finding(
+            code=rule.code,
+            name=rule.name,
+            severity=rule.severity,
+            confidence=rule.confidence,
+            message_id="m",
+            message="m",
+            location=at,
+            subjects=subjects,
+        )
 
     some = drop_superseded([finding("INR003", "a", "b"), finding("INR004", "a")], rules)
     assert [f.code for f in some] == ["INR003", "INR004"]
@@ -160,7 +178,17 @@ def test_a_difference_of_two_elements_yields_to_what_explains_either() -> None:
 
     def finding(code: str, joint: str, **data: object) -> Finding:
         rule, at = rules[code], Location(f"joint[{joint}]/origin@xyz", None)
-        return Finding(code, rule.name, rule.severity, rule.confidence, "m", "m", at, (at.subject,), data=data)
+        return Finding(
+            code=code,
+            name=rule.name,
+            severity=rule.severity,
+            confidence=rule.confidence,
+            message_id="m",
+            message="m",
+            location=at,
+            subjects=(at.subject,),
+            data=data,
+        )
 
     difference = finding("SYM004", "right", between=["joint[left]", "joint[right]"])
     for named in ("left", "right"):

@@ -44,7 +44,7 @@ def write(workspace: Path, files: Mapping[str, str | bytes]) -> None:
 
 
 def planned(*paths: str, arguments: Mapping[str, str] | None = None) -> Plan:
-    return discover_targets([Path(p) for p in paths], arguments or {}, {}, [])
+    return discover_targets([Path(p) for p in paths], arguments or {}, packages={}, package_paths=[])
 
 
 def models(*paths: str) -> list[str]:
@@ -257,7 +257,7 @@ def test_a_pattern_of_an_include_is_looked_for_in_reach_only(workspace: Path, mo
     names = ["../../../../*/*/*/*", "/*/*/*", "parts/*.xacro", "parts/*/../../../../*"]
     write(workspace, {"a.xacro": xacro(LINK + "".join(map(include.format, names))), "parts/b.xacro": xacro("")})
     os.symlink(workspace.parent, workspace / "outside")
-    discover_targets([Path(".")], {}, {}, [], FileReach.from_paths([workspace], []))
+    discover_targets([Path(".")], {}, packages={}, package_paths=[], reach=FileReach.from_paths([workspace], []))
     assert {folder for folder in asked if os.path.isdir(folder)} == {"parts", "."}
 
 

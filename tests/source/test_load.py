@@ -173,9 +173,9 @@ def test_no_bytes_make_reading_fail(
         else:
             main = Path("urdf/car_3.urdf.xacro") if path.suffix == ".xacro" else path
             assert_sound(load_source(main, {}, finder))
-        discover_targets([path], {}, {}, [])
+        discover_targets([path], {}, packages={}, package_paths=[])
         path.write_bytes(original[name])
-    discover_targets([Path()], {}, {}, [])
+    discover_targets([Path()], {}, packages={}, package_paths=[])
     assert capfd.readouterr() == ("", "")
 
 

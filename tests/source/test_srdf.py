@@ -146,9 +146,9 @@ def test_one_that_is_named_means_the_models_of_its_robot(tmp_path: Path, monkeyp
     }
     write(tmp_path, files)
     (tmp_path / "ws/.git").mkdir()
-    planned = discover_targets([Path("ws/arm_moveit_config/config/arm.srdf")], {}, {}, [])
+    planned = discover_targets([Path("ws/arm_moveit_config/config/arm.srdf")], {}, packages={}, package_paths=[])
     assert [target.path.as_posix() for target in planned.models] == ["ws/arm/arm.urdf"]
-    unused = discover_targets([Path("ws/arm_moveit_config/config/hand.srdf")], {}, {}, [])
+    unused = discover_targets([Path("ws/arm_moveit_config/config/hand.srdf")], {}, packages={}, package_paths=[])
     assert not unused.models
     assert unused.unused == (
         ("ws/arm_moveit_config/config/hand.srdf", "no model of its package or repository has the name of its robot"),
@@ -159,4 +159,6 @@ def test_in_a_folder_they_are_no_models(tmp_path: Path) -> None:
     main = f'<robot name="arm" {XMLNS}><xacro:include filename="m.srdf.xacro"/><xacro:pairs/></robot>'
     macros = f'<robot {XMLNS}><xacro:macro name="pairs"/></robot>'
     write(tmp_path, {"arm.urdf": URDF, "config/arm.srdf.xacro": main, "config/m.srdf.xacro": macros})
-    assert [target.path.name for target in discover_targets([tmp_path], {}, {}, []).models] == ["arm.urdf"]
+    assert [target.path.name for target in discover_targets([tmp_path], {}, packages={}, package_paths=[]).models] == [
+        "arm.urdf"
+    ]

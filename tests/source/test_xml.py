@@ -28,7 +28,7 @@ FILE = Path("robot.urdf")
 
 def tree(text: str) -> tuple[SourceFile, Element]:
     """Parse a text that never was a file."""
-    source = SourceFile(FILE, FILE.name, text)
+    source = SourceFile(FILE, FILE.name, text=text)
     return source, parse_xml(source)
 
 

@@ -31,7 +31,7 @@ other:
 
 
 def value(text: str, *keys: str) -> YamlValue:
-    found = parse_located_yaml(SourceFile(Path("a.yaml"), "a.yaml", text))
+    found = parse_located_yaml(SourceFile(Path("a.yaml"), "a.yaml", text=text))
     for key in keys:
         assert found is not None
         found = found.get(key)

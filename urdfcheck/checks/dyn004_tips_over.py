@@ -64,7 +64,7 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
     supports = _find_ground_links(model, shape, math.radians(rest))
     if not _is_standing(model, supports, wheels):
         return
-    now = compute_ground_support(points, owners, com)
+    now = compute_ground_support(points, parts=owners, com=com)
     # Legs, with wheels on them or not, need not stand with all joints at zero.
     meant = any(not is_suspended(model, name) for name in supports if name in wheels)
     severity: Severity | None

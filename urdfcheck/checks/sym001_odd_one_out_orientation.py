@@ -95,7 +95,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if before & (outliers.keys() | pairs.keys()):
             continue  # the joint before it turns it
         yield (
-            _build_finding(model, rule, outliers[name]) if name in outliers else _build_pair_finding(rule, *pairs[name])
+            _build_finding(model, rule, outliers[name]) if name in outliers else _build_pair_finding(rule, pairs[name])
         )
 
 
@@ -189,7 +189,8 @@ def _has_round_angles(joint: Joint) -> bool:
     )
 
 
-def _build_pair_finding(rule: Rule, first: Joint, second: Joint, suspects: SuspectFrames) -> Finding:
+def _build_pair_finding(rule: Rule, pair: tuple[Joint, Joint, SuspectFrames]) -> Finding:
+    first, second, suspects = pair
     return rule.finding(
         "pair" if suspects.kind == "zero_offset" else "pair_tilt",
         at=locate_origin_attribute(first, "rpy"),

@@ -1,6 +1,6 @@
-"""What came of a robot that was set on a plane and let go, as plain values. Standard library only.
+"""The result of setting a robot on a plane and releasing it, as plain values. Standard library only.
 
-Places are in the root link's frame, in m. A number that is no number, because the simulation burst, is None.
+Places are in the root link's frame, in m. A value that is not a number, because the simulation burst, is None.
 """
 
 from __future__ import annotations
@@ -24,46 +24,54 @@ TIPPED_ANGLE = 0.26
 MAX_ENERGY_GAIN = 0.01
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class GroundContact:
-    """A link on the plane at the end: the number of ``points``, their middle ``place`` on its surface, ``lowest`` z of them,
-    ``depth`` (m) in the plane, ``load`` (N, over the last quarter of a second)."""
+    """A link on the plane at the end."""
 
     link: str
     points: int
+    """Number of contact points."""
     place: tuple[float, float, float]
+    """Middle of the contact points on the link's surface."""
     lowest: float
+    """Lowest z of the contact points."""
     depth: float
+    """Depth (m) in the plane."""
     load: float
+    """N, over the last quarter of a second."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ReleaseResult:
-    """The robot let go, ``held`` by its motors or not.
-
-    ``burst`` (s): when the simulator gave up, None if it did not; ``fastest``: the link that was the fastest of all.
-    ``gain``: by how much its mechanical energy rose above that at the beginning, and ``change``: what it is at the end, both in
-    parts of weight times size. ``speed`` (m/s): of ``moving``, the fastest link in the last quarter of a second;
-    ``settled`` (s): since when none is faster than the limit, None when one still is. ``tilt`` (rad): of the root.
-    ``saturated``: joints that are held with all their effort at the end. ``sag`` (rad or m): how far the joint ``sagging`` has
-    given way, the farthest of those that are held. ``rolls``: whether it stands on something that no motor holds, or what
-    moves is such a thing.
-    """
+    """The motion of the robot after its release."""
 
     held: bool
+    """Whether the motors hold the joints."""
     burst: float | None
+    """When (s) the simulator gave up, None if it did not."""
     fastest: str
+    """The link that was the fastest of all."""
     gain: float | None
+    """Largest rise of the mechanical energy above that at the beginning, in parts of weight times size."""
     change: float | None
+    """Change of the mechanical energy at the end, in parts of weight times size."""
     speed: float | None
+    """Speed (m/s) of the link ``moving``."""
     moving: str
+    """The fastest link in the last quarter of a second."""
     settled: float | None
+    """Since when (s) no link is faster than the limit, None when one still is."""
     tilt: float | None
+    """Tilt (rad) of the root."""
     touching: tuple[GroundContact, ...]
     saturated: tuple[str, ...]
+    """Joints that are held with all their effort at the end."""
     sag: float | None
+    """How far (rad or m) the joint ``sagging`` has given way."""
     sagging: str
+    """The joint that has given way the farthest of those that are held."""
     rolls: bool
+    """Whether the robot rests on a part that no motor holds, or such a part is what moves."""
 
     @property
     def depth(self) -> float:
@@ -78,62 +86,68 @@ class ReleaseResult:
 
     @property
     def has_tipped(self) -> bool:
-        """Whether it lies or leans otherwise than it was set down."""
+        """Whether it lies or leans differently from how it was set down."""
         return self.tilt is None or self.tilt > TIPPED_ANGLE
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class StabilityCurve:
-    """Time ``steps`` (s), ascending, and for each the largest ``speeds`` (m/s) of a body within two seconds without torques
-    and the energy that was ``gains`` as in `ReleaseResult`, None where it burst. ``implicit``: how the damping of joints is
-    integrated. ``largest`` (s): the largest step up to which all are stable, None where none is; ``all_stable``: there may be
-    larger ones."""
+    """The stability of the simulation over its time step."""
 
     implicit: bool
+    """Whether the damping of joints is integrated implicitly."""
     steps: tuple[float, ...]
+    """Time steps (s), ascending."""
     speeds: tuple[float | None, ...]
+    """For each step the largest speed (m/s) of a body within two seconds without torques, None where it burst."""
     gains: tuple[float | None, ...]
+    """For each step the energy gain as in `ReleaseResult`, None where it burst."""
     stable: tuple[bool, ...]
 
     @property
     def largest_step(self) -> float | None:
-        """See above."""
-        found = None
+        """The largest step (s) up to which all are stable, None where the smallest is not."""
+        largest = None
         for step, stable in zip(self.steps, self.stable, strict=True):
             if not stable:
                 break
-            found = step
-        return found
+            largest = step
+        return largest
 
     @property
     def all_stable(self) -> bool:
-        """See above."""
+        """Whether all steps are stable, so that larger ones may be too."""
         return all(self.stable)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class DropTest:
-    """A drop test.
-
-    ``model``: id of the model; ``fixed``: why its root cannot move, empty if it can; ``drawn``: whether it stands on what it
-    draws, because it collides with nothing. ``ground`` (m): the height of the plane in the root's frame at the beginning, the
-    robot's lowest point; ``size`` (m): the diagonal of the box round it; ``mass`` in kg. ``slow`` (m/s): what counts as
-    settled; ``soft`` (m): how deep MuJoCo's default softness lets a body sink. ``unlimited``: joints that are held without a
-    limit, because their effort is zero. ``later``: held for ten seconds, where it did not settle in two. ``simulator``: its
-    name and version.
-    """
+    """A drop test."""
 
     model: str
+    """Id of the model."""
     simulator: str
+    """Name and version."""
     fixed: str
+    """Why the root cannot move, empty if it can."""
     drawn: bool
+    """Whether the robot rests on its visual geometry, because it has no collision geometry."""
     ground: float
+    """Height (m) of the plane in the root's frame at the beginning: the robot's lowest point."""
     size: float
+    """Diagonal (m) of the robot's bounding box."""
     mass: float
+    """kg."""
     slow: float
+    """Speed (m/s) below which a body counts as settled."""
     soft: float
+    """How deep (m) MuJoCo's default softness lets a body sink."""
     unlimited: tuple[str, ...]
+    """Joints that are held without a limit, because their effort is zero."""
     free: ReleaseResult
+    """Without motors."""
     held: ReleaseResult
+    """With the joints held by their motors."""
     later: ReleaseResult | None
+    """Held for ten seconds, where the robot did not settle in two."""
     curves: tuple[StabilityCurve, ...]

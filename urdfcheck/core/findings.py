@@ -16,7 +16,7 @@ OWN_FAMILY = "URC"
 
 
 class Severity(IntEnum):
-    """How bad a finding is. ``error``: a reference parser rejects or drops something, or it is impossible."""
+    """How bad a finding is. ``error``: a reference parser rejects or drops something, or the value is impossible."""
 
     INFO = 1
     WARNING = 2
@@ -92,6 +92,7 @@ _VERDICTS = {
 }
 
 
+# Not kw_only, because a run makes millions of them: constructing one by keywords takes longer.
 @dataclass(frozen=True, slots=True, order=True)
 class Span:
     """A piece of source text. Lines and columns are 1-based code points, ends exclusive; offsets count code points."""
@@ -173,12 +174,9 @@ class Suppression:
         return "in the baseline" if self.kind == "baseline" else f"suppressed in the {self.kind}: {self.reason}"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """One defect at its cause. ``subjects`` has more than one entry when one source text made several elements.
-
-    ``variants``: where a xacro was expanded with several sets of arguments, the ids of the models that show it, with its subjects
-    there; ``model`` is then the one with the fewest arguments."""
+    """One defect at its cause."""
 
     code: str
     name: str
@@ -188,14 +186,20 @@ class Finding:
     message: str
     location: Location
     subjects: tuple[str, ...]
+    """More than one where one source text made several elements."""
     related: tuple[Location, ...] = ()
     cause: Cause | None = None
     consequences: Mapping[str, str] = field(default_factory=dict)
+    """What each program does with the defect."""
     data: Mapping[str, Any] = field(default_factory=dict)
+    """The values of the message and further measured ones, for programs."""
     fix: Fix | None = None
     model: str = ""
+    """Id of the model; of several variants the one with the fewest arguments."""
     suppressed: Suppression | None = None
     variants: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Where a xacro was expanded with several sets of arguments: the ids of the models with this finding, each with its
+    subjects there."""
 
     @property
     def is_about_urdfcheck(self) -> bool:

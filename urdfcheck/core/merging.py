@@ -46,10 +46,10 @@ def merge_identical(
             repr((finding.message_id, finding.severity, bool(_collect_edits([finding])), same)), []
         ).append(finding)
     for group in groups.values():
-        yield _merge_group(rule, group, names, varying) if len(group) > 1 else group[0]
+        yield _merge_group(rule, group, names=names, varying=varying) if len(group) > 1 else group[0]
 
 
-def _merge_group(rule: Rule, group: Sequence[Finding], names: Sequence[str], varying: Collection[str]) -> Finding:
+def _merge_group(rule: Rule, group: Sequence[Finding], *, names: Sequence[str], varying: Collection[str]) -> Finding:
     first = group[0]
     places = list({finding.location.span or finding.location.subject: finding.location for finding in group}.values())
     data: dict[str, Any] = {

@@ -71,7 +71,7 @@ def audit_dataset(
         path, reason = plan.missing[0]
         raise UrdfcheckError(f"{path} {reason}")
     if not units:
-        return AuditOutcome(unit_lines.AuditSummary(), 0, 0)
+        return AuditOutcome(summary=unit_lines.AuditSummary(), checked=0, unchanged=0)
     keys = [_compute_unit_key(unit) for unit in units]
     with (
         audit_session(request, units, plan.reach or request.reach) as settings,
@@ -99,13 +99,13 @@ def audit_dataset(
             ) from None
         last = _encode_run_line(request, plan)
         summary = write_results(folder, lambda: _iter_ordered_lines(journal, keys, last))
-        worst = _find_worst_severities(units, keys, journal, summary)
+        worst = _find_worst_severities(units, keys, journal=journal, summary=summary)
         journal.trim()
-    return AuditOutcome(summary, len(todo), len(units) - len(todo), worst)
+    return AuditOutcome(summary=summary, checked=len(todo), unchanged=len(units) - len(todo), worst=worst)
 
 
 def _find_worst_severities(
-    units: Sequence[Unit], keys: Sequence[str], journal: Journal, summary: unit_lines.AuditSummary
+    units: Sequence[Unit], keys: Sequence[str], *, journal: Journal, summary: unit_lines.AuditSummary
 ) -> dict[str | None, Severity]:
     if len({unit.fail_on for unit in units}) == 1:  # and what belongs to none of them
         worst = max((severity for severity, number in summary.counts.items() if number), default=None)

@@ -37,7 +37,7 @@ _PROGRAM = [sys.executable, "-c", "from urdfcheck.dataset.cluster import serve_t
 
 
 def stream_on_cluster(
-    units: Sequence[Unit], settings: AuditSettings, backend: str, address: str | None
+    units: Sequence[Unit], settings: AuditSettings, *, backend: str, address: str | None
 ) -> Generator[tuple[int, UnitReport], None, None]:
     """Audit each unit on the cluster; yields the index of each unit and its report as they finish.
 
@@ -203,6 +203,6 @@ def serve_task() -> None:
             settings = replace(settings, cache=None)
     out = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # nothing else may write there
-    for place, report in reports_of([unit for _, unit in units], settings, 1):
+    for place, report in reports_of([unit for _, unit in units], settings, jobs=1):
         pickle.dump((units[place][0], report), out)
         out.flush()  # a broken pipe ends this program

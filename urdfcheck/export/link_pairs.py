@@ -58,7 +58,10 @@ def compute_link_pairs(model: Model) -> LinkPairs:
 
     pairs = [
         LinkPair(
-            (min(j.pair.links), max(j.pair.links)), j.reason, j.pair.is_proven_apart, not j.pair.is_never_in_collision
+            links=(min(j.pair.links), max(j.pair.links)),
+            reason=j.reason,
+            proven_never=j.pair.is_proven_apart,
+            seen_colliding=not j.pair.is_never_in_collision,
         )
         for j in classify_link_pairs(model)
     ]

@@ -44,7 +44,7 @@ FEWEST_TRIANGLES = 2_000
 MOST_HOLES = 3_000
 
 
-def build_scene(model: Model, model_id: str, launches: Sequence[Launch], findings: Iterable[Finding] = ()) -> Scene:
+def build_scene(model: Model, model_id: str, *, launches: Sequence[Launch], findings: Iterable[Finding] = ()) -> Scene:
     """Build the scene of a model.
 
     With the static transforms of the launch files that start it, and with what the repairs of its findings make of it. A
@@ -236,7 +236,7 @@ def _build_meshes(model: Model, files: Sequence[Path]) -> Iterator[SceneMesh]:
         name, digest, mesh = format_path(path), model.meshes.digests.get(path, ""), facts.get(path)
         if mesh is None:
             error = model.meshes.errors.get(path)
-            yield SceneMesh(name, digest, problem="" if error is None else error.message)
+            yield SceneMesh(name=name, digest=digest, problem="" if error is None else error.message)
             continue
         if digest not in drawings:
             drawings[digest] = tuple(_build_drawings(mesh, share))
@@ -346,7 +346,7 @@ def _build_ground(model: Model) -> SceneGround | None:
     if not len(points):
         return None
     com = np.average([w.com for w in weights], axis=0, weights=[w.mass for w in weights])
-    support = compute_ground_support(points, owners, com)
+    support = compute_ground_support(points, parts=owners, com=com)
     return SceneGround(
         height=float(points[:, 2].min()),
         contacts=tuple(

@@ -182,8 +182,8 @@ def _is_unsafe(finding: Finding) -> bool:
 
 
 def _demote_to_display(finding: Finding) -> Finding:
-    assert finding.fix is not None
-    return replace(finding, fix=replace(finding.fix, applicability=Applicability.DISPLAY))
+    fix = finding.fix
+    return finding if fix is None else replace(finding, fix=replace(fix, applicability=Applicability.DISPLAY))
 
 
 class _EditableTexts:

@@ -111,7 +111,7 @@ class EditableText:
             same = False
         if not same:
             raise EditRefusedError(f"writing it as {file.encoding} would change more than the edit")
-        return cls(name, path, data, file)
+        return cls(name=name, path=path, data=data, file=file)
 
     def ensure_applicable(self, edit: Edit) -> None:
         """Refuse an edit of other text than it expects, or one that would change the markup.

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Model:
     """A robot."""
 

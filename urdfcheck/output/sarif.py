@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from urdfcheck.core import NEWLINE, Confidence, Finding, Fix, Location, Rule, Run, Severity, Span, Suppression
+from urdfcheck.core import NEWLINE, Confidence, Finding, Fix, Rule, Run, Severity, Span, Suppression
 from urdfcheck.output.shared.inert import escape_for_json, escape_invisible, escape_one_line
 from urdfcheck.output.shared.json_objects import build_subject_object
 from urdfcheck.output.shared.positions import to_utf16_region
@@ -195,8 +195,11 @@ def _build_result(run: Run, finding: Finding, index: Mapping[str, int]) -> Json:
             {"id": number, "physicalLocation": _build_physical_location(run, span), "message": _build_message(subject)}
             for number, (subject, span) in enumerate(related, 1)
         ]
-    if finding.location.via and finding.location.span is not None:
-        result["codeFlows"] = [{"threadFlows": [{"locations": list(_iter_flow_locations(run, finding.location))}]}]
+    place = finding.location
+    if place.via and place.span is not None:
+        calls = [(span, _describe_call(run, span)) for span in place.via[-(MOST_LOCATIONS - 1) :]]
+        steps = [*calls, (place.span, place.subject)]
+        result["codeFlows"] = [{"threadFlows": [{"locations": list(_iter_flow_locations(run, steps))}]}]
     if finding.fix is not None and finding.fix.edits:
         result["fixes"] = [_build_fix(run, finding.fix)]
     return result
@@ -259,11 +262,12 @@ def _build_logical_location(subject: str) -> Json:
     return {key: escape_one_line(value) for key, value in location.items() if value}
 
 
-def _iter_flow_locations(run: Run, location: Location) -> Iterator[Json]:
-    """Yield the macro calls and includes that lead to the text, outermost first, and the text itself."""
-    assert location.span is not None
-    calls = [(span, _describe_call(run, span)) for span in location.via[-(MOST_LOCATIONS - 1) :]]
-    for level, (span, text) in enumerate([*calls, (location.span, location.subject)]):
+def _iter_flow_locations(run: Run, steps: Sequence[tuple[Span, str]]) -> Iterator[Json]:
+    """Yield the macro calls and includes that lead to the text, outermost first, and the text itself.
+
+    ``steps``: their places, each with what it is.
+    """
+    for level, (span, text) in enumerate(steps):
         yield {
             "location": {"physicalLocation": _build_physical_location(run, span), "message": _build_message(text)},
             "nestingLevel": level,

@@ -148,6 +148,9 @@ class _CheckerProcess:
             encoding="utf-8",
             errors="surrogatepass",
         )
+        assert self.process.stdin is not None  # both are pipes
+        assert self.process.stdout is not None
+        self.stdin, self.stdout = self.process.stdin, self.process.stdout
         self.send(
             {
                 "words": [*words, "--", *map(str, self.paths)],
@@ -186,13 +189,11 @@ class _CheckerProcess:
         return self.answers[number]  # kept, because a plugin may run a test twice
 
     def send(self, message: object) -> None:
-        assert self.process.stdin is not None
         with contextlib.suppress(OSError):  # it has exited: receive() reports that
-            print(json.dumps(message), file=self.process.stdin, flush=True)
+            print(json.dumps(message), file=self.stdin, flush=True)
 
     def receive(self) -> dict[str, Any]:
-        assert self.process.stdout is not None
-        if line := self.process.stdout.readline():
+        if line := self.stdout.readline():
             answer: dict[str, Any] = json.loads(line)
             return answer
         from urdfcheck.output.shared.inert import escape_for_log
@@ -208,14 +209,12 @@ class _CheckerProcess:
     def end(self) -> None:
         if not self.paths:
             return
-        assert self.process.stdin is not None
-        assert self.process.stdout is not None
         self.process.terminate()
         try:
             self.process.wait(_GRACE)
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
-        for file in (self.process.stdin, self.process.stdout, self.error_file):
+        for file in (self.stdin, self.stdout, self.error_file):
             with contextlib.suppress(OSError):
                 file.close()

@@ -74,7 +74,12 @@ def read_baseline(path: Path, root: Path) -> Baseline:
     if not isinstance(found, dict) or found.get("schema") != SCHEMA:
         raise UrdfcheckError(f"{name}: no baseline: its schema is not {SCHEMA}")
     try:
-        return Baseline(path, root, text, {model: _parse_entries(rows) for model, rows in found["models"].items()})
+        return Baseline(
+            path=path,
+            root=root,
+            text=text,
+            models={model: _parse_entries(rows) for model, rows in found["models"].items()},
+        )
     except (AttributeError, KeyError, TypeError, ValueError):
         raise UrdfcheckError(f"{name}: no baseline: write it anew with urdfcheck baseline write") from None
 

@@ -100,7 +100,7 @@ class Config:
         return tuple(entry for pattern, entry in self.suppress if not pattern or match_any_pattern([pattern], names))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class CliOverrides:
     """Settings of the command line, which override every configuration; None where it sets nothing."""
 
@@ -162,11 +162,16 @@ class ConfigResolver:
 
     def resolve(self, config: Config, path: Path) -> EffectiveConfig:
         """Return the effective configuration of a file."""
-        return resolve_config(config, config.get_sections(path), config.get_suppressions(path), self.overrides)
+        return resolve_config(
+            config,
+            sections=config.get_sections(path),
+            suppressions=config.get_suppressions(path),
+            overrides=self.overrides,
+        )
 
 
 def resolve_config(
-    config: Config, sections: Sequence[Section], suppressions: tuple[SuppressionEntry, ...], overrides: CliOverrides
+    config: Config, *, sections: Sequence[Section], suppressions: tuple[SuppressionEntry, ...], overrides: CliOverrides
 ) -> EffectiveConfig:
     """Merge the sections, each over those before it, and the command line over all of them."""
     codes = frozenset(load_rules()) if overrides.select is None else overrides.select
@@ -224,13 +229,13 @@ def _read_folder_config(folder: Path) -> Config | None:
     own, project = folder / OWN_FILE, folder / PROJECT_FILE
     if own.is_file():
         text = _read_text(own)
-        return _parse_config(own, text, _parse_toml(own, text), ())
+        return _parse_config(own, text, table=_parse_toml(own, text), key=())
     if project.is_file():
         text = _read_text(project)
         tools = _parse_toml(project, text).get("tool", {})
         table = tools.get("urdfcheck") if isinstance(tools, dict) else None
         if table is not None:
-            return _parse_config(project, text, table, ("tool", "urdfcheck"))
+            return _parse_config(project, text, table=table, key=("tool", "urdfcheck"))
     return None
 
 
@@ -275,8 +280,8 @@ _MODEL_KEYS = ("path", "name", "arguments")
 _SUPPRESS_KEYS = ("codes", "subject", "path", "reason")
 
 
-def _parse_config(path: Path, text: str, table: Any, key: Key) -> Config:
-    reader = _TableReader(path, text, table, key)
+def _parse_config(path: Path, text: str, *, table: Any, key: Key) -> Config:
+    reader = _TableReader(path, text, table=table, key=key)
     reader.ensure_known_keys(_KEYS)
     root = path.parent
     packages, package_path = reader.read_texts("packages"), reader.read_words("package-path") or ()
@@ -423,7 +428,10 @@ class _TableReader:
         if not isinstance(value, list) or not all(isinstance(entry, dict) for entry in value):
             raise self.make_type_error(key, f"tables: [[{key}]]")
         self.ensure_bounded(key, value)
-        found = [_TableReader(self.path, self.source_text, entry, (*self.key, key, i)) for i, entry in enumerate(value)]
+        found = [
+            _TableReader(self.path, self.source_text, table=entry, key=(*self.key, key, i))
+            for i, entry in enumerate(value)
+        ]
         for entry in found:
             entry.ensure_known_keys(known)
         return found

@@ -59,7 +59,7 @@ def get_verdict(consequences: Mapping[str, str], consumer: str) -> Verdict:
 
 
 def apply_severity_policy(
-    finding: Finding, rule: Rule, targets: Sequence[str], severities: Mapping[str, str]
+    finding: Finding, rule: Rule, *, targets: Sequence[str], severities: Mapping[str, str]
 ) -> Finding:
     """Give a finding the severity of the configuration (``severities``, by code), or else that for the targets."""
     wanted = severities.get(finding.code)

@@ -51,8 +51,8 @@ def _list_safe_edits(finding: Finding) -> list[Edit]:
 
 
 def _mark_unsafe(finding: Finding) -> Finding:
-    assert finding.fix is not None
-    return replace(finding, fix=replace(finding.fix, applicability=Applicability.UNSAFE))
+    fix = finding.fix
+    return finding if fix is None else replace(finding, fix=replace(fix, applicability=Applicability.UNSAFE))
 
 
 class _ElementCounts:

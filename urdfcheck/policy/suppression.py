@@ -75,6 +75,7 @@ def resolve_selectors(selectors: tuple[str, ...]) -> tuple[frozenset[str], str]:
 
 def mark_suppressed(
     findings: Sequence[Finding],
+    *,
     comments: Iterable[IgnoreComment],
     entries: Sequence[SuppressionEntry],
     baseline_entries: BaselineEntries,

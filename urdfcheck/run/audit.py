@@ -35,7 +35,7 @@ from urdfcheck.source.reach import FileReach
 from urdfcheck.source.resources import find_uninstalled_files
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.suppression_comments import find_ignore_comments
-from urdfcheck.source.text.xml import SourceFile
+from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import overlay_files, read_regular, record_reads
 
@@ -68,7 +68,7 @@ def audit_unit(unit: Unit, settings: AuditSettings) -> UnitReport:
     return replace(audit.build_report(time.perf_counter() - start), reads=reads)
 
 
-def report_stopped_unit(unit: Unit, limits: ResourceLimits, message: str, problem: Problem | None = None) -> Finding:
+def report_stopped_unit(unit: Unit, *, limits: ResourceLimits, message: str, problem: Problem | None = None) -> Finding:
     """Return the finding that the check of a unit was stopped (``message``: time | memory | killed).
 
     With ``problem`` its expansion was stopped there.
@@ -121,7 +121,7 @@ class _UnitAudit:
         self.run_checks("file", source)
         model: Model | None = None
         if source.root is not None and source.root.tag == "robot":
-            model = self.build_model(source)
+            model = self.build_model(source, source.root)
             self.check_model(model)
         else:
             # Everything else is about a robot that is not available: the findings so far say why.
@@ -145,17 +145,18 @@ class _UnitAudit:
         self.texts.update({name: file.text for name, file in source.files.items()})
         for problem in source.find_problems("time-limit", "memory-limit"):
             message = f"expansion-{problem.kind.partition('-')[0]}"
-            self.findings.append(report_stopped_unit(self.unit, self.options.limits, message, problem))
+            self.findings.append(
+                report_stopped_unit(self.unit, limits=self.options.limits, message=message, problem=problem)
+            )
         return source
 
-    def build_model(self, source: Source) -> Model:
-        """Return the robot of an expanded source."""
-        assert source.root is not None
+    def build_model(self, source: Source, robot: Element) -> Model:
+        """Return the robot of an expanded source, whose root element is ``robot``."""
         return Model(
-            source,
-            source.root,
-            self.policy.tier,
-            ArrayCache(self.cache_folder),
+            source=source,
+            robot=robot,
+            tier=self.policy.tier,
+            cache=ArrayCache(self.cache_folder),
             samples=self.options.samples,
             targets=self.policy.targets,
             may_simulate=self.options.drop,
@@ -182,7 +183,7 @@ class _UnitAudit:
             from urdfcheck.export.scene_builder import build_scene  # only outputs that draw pay for it
 
             self.scene = self.run_guarded(
-                "scene", lambda: build_scene(model, self.unit.id, self.loaded_launches, self.findings)
+                "scene", lambda: build_scene(model, self.unit.id, launches=self.loaded_launches, findings=self.findings)
             )
         if self.options.pairs:
             self.pairs = self.run_guarded("srdf", lambda: compute_link_pairs(model))
@@ -262,7 +263,7 @@ class _UnitAudit:
 
     def stop_audit(self, message: str) -> None:
         """Give up: the findings so far stay, everything else is unknown."""
-        self.findings.append(report_stopped_unit(self.unit, self.options.limits, message))
+        self.findings.append(report_stopped_unit(self.unit, limits=self.options.limits, message=message))
         self.add_skip("ALL", "the check was stopped (URC906)")
         if self.unit.kind == "model":
             self.info = self.unit.describe_unread()
@@ -294,7 +295,7 @@ class _UnitAudit:
         comments = [
             comment
             for name, text in self.texts.items()
-            for comment in find_ignore_comments(SourceFile(Path(name), name, text))
+            for comment in find_ignore_comments(SourceFile(Path(name), name, text=text))
         ]
         comments = comments if self.options.heed_comments else []
         settled = settle_unit_findings(

@@ -33,14 +33,14 @@ def assess_comments(
             is_used=comment.span in needed,
             checked_codes=checked_codes,
             skipped_codes=skipped_codes,
-            doubt=_explain_doubt(comment, unit, source, find_places),
+            doubt=_explain_doubt(comment, unit=unit, source=source, find_places=find_places),
         )
         for comment in comments
     )
 
 
 def _explain_doubt(
-    comment: IgnoreComment, unit: Unit, source: Source | None, find_places: Callable[[], Mapping[str, Sequence[int]]]
+    comment: IgnoreComment, *, unit: Unit, source: Source | None, find_places: Callable[[], Mapping[str, Sequence[int]]]
 ) -> str:
     """Return why a comment that this unit does not need may be needed all the same; empty without such a reason."""
     if source is None or comment.span.file not in source.files:

@@ -33,7 +33,7 @@ def admit_finding(finding: Finding, rule: Rule, policy: Policy) -> Finding:
 
     Called as soon as a check reports it: a thousand findings about a name of a million letters must not pile up.
     """
-    finding = apply_severity_policy(finding, rule, policy.targets, policy.severities)
+    finding = apply_severity_policy(finding, rule, targets=policy.targets, severities=policy.severities)
     return truncate_texts(finding)
 
 
@@ -62,7 +62,9 @@ def settle_unit_findings(
     ``rules``: the rules that ran; ``comments``: suppression comments of its files; ``root``: the expanded model, if any.
     """
     # Before merging: of six links that one macro line makes, a single one may be suppressed.
-    marked, needed = mark_suppressed(list(findings), comments, policy.suppress, unit.baseline_entries)
+    marked, needed = mark_suppressed(
+        list(findings), comments=comments, entries=policy.suppress, baseline_entries=unit.baseline_entries
+    )
     merged = merge_same_text(marked)
     remaining = drop_superseded(merged, rules)
     safe = mark_unsafe_in_model(remaining, root)
@@ -117,7 +119,7 @@ def _suppress_by_model(
         unit, report = audited[model]
         comments = [usage.comment for usage in report.comments]
         marked_group, needed_here = mark_suppressed(
-            list(group), comments, policies[model].suppress, unit.baseline_entries
+            list(group), comments=comments, entries=policies[model].suppress, baseline_entries=unit.baseline_entries
         )
         marked += marked_group
         needed |= needed_here

@@ -92,7 +92,9 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
     reports = {} if previous is None else _reuse_reports(previous, units, request.options.texts)
     with audit_session(request, units, plan.reach or request.reach) as settings:
         while missing := [index for index in range(len(units)) if index not in reports]:
-            stream = stream_reports([units[index] for index in missing], settings, request.jobs, execution)
+            stream = stream_reports(
+                [units[index] for index in missing], settings, jobs=request.jobs, execution=execution
+            )
             with contextlib.suppress(KeyboardInterrupt), contextlib.closing(stream):
                 for place, report in stream:
                     reports[missing[place]] = report
@@ -104,7 +106,7 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
             execution = execution.without_start()
     audited_units = [(u, reports[i]) for i, u in enumerate(units) if i in reports]
     audited_units = [(u, report) for u, report in audited_units if not is_empty_candidate(u, report, plan)]
-    outcome = build_run(request, plan, audited_units, time.perf_counter() - start)
+    outcome = build_run(request, plan, audited_units=audited_units, seconds=time.perf_counter() - start)
     if len(reports) < len(units):
         if execution.on_progress is not None:
             execution.on_progress(len(units), len(units))  # nothing else will be finished
@@ -141,7 +143,7 @@ def audit_single_model(request: Request, execution: Execution = IN_WORKERS) -> U
         names = f"{len(models)} models, name one of them: {', '.join(m.id for m in models)}" if models else "no model"
         raise UrdfcheckError(f"{', '.join(map(str, request.paths))}: {names}")
     with audit_session(request, models, plan.reach or request.reach) as settings:
-        ((_, report),) = stream_reports(models, settings, 1, execution)
+        ((_, report),) = stream_reports(models, settings, jobs=1, execution=execution)
     return report
 
 
@@ -153,22 +155,22 @@ def plan_units(request: Request, *, in_process: bool = False) -> tuple[Plan, lis
     :raises UrdfcheckError: if that process died or did not end.
     """
     resolver = request.config_resolver
-    question = (
-        request.paths,
-        request.arguments,
-        request.packages.by_name,
-        request.packages.search_path,
-        request.reach,
-        None if resolver is None else resolver.for_path,
-        request.all_arguments,
-    )
+    search: dict[str, Any] = {
+        "paths": request.paths,
+        "arguments": request.arguments,
+        "packages": request.packages.by_name,
+        "package_paths": request.packages.search_path,
+        "reach": request.reach,
+        "find_config": None if resolver is None else resolver.for_path,
+        "all_arguments": request.all_arguments,
+    }
     texts, limits = request.options.texts, request.options.limits
     if in_process:
         with overlay_files(texts):
-            plan = discover_targets(*question)
+            plan = discover_targets(**search)
         return plan, _build_units(plan, request)
     longest = max(PLANNING_TIME_RATIO * limits.seconds, MIN_PLANNING_SECONDS) if limits.seconds else None
-    ((_, plan),) = map_in_processes(_discover_bounded, [(limits.memory, texts, *question)], 1, timeout=longest)
+    ((_, plan),) = map_in_processes(_discover_bounded, [(limits.memory, texts, search)], 1, timeout=longest)
     if isinstance(plan, WorkerTimeoutError):
         raise UrdfcheckError(f"looking for models took more than {longest:g} s (--timeout)")
     if isinstance(plan, WorkerDiedError):
@@ -178,12 +180,12 @@ def plan_units(request: Request, *, in_process: bool = False) -> tuple[Plan, lis
     return plan, _build_units(plan, request)
 
 
-def _discover_bounded(memory: int, texts: Mapping[str, bytes], *question: Any) -> Plan | MemoryError:
-    """Do the search of `plan_units` with at most so many MiB."""
+def _discover_bounded(memory: int, texts: Mapping[str, bytes], search: Mapping[str, Any]) -> Plan | MemoryError:
+    """Do the search of `plan_units` with at most ``memory`` MiB; ``search``: arguments of `discover_targets`."""
     sandbox.limit_memory(memory)
     try:
         with overlay_files(texts):
-            return discover_targets(*question)
+            return discover_targets(**search)
     except MemoryError as error:
         return error.with_traceback(None)
 
@@ -246,7 +248,7 @@ def strip_volatile_values(outcome: Run) -> Run:
     )
 
 
-def make_model_id(path: Path, arguments: Mapping[str, str], root: Path, name: str | None = None) -> str:
+def make_model_id(path: Path, arguments: Mapping[str, str], *, root: Path, name: str | None = None) -> str:
     """Return a model's id in reports and fingerprints: its path from the configuration's folder, and its arguments.
 
     ``name``: what the configuration calls these arguments.
@@ -269,7 +271,7 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
         Unit(
             kind="model",
             path=str(target.path),
-            id=make_model_id(target.path, target.arguments, find_root(target.path), target.name),
+            id=make_model_id(target.path, target.arguments, root=find_root(target.path), name=target.name),
             arguments=dict(target.arguments),
             launches=tuple(map(str, target.launches)),
             is_explicit=target.explicit,
@@ -279,13 +281,13 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
         for target in plan.models
     ]
     units += [
-        Unit(kind="launch", path=str(path), id=make_model_id(path, {}, find_root(path))) for path in plan.launches
+        Unit(kind="launch", path=str(path), id=make_model_id(path, {}, root=find_root(path))) for path in plan.launches
     ]
     units += [
         Unit(
             kind="package",
             path=str(path),
-            id=make_model_id(path / "package.xml", {}, find_root(path)),
+            id=make_model_id(path / "package.xml", {}, root=find_root(path)),
             is_explicit=path in plan.whole_packages,
         )
         for path in plan.packages
@@ -293,7 +295,13 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
     find_baseline = _make_baseline_lookup(request)
     counts = Counter(unit.id for unit in units)
     return [
-        _apply_config(unit, plan.configs.get(unit.path), request, find_baseline, is_ambiguous=counts[unit.id] > 1)
+        _apply_config(
+            unit,
+            plan.configs.get(unit.path),
+            request=request,
+            find_baseline=find_baseline,
+            is_ambiguous=counts[unit.id] > 1,
+        )
         for unit in units
     ]
 
@@ -320,7 +328,7 @@ def _make_baseline_lookup(request: Request) -> _BaselineLookup:
 
 
 def _apply_config(
-    unit: Unit, config: Config | None, request: Request, find_baseline: _BaselineLookup, *, is_ambiguous: bool
+    unit: Unit, config: Config | None, *, request: Request, find_baseline: _BaselineLookup, is_ambiguous: bool
 ) -> Unit:
     """Return the unit with what its configuration says. ``is_ambiguous``: several units have its id."""
     name = unit.id
@@ -358,7 +366,7 @@ def is_empty_candidate(unit: Unit, report: UnitReport, plan: Plan) -> bool:
 
 
 def stream_reports(
-    units: Sequence[Unit], settings: AuditSettings, jobs: int, execution: Execution = IN_WORKERS
+    units: Sequence[Unit], settings: AuditSettings, *, jobs: int, execution: Execution = IN_WORKERS
 ) -> Generator[tuple[int, UnitReport], None, None]:
     """Audit each unit in a worker process, at most ``jobs`` at a time; yield its index and its report as they come."""
     if execution.audit is not None:
@@ -381,7 +389,9 @@ def stream_reports(
 def _report_answer(unit: Unit, answer: UnitReport | WorkerDiedError, limits: ResourceLimits) -> UnitReport:
     """Return the report of a worker, or one about its end."""
     if isinstance(answer, WorkerTimeoutError):
-        return UnitReport(info=unit.describe_unread(), findings=(report_stopped_unit(unit, limits, "killed"),))
+        return UnitReport(
+            info=unit.describe_unread(), findings=(report_stopped_unit(unit, limits=limits, message="killed"),)
+        )
     if isinstance(answer, WorkerDiedError):
         failure = f"the worker for {unit.id} {_describe_exit(answer.exit_code)}"
         return UnitReport(info=unit.describe_unread(), failures=(failure,))
@@ -423,7 +433,9 @@ def _audit_in_worker(unit: Unit, settings: AuditSettings) -> UnitReport:
         with sandbox.enforce_deadline(limits.seconds):
             return audit_unit(unit, settings)
     except ModelTimeout:  # for the second time: while the first was being handled
-        return UnitReport(info=unit.describe_unread(), findings=(report_stopped_unit(unit, limits, "time"),))
+        return UnitReport(
+            info=unit.describe_unread(), findings=(report_stopped_unit(unit, limits=limits, message="time"),)
+        )
     except Exception as error:  # ours, not the model's: reading and checking turn what is wrong there into findings
         text = f"the audit of {unit.id} crashed: {type(error).__name__}: {error}"
         return UnitReport(info=unit.describe_unread(), failures=(text,))

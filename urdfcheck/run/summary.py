@@ -30,7 +30,7 @@ AuditedUnits = Sequence[tuple[Unit, UnitReport]]
 BaselineHome = tuple[str, str] | None
 
 
-def build_run(request: Request, plan: Plan, audited_units: AuditedUnits, seconds: float) -> Run:
+def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seconds: float) -> Run:
     """Return the outcome of a run."""
     units = [unit for unit, _ in audited_units]
     reports = [report for _, report in audited_units]

@@ -40,7 +40,7 @@ def load(robot: EngineInput, path: str) -> LoadedRobot:
             joints=tuple(known),
             limits={name: _read_limits(known[name]) for name in robot.joints if name in known},
             shapes=sum(len(pybullet.getCollisionShapeData(body, i - 1)) for i in range(len(names))),
-            motion=_compute_dynamics_or_nan(pybullet, body, infos, known, robot),
+            motion=_compute_dynamics_or_nan(pybullet, body, infos=infos, known=known, robot=robot),
         )
     finally:
         pybullet.disconnect()
@@ -57,17 +57,17 @@ def _read_limits(info: Any) -> tuple[float, float] | None:
 
 
 def _compute_dynamics_or_nan(
-    pybullet: Any, body: int, infos: list[Any], known: dict[str, Any], robot: EngineInput
+    pybullet: Any, body: int, *, infos: list[Any], known: dict[str, Any], robot: EngineInput
 ) -> EngineDynamics | None:
     """Compute the dynamics; NaN for a model that Bullet loads but cannot compute."""
     try:
-        return _compute_dynamics(pybullet, body, infos, known, robot)
+        return _compute_dynamics(pybullet, body, infos=infos, known=known, robot=robot)
     except (SystemError, pybullet.error):
-        return EngineDynamics(robot.joints, accelerations=(math.nan,) * len(robot.joints))
+        return EngineDynamics(joints=robot.joints, accelerations=(math.nan,) * len(robot.joints))
 
 
 def _compute_dynamics(
-    pybullet: Any, body: int, infos: list[Any], known: dict[str, Any], robot: EngineInput
+    pybullet: Any, body: int, *, infos: list[Any], known: dict[str, Any], robot: EngineInput
 ) -> EngineDynamics | None:
     moving = [info for info in infos if info[2] != pybullet.JOINT_FIXED]
     if {_decode_name(info[1]) for info in moving} != set(robot.joints) or len(moving) != len(robot.joints):
@@ -86,11 +86,14 @@ def _compute_dynamics(
         holding = pybullet.calculateInverseDynamics(body, q, zero, zero)
         torques.append(tuple(holding[i] for i in rows))
     return EngineDynamics(
-        robot.joints, tuple(masses), tuple(torques), _measure_accelerations(pybullet, body, known, robot)
+        joints=robot.joints,
+        masses=tuple(masses),
+        torques=tuple(torques),
+        accelerations=_measure_accelerations(pybullet, body, known=known, robot=robot),
     )
 
 
-def _measure_accelerations(pybullet: Any, body: int, known: dict[str, Any], robot: EngineInput) -> Vector:
+def _measure_accelerations(pybullet: Any, body: int, *, known: dict[str, Any], robot: EngineInput) -> Vector:
     """Measure the accelerations by one short step without motors, damping and friction."""
     for index in range(-1, len(known)):
         pybullet.changeDynamics(body, index, linearDamping=0, angularDamping=0, jointDamping=0, lateralFriction=0)

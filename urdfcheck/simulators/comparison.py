@@ -64,9 +64,17 @@ def compare_engines(request: Request) -> EngineComparison:
             raise UrdfcheckError(f"{unit.id}: no engine can be given what cannot be read (urdfcheck check says why)")
         at_once = max(1, request.jobs)
         done = dict(
-            iter_outcomes([(name, robot) for name in names], settings.visible_folders, request.options.limits, at_once)
+            iter_outcomes(
+                [(name, robot) for name in names],
+                around=settings.visible_folders,
+                limits=request.options.limits,
+                at_once=at_once,
+            )
         )
-    rows = [_make_row(name, versions[name] or "", done[i], robot, report.findings) for i, name in enumerate(names)]
+    rows = [
+        _make_row(name, versions[name] or "", outcome=done[i], robot=robot, findings=report.findings)
+        for i, name in enumerate(names)
+    ]
     missing = {name: get_install_hint(name) for name in ENGINES if versions[name] is None}
     return EngineComparison(report.info, tuple(rows), missing)
 
@@ -78,7 +86,7 @@ def predict_verdict(engine: str, findings: Sequence[Finding]) -> tuple[Verdict, 
 
 
 def _make_row(
-    name: str, version: str, outcome: LoadOutcome, robot: EngineInput, findings: Sequence[Finding]
+    name: str, version: str, *, outcome: LoadOutcome, robot: EngineInput, findings: Sequence[Finding]
 ) -> EngineRow:
     predicted, codes = predict_verdict(name, findings)
     return EngineRow(
@@ -116,5 +124,5 @@ def _read_input(unit: Unit, settings: AuditSettings) -> EngineInput | None:
         )
         model = None
         if source.root is not None and source.root.tag == "robot":
-            model = Model(source, source.root, "source")
+            model = Model(source=source, robot=source.root, tier="source")
         return build_input(source, model)

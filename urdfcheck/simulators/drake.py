@@ -44,7 +44,7 @@ def load(robot: EngineInput, path: str) -> LoadedRobot:
             if name in joints and joints[name].num_positions() == 1
         },
         shapes=plant.num_collision_geometries(),
-        motion=_compute_dynamics(bare, bare.CreateDefaultContext(), moved, robot),
+        motion=_compute_dynamics(bare, bare.CreateDefaultContext(), joints=moved, robot=robot),
     )
 
 
@@ -62,7 +62,7 @@ def _parse_model(plant: Any, robot: EngineInput, path: str) -> tuple[list[Any], 
     return links, joints
 
 
-def _compute_dynamics(plant: Any, context: Any, joints: dict[str, Any], robot: EngineInput) -> EngineDynamics | None:
+def _compute_dynamics(plant: Any, context: Any, *, joints: dict[str, Any], robot: EngineInput) -> EngineDynamics | None:
     import numpy as np
 
     if any(name not in joints or joints[name].num_velocities() != 1 for name in robot.joints):
@@ -77,7 +77,10 @@ def _compute_dynamics(plant: Any, context: Any, joints: dict[str, Any], robot: E
         masses.append(tuple(map(tuple, plant.CalcMassMatrix(context)[np.ix_(rows, rows)].tolist())))
         torques.append(tuple((-plant.CalcGravityGeneralizedForces(context))[rows].tolist()))
     return EngineDynamics(
-        robot.joints, tuple(masses[:-1]), tuple(torques[:-1]), _compute_accelerations(plant, context, rows)
+        joints=robot.joints,
+        masses=tuple(masses[:-1]),
+        torques=tuple(torques[:-1]),
+        accelerations=_compute_accelerations(plant, context, rows),
     )
 
 

@@ -223,7 +223,7 @@ def compute_dynamics(built: Any, robot: EngineInput) -> EngineDynamics | None:
     if built.nv == len(rows):
         zero = np.zeros(built.nv)
         falls = tuple(pin.aba(built, data, _make_configuration(built, parts, robot.start), zero, zero)[rows].tolist())
-    return EngineDynamics(robot.joints, tuple(masses), tuple(torques), falls)
+    return EngineDynamics(joints=robot.joints, masses=tuple(masses), torques=tuple(torques), accelerations=falls)
 
 
 def _make_configuration(built: Any, parts: Sequence[Any], values: Vector) -> Array:

@@ -71,4 +71,4 @@ def _compute_dynamics(model: Any, known: dict[str, Any], robot: EngineInput) -> 
         # What is no number it resets, with a warning.
         if any(warning.number for warning in data.warning):
             falls = (math.nan,) * len(rows)
-    return EngineDynamics(robot.joints, tuple(masses), tuple(torques), falls)
+    return EngineDynamics(joints=robot.joints, masses=tuple(masses), torques=tuple(torques), accelerations=falls)

@@ -46,10 +46,10 @@ def get_install_hint(engine: str) -> str:
 
 def iter_outcomes(
     jobs: Sequence[tuple[str, EngineInput]],
+    *,
     around: Sequence[str],
     limits: ResourceLimits,
     at_once: int = 1,
-    *,
     apart: bool = True,
 ) -> Iterator[tuple[int, LoadOutcome]]:
     """Load robots in engines; yields the index of each job and its outcome as they finish.
@@ -71,7 +71,10 @@ def iter_outcomes(
         ):
             if isinstance(result, WorkerDiedError):
                 said = _read_output(Path(folder, str(place)))
-                yield place, LoadOutcome(jobs[place][0], None, _describe_ending(result, limits), said)
+                yield (
+                    place,
+                    LoadOutcome(jobs[place][0], loaded=None, refused=_describe_ending(result, limits), messages=said),
+                )
             else:
                 yield place, result
 
@@ -114,7 +117,7 @@ def _load_in_engine(
             SystemExit,
         ) as error:  # each of them has its own kinds; Drake would leave at a failed assertion
             refused = next(iter(_split_lines(str(error))), type(error).__name__)
-    return LoadOutcome(engine, loaded, refused, _read_output(Path(own)))
+    return LoadOutcome(engine, loaded=loaded, refused=refused, messages=_read_output(Path(own)))
 
 
 @contextlib.contextmanager

@@ -93,6 +93,7 @@ class Plan:
 def discover_targets(
     paths: Sequence[Path],
     arguments: Mapping[str, str],
+    *,
     packages: Mapping[str, Path],
     package_paths: Sequence[Path],
     reach: FileReach | None = None,

@@ -16,7 +16,7 @@ import pickle
 import signal
 import struct
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass
 from enum import Enum
 from multiprocessing.connection import Connection, wait
@@ -248,10 +248,15 @@ def map_in_processes(
                     worker.end()
                     yield index, WorkerTimeoutError(worker.process.exitcode)
     finally:  # also when we are interrupted: no worker survives
-        for _, worker, _ in busy.values():
-            worker.end()
-        for worker in idle:
-            worker.pipe.close()
+        _release_workers([worker for _, worker, _ in busy.values()], idle)
+
+
+def _release_workers(busy: Iterable[Worker], idle: Iterable[Worker]) -> None:
+    """Kill the workers that have a job, and let the others end by themselves."""
+    for worker in busy:
+        worker.end()
+    for worker in idle:
+        worker.pipe.close()
 
 
 @contextlib.contextmanager

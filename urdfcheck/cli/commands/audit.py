@@ -66,9 +66,9 @@ def main(words: Sequence[str]) -> int:
         request,
         options.output,
         lambda units, work: (
-            stream_reports(units, work, request.jobs, Execution(warm_worker=warm_worker))
+            stream_reports(units, work, jobs=request.jobs, execution=Execution(warm_worker=warm_worker))
             if backend == "local"
-            else cluster.stream_on_cluster(units, work, backend, address or None)
+            else cluster.stream_on_cluster(units, work, backend=backend, address=address or None)
         ),
         restart=options.restart,
         progress=make_progress_printer(),

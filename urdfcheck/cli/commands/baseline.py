@@ -69,7 +69,9 @@ def main(words: Sequence[str]) -> int:
     if not outcome.units:
         say("nothing to check: no model, launch file or package was found there")
         return OK if options.allow_empty else NOTHING
-    _update_baselines(outcome, request.baseline, file, settings.root, prune=options.action == "prune")
+    _update_baselines(
+        outcome, previous=request.baseline, file=file, root=settings.root, prune=options.action == "prune"
+    )
     return FAILED if outcome.failures else OK
 
 
@@ -92,7 +94,7 @@ def _add_previous_baseline(options: argparse.Namespace, request: Request, settin
     return file, request
 
 
-def _update_baselines(outcome: Run, previous: Baseline | None, file: Path, root: Path, *, prune: bool) -> None:
+def _update_baselines(outcome: Run, *, previous: Baseline | None, file: Path, root: Path, prune: bool) -> None:
     """Write the baseline of the run (``previous``, ``file`` and ``root``) and those of folders with a configuration."""
     from urdfcheck.policy import baseline
 
@@ -108,7 +110,7 @@ def _update_baselines(outcome: Run, previous: Baseline | None, file: Path, root:
         at, folder = (file, root) if home is None else (Path(home[0]), Path(home[1]))
         old = previous if home is None else baseline.read_baseline(at, folder) if at.is_file() else None
         if not prune:
-            _renew_baseline(old or baseline.Baseline(at, folder), unit_view, at)
+            _renew_baseline(old or baseline.Baseline(path=at, root=folder), unit_view, at)
         elif old is not None:
             _prune_baseline(old, unit_view, at)
 

@@ -93,7 +93,17 @@ def build_parser() -> argparse.ArgumentParser:
     p.add_argument(
         "--watch", action="store_true", help="check again whenever a file is saved that matters, until Ctrl-C"
     )
-    detail = p.add_mutually_exclusive_group()
+    _add_detail_options(p)
+    p.add_argument(
+        "--color", choices=("auto", "always", "never"), default="auto", help="colours (default: on a terminal)"
+    )
+    p.add_argument("--version", action="version", version=f"urdfcheck {__version__}")
+    return p
+
+
+def _add_detail_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options for how much of the findings is printed."""
+    detail = parser.add_mutually_exclusive_group()
     detail.add_argument(
         "-v", "--verbose", action="store_true", help="tell everything about infos too, as about the others"
     )
@@ -103,11 +113,6 @@ def build_parser() -> argparse.ArgumentParser:
     detail.add_argument(
         "--statistics", action="store_true", help="a table of how often each rule fired, not the findings"
     )
-    p.add_argument(
-        "--color", choices=("auto", "always", "never"), default="auto", help="colours (default: on a terminal)"
-    )
-    p.add_argument("--version", action="version", version=f"urdfcheck {__version__}")
-    return p
 
 
 def main(words: Sequence[str]) -> int:
@@ -124,15 +129,15 @@ def main(words: Sequence[str]) -> int:
     request, settings = build_request(options, scene=reports.needs_scene)
     libraries.prefer_own_folders()
     if options.watch:
-        return _watch(options, reports, (request, settings), warm_worker)
+        return _watch(options, reports, asked=(request, settings), warm_worker=warm_worker)
     execution = Execution(warm_worker=warm_worker, on_idle=reports.import_formats, on_progress=make_progress_printer())
     if not (options.fix or options.diff):
-        return _report(run(request, execution), options, reports, settings)
+        return _report(run(request, execution), options, reports=reports, settings=settings)
     fixes = _compute_fixes(request, execution, include_unsafe=options.unsafe_fixes)
     if options.diff:
         return _print_diff(fixes, allow_empty=options.allow_empty)
     _write_fixes(fixes)
-    return _report(fixes.outcome, options, reports, settings)
+    return _report(fixes.outcome, options, reports=reports, settings=settings)
 
 
 def _validate_options(options: argparse.Namespace) -> None:
@@ -200,7 +205,7 @@ class ReportPlan:
             importlib.import_module(f"urdfcheck.output.{name}")
 
 
-def _report(outcome: Run, options: argparse.Namespace, reports: ReportPlan, settings: Config) -> int:
+def _report(outcome: Run, options: argparse.Namespace, *, reports: ReportPlan, settings: Config) -> int:
     """Print the outcome, write all reports, and return the exit code.
 
     :raises UrdfcheckError: when reports cannot be written; the others are written all the same.
@@ -230,14 +235,14 @@ def _choose_detail(options: argparse.Namespace) -> DetailLevel:
 
 
 def _watch(
-    options: argparse.Namespace, reports: ReportPlan, asked: tuple[Request, Config], warm_worker: Worker | None
+    options: argparse.Namespace, reports: ReportPlan, *, asked: tuple[Request, Config], warm_worker: Worker | None
 ) -> int:
     from urdfcheck.cli.commands.watch import watch
 
     return watch(
         asked,
         lambda: build_request(options, scene=reports.needs_scene),
-        lambda outcome, settings: _report(outcome, options, reports, settings),
+        lambda outcome, settings: _report(outcome, options, reports=reports, settings=settings),
         written=[file for _, file in reports.files],
         warm_worker=warm_worker,
         on_idle=reports.import_formats,

@@ -121,8 +121,8 @@ def _describe_command(name: str, values: dict[str, tuple[str, ...]]) -> Complete
     return CompletedCommand(
         name,
         summary,
-        tuple(a for a in arguments if a.flags),
-        tuple(a for a in arguments if not a.flags),
+        options=tuple(a for a in arguments if a.flags),
+        operands=tuple(a for a in arguments if not a.flags),
     )
 
 

@@ -162,7 +162,7 @@ def main(words: Sequence[str]) -> int:
     steps = [
         _plan_configuration(folder, needing),
         _plan_hooks(root / PRE_COMMIT, HOOKS.format(address=address, revision=revision) if address else LOCAL_HOOKS),
-        _plan_job(root, install, action, inside),
+        _plan_job(root, install, action=action, folder=inside),
     ]
     _report_found(outcome)
     for step in steps:
@@ -339,7 +339,7 @@ def _format_github_action(address: str, revision: str) -> str:
     return "" if match is None else f"{match.group(1)}@{revision}"
 
 
-def _plan_job(root: Path, install: str, action: str, folder: str) -> SetupStep:
+def _plan_job(root: Path, install: str, *, action: str, folder: str) -> SetupStep:
     word = shlex.quote(folder)
     if not (root / GITLAB).exists():
         path = root / GITHUB

@@ -67,14 +67,14 @@ def _iter_answers(setup: dict[str, Any]) -> Iterator[dict[str, Any]]:
     with audit_session(request, units, plan.reach or request.reach) as audit_settings:
         for line in sys.stdin:
             indices = json.loads(line)
-            for place, report in stream_reports([units[i] for i in indices], audit_settings, request.jobs):
+            for place, report in stream_reports([units[i] for i in indices], audit_settings, jobs=request.jobs):
                 unit = units[indices[place]]
                 if is_empty_candidate(unit, report, plan):
                     result = {"outcome": "skipped", "text": "it makes neither link nor joint: it is no model"}
                 else:
                     own_plan = replace(plan, unused=(), config_errors=())
-                    run = build_run(request, own_plan, [(unit, report)], 0.0)
-                    result = _build_result(run, report, fail_on, setup)
+                    run = build_run(request, own_plan, audited_units=[(unit, report)], seconds=0.0)
+                    result = _build_result(run, report, fail_on=fail_on, setup=setup)
                 yield {"unit": indices[place], **result}
 
 
@@ -93,7 +93,7 @@ def _parse_options(words: Sequence[str]) -> argparse.Namespace:
     return options
 
 
-def _build_result(run: Run, report: UnitReport, fail_on: str, setup: dict[str, Any]) -> dict[str, Any]:
+def _build_result(run: Run, report: UnitReport, *, fail_on: str, setup: dict[str, Any]) -> dict[str, Any]:
     """Return the outcome of a unit (passed | failed | crashed | skipped) and its report as text."""
     from urdfcheck.core import Severity
     from urdfcheck.output import text

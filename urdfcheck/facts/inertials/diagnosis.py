@@ -288,7 +288,7 @@ def _rank_explanations(suspect: Suspect) -> _Ranking:
         is_other_body=np.array([mistake.source_body is not None for mistake in mistakes]),
     )
     scores += [mistake.log_prior for mistake in mistakes]
-    scores[_is_meaningless_scaling(declared, reference, mistakes, numbers.com)] = -np.inf
+    scores[_is_meaningless_scaling(declared, reference, mistakes=mistakes, com=numbers.com)] = -np.inf
     order = np.argsort(-scores, kind="stable")
     return _Ranking(
         mistakes=tuple(mistakes[i] for i in order),
@@ -299,7 +299,7 @@ def _rank_explanations(suspect: Suspect) -> _Ranking:
 
 
 def _is_meaningless_scaling(
-    declared: DeclaredInertial, reference: Reference, mistakes: Sequence[Mistake], com: Array
+    declared: DeclaredInertial, reference: Reference, *, mistakes: Sequence[Mistake], com: Array
 ) -> Bools:
     """Whether (N,) a mistake scales a coordinate of the COM to next to zero: divided by ten or a thousand it would be there
     whatever it had been. ``com`` (N, 3): without each mistake."""

@@ -288,12 +288,12 @@ def _find_pair_operations(place: Array) -> list[_SymmetryOperation]:
 
 
 def _relate_all_pairs(operation: _SymmetryOperation, turn: Array) -> list[_FrameRelation]:
-    return [_relate_pair(operation, source, target, turn) for source, target in operation.pairs]
+    return [_relate_pair(operation, source=source, target=target, turn=turn) for source, target in operation.pairs]
 
 
-def _relate_pair(operation: _SymmetryOperation, source: int, target: int, turn: Array) -> _FrameRelation:
+def _relate_pair(operation: _SymmetryOperation, *, source: int, target: int, turn: Array) -> _FrameRelation:
     relative = turn[target].T @ operation.linear @ turn[source]
-    return _FrameRelation(source, target, np.rint(relative), is_axis_renaming(relative))
+    return _FrameRelation(source, target, snapped=np.rint(relative), good=is_axis_renaming(relative))
 
 
 def _blame_member(
@@ -309,7 +309,9 @@ def _blame_member(
     fitting = frozenset().union(*good)
     if len(bad) < 2 or index in fitting or len(fitting) < len(turn) - 1:
         return None
-    predictions = [prediction for op, group in clean for prediction in _predict_frames(index, op, group, turn)]
+    predictions = [
+        prediction for op, group in clean for prediction in _predict_frames(index, op, group=group, turn=turn)
+    ]
     expected, supporting = _find_majority_frame(predictions)
     agreement = len(supporting) / max(1, len(predictions))
     if agreement <= 0.5:
@@ -347,9 +349,11 @@ def _suspect_members(
     """Compare the suspects' frames with those that an operation makes of their partners'."""
     sides = []
     for index in suspects:
-        frames = [(False, p.frame) for p in _predict_frames(index, operation, group, turn)]
+        frames = [(False, p.frame) for p in _predict_frames(index, operation, group=group, turn=turn)]
         if not frames:
-            frames = [c for r in group if index in r.members for c in _list_axis_choices(operation, r, index, turn)]
+            frames = [
+                c for r in group if index in r.members for c in _list_axis_choices(operation, r, index=index, turn=turn)
+            ]
         ways = []
         for place, (renamed, frame) in enumerate(frames):
             deviation = _classify_deviation(frame, turn[index], axes[index])
@@ -374,7 +378,7 @@ def _suspect_members(
 
 
 def _list_axis_choices(
-    operation: _SymmetryOperation, relation: _FrameRelation, index: int, turn: Array
+    operation: _SymmetryOperation, relation: _FrameRelation, *, index: int, turn: Array
 ) -> list[tuple[bool, Array]]:
     """List the frames of ``index`` that the partner's frame allows, and whether its axes are renamed."""
     linear, partner = operation.linear, relation.source
@@ -388,7 +392,7 @@ def _list_axis_choices(
 
 
 def _predict_frames(
-    index: int, operation: _SymmetryOperation, group: Sequence[_FrameRelation], turn: Array
+    index: int, operation: _SymmetryOperation, *, group: Sequence[_FrameRelation], turn: Array
 ) -> list[_FramePrediction]:
     """Predict the frame of ``index`` from an operation, if its good pairs agree on how it turns frames."""
     agreed = [r.snapped for r in group if r.good and index not in (r.source, r.target)]

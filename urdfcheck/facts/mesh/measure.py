@@ -268,7 +268,7 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
         "faces": _freeze_array(faces.astype(np.int32)),
     }
     if raw.colors and raw.faces is not None:
-        parts["colors"] = _collect_face_colors(raw, surface)
+        parts["colors"] = _collect_face_colors(raw, raw.faces, surface)
     fields: dict[str, Any] = {
         "format": raw.format,
         "solid_header": raw.solid_header,
@@ -308,15 +308,14 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
 _MOST_COLORS = 100
 
 
-def _collect_face_colors(raw: RawMesh, surface: Surface) -> dict[str, NDArray[Any]]:
-    """Collect what `MeshFacts.colors` returns."""
-    assert raw.faces is not None
+def _collect_face_colors(raw: RawMesh, faces: Indices, surface: Surface) -> dict[str, NDArray[Any]]:
+    """Collect what `MeshFacts.colors` returns; ``faces`` are those of ``raw``."""
     rgba = list(dict.fromkeys(color for _, color in raw.colors if color is not None))[:_MOST_COLORS]
     place = {color: i for i, color in enumerate(rgba)}
     number = np.array([-1 if color is None else place.get(color, -1) for _, color in raw.colors])
     of_face = np.append(np.repeat(number, [count for count, _ in raw.colors]), -1)
     return {
-        "faces": of_face[find_face_origins(raw.vertices, raw.faces, surface)].astype(np.int8),
+        "faces": of_face[find_face_origins(raw.vertices, faces, surface)].astype(np.int8),
         "rgba": np.array(rgba),
     }
 

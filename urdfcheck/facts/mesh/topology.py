@@ -174,7 +174,7 @@ def drop_collapsed_faces(surface: Surface) -> Surface:
     if not count:
         return surface
     vertices, faces = _drop_unused_points(surface.vertices, surface.faces[~collapsed])
-    return Surface(vertices, faces, surface.collapsed + count, surface.repeated)
+    return Surface(vertices, faces, collapsed=surface.collapsed + count, repeated=surface.repeated)
 
 
 def drop_repeated_faces(surface: Surface) -> Surface:
@@ -183,7 +183,7 @@ def drop_repeated_faces(surface: Surface) -> Surface:
     if not again.any():
         return surface
     count = surface.repeated + int(again.sum())
-    return Surface(surface.vertices, surface.faces[~again], surface.collapsed, count)
+    return Surface(surface.vertices, surface.faces[~again], collapsed=surface.collapsed, repeated=count)
 
 
 def find_repeated_faces(faces: Indices) -> Bools:
@@ -235,7 +235,7 @@ def weld_near(surface: Surface, candidates: Indices, distance: float) -> Surface
     whole = np.arange(len(surface.vertices))
     whole[candidates] = candidates[label]
     vertices, faces = _drop_unused_points(surface.vertices, whole[surface.faces])
-    return drop_collapsed_faces(Surface(vertices, faces, surface.collapsed, surface.repeated))
+    return drop_collapsed_faces(Surface(vertices, faces, collapsed=surface.collapsed, repeated=surface.repeated))
 
 
 def _scale_to_cells(points: Array, distance: float) -> Array:
@@ -377,4 +377,4 @@ def _build_boundary(vertices: Array, path: list[int], closed: bool) -> Boundary:
     centre = lengths @ (starts + following) / 2.0 / length if length > 0.0 else points.mean(axis=0)
     points.setflags(write=False)
     centre.setflags(write=False)
-    return Boundary(points, closed, length, centre)
+    return Boundary(points, closed=closed, length=length, centre=centre)

@@ -321,7 +321,7 @@ class Colliders:
         triangles = []
         for shape, at, faces in ((one, at_one, [c.b1 for c in contacts]), (other, at_other, [c.b2 for c in contacts])):
             geometry = self.placed[shape].geometry
-            assert geometry.vertices is not None
+            assert geometry.vertices is not None  # a surface is made of a mesh
             assert geometry.faces is not None
             triangles.append(geometry.vertices[geometry.faces[faces]] @ at[:3, :3].T + at[:3, 3])
         mine, theirs = triangles

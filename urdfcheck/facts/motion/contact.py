@@ -57,7 +57,7 @@ class TipOver:
 
 
 def compute_ground_support(
-    points: ArrayLike, parts: ArrayLike, com: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)
+    points: ArrayLike, *, parts: ArrayLike, com: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)
 ) -> GroundSupport:
     """Compute how a body of corners ``points`` (n, 3), placed upright, touches a plane across ``up`` (unit vector).
 
@@ -100,7 +100,7 @@ def simulate_tipping(points: ArrayLike, parts: ArrayLike, com: ArrayLike, limit:
     up = np.array((0.0, 0.0, 1.0))
     touched = None
     for _ in range(_MAX_TURNS):
-        now = compute_ground_support(corners, parts, centre, up)
+        now = compute_ground_support(corners, parts=parts, com=centre, up=up)
         tilt = math.atan2(float(np.linalg.norm(up[:2])), float(up[2]))
         if tilt > limit:
             break

@@ -111,7 +111,14 @@ def _iter_shape_triangles(scene: Scene, shape: SceneShape) -> Iterator[tuple[Arr
     if shape.file is not None:
         for part in scene.meshes[shape.file].drawings:
             low, high = np.array(part.low), np.array(part.high)
-            packed = PackedMesh(part.data, part.vertices, part.faces, part.holes, low, high)
+            packed = PackedMesh(
+                data=part.data,
+                n_vertices=part.vertices,
+                n_faces=part.faces,
+                n_hole_edges=part.holes,
+                low=low,
+                high=high,
+            )
             points, faces, _ = unpack_mesh(packed)
             yield (points * shape.size)[faces], part.color
     elif shape.kind == "box":

@@ -76,7 +76,7 @@ def read_python_launch(path: Path, finder: PackageFinder) -> PythonLaunch:
         return PythonLaunch(
             read_problem=Problem(kind="unreadable", message=error.strerror or str(error), location=start)
         )
-    file = SourceFile(path, name, data.decode("utf-8-sig", "replace"))
+    file = SourceFile(path, name, text=data.decode("utf-8-sig", "replace"))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Python's warnings about a stranger's code do not belong on the terminal

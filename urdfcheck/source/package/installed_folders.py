@@ -76,7 +76,7 @@ def _read_file(package: Package, path: Path) -> SourceFile | None:
         text = read_regular(path, _LARGEST).decode("utf-8-sig", "replace")
     except OSError:
         return None
-    return SourceFile(path, format_path(path), text)
+    return SourceFile(path, format_path(path), text=text)
 
 
 # -- CMakeLists.txt ----------------------------------------------------------------------------------------------------
@@ -113,11 +113,11 @@ def _parse_cmake(file: SourceFile, package: Package) -> InstallRules:
     rules = InstallRules(
         installs_all=everything, path_parts=frozenset(names), at=Location("install", None), build_form="cmake"
     )
-    return _locate_insertion(rules, file, commands, package.name)
+    return _locate_insertion(rules, file, commands=commands, package=package.name)
 
 
 def _locate_insertion(
-    rules: InstallRules, file: SourceFile, commands: Sequence[_CmakeCommand], package: str
+    rules: InstallRules, file: SourceFile, *, commands: Sequence[_CmakeCommand], package: str
 ) -> InstallRules:
     """Return the rules with the place for another folder.
 

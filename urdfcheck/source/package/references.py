@@ -167,7 +167,7 @@ def _iter_mentions(path: Path) -> Iterator[PackageMention]:
     searched = 0
     bare = _remove_comments(text, path.suffix)
     for match in _MENTION.finditer(bare):
-        file = file or SourceFile(path, format_path(path), text)
+        file = file or SourceFile(path, format_path(path), text=text)
         group = next(i for i in (1, 3, 5) if match.group(i))
         name = match.group(group)
         at = Location(f"package[{name}]", file.make_span(*match.span(group)))

@@ -180,15 +180,15 @@ def load_srdf(
         return None
     try:
         file = SourceFile.read(path, name)
-        root: Element | None = parse_xml(file)
+        tree = parse_xml(file)
     except (OSError, XmlError):
         return None
-    assert root is not None
-    if root.tag != "robot" or ("$" not in root.get("name") and root.get("name").strip() != robot):
+    if tree.tag != "robot" or ("$" not in tree.get("name") and tree.get("name").strip() != robot):
         return None
+    root: Element | None = tree
     files: Mapping[str, SourceFile] = {name: file}
     if path.suffix == ".xacro":
-        if has_only_macros(root):
+        if has_only_macros(tree):
             return None
         from urdfcheck.source.xacro.expand import expand_xacro
 

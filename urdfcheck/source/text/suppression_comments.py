@@ -39,7 +39,7 @@ def find_ignore_comments(file: SourceFile) -> list[IgnoreComment]:
     if not file.text.lstrip("\ufeff \t\r\n").startswith("<"):
         return list(_iter_hash_comments(file))
     # Parsed again, because launch files and manifests are not kept as trees; such comments are rare.
-    again = SourceFile(file.path, file.name, file.text, file.encoding)
+    again = SourceFile(file.path, file.name, text=file.text, encoding=file.encoding)
     try:
         root = parse_xml(again)
     except XmlError:

@@ -103,6 +103,7 @@ class Attribute:
         return tuple(d for d in flatten_definitions(self.reads) if d.span is not None)
 
 
+# Not kw_only, for the same reason.
 @dataclass(slots=True, eq=False)
 class Element:
     """An element with its attributes, child elements and position."""
@@ -230,7 +231,7 @@ class SourceFile:
                 raise XmlError("encoding", f"the text is not in the encoding {encoding!r} that it declares", at)
         encoding = encoding or "utf-8"
         try:
-            return cls(path, name, data.decode(encoding), encoding)
+            return cls(path, name, text=data.decode(encoding), encoding=encoding)
         except UnicodeDecodeError as error:
             # error.object is the data without the byte order mark.
             valid, wrong = error.object[: error.start], error.object[error.start]
@@ -260,7 +261,7 @@ class SourceFile:
 
 
 def _make_too_large_error(what: str, found: int, limit: int, *, message: str, span: Span) -> XmlError:
-    return XmlError("too-large", message, span, {"what": what, "limit": limit, "found": found})
+    return XmlError("too-large", message, span, data={"what": what, "limit": limit, "found": found})
 
 
 def _detect_encoding(data: bytes) -> str | None:

@@ -61,8 +61,8 @@ def expand_xacro(
 
         try:
             document = xacro.process_file(str(path), mappings=TracedArguments(arguments, trace.record_argument_read))
-            assert document is not None
-            assert document.documentElement is not None
+            assert document is not None  # the reference implementation raises for a text that is not a document
+            assert document.documentElement is not None  # expat accepts no document without a root element
             root = convert_node(document.documentElement, None)
         except ModelTimeout:
             trace.report_limit("time-limit")

@@ -80,7 +80,7 @@ class FileAccess:
         unbound = find_unbound_prefix(tree)
         if unbound is not None:
             element, prefix = unbound
-            assert element.span is not None
+            assert element.span is not None  # every element of a parsed file has one
             raise XmlError("prefix", f"the prefix {prefix!r} is not declared (xmlns:{prefix}=…)", element.span)
         self.files[name] = source
         self.trees[name] = tree
@@ -89,7 +89,7 @@ class FileAccess:
         except expat.ExpatError as error:  # of namespaces, which the located tree does not look at
             at = source.locate_character(error.lineno, error.offset + 1)
             raise XmlError("malformed", expat.ErrorString(error.code), at) from error
-        assert document.documentElement is not None
+        assert document.documentElement is not None  # expat accepts no document without a root element
         attach_origins(document.documentElement, tree)
         return document
 

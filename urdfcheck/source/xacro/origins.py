@@ -79,7 +79,7 @@ def convert_node(node: minidom.Element, parent: Element | None) -> Element:
             message = f"{name!r} is no name of an element or attribute: what xacro writes is no XML"
             raise InvalidOutputError(message, place)
     for name, value in node.attributes.items():
-        element.attributes[name] = _convert_attribute(name, value, element, origin)
+        element.attributes[name] = _convert_attribute(name, value, owner=element, origin=origin)
     for child in node.childNodes:
         if child.nodeType == child.ELEMENT_NODE:
             element.children.append(convert_node(child, element))
@@ -88,7 +88,7 @@ def convert_node(node: minidom.Element, parent: Element | None) -> Element:
     return element
 
 
-def _convert_attribute(name: str, value: str, owner: Element, origin: Origin | None) -> Attribute:
+def _convert_attribute(name: str, value: str, *, owner: Element, origin: Origin | None) -> Attribute:
     typed: Attribute | None = None
     reads: tuple[Definition, ...] = ()
     if origin is not None:

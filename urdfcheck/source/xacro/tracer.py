@@ -193,7 +193,7 @@ class Tracer:
                 before = origin.reads.get(self.trace.attribute, ())
                 origin.reads[self.trace.attribute] = tuple(dict.fromkeys((*before, *self.last_reads)))
             elif self.adding is not None:
-                self.add_attribute(str(result))
+                self.add_attribute(*self.adding, result=str(result))
             elif self.last_reads and self.trace.node is not None and self.trace.node.tagName == "xacro:arg":
                 name = self.trace.node.getAttribute("name")
                 self.trace.argument_definitions[name] = replace(
@@ -203,10 +203,8 @@ class Tracer:
 
         return trace_text
 
-    def add_attribute(self, result: str) -> None:
+    def add_attribute(self, node: minidom.Element, values: list[str], *, result: str) -> None:
         """Take one of the two values of ``<xacro:attribute name= value=/>``: the second completes the attribute."""
-        assert self.adding is not None
-        node, values = self.adding
         values.append(result)
         if len(values) < 2:
             return

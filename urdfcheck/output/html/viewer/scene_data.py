@@ -31,7 +31,11 @@ def build_scene_data(models: Iterable[tuple[str, str, Scene, Sequence[FindingCar
     ``models``: id of their section in the page, name, scene and cards. Lengths in metres, poses 4x4 row-major; numbers with
     seven digits."""
     pool = _MeshPool()
-    return {"models": [_build_model(*model, pool) for model in models], "meshes": pool.entries}, b"".join(pool.data)
+    built = [
+        _build_model(section_id, title=title, scene=scene, cards=cards, meshes=pool)
+        for section_id, title, scene, cards in models
+    ]
+    return {"models": built, "meshes": pool.entries}, b"".join(pool.data)
 
 
 def get_layers(code: str) -> tuple[str, ...]:
@@ -70,7 +74,7 @@ class _MeshPool:
 
 
 def _build_model(
-    section_id: str, title: str, scene: Scene, cards: Sequence[FindingCard], meshes: _MeshPool
+    section_id: str, *, title: str, scene: Scene, cards: Sequence[FindingCard], meshes: _MeshPool
 ) -> dict[str, Any]:
     worst = compute_severity_marks(cards)
     active = [card for card in cards if card.finding.suppressed is None]
