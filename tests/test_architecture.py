@@ -86,7 +86,7 @@ def test_exceptions_end_in_error_and_class_names_mean_one_thing() -> None:
 
 _IMPORTS = (
     "from urdfcheck.policy.policy import Policy; from urdfcheck.rules import load_rules; "
-    "from urdfcheck.run.audit import audit_unit; from urdfcheck.run.jobs import AuditSettings, Unit\n"
+    "from urdfcheck.run.unit_audit import audit_unit; from urdfcheck.run.jobs import AuditSettings, Unit\n"
 )
 
 
@@ -103,7 +103,7 @@ def test_help_and_rule_load_the_standard_library_only() -> None:
 
 
 def test_the_parent_of_the_workers_loads_nothing_heavy() -> None:
-    assert not loaded_by("import urdfcheck.run.pipeline, urdfcheck.run.audit, urdfcheck.policy.config") & HEAVY
+    assert not loaded_by("import urdfcheck.run.pipeline, urdfcheck.run.unit_audit, urdfcheck.policy.config") & HEAVY
 
 
 def test_the_source_tier_never_loads_meshes_or_dynamics(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from typing import Any
 
 import tomli
 
-from urdfcheck.output.shared.inert import escape_one_line
+from urdfcheck.output.shared.escaping import escape_one_line
 
 ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "fixtures" / "hostile"

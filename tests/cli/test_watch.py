@@ -95,8 +95,8 @@ def test_each_save_is_checked_until_the_user_interrupts(tmp_path: Path) -> None:
 
 
 def test_only_reports_that_rest_on_files_that_changed_are_made_anew(tmp_path: Path) -> None:
-    from urdfcheck.run.audit import audit_unit
     from urdfcheck.run.pipeline import IN_THIS_PROCESS, Execution, run_audit
+    from urdfcheck.run.unit_audit import audit_unit
 
     for name in ("a", "b"):
         (tmp_path / f"{name}.urdf").write_text(SOUND)

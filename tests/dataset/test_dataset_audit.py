@@ -28,8 +28,8 @@ from urdfcheck.output.shared.audit import unit_lines
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.rules import load_check, load_rules
 from urdfcheck.run import pipeline
-from urdfcheck.run.audit import audit_unit
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
+from urdfcheck.run.unit_audit import audit_unit
 from urdfcheck.system import sandbox
 from urdfcheck.system.process_pool import Worker
 
@@ -309,7 +309,7 @@ from pathlib import Path
 from urdfcheck.dataset.audit import audit_dataset
 from urdfcheck.policy.policy import Policy
 from urdfcheck.rules import load_rules
-from urdfcheck.run.audit import audit_unit
+from urdfcheck.run.unit_audit import audit_unit
 from urdfcheck.run.jobs import AuditSettings, Request, Unit
 
 def stream(units, settings):
@@ -480,7 +480,9 @@ def test_a_model_that_takes_too_long_is_stopped_and_the_others_go_on(
         yield from real(rule)(subject, rule, **options)
 
     monkeypatch.setattr(sandbox, "confine", lambda *_: None)  # or the slow check could not write
-    monkeypatch.setattr("urdfcheck.run.audit.load_check", lambda rule: slow if rule.code == "INR003" else real(rule))
+    monkeypatch.setattr(
+        "urdfcheck.run.unit_audit.load_check", lambda rule: slow if rule.code == "INR003" else real(rule)
+    )
     limits = ResourceLimits(seconds=2.0)
     request = make_request(audit.models, tier="source", limits=limits)
 

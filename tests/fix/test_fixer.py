@@ -32,10 +32,10 @@ from urdfcheck.fix.regression import find_regression
 from urdfcheck.policy import config
 from urdfcheck.rules import load_rules, select_rules
 from urdfcheck.run import pipeline
-from urdfcheck.run.audit import audit_unit
 from urdfcheck.run.findings import get_sort_key
 from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
 from urdfcheck.run.pipeline import IN_THIS_PROCESS, Execution
+from urdfcheck.run.unit_audit import audit_unit
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.tokens import build_rename_edits

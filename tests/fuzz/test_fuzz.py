@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 
 from urdfcheck.core import Finding
 from urdfcheck.rules import load_check
-from urdfcheck.run.audit import _UnitAudit
+from urdfcheck.run.unit_audit import _UnitAudit
 
 pytestmark = pytest.mark.slow
 
@@ -96,7 +96,9 @@ def test_a_check_that_crashes_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
         raise LookupError("a defect of ours")
 
     real = load_check
-    monkeypatch.setattr("urdfcheck.run.audit.load_check", lambda rule: crash if rule.code == "XML003" else real(rule))
+    monkeypatch.setattr(
+        "urdfcheck.run.unit_audit.load_check", lambda rule: crash if rule.code == "XML003" else real(rule)
+    )
     verdict = verdict_on(SMALL)
     assert verdict.outcome == "failure"
     assert "a defect of ours" in verdict.detail

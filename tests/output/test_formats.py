@@ -40,7 +40,7 @@ from urdfcheck.core import (
 )
 from urdfcheck.output import FORMATS, render
 from urdfcheck.output.markdown import COMMENT_LIMIT, MARKER, render_job_summary
-from urdfcheck.output.shared import inert
+from urdfcheck.output.shared import escaping as inert
 from urdfcheck.output.shared.mermaid_chart import MOST_CHARACTERS, MOST_EDGES, build_mermaid_chart, format_label
 
 # -- validators --------------------------------------------------------------------------------------------------------

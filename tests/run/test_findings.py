@@ -17,11 +17,11 @@ from urdfcheck.policy.report_limits import MAX_EDIT_LENGTH, MAX_TEXT_LENGTH
 from urdfcheck.policy.suppression import SuppressionEntry, assess_comment
 from urdfcheck.rules import load_rules
 from urdfcheck.run.findings import (
-    SettledFindings,
+    FinalFindings,
     admit_finding,
+    finalize_run_findings,
+    finalize_unit_findings,
     get_sort_key,
-    settle_run_findings,
-    settle_unit_findings,
 )
 from urdfcheck.run.jobs import Unit, UnitReport
 from urdfcheck.source.text.suppression_comments import IgnoreComment
@@ -57,8 +57,8 @@ def settle(
     policy: Policy = EVERYTHING,
     comments: Iterable[IgnoreComment] = (),
     root: Element | None = None,
-) -> SettledFindings:
-    return settle_unit_findings(findings, unit=unit, policy=policy, rules=RULES, comments=comments, root=root)
+) -> FinalFindings:
+    return finalize_unit_findings(findings, unit=unit, policy=policy, rules=RULES, comments=comments, root=root)
 
 
 class TestAdmission:
@@ -159,7 +159,7 @@ class TestRun:
             self.needed = needed
             yield from reviews
 
-        return settle_run_findings(audited, policy, across_models=across, review=review)
+        return finalize_run_findings(audited, policy, across_models=across, review=review)
 
     def test_findings_of_all_units_are_in_one_order(self) -> None:
         two = replace(UNIT, id="a.urdf", path="a.urdf")

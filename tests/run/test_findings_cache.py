@@ -50,7 +50,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
         return asking
 
-    monkeypatch.setattr("urdfcheck.run.audit.load_check", check_of)
+    monkeypatch.setattr("urdfcheck.run.unit_audit.load_check", check_of)
     return asked
 
 

@@ -30,7 +30,9 @@ def test_a_check_that_crashes_is_URC900_and_exit_2_and_the_others_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     real = load_check
-    monkeypatch.setattr("urdfcheck.run.audit.load_check", lambda rule: crash if rule.code == "INR004" else real(rule))
+    monkeypatch.setattr(
+        "urdfcheck.run.unit_audit.load_check", lambda rule: crash if rule.code == "INR004" else real(rule)
+    )
     outcome = check_text(tmp_path, f'<robot name="r"><link name="a">{INERTIA}</link></robot>')
     codes = {f.code for f in outcome.findings}
     assert {"URC900", "INR003"} <= codes

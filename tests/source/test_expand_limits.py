@@ -12,7 +12,8 @@ from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.xacro import guards, trace, tracer
+from urdfcheck.source.xacro import expansion_state as trace
+from urdfcheck.source.xacro import guards, tracer
 from urdfcheck.source.xacro.expand import expand_xacro
 from urdfcheck.source.xacro.macro_parameters import parse_next_parameter
 

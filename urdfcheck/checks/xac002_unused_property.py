@@ -10,10 +10,10 @@ from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.shapes.extent import measure_link_size
 from urdfcheck.source.load import Source, select_own_trees
-from urdfcheck.source.mentions import collect_outside_mentions, has_unseen_includes
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.uses_elsewhere import collect_outside_mentions, has_unseen_includes
 from urdfcheck.source.xacro.usage import collect_properties, collect_read_names
 
 # The name of such a property means a side of a link: base_x is one of base or base_link.

@@ -8,7 +8,7 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.source.load import Source, select_own_trees
-from urdfcheck.source.mentions import collect_outside_mentions, has_unseen_includes
+from urdfcheck.source.uses_elsewhere import collect_outside_mentions, has_unseen_includes
 from urdfcheck.source.xacro.usage import Macro, collect_called_macros, collect_macros
 
 

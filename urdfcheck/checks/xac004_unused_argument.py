@@ -9,9 +9,9 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.source.load import Source, select_own_trees
-from urdfcheck.source.mentions import collect_outside_mentions, has_unseen_includes
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.uses_elsewhere import collect_outside_mentions, has_unseen_includes
 from urdfcheck.source.xacro.usage import collect_read_arguments, iter_elements_by_tag
 
 # One fix deletes the first line and at most so many others.

@@ -12,10 +12,10 @@ from typing import Any
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.facts.likeness.typed_numbers import find_near_miss
 from urdfcheck.source.load import Source, select_own_trees
-from urdfcheck.source.mentions import XacroMentions, collect_outside_mentions, has_unseen_includes
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.uses_elsewhere import XacroMentions, collect_outside_mentions, has_unseen_includes
 from urdfcheck.source.xacro.usage import collect_properties, collect_read_names
 
 _PI = re.compile(r"(?:M_)?PI", re.IGNORECASE)

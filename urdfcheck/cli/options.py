@@ -33,7 +33,7 @@ class CommandParser(argparse.ArgumentParser):
     """Escapes its error messages, because a word of the command line may be an untrusted file name."""
 
     def error(self, message: str) -> NoReturn:
-        from urdfcheck.output.shared.inert import escape_for_log
+        from urdfcheck.output.shared.escaping import escape_for_log
 
         super().error(escape_for_log(message))
 

@@ -23,7 +23,7 @@ PROGRESS_FROM, PROGRESS_EVERY, BAR = 1.0, 0.2, 30
 
 def say(text: str, stream: TextIO | None = None) -> None:
     """Print a line for a person, on standard output unless another stream is given."""
-    from urdfcheck.output.shared.inert import escape_for_log
+    from urdfcheck.output.shared.escaping import escape_for_log
 
     print(escape_for_log(text), file=stream)
 

@@ -21,9 +21,9 @@ from urdfcheck.dataset.journal import TEMPORARY, Journal, open_new_file, transla
 from urdfcheck.output.html import index_page
 from urdfcheck.output.shared.audit import unit_lines
 from urdfcheck.rules import has_check, load_rules
+from urdfcheck.run.assemble_run import collect_versions, report_foreign_libraries
 from urdfcheck.run.jobs import AuditSettings, Request, Unit, UnitReport
 from urdfcheck.run.pipeline import audit_session, is_empty_candidate, plan_units
-from urdfcheck.run.summary import collect_versions, report_foreign_libraries
 from urdfcheck.source.discover import Plan
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.version import __version__

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Run, Severity
-from urdfcheck.output.shared.inert import escape_for_log
+from urdfcheck.output.shared.escaping import escape_for_log
 from urdfcheck.output.shared.positions import to_utf16_region
 from urdfcheck.output.shared.wording import (
     GLYPHS,

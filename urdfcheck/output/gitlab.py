@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Confidence, Finding, Rule, Run, Severity, Verdict
-from urdfcheck.output.shared.inert import escape_for_json, escape_for_markdown
+from urdfcheck.output.shared.escaping import escape_for_json, escape_for_markdown
 from urdfcheck.output.shared.wording import find_finding_file, iter_details, sort_worst_first
 from urdfcheck.policy.consumers import get_verdict
 

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from urdfcheck.core import ModelInfo, Run, Severity
-from urdfcheck.output.shared.inert import escape_for_json
+from urdfcheck.output.shared.escaping import escape_for_json
 from urdfcheck.output.shared.json_objects import (
     build_drop_test_object,
     build_finding_object,

@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 from urdfcheck.core import Finding, ModelInfo, Run, Severity
 from urdfcheck.output.shared.code_frames import extract_code_frame
 from urdfcheck.output.shared.diffs import iter_diff_lines
-from urdfcheck.output.shared.inert import escape_for_xml, escape_invisible, escape_one_line
+from urdfcheck.output.shared.escaping import escape_for_xml, escape_invisible, escape_one_line
 from urdfcheck.output.shared.wording import format_place, iter_details
 
 OTHER_SUITE = "launch files and packages"

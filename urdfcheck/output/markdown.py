@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from urdfcheck.core import Applicability, Finding, Run, Severity
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.shared.diffs import iter_diff_lines
-from urdfcheck.output.shared.inert import (
+from urdfcheck.output.shared.escaping import (
     escape_for_log,
     escape_for_markdown,
     escape_invisible,

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from urdfcheck.core import Edit, Finding, Run, Severity, Span
-from urdfcheck.output.shared.inert import escape_for_json, escape_for_markdown
+from urdfcheck.output.shared.escaping import escape_for_json, escape_for_markdown
 from urdfcheck.output.shared.positions import to_utf8_region
 from urdfcheck.output.shared.wording import find_finding_file, iter_details, sort_worst_first
 

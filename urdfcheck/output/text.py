@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 from urdfcheck.output.shared.code_frames import extract_code_frame
 from urdfcheck.output.shared.drop_test_lines import iter_drop_test_lines
-from urdfcheck.output.shared.inert import escape_invisible, escape_one_line, find_ci_command
+from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line, find_ci_command
 from urdfcheck.output.shared.rule_statistics import count_by_rule, format_table
 from urdfcheck.output.shared.wording import (
     GLYPHS,

@@ -196,7 +196,7 @@ class _CheckerProcess:
         if line := self.stdout.readline():
             answer: dict[str, Any] = json.loads(line)
             return answer
-        from urdfcheck.output.shared.inert import escape_for_log
+        from urdfcheck.output.shared.escaping import escape_for_log
 
         self.process.wait()
         self.error_file.seek(0)

@@ -1,8 +1,10 @@
 """What happens to a finding between the check that reports it and the report.
 
-Each finding that a check reports is admitted (`admit_finding`). When all checks of a unit ran, `settle_unit_findings` makes
-its findings ready to leave the worker process. When all units are done, `settle_run_findings` does the same for the whole run.
-The steps themselves are functions of the policy room; their order is decided here only.
+Each finding that a check reports is admitted (`admit_finding`). When all checks of a unit ran, `finalize_unit_findings` makes
+its findings ready to leave the worker process. When all units are done, `finalize_run_findings` does the same for the whole run.
+The steps themselves are functions of the policy room; their order is decided here only. Two things pass a step: findings about
+urdfcheck itself (a check that crashed, an audit that was stopped) have no policy and are not admitted, and ``urdfcheck audit``,
+which keeps each of its models apart, leaves out the stage of the whole run.
 """
 
 from __future__ import annotations
@@ -38,7 +40,7 @@ def admit_finding(finding: Finding, rule: Rule, policy: Policy) -> Finding:
 
 
 @dataclass(frozen=True, slots=True)
-class SettledFindings:
+class FinalFindings:
     """The findings of a unit as its report holds them."""
 
     findings: tuple[Finding, ...]
@@ -48,7 +50,7 @@ class SettledFindings:
     """Rules of which more findings were reported than the report lists."""
 
 
-def settle_unit_findings(
+def finalize_unit_findings(
     findings: Iterable[Finding],
     *,
     unit: Unit,
@@ -56,7 +58,7 @@ def settle_unit_findings(
     rules: Mapping[str, Rule],
     comments: Iterable[IgnoreComment],
     root: Element | None,
-) -> SettledFindings:
+) -> FinalFindings:
     """Turn the admitted findings of one unit into those of its report.
 
     ``rules``: the rules that ran; ``comments``: suppression comments of its files; ``root``: the expanded model, if any.
@@ -73,10 +75,10 @@ def settle_unit_findings(
         SkippedCheck(code, unit.id, f"{count:,} more findings ({severity}) are not listed")
         for (code, severity), count in unlisted.items()
     ]
-    return SettledFindings(tuple(listed), frozenset(needed), tuple(skips))
+    return FinalFindings(tuple(listed), frozenset(needed), tuple(skips))
 
 
-def settle_run_findings(
+def finalize_run_findings(
     audited_units: Sequence[tuple[Unit, UnitReport]],
     policy: Policy,
     *,

@@ -24,9 +24,9 @@ from urdfcheck.policy.baseline import Baseline
 from urdfcheck.policy.config import Config
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.rules import find_pages_folder
-from urdfcheck.run.audit import audit_unit, report_stopped_unit
+from urdfcheck.run.assemble_run import build_run
 from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit, UnitReport
-from urdfcheck.run.summary import build_run
+from urdfcheck.run.unit_audit import audit_unit, report_stopped_unit
 from urdfcheck.run.variants import format_arguments, propose_smaller_variants
 from urdfcheck.source.discover import Plan, discover_targets
 from urdfcheck.source.package.finder import PackageFinder

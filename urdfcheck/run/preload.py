@@ -25,7 +25,7 @@ def start_warm_worker() -> Worker | None:
         return None
     libraries.prefer_own_folders()
     # The worker inherits what both of them need, so that it is loaded once.
-    for module in ("urdfcheck.run.pipeline", "urdfcheck.run.audit"):
+    for module in ("urdfcheck.run.pipeline", "urdfcheck.run.unit_audit"):
         importlib.import_module(module)
     load_rules()
     return process_pool.Worker.start(preload_modules)

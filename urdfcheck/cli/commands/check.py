@@ -293,7 +293,7 @@ def _print_diff(fixes: FixResult, *, allow_empty: bool) -> int:
 
 def _summarise_fixes(done: str, fixes: FixResult) -> None:
     """Print the number of fixes, and each reason for which others were not made."""
-    from urdfcheck.output.shared.inert import escape_one_line
+    from urdfcheck.output.shared.escaping import escape_one_line
 
     by_reason: dict[str, list[Finding]] = {}
     for finding, reason in fixes.refused:

@@ -96,7 +96,7 @@ def main(words: Sequence[str]) -> int:
     shown_baseline = baseline if is_found or options.baseline or config.baseline else None
     report = _build_report(resolver, config, path, baseline=shown_baseline)
     if options.format == "json":
-        from urdfcheck.output.shared.inert import escape_for_json
+        from urdfcheck.output.shared.escaping import escape_for_json
 
         print_document(escape_for_json(json.dumps(asdict(report), indent=2, ensure_ascii=False) + "\n"))
     else:
@@ -229,7 +229,7 @@ def _print_report(report: ConfigReport) -> None:
     from rich.console import Console
     from rich.text import Text
 
-    from urdfcheck.output.shared.inert import escape_one_line
+    from urdfcheck.output.shared.escaping import escape_one_line
     from urdfcheck.rules import load_rules
 
     def make_row(name: str, value: str, source: str) -> Text:

@@ -50,7 +50,7 @@ def main(words: Sequence[str]) -> int:
     if options.format == "json":
         print_document(json.dumps(_build_document(done), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
     else:
-        from urdfcheck.output.shared.inert import escape_for_log
+        from urdfcheck.output.shared.escaping import escape_for_log
 
         for line in _iter_lines(done, _get_width()):
             print(escape_for_log(line))

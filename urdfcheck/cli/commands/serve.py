@@ -21,7 +21,7 @@ from urdfcheck.cli.commands.check import build_parser
 from urdfcheck.cli.options import build_request
 from urdfcheck.cli.terminal import FAILED, FINDINGS, compute_exit_code
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.output.shared.inert import escape_for_log, escape_one_line
+from urdfcheck.output.shared.escaping import escape_for_log, escape_one_line
 from urdfcheck.run.preload import preload_modules
 
 if TYPE_CHECKING:
@@ -53,8 +53,8 @@ def serve() -> None:
 def _iter_answers(setup: dict[str, Any]) -> Iterator[dict[str, Any]]:
     options = _parse_options(setup["words"])
     request, settings = build_request(options)
+    from urdfcheck.run.assemble_run import build_run
     from urdfcheck.run.pipeline import audit_session, is_empty_candidate, plan_units, stream_reports
-    from urdfcheck.run.summary import build_run
     from urdfcheck.system.process_pool import FORKS
 
     plan, units = plan_units(request)

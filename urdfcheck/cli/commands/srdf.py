@@ -55,7 +55,7 @@ def main(words: Sequence[str]) -> int:
     if not report.pairs.pairs:
         say(f"urdfcheck: {path}: no two links have collision geometry that can be read", sys.stderr)
         return NOTHING
-    from urdfcheck.output.shared.inert import escape_for_xml
+    from urdfcheck.output.shared.escaping import escape_for_xml
 
     document = escape_for_xml(render_srdf(report.pairs))
     if options.output is not None:

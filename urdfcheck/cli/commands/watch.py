@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from urdfcheck.cli.terminal import FAILED, erase_progress, make_progress_printer, say
 from urdfcheck.core.errors import UrdfcheckError
-from urdfcheck.output.shared.inert import escape_one_line
+from urdfcheck.output.shared.escaping import escape_one_line
 from urdfcheck.policy.config import OWN_FILE, PROJECT_FILE
 from urdfcheck.run.jobs import Request
 from urdfcheck.run.pipeline import AuditedRun, Execution, run_audit

@@ -22,11 +22,7 @@ from urdfcheck.facts.likeness.mirror import (
     measure_principal_deviation,
 )
 from urdfcheck.model.likeness.declared_inertials import copy_inertial, mirror_inertial, read_declared_inertial
-from urdfcheck.model.likeness.mirror_pairs import (
-    MirrorPair,
-    list_alike_links_elsewhere,
-    mirror_pairs,
-)
+from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_alike_links_elsewhere, mirror_pairs
 from urdfcheck.model.likeness.shape_comparison import DIFFERENT
 from urdfcheck.model.parts import TENSOR_NAMES, Link
 from urdfcheck.model.repairs.edits import AttributeChange

@@ -17,7 +17,7 @@ from urdfcheck.output.html.sections.page_header import make_report_title, render
 from urdfcheck.output.html.sections.toolbar import render_toolbar
 from urdfcheck.output.html.viewer.scene_data import build_scene_data
 from urdfcheck.output.html.viewer.viewer_page import read_viewer_style, render_viewer, render_viewer_scripts
-from urdfcheck.output.shared.inert import escape_for_html, escape_for_json
+from urdfcheck.output.shared.escaping import escape_for_html, escape_for_json
 
 KEYS = (
     ("/", "search the findings"),

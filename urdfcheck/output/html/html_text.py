@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from urdfcheck.output.shared.inert import escape_invisible
+from urdfcheck.output.shared.escaping import escape_invisible
 
 NO_VALUE = "—"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -18,7 +18,7 @@ from urdfcheck.output.html.page_frame import read_asset, read_style_sheet, rende
 from urdfcheck.output.html.report_parts import ReportPart
 from urdfcheck.output.html.rule_markdown import render_inline
 from urdfcheck.output.shared.audit.unit_lines import AuditSummary, RuleCount, UnitRow, build_unit_line, parse_unit_line
-from urdfcheck.output.shared.inert import escape_for_html
+from urdfcheck.output.shared.escaping import escape_for_html
 from urdfcheck.output.shared.wording import SEVERITY_ORDER, get_base_name
 
 # Rules named in a model's row; the filter finds all of them.

@@ -9,7 +9,7 @@ from functools import cache
 from importlib.resources import files
 
 from urdfcheck.output.html.html_text import escape_html
-from urdfcheck.output.shared.inert import escape_for_html
+from urdfcheck.output.shared.escaping import escape_for_html
 
 
 def render_document_head(title: str, style: str, scripts: Sequence[str] = ()) -> str:

@@ -20,7 +20,7 @@ from urdfcheck.output.shared.drop_test_wording import (
     format_release_heading,
     has_equal_contacts,
 )
-from urdfcheck.output.shared.inert import escape_one_line
+from urdfcheck.output.shared.escaping import escape_one_line
 
 # Rows of a contact table.
 MOST_LINKS = 12

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from urdfcheck.core.drop_test import LATE_SECONDS, DropTest, GroundContact, ReleaseResult, StabilityCurve
-from urdfcheck.output.shared.inert import escape_one_line
+from urdfcheck.output.shared.escaping import escape_one_line
 
 
 def describe_drop_setup(drop_test: DropTest) -> list[str]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from urdfcheck.core import Finding, Severity
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.shared.anchors import ElementKey, SeverityMark, build_finding_cards, compute_severity_marks
-from urdfcheck.output.shared.inert import escape_one_line
+from urdfcheck.output.shared.escaping import escape_one_line
 from urdfcheck.output.shared.kinematic_forest import LAUNCH, REPEATED, TreeEdge, TreeNode, build_forest
 
 # Mermaid's default limits: characters of a chart, and edges.

@@ -18,10 +18,10 @@ from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile
-from urdfcheck.source.xacro.file_access import FileAccess
+from urdfcheck.source.xacro.expansion_state import ExpansionTrace
 from urdfcheck.source.xacro.origins import InvalidOutputError, convert_node
+from urdfcheck.source.xacro.outside_access import FileAccess
 from urdfcheck.source.xacro.patches import TracedArguments
-from urdfcheck.source.xacro.trace import ExpansionTrace
 from urdfcheck.source.xacro.tracer import Tracer
 
 

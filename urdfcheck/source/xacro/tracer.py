@@ -17,11 +17,12 @@ from xml.dom import minidom
 
 from urdfcheck.core import Location, Span
 from urdfcheck.source.text.xml import Attribute, Definition
+from urdfcheck.source.xacro.expansion_state import CYCLE, ActiveCall, ExpansionTrace
 from urdfcheck.source.xacro.expressions import FORBIDDEN_BUILTINS, ExpressionRefusedError, compile_expression
-from urdfcheck.source.xacro.file_access import FileAccess
 from urdfcheck.source.xacro.guards import Guards
 from urdfcheck.source.xacro.macro_parameters import parse_next_parameter
 from urdfcheck.source.xacro.origins import get_origin
+from urdfcheck.source.xacro.outside_access import FileAccess
 from urdfcheck.source.xacro.patches import (
     ConvertedArguments,
     SubstitutionContext,
@@ -29,7 +30,6 @@ from urdfcheck.source.xacro.patches import (
     make_silent,
     replace_attribute,
 )
-from urdfcheck.source.xacro.trace import CYCLE, ActiveCall, ExpansionTrace
 
 # Each frame of xacro's own recursion comes with one or two of ours: a chain of macros that plain xacro expands must fit.
 _RECURSION_FACTOR = 3

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from urdfcheck.core import Rule
 from urdfcheck.output.shared.audit.unit_lines import AuditSummary, UnitRow
-from urdfcheck.output.shared.inert import escape_for_log, escape_one_line
+from urdfcheck.output.shared.escaping import escape_for_log, escape_one_line
 from urdfcheck.output.shared.rule_statistics import format_table
 from urdfcheck.output.shared.wording import SEVERITY_ORDER
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from urdfcheck.core import Finding, ModelInfo, Severity, SkippedCheck
-from urdfcheck.output.shared.inert import escape_for_json
+from urdfcheck.output.shared.escaping import escape_for_json
 from urdfcheck.output.shared.json_objects import build_finding_object, build_model_object, build_skip_object
 
 SCHEMA = "urdfcheck-audit/1"

@@ -14,15 +14,15 @@ from xml.parsers import expat
 from urdfcheck.core import Location
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, find_unbound_prefix, parse_xml
-from urdfcheck.source.xacro.expressions import ExpressionRefusedError
-from urdfcheck.source.xacro.origins import attach_origins
-from urdfcheck.source.xacro.trace import (
+from urdfcheck.source.xacro.expansion_state import (
     NODES_OF_FILE,
     ExpansionStoppedError,
     ExpansionTrace,
     UnknownPackageError,
     YamlFileError,
 )
+from urdfcheck.source.xacro.expressions import ExpressionRefusedError
+from urdfcheck.source.xacro.origins import attach_origins
 
 # The variables that any file may read: they are the same for all who build it for one distribution of ROS.
 READABLE_ENVIRONMENT = frozenset({"ROS_DISTRO", "ROS_PYTHON_VERSION", "ROS_VERSION"})

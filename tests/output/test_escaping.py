@@ -16,7 +16,7 @@ from output.runs import SOURCE, a_run, finding, info, span_of
 from urdfcheck.core import Location
 from urdfcheck.export.link_pairs import LinkPair, LinkPairs, render_srdf
 from urdfcheck.output import FORMATS, render
-from urdfcheck.output.shared import inert
+from urdfcheck.output.shared import escaping as inert
 from urdfcheck.output.text import render as render_text
 from urdfcheck.source.text.xml import quote_attribute
 

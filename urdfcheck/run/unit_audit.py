@@ -25,7 +25,7 @@ from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.policy import TIERS
 from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run.comment_usage import assess_comments
-from urdfcheck.run.findings import admit_finding, settle_unit_findings
+from urdfcheck.run.findings import admit_finding, finalize_unit_findings
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
 from urdfcheck.source.launch.launch_file import Launch, load_launch
@@ -298,7 +298,7 @@ class _UnitAudit:
             for comment in find_ignore_comments(SourceFile(Path(name), name, text=text))
         ]
         comments = comments if self.options.heed_comments else []
-        settled = settle_unit_findings(
+        settled = finalize_unit_findings(
             self.findings,
             unit=self.unit,
             policy=self.policy,

@@ -14,7 +14,7 @@ from urdfcheck.core import Finding, Location, Rule, Run, SkippedCheck, Span
 from urdfcheck.policy import baseline
 from urdfcheck.policy.suppression import report_bad_comments
 from urdfcheck.rules import has_check, load_check, load_rules
-from urdfcheck.run.findings import settle_run_findings
+from urdfcheck.run.findings import finalize_run_findings
 from urdfcheck.run.jobs import Request, Unit, UnitReport
 from urdfcheck.source.discover import Plan
 from urdfcheck.source.package.finder import format_path
@@ -58,7 +58,7 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
 
     return Run(
         models=models,
-        findings=settle_run_findings(audited_units, request.policy, across_models=across_models, review=review),
+        findings=finalize_run_findings(audited_units, request.policy, across_models=across_models, review=review),
         skipped=skipped,
         rules=_select_rules(request, units),
         versions=collect_versions(full=request.options.scene),
