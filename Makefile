@@ -26,6 +26,7 @@ coverage: $(VENV)/.tested
 
 # One rule alone: make rule CODE=NAM008 tests its page, its style and its types in seconds.
 rule: $(VENV)/.tested
+	@test -n "$(CODE)" || { echo "usage: make rule CODE=NAM008"; exit 2; }
 	@$(BIN)/python -m urdfcheck.dev rule $(CODE)
 
 # The index of the rules, the page about the model, the table of the hostile files and the sample reports; tests say when they are stale.

@@ -54,7 +54,7 @@ def test_a_new_rule_fails_until_it_is_filled_in(checkout: Path) -> None:
     assert load_page(page).stem == module.stem
     unfilled = run_page_tests(checkout)
     assert unfilled.returncode == 1, unfilled.stdout + unfilled.stderr
-    assert "is still to be written" in unfilled.stdout
+    assert "TODO left on the page" in unfilled.stdout
     assert "test_bad_block_gives_the_finding_on_the_marked_line" in unfilled.stdout
     for path in (page, module):
         text = path.read_text(encoding="utf-8")
@@ -71,8 +71,8 @@ def test_a_new_rule_fails_until_it_is_filled_in(checkout: Path) -> None:
         ("NAM8", "x", "is not a code"),
         ("NAM998", "Dangling", "is not a name"),
         ("ABC001", "x", "rules/families.toml"),
-        ("NAM001", "x", "exists already"),
-        ("NAM998", "illegal-name", "exists already"),
+        ("NAM001", "x", "the code NAM001 is taken"),
+        ("NAM998", "illegal-name", "the name illegal-name is taken"),
     ],
 )
 def test_a_wrong_code_or_name_is_refused_with_the_reason(code: str, name: str, reason: str) -> None:
@@ -83,6 +83,22 @@ def test_a_wrong_code_or_name_is_refused_with_the_reason(code: str, name: str, r
 def test_a_folder_that_is_not_a_checkout_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UrdfcheckError, match="not a checkout"):
         write_new_rule("NAM998", "x", tmp_path)
+
+
+def test_what_is_written_already_is_not_overwritten(tmp_path: Path) -> None:
+    for folder in ("rules", "urdfcheck/checks"):
+        (tmp_path / folder).mkdir(parents=True)
+    check = tmp_path / "urdfcheck" / "checks" / "nam998_dangling_underscore.py"
+    check.write_text("mine")
+    with pytest.raises(UrdfcheckError, match="nothing was written"):
+        write_new_rule("NAM998", "dangling-underscore", tmp_path)
+    assert check.read_text() == "mine"
+    assert not list((tmp_path / "rules").iterdir())
+
+
+def test_a_code_in_small_letters_is_understood(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["rule", "nam001"]) == 2
+    assert "did you mean NAM001?" in capsys.readouterr().err
 
 
 def test_the_tests_of_a_rule_that_does_not_exist(capsys: pytest.CaptureFixture[str]) -> None:

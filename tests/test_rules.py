@@ -149,7 +149,7 @@ def sentences(rule: Rule) -> Iterator[str]:
 
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.code)
 def test_page_is_complete(rule: Rule) -> None:
-    assert TO_DO not in rule.page, "what is marked with TODO is still to be written"
+    assert TO_DO not in rule.page, "TODO left on the page"
     headings = re.findall(r"^## (.+)$", rule.page, re.MULTILINE)
     wanted = HEADINGS if has_check(rule) else [h for h in HEADINGS if h not in {"Bad", "Good", "References"}]
     assert [h for h in headings if h in HEADINGS] == [h for h in HEADINGS if h in headings]

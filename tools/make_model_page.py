@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parent.parent
-MODEL = REPOSITORY / "urdfcheck" / "model"
+PACKAGE = REPOSITORY / "urdfcheck"
 PAGE = REPOSITORY / "docs" / "what-a-check-can-ask.md"
 
 INTRODUCTION = """\
@@ -24,33 +24,49 @@ once per model. This page is made from the docstrings by `make reports`.
 
 # The classes that a check handles all the time, in the order in which it meets them.
 CLASSES = (
-    ("robot.py", ("Model",)),
-    ("parts.py", None),
-    ("tree.py", None),
-    ("meshes.py", None),
+    ("model/robot.py", {"Model"}),
+    ("model/parts.py", None),
+    ("model/tree.py", {"Tree"}),
+    ("model/meshes.py", None),
+    ("source/text/xml.py", {"Element", "Attribute"}),
+    ("source/load.py", {"Source"}),
+    ("model/launch_context.py", None),
 )
+# Functions that checks share: how words and numbers are written and read, and edits made.
+SHARED = ("core/text.py", "source/text/values.py", "model/repairs/edits.py")
 
 
 def render_page() -> str:
     """Return the text of the page."""
     parts = [INTRODUCTION]
     for name, wanted in CLASSES:
-        module = ast.parse((MODEL / name).read_text(encoding="utf-8"))
+        module = ast.parse((PACKAGE / name).read_text(encoding="utf-8"))
         for node in module.body:
             if (
                 isinstance(node, ast.ClassDef)
                 and not node.name.startswith("_")
                 and (wanted is None or node.name in wanted)
             ):
-                parts.append(_render_class(node, f"urdfcheck.model.{name.removesuffix('.py')}"))
+                parts.append(_render_class(node, _name_module(PACKAGE / name)))
+    parts.append("\n# Words, numbers and edits\n")
+    for name in SHARED:
+        module = ast.parse((PACKAGE / name).read_text(encoding="utf-8"))
+        parts.append(_render_functions(PACKAGE / name, list(_list_functions(module, of_model=False))))
     parts.append("\n# Functions of the model\n")
-    for path in sorted(MODEL.rglob("*.py")):
-        rows = list(_list_functions(ast.parse(path.read_text(encoding="utf-8"))))
+    for path in sorted((PACKAGE / "model").rglob("*.py")):
+        rows = list(_list_functions(ast.parse(path.read_text(encoding="utf-8")), of_model=True))
         if rows:
-            module_name = ".".join(path.relative_to(REPOSITORY).with_suffix("").parts)
-            doc = _read_summary(ast.parse(path.read_text(encoding="utf-8")))
-            parts.append(f"\n## `{module_name}`\n\n{doc}\n\n| function | returns | |\n|---|---|---|\n{''.join(rows)}")
+            parts.append(_render_functions(path, rows))
     return "".join(parts)
+
+
+def _render_functions(path: Path, rows: list[str]) -> str:
+    doc = _read_summary(ast.parse(path.read_text(encoding="utf-8")))
+    return f"\n## `{_name_module(path)}`\n\n{doc}\n\n| function | returns | |\n|---|---|---|\n{''.join(rows)}"
+
+
+def _name_module(path: Path) -> str:
+    return ".".join(path.relative_to(REPOSITORY).with_suffix("").parts)
 
 
 def _render_class(node: ast.ClassDef, module: str) -> str:
@@ -66,13 +82,13 @@ def _render_class(node: ast.ClassDef, module: str) -> str:
     return f"\n## `{node.name}` ({module})\n\n{doc}\n\n| name | type | |\n|---|---|---|\n{''.join(rows)}"
 
 
-def _list_functions(module: ast.Module) -> Iterator[str]:
-    """Rows about the public functions whose first parameter is the model."""
+def _list_functions(module: ast.Module, *, of_model: bool) -> Iterator[str]:
+    """Yield rows about the public functions; with ``of_model`` those whose first parameter is the model."""
     for node in module.body:
         if not isinstance(node, ast.FunctionDef) or node.name.startswith("_"):
             continue
         arguments = [*node.args.posonlyargs, *node.args.args]
-        if not arguments or arguments[0].arg != "model":
+        if of_model and (not arguments or arguments[0].arg != "model"):
             continue
         is_fact = any(isinstance(d, ast.Name) and d.id == "fact" for d in node.decorator_list)
         doc = ("**fact** " if is_fact else "") + _read_summary(node)

@@ -120,12 +120,31 @@ class Rule:
             severity=self.severity if severity is None else severity,
             confidence=self.confidence if confidence is None else confidence,
             message_id=message,
-            message=self.messages[message].format_map(data),
+            message=_fill_template(self.messages, message, data, where=f"[messages] of {self.code}"),
             location=location,
             subjects=(location.subject,),
             related=tuple({(p.subject, p.span): p for p in places}.values()),
-            cause=None if cause is None else Cause(cause, self.causes[cause].format_map(data)),
+            cause=None
+            if cause is None
+            else Cause(cause, _fill_template(self.causes, cause, data, where=f"[causes] of {self.code}")),
             consequences={**{k: v.format_map(data) for k, v in consumers.items()}, **(consequences or {})},
             data=data,
-            fix=Fix(self.fixes[message].format_map(data), applicability if edits else Applicability.DISPLAY, edits),
+            fix=Fix(
+                _fill_template(self.fixes, message, data, where=f"[fixes] of {self.code}"),
+                applicability if edits else Applicability.DISPLAY,
+                edits,
+            ),
         )
+
+
+def _fill_template(templates: Mapping[str, str], name: str, data: Mapping[str, Any], *, where: str) -> str:
+    """Fill a template of a page; ``where`` names its table and rule.
+
+    :raises KeyError: when there is no such template, or ``data`` lacks a value; the message says which.
+    """
+    if name not in templates:
+        raise KeyError(f"{where} has no {name!r}; it has: {', '.join(templates)}")
+    try:
+        return templates[name].format_map(data)
+    except KeyError as missing:
+        raise KeyError(f"{where} {name!r} needs {missing}, which rule.finding() did not get") from None

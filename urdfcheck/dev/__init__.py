@@ -1,1 +1,1 @@
-"""Tools for who works on urdfcheck itself, in a checkout: ``python -m urdfcheck.dev``."""
+"""Tools for people who work on urdfcheck itself, in a checkout: ``python -m urdfcheck.dev``."""

@@ -37,8 +37,8 @@ TODO: one sentence.
 
 ## Why it matters
 
-TODO: what goes wrong, in which program. Where a program does something else than loading what was typed, replace the key
-`consumers` by a table `[consumers]`, e.g. `mujoco = "refuses to compile"`.
+TODO: what goes wrong, in which program. Where a program does something else than loading what was typed, delete the key
+`consumers` and put a table `[consumers]` after the last plain key, e.g. `mujoco = "refuses to compile"`.
 
 ## How to fix
 
@@ -104,11 +104,16 @@ def write_new_rule(code: str, name: str, repository: Path | None = None) -> tupl
         raise UrdfcheckError(f"{name!r} is not a name: words in lower case with hyphens, e.g. dangling-underscore")
     if code[:3] not in load_families():
         raise UrdfcheckError(f"the family {code[:3]} does not exist: add it to rules/families.toml first")
-    taken = [rule for rule in load_rules().values() if code == rule.code or name == rule.name]
-    if taken:
-        raise UrdfcheckError(f"{taken[0].code} {taken[0].name} exists already")
+    for rule in load_rules().values():
+        if code == rule.code:
+            raise UrdfcheckError(f"the code {code} is taken: {rule.code} {rule.name}")
+        if name == rule.name:
+            raise UrdfcheckError(f"the name {name} is taken: {rule.code} {rule.name}")
     page = pages / f"{code}-{name}.md"
     module = checks / f"{page.stem.lower().replace('-', '_')}.py"
+    for path in (page, module):
+        if path.exists():
+            raise UrdfcheckError(f"{path} exists already; nothing was written")
     page.write_text(PAGE.format(code=code, name=name, version=__version__), encoding="utf-8", newline="\n")
     module.write_text(CHECK.format(code=code), encoding="utf-8", newline="\n")
     return page, module

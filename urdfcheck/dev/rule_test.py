@@ -14,13 +14,27 @@ def run_rule_tests(code: str) -> int:
 
     :raises UrdfcheckError: when no page has this code.
     """
-    rule = load_rules().get(code)
+    rules = load_rules()
+    rule = rules.get(code)
+    if rule is None and code.upper() in rules:
+        raise UrdfcheckError(f"{code!r} is not a code: did you mean {code.upper()}?")
     if rule is None:
         raise UrdfcheckError(
             f"no page in rules/ has the code {code!r}: python -m urdfcheck.dev new-rule {code} NAME writes one"
         )
     repository = find_pages_folder().parent
-    commands = [["pytest", "-q", "-p", "no:cacheprovider", "tests/test_rules.py", "-k", f"{code} or {rule.stem}"]]
+    commands = [
+        [
+            "pytest",
+            "-q",
+            "-p",
+            "no:cacheprovider",
+            "tests/test_rules.py",
+            "tests/test_simulators.py",
+            "-k",
+            f"{code} or {rule.stem}",
+        ]
+    ]
     if has_check(rule):
         module = f"urdfcheck/checks/{rule.stem}.py"
         commands += [["ruff", "check", module], ["ruff", "format", "--check", module], ["mypy", module]]
