@@ -21,7 +21,7 @@ test-fast: $(VENV)/.tested
 
 # Branch coverage by room, against the floors in tools/check_coverage.py; about twice the time of make test.
 coverage: $(VENV)/.tested
-	$(BIN)/python -m pytest --numprocesses auto --dist worksteal --cov --cov-report=json
+	COVERAGE_FILE=$(CURDIR)/.coverage $(BIN)/python -m pytest --numprocesses auto --dist worksteal --cov --cov-report=json
 	$(BIN)/python tools/check_coverage.py
 
 # One rule alone: make rule CODE=NAM008 tests its page, its style and its types in seconds.

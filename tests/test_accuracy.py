@@ -16,6 +16,8 @@ from scoring import CLEAN, Outcome, outcomes
 
 from urdfcheck.facts.inertials.mistakes import HYPOTHESES
 
+pytestmark = pytest.mark.slow
+
 NUMBER = 12
 
 

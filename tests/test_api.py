@@ -20,6 +20,8 @@ from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.output.json import render as render_json
 from urdfcheck.system import process_pool
 
+pytestmark = pytest.mark.slow
+
 CAR = FIXTURES / "car-3"
 ROBOT = '<robot name="r"><link name="a"/></robot>'
 XACRO = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">

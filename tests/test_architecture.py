@@ -12,6 +12,8 @@ import pytest
 
 import urdfcheck
 
+pytestmark = pytest.mark.slow
+
 PACKAGE = Path(urdfcheck.__file__).parent
 LINT_IMPORTS = [
     sys.executable,

@@ -13,6 +13,8 @@ import pytest
 import yaml
 from conftest import FIXTURES, REPOSITORY
 
+pytestmark = pytest.mark.slow
+
 
 def git(*words: str, cwd: Path) -> None:
     subprocess.run(

@@ -14,6 +14,7 @@ from urdfcheck import __version__, cli
 from urdfcheck.cli.commands.check import build_parser
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "command",
     [

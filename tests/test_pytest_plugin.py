@@ -11,6 +11,8 @@ import tomli
 
 from urdfcheck.plugins import pytest_plugin
 
+pytestmark = pytest.mark.slow
+
 pytest_plugins = "pytester"
 
 BROKEN = """\

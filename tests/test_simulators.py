@@ -34,6 +34,8 @@ from urdfcheck.simulators.processes import ENGINES, get_install_hint, iter_outco
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
+pytestmark = pytest.mark.slow
+
 # Who is asked otherwise.
 QUICK = ("pinocchio", "urdfdom", "mujoco")
 ALL = bool(os.environ.get("URDFCHECK_ENGINES"))

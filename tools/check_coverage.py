@@ -9,7 +9,18 @@ from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 # Percent of lines and branches that the tests run, rounded down from what was measured. Raise a floor, never lower it.
-FLOORS: dict[str, int] = {}
+FLOORS = {
+    "core": 99,
+    "policy": 98,
+    "run": 95,
+    "source": 97,
+    "fix": 95,
+    "rules": 84,
+    "facts": 98,
+    "model": 97,
+    "checks": 97,
+    "output": 98,
+}
 
 
 def measure_rooms(report: Path) -> dict[str, float]:

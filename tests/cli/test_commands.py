@@ -18,6 +18,8 @@ from conftest import command as urdfcheck
 from urdfcheck import cli
 from urdfcheck.cli import terminal
 
+pytestmark = pytest.mark.slow
+
 SOUND = '<robot name="r"><link name="base"/></robot>'
 BROKEN = (
     '<robot name="r"><link name="a"><inertial><mass value="1"/>'

@@ -20,6 +20,8 @@ from urdfcheck.core.drop_test import STEPS, DropTest
 from urdfcheck.output import html, text
 from urdfcheck.output.json import render as render_json
 
+pytestmark = pytest.mark.slow
+
 CAR_3 = FIXTURES / "car-3" / "urdf" / "car-3.urdf"
 SCHEMA = json.loads((files("urdfcheck.output") / "report.schema.json").read_text(encoding="utf-8"))
 BOX = '<collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision>'

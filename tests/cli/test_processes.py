@@ -15,7 +15,10 @@ from conftest import FIXTURES
 COMMAND = [sys.executable, "-m", "urdfcheck"]
 CAR = str(FIXTURES / "car-3" / "urdf" / "car-3.urdf")
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals and forks are those of POSIX")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform == "win32", reason="signals and forks are those of POSIX"),
+]
 
 
 def many_models(folder: Path) -> Path:

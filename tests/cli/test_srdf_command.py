@@ -11,6 +11,8 @@ from conftest import check
 
 from urdfcheck.cli import FAILED, NOTHING, OK, main
 
+pytestmark = pytest.mark.slow
+
 
 def make_link(name: str, size: str = "", at: str = "0 0 0") -> str:
     """Return a link that collides with a box where a size is given."""

@@ -22,7 +22,10 @@ from urdfcheck.run.jobs import AuditSettings, Unit
 
 pytest.importorskip("distributed")
 pytest.importorskip("joblib")
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the workers are watched by signals")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform == "win32", reason="the workers are watched by signals"),
+]
 
 CLUSTER = """
 import sys

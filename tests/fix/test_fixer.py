@@ -42,6 +42,8 @@ from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.xml import SourceFile, parse_xml
 from urdfcheck.system.files import overlay_files, read_regular, read_start
 
+pytestmark = pytest.mark.slow
+
 LEGACY, CURRENT = "http://ros.org/wiki/xacro", "http://www.ros.org/wiki/xacro"
 JOINT = '<joint name="j{n}" type="{type}"><parent link="base"/><child link="l{n}"/>{inner}</joint><link name="l{n}"/>'
 NOISE = JOINT.replace("{type}", "fixed").replace("{inner}", '<origin xyz="{x} 0 0"/>')

@@ -15,6 +15,8 @@ from conftest import unproven
 
 from urdfcheck.facts.mesh.codec import needs_wide_indices, pack_mesh, unpack_mesh
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "report-ui"
 BUILT = ROOT / "urdfcheck/output/html/app.js"

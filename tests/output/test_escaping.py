@@ -20,6 +20,8 @@ from urdfcheck.output.shared import escaping as inert
 from urdfcheck.output.text import render as render_text
 from urdfcheck.source.text.xml import quote_attribute
 
+pytestmark = pytest.mark.slow
+
 COMMAND = re.compile(r"^\s*::|##\w*\[", re.MULTILINE)
 ACTING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]")
 # Text that is made of what acts, more often than chance would have it.

@@ -14,6 +14,8 @@ from hypothesis import strategies as st
 from urdfcheck.source.xacro.expressions import ExpressionRefusedError, compile_expression
 from urdfcheck.source.xacro.guards import Guards
 
+pytestmark = pytest.mark.slow
+
 NAMES: dict[str, Any] = {
     "n": 3,
     "x": 0.5,

@@ -13,6 +13,8 @@ from urdfcheck.source.text.xml import Definition, SourceFile
 from urdfcheck.source.text.yaml import MAX_CHARACTERS
 from urdfcheck.source.xacro.yaml_values import read_yaml
 
+pytestmark = pytest.mark.slow
+
 Expand = Callable[..., Any]
 
 ROBOT_YAML = """\

@@ -19,7 +19,10 @@ from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.system import sandbox
 from urdfcheck.system.process_pool import WorkerDiedError, WorkerTimeoutError, map_in_processes
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="forks, signals and limits are those of POSIX")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform == "win32", reason="forks, signals and limits are those of POSIX"),
+]
 
 
 def landlock() -> bool:

@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from urdfcheck.core import Finding, Located, Rule
+from urdfcheck.core import FactUnavailableError, Finding, Located, Rule
 from urdfcheck.core.drop_test import LATE_SECONDS, STEP, DropTest, ReleaseResult
 from urdfcheck.model import Model
-from urdfcheck.model.motion.simulated_drop import run_drop_test
 
 # Contacts as deep as the deepest but for rounding; the first of them is reported.
 _AS_DEEP = 0.99
 
 
 def check(model: Model, rule: Rule, *, gain: float, sink: float) -> Iterator[Finding]:
+    if not model.may_simulate:
+        raise FactUnavailableError("needs a simulator: urdfcheck drop")
+    from urdfcheck.model.motion.simulated_drop import run_drop_test  # heavy, and most runs do without
+
     for release, message, data in _iter_drop_defects(run_drop_test(model), gain=gain, sink=sink):
         link = model.link_by_name[data["link"]]
         inertial = link.inertial

@@ -11,7 +11,6 @@ from urdfcheck.core import Edit, Finding, Located, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 from urdfcheck.model import CompleteInertial, Link, Model
-from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.repairs.edits import edit_literals
 from urdfcheck.source.text.xml import Element
 
@@ -64,6 +63,8 @@ def _measure_rotation(declared: CompleteInertial, rel_tol: float) -> _RotatedIne
 
 
 def _has_known_mistake(model: Model, link: Link) -> bool:
+    from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses  # heavy, and needed for few robots only
+
     judged = inertial_diagnoses(model).get(link.name)
     return judged is not None and judged.diagnosis.at_fault and judged.diagnosis.cause is not None
 

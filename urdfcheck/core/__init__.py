@@ -3,26 +3,30 @@
 What only outputs that draw need is in :mod:`urdfcheck.core.scene`.
 """
 
-from urdfcheck.core.errors import FactUnavailableError, UrdfcheckError
-from urdfcheck.core.findings import (
-    NEWLINE,
-    Applicability,
-    Cause,
-    Computed,
-    Confidence,
-    Edit,
-    Finding,
-    Fix,
-    Located,
-    Location,
-    Severity,
-    SkippedCheck,
-    Span,
-    Suppression,
-    Verdict,
-)
-from urdfcheck.core.rule import Rule, RuleFamily, RuleOption
-from urdfcheck.core.run import ModelInfo, Run
+# Type checkers take it for typing's, whose import would double the time that the import of this package takes.
+TYPE_CHECKING = False
+
+if TYPE_CHECKING:
+    from urdfcheck.core.errors import FactUnavailableError, UrdfcheckError
+    from urdfcheck.core.findings import (
+        NEWLINE,
+        Applicability,
+        Cause,
+        Computed,
+        Confidence,
+        Edit,
+        Finding,
+        Fix,
+        Located,
+        Location,
+        Severity,
+        SkippedCheck,
+        Span,
+        Suppression,
+        Verdict,
+    )
+    from urdfcheck.core.rule import Rule, RuleFamily, RuleOption
+    from urdfcheck.core.run import ModelInfo, Run
 
 __all__ = [
     "NEWLINE",
@@ -48,3 +52,41 @@ __all__ = [
     "UrdfcheckError",
     "Verdict",
 ]
+
+# The module of each name. They are imported when they are first used (PEP 562): the start of the command needs the errors only.
+_HOMES = {
+    **dict.fromkeys(("FactUnavailableError", "UrdfcheckError"), "errors"),
+    **dict.fromkeys(
+        (
+            "NEWLINE",
+            "Applicability",
+            "Cause",
+            "Computed",
+            "Confidence",
+            "Edit",
+            "Finding",
+            "Fix",
+            "Located",
+            "Location",
+            "Severity",
+            "SkippedCheck",
+            "Span",
+            "Suppression",
+            "Verdict",
+        ),
+        "findings",
+    ),
+    **dict.fromkeys(("Rule", "RuleFamily", "RuleOption"), "rule"),
+    **dict.fromkeys(("ModelInfo", "Run"), "run"),
+}
+
+if not TYPE_CHECKING:  # a type checker would accept any name
+
+    def __getattr__(name):
+        if name not in _HOMES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        import importlib
+
+        value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+        globals()[name] = value
+        return value

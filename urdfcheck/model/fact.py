@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator
 from functools import wraps
+from inspect import isgeneratorfunction
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
 from urdfcheck.core.errors import FactUnavailableError
@@ -29,6 +30,9 @@ def fact(compute: Callable[Concatenate[M, P], T]) -> Callable[Concatenate[M, P],
 
     :raises TypeError: when the function returns an iterator.
     """
+
+    if isgeneratorfunction(compute):
+        raise TypeError(f"the fact {compute.__name__} is a generator; return a tuple")
 
     @wraps(compute)
     def get(model: M, /, *args: P.args, **kwargs: P.kwargs) -> T:

@@ -11,7 +11,6 @@ from urdfcheck.core import Edit, Span
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_solid_inertia
 from urdfcheck.model.fact import fact
-from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.parts import Link
 from urdfcheck.model.repairs.inertial_edits import NEGLIGIBLE_DIFFERENCE, InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
@@ -37,6 +36,10 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
 
     Without such an edit, the inertia of the drawn part.
     """
+    from urdfcheck.model.inertials.inertia_diagnosis import (
+        inertial_diagnoses,  # heavy, and needed for wrong inertials only
+    )
+
     diagnosed = inertial_diagnoses(model).get(link.name)
     change = propose_undo(model, link)
     if diagnosed is not None and change is not None and diagnosed.diagnosis.mended is not None:
@@ -67,6 +70,10 @@ def propose_undo(model: Model, link: Link) -> InertialRepair | None:
     None where no mistake is certain, or it is not in the inertial. Without edits where a macro wrote the same text for
     other links, in which this mistake was not found.
     """
+    from urdfcheck.model.inertials.inertia_diagnosis import (
+        inertial_diagnoses,  # heavy, and needed for wrong inertials only
+    )
+
     diagnosed, inertial = inertial_diagnoses(model).get(link.name), link.inertial
     if diagnosed is None or inertial is None or diagnosed.diagnosis.mended is None:
         return None
@@ -111,6 +118,10 @@ def _links_by_inertial_text(model: Model) -> Mapping[Span | None, Sequence[Link]
 
 
 def _identify_mistake(model: Model, link: Link) -> Hashable:
+    from urdfcheck.model.inertials.inertia_diagnosis import (
+        inertial_diagnoses,  # heavy, and needed for wrong inertials only
+    )
+
     diagnosed = inertial_diagnoses(model).get(link.name)
     return None if diagnosed is None else (diagnosed.diagnosis.cause, diagnosed.diagnosis.detail)
 
