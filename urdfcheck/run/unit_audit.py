@@ -11,12 +11,10 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core import FactUnavailableError, Finding, Location, ModelInfo, Rule, SkippedCheck, Span
-from urdfcheck.core.drop_test import DropTest
 from urdfcheck.core.errors import ModelTimeout
-from urdfcheck.core.scene import Scene
 from urdfcheck.export.link_pairs import LinkPairs, compute_link_pairs
 from urdfcheck.export.outline import ModelOutline, build_outline
 from urdfcheck.model import Model
@@ -38,6 +36,10 @@ from urdfcheck.source.text.suppression_comments import find_ignore_comments
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.system.array_cache import ArrayCache
 from urdfcheck.system.files import overlay_files, read_regular, record_reads
+
+if TYPE_CHECKING:
+    from urdfcheck.core.drop_test import DropTest
+    from urdfcheck.core.scene import Scene
 
 _TIER_OF_NEED = {
     **dict.fromkeys(("source", "package"), "source"),
