@@ -31,7 +31,10 @@ CELLS = "corners differ by millionths of the diagonal, and borders of trimesh's 
 
 _ROBOTIQ = "Daniella1__urdf_files_dataset/urdf_files/ros-industrial/robotiq/robotiq_3f_gripper_visualization"
 _ABB = "Daniella1__urdf_files_dataset/urdf_files/ros-industrial/xacro_generated/abb/abb_irb1600_support"
+_K1 = "BoosterRobotics__booster_assets/robots/K1"
 DIFFERENT = {
+    f"{_K1}/meshes/Left_Shank.STL": ({"watertight"}, CELLS),
+    f"{_K1}/meshes/Right_Shank.STL": ({"watertight"}, CELLS),
     f"{_ROBOTIQ}/meshes/robotiq-3f-articulated/visual/palm.dae": ({"watertight"}, CELLS),
     f"{_ABB}/meshes/irb1600/collision/link_4.stl": ({"watertight"}, CELLS),
     f"{_ABB}/meshes/irb1600/collision/link_5.stl": ({"watertight"}, CELLS),
@@ -90,7 +93,8 @@ def test_facts_agree_with_trimesh(
             differing = set(differences(facts, as_stored(file)))
             if differing:
                 found[file.name] = differing
-    assert found == {name: facts for name, (facts, _) in DIFFERENT.items()}
+    names = {file.name for file in files}
+    assert found == {name: facts for name, (facts, _) in DIFFERENT.items() if name in names}
 
 
 def as_stored(file: MeshFile) -> trimesh.Trimesh:

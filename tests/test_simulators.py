@@ -48,6 +48,10 @@ KNOWN = {
     ("MSH009-bad-1", "bullet"): "it does not follow the <instance_node> of COLLADA",
     ("Daniella1/urdf_files_dataset:pioneer3dx", "mujoco"): "a fixed joint has an <axis> without xyz",
     ("Gepetto/example-robot-data:talos_full_v2", "gazebo"): "the pose of the merged inertial is not finite",
+    (
+        "unitreerobotics/unitree_ros:b2_description",
+        "mujoco",
+    ): "it refuses a missing mesh that PKG002 does not hold against it",
     ("PR2/pr2_common:pr2", "gazebo"): "joints inside of <gazebo> name a link that the conversion drops",
 }
 # Bytes: of a robot with larger meshes there is nothing to be learned that others do not show.
@@ -174,7 +178,7 @@ def robots(corpus: Path) -> list[Example]:
     """Real robots without large meshes."""
     found: list[Example] = []
     for entry in list_robots(corpus):
-        if not entry["expands"] or not entry["urdf_links"]:
+        if not entry["expands"] or not entry.get("urdf_links"):
             continue
         roots = tuple(corpus / root for root in entry["package_roots"])
         request = {"arguments": entry["xacro_args"], "package_paths": roots, "tier": "mesh"}

@@ -754,8 +754,8 @@ def test_real_robots_stay_the_same_but_for_safe_edits(corpus: Path, tmp_path: Pa
     roots = {e["package_roots"][0]: e for e in entries}
     size = {root: sum(f.stat().st_size for f in (corpus / root).rglob("*")) for root in roots}
     changed = 0
-    for root in sorted(roots, key=lambda root: size[root])[:10]:
-        entry, copy = roots[root], tmp_path / root
+    for number, root in enumerate(sorted(roots, key=lambda root: size[root])[:10]):
+        entry, copy = roots[root], tmp_path / str(number) / root  # one may lie in another
         shutil.copytree(corpus / root, copy)
         for path in copy.rglob("*"):
             path.chmod(path.stat().st_mode | 0o200)
