@@ -13,7 +13,7 @@ import signal
 import subprocess
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any, NoReturn
@@ -109,17 +109,32 @@ def pytest_collection_finish() -> None:
 NUMBERS = itertools.count()
 
 
-@pytest.fixture
-def tmp_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder of the test's own, and deeper than packages are looked for around a model: not among those of other tests.
+FAILED = pytest.StashKey[bool]()
 
-    Made step by step, because pathlib tries the deepest first, and numbered here, because pytest renews a link each time.
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    report = yield
+    item.stash[FAILED] = item.stash.get(FAILED, False) or report.failed
+    return report
+
+
+@pytest.fixture
+def tmp_path(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A folder of the test's own, and deeper than packages are looked for around a model: not among those of other tests. It
+    stays where the test failed.
+
+    Made step by step, because pathlib tries the deepest first; numbered here, because pytest renews a link each time; and
+    removed here, because pytest's own removal of the last run but two comes at the end and takes ten seconds of one core.
     """
-    folder = tmp_path_factory.getbasetemp()
-    for name in (f"test_{next(NUMBERS)}", *"abcdefg"[: LEVELS_UP + 1]):
+    top = folder = tmp_path_factory.getbasetemp() / f"test_{next(NUMBERS)}"
+    top.mkdir()
+    for name in "abcdefg"[: LEVELS_UP + 1]:
         folder = folder / name
         folder.mkdir()
-    return folder
+    yield folder
+    if not request.node.stash.get(FAILED, False):
+        shutil.rmtree(top, ignore_errors=True)
 
 
 @pytest.fixture(autouse=True)

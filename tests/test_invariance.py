@@ -23,6 +23,8 @@ from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 from urdfcheck.rules import load_rules
 
+pytestmark = pytest.mark.slow
+
 Array = NDArray[np.float64]
 
 DENSITY = 1300.0

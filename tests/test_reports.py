@@ -5,7 +5,10 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
 from conftest import REPOSITORY
+
+pytestmark = pytest.mark.slow
 
 
 def test_sample_reports_are_current() -> None:

@@ -377,6 +377,7 @@ def make_folded_chain(links: int = 5) -> str:
     return robot(*parts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", ["arm", "car-3"])
 def test_every_pair_and_configuration_is_as_coal_sees_it_alone(tmp_path: Path, source: str) -> None:
     """No bounding volume, no proof: each pair of shapes in each configuration, asked one by one.

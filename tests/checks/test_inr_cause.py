@@ -30,6 +30,8 @@ from urdfcheck.facts.inertials.mistakes import HYPOTHESES
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 from urdfcheck.rules import load_rules
 
+pytestmark = pytest.mark.slow
+
 CODES = {"INR003", "INR004", "INR007", "INR008", "INR009", "MSH008"}
 DRAWN = geometry(CASTING)
 TRUE = uniform(DRAWN.solid)

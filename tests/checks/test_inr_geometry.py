@@ -427,6 +427,7 @@ def inside(kind: str, random: np.random.Generator) -> Array:
     return ball
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "shape"),
     [

@@ -17,6 +17,8 @@ from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.system.array_cache import ArrayCache
 
+pytestmark = pytest.mark.slow
+
 MASS = 0.4321
 # A part without any symmetry: corners of a tetrahedron in m.
 LUMP = [(0, 0, 0), (0.1, 0, 0), (0.01, 0.06, 0), (0.02, 0.01, 0.03)]

@@ -28,6 +28,8 @@ from urdfcheck.model.likeness.mirror_pairs import MirrorPair, mirror_pairs
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
+pytestmark = pytest.mark.slow
+
 SIX = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 DENSITY = 900.0
 ASKEW = rpy_to_matrix((0.4, -0.7, 1.1))

@@ -111,6 +111,7 @@ def test_a_chain_of_links_ends_at_a_limit_and_is_named_at_its_last_link(
     assert [skip.code for skip in run.skipped] == ["XML014"]
 
 
+@pytest.mark.slow
 def test_a_chain_of_five_thousand_links_is_named_and_ends_nothing(tmp_path: Path) -> None:
     run = check_text(tmp_path, chain(5_000), codes={"URC905", "KIN004", "XML014"})
     assert [f.code for f in run.findings] == ["URC905"]

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
 
+pytestmark = pytest.mark.slow
+
 Array = NDArray[np.float64]
 # Of a cylinder along z, so that it lies along y.
 ACROSS = rpy_to_matrix((np.pi / 2, 0, 0))

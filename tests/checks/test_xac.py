@@ -80,6 +80,7 @@ def test_failure_in_a_macro_names_the_calls_and_the_definition(tmp_path: Path) -
     assert finding.data["macros"] == ["wheel"]
 
 
+@pytest.mark.slow
 def test_endless_recursion_points_at_the_call_that_closes_the_circle(tmp_path: Path) -> None:
     text = """<xacro:macro name="a" params=""><xacro:b/></xacro:macro>
 <xacro:macro name="b" params=""><xacro:a/></xacro:macro>

@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 
 from urdfcheck.facts.mesh.codec import STEPS, needs_wide_indices, pack_mesh, unpack_mesh
 
+pytestmark = pytest.mark.slow
+
 NO_HOLES = np.zeros((0, 2, 3))
 
 

@@ -46,6 +46,7 @@ def test_on_an_edge_the_way_out_is_across_it() -> None:
     assert found.outwards == pytest.approx((1.0, 0.0, 0.0))
 
 
+@pytest.mark.slow
 def test_moving_turning_and_scaling_the_body_change_nothing() -> None:
     for _ in range(20):
         com = RANDOM.uniform((-0.3, -0.2, 0.1), (0.3, 0.2, 0.4))

@@ -34,6 +34,8 @@ from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.mistakes import HYPOTHESES
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
+pytestmark = pytest.mark.slow
+
 DRAWN = geometry(CASTING)
 TRUE = uniform(DRAWN.solid)
 BY_ID = {id: mistake for id, _, mistake in MISTAKES}

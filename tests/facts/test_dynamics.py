@@ -100,6 +100,7 @@ def robots(draw: st.DrawFn) -> list[Part]:
     ]
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(robots(), st.lists(st.floats(-3, 3), min_size=5, max_size=5), st.floats(-3, 3), st.floats(0.1, 10))
 def test_gravity_torques_are_the_moments_of_the_weights(
@@ -142,6 +143,7 @@ def test_inverse_mass_matrices_are_the_inverses(parts: list[Part], values: list[
     assert_allclose(product, np.eye(model.nv), atol=1e-6)
 
 
+@pytest.mark.slow
 @given(st.lists(st.floats(1e-3, 1e3), min_size=3, max_size=3))
 def test_conditioning_does_not_depend_on_the_units_of_the_joints(factors: list[float]) -> None:
     parts = [Part(i - 1, "revolute", (0, 1, 0), (0, 0, 0.5), com=(0, 0, 0.2)) for i in range(3)]

@@ -12,6 +12,8 @@ from scipy.optimize import nnls
 from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure_extent, measure_hull_distance
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
+pytestmark = pytest.mark.slow
+
 CUBE = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 seed = st.integers(0, 10**6)
 

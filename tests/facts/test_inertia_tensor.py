@@ -33,6 +33,8 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
+pytestmark = pytest.mark.slow
+
 size = st.floats(0.01, 3.0)
 angle = st.floats(-3.0, 3.0)
 mass = st.floats(0.01, 100.0)

@@ -64,6 +64,7 @@ def test_in_a_row_the_neighbours_say_it(index: int) -> None:
     assert one.layout == "a row with 100 mm between neighbours"
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(
     st.permutations(range(4)), st.tuples(angle, angle, angle), st.tuples(shift, shift, shift), st.floats(0.01, 100.0)
@@ -78,6 +79,7 @@ def test_the_verdict_depends_on_neither_order_nor_pose_nor_size(
     assert_allclose(one.expected, scale * (turn @ CORNERS[3] + move), atol=1e-5 * scale)
 
 
+@pytest.mark.slow
 @settings(max_examples=50)
 @given(
     st.sampled_from((4, 5, 6, 8)),

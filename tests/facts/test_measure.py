@@ -183,6 +183,7 @@ def test_unequal_bodies_add_up_by_the_parallel_axis_theorem() -> None:
     assert_allclose(facts.covariance, whole.covariance, atol=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mesh", "solid"),
     [
@@ -202,6 +203,7 @@ numbers = st.floats(-2, 2)
 sizes = st.floats(0.05, 2)
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(
     scale=st.tuples(sizes, sizes, sizes),
@@ -326,6 +328,7 @@ def test_float_noise_between_equal_corners_is_welded_and_a_gap_is_not(noise: flo
         assert facts.n_vertices == 8
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(st.integers(0, 2**32 - 1), st.tuples(sizes, sizes, sizes))
 def test_noise_below_the_tolerance_is_welded_wherever_it_falls(seed: int, size: tuple[float, float, float]) -> None:

@@ -19,6 +19,8 @@ from urdfcheck.facts.likeness.symmetry import (
 )
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
+pytestmark = pytest.mark.slow
+
 # Four wheels of a car as typed in its joints: xyz, rpy, axis. The right ones face the other way round, so that their
 # axes agree with the left ones' in the base; one π has five digits. The first is turned about its own axis.
 CAR_XYZ = [(0.07, 0.052, 0), (-0.07, 0.052, 0), (0.07, -0.052, 0), (-0.07, -0.052, 0)]

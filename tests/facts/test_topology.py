@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 from urdfcheck.facts.mesh import topology
 from urdfcheck.facts.mesh.topology import classify_edges, count_component_faces, find_repeated_faces, weld_exact
 
+pytestmark = pytest.mark.slow
+
 # Few different numbers, so that corners and faces do coincide; -0 equals 0.
 coordinates = st.sampled_from((0.0, -0.0, 1.0, -1.0, 0.5, 1e-30, 3.0))
 corners = st.lists(st.tuples(coordinates, coordinates, coordinates), min_size=3, max_size=60)

@@ -583,6 +583,7 @@ def test_suppressed_findings_do_not_colour_the_tree() -> None:
     assert document(a_run(finding(suppressed=Suppression("source", "known")))).classes("node", "error") == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drawn", [chain(300), star(200), scene()], ids=["chain of 300", "star of 200", "small"])
 def test_boxes_neither_overlap_nor_leave_the_page(drawn: object) -> None:
     nodes = build_forest(drawn)  # type: ignore[arg-type]

@@ -18,6 +18,8 @@ from urdfcheck.output.html.index_page import iter_audit_page
 from urdfcheck.output.shared.audit.unit_lines import AuditSummary, UnitRow
 from urdfcheck.rules import load_rules
 
+pytestmark = pytest.mark.slow
+
 
 def row(name: str, errors: int, status: str = "checked", *more: str, mass: float | None = 2.0) -> UnitRow:
     codes = [("INR003", Severity.ERROR, errors)] if errors else []

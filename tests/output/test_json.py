@@ -13,6 +13,8 @@ from conftest import FIXTURES, check, check_text
 
 from urdfcheck.output.json import render
 
+pytestmark = pytest.mark.slow
+
 SCHEMA = json.loads((files("urdfcheck.output") / "report.schema.json").read_text(encoding="utf-8"))
 
 

@@ -23,6 +23,8 @@ from urdfcheck.output import html
 from urdfcheck.output.png import render
 from urdfcheck.output.shared import robot_picture
 
+pytestmark = pytest.mark.slow
+
 RED, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
 WIDTH, HEIGHT = 160, 120
 

@@ -145,6 +145,7 @@ def car_3() -> Run:
         return check(FIXTURES / "car-3", tier="source")
 
 
+@pytest.mark.slow
 def test_a_real_run_keeps_to_both(car_3: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(FIXTURES)
     run = sarif_of(car_3)

@@ -13,7 +13,7 @@ from urdfcheck.core import UrdfcheckError
 from urdfcheck.policy import baseline
 from urdfcheck.policy.config import CliOverrides, ConfigResolver
 
-pytestmark = pytest.mark.usefixtures("one_process")
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("one_process")]
 
 ROBOT = """<robot name="r">
   <link name="base"/>

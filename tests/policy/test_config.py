@@ -93,6 +93,7 @@ class TestNearest:
         assert len(outcome.failures) == 1
         assert "urdfcheck.toml:2: unknown key 'selct'; did you mean 'select'?" in outcome.failures[0]
 
+    @pytest.mark.slow
     def test_an_audit_asks_the_configuration_of_each_unit_as_well(
         self, folder: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
@@ -364,6 +365,7 @@ class TestPlaces:
         assert lines[at["tool", "ruff", "lint", "pycodestyle", "max-line-length"] - 1].startswith("max-line-length")
         assert lines[at["tool", "mypy", "overrides", 0, "module"] - 1].startswith("module")
 
+    @pytest.mark.slow
     @given(
         st.recursive(
             st.one_of(st.integers(), st.booleans(), st.text(max_size=8)),

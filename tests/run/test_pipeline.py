@@ -146,6 +146,7 @@ def test_a_worker_sees_nothing_around_what_is_checked(tmp_path: Path, monkeypatc
     assert seen == {str(tmp_path / "repo")}
 
 
+@pytest.mark.slow
 def test_a_thousand_warnings_hide_no_error(tmp_path: Path) -> None:
     links = "".join(f'<link name="l{i}"><inertial><mass value="1e300"/></inertial></link>\n' for i in range(1_010))
     wrong = '<link name="z"><inertial><mass value="abc"/></inertial></link>'

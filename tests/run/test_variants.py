@@ -22,6 +22,8 @@ from urdfcheck.source.xacro.argument_values import (
     find_argument_choices,
 )
 
+pytestmark = pytest.mark.slow
+
 XACRO = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{}</robot>'
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="{}"/></inertial>'
 BROKEN = f'<link name="{{}}">{INERTIAL.format(9)}</link>'

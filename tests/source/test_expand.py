@@ -371,6 +371,7 @@ def test_a_macro_called_by_a_computed_name_is_called_from_that_place(expand_text
     assert x.origins(x.named("a").attributes["name"]) == {"parameter[n]": "a"}
 
 
+@pytest.mark.slow
 def test_a_macro_that_calls_itself_a_number_of_times_is_no_problem(expand_text: Expand) -> None:
     x = expand_text(
         """
@@ -473,6 +474,7 @@ def test_what_must_not_be_read_is_refused_in_included_files_too(expand_text: Exp
     assert x.problem.location.span.file == "i.xacro"
 
 
+@pytest.mark.slow
 def test_a_macro_without_end_is_located_where_the_circle_closes(expand_text: Expand) -> None:
     x = expand_text(
         """

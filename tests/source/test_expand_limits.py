@@ -49,6 +49,7 @@ def test_a_tree_of_macros_or_blocks_that_doubles_is_too_large(
         assert "macro m40 alone was called" in problem.message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("body", "typed"),
     [
@@ -62,6 +63,7 @@ def test_properties_that_double_end_at_the_one_that_is_too_large(expand_text: Ex
     assert x.problem.data["expression"] == typed
 
 
+@pytest.mark.slow
 def test_arguments_that_double_end_there_too(expand_text: Expand) -> None:
     body = "".join(f'<xacro:arg name="p{i}" default="$(arg p{i - 1})$(arg p{i - 1})"/>\n' for i in range(1, 60))
     x = expand_text(f'<xacro:arg name="p0" default="1234567890"/>\n{body}', like_plain=False)

@@ -141,6 +141,7 @@ def assert_sound(source: Source) -> None:
             assert source.files[span.file].text[span.start : span.end] == attribute.typed
 
 
+@pytest.mark.slow
 def test_no_bytes_make_reading_fail(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -131,6 +131,7 @@ def test_comments_are_kept_with_their_spans() -> None:
     assert text_at(source, comment.span) == "<!-- urdfcheck: é > -->"
 
 
+@pytest.mark.slow
 @given(
     value=st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Cs"], exclude_characters="\ufffe\uffff")),
     before=st.sampled_from(["", "<!-- é🤖 -->", "\r\n\t", "\n\n"]),

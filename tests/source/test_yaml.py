@@ -79,6 +79,7 @@ def test_what_is_spelled_with_escapes_is_not_edited() -> None:
     assert value('a: "t\\x77o"', "a").build_edits("x") == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text", ["a: [1", "a: &a [*a]", "a: !!python/name:os.system x", "[" * 5000, "a: " + "x" * MAX_CHARACTERS]
 )

@@ -16,6 +16,8 @@ from urdfcheck.facts.mesh.decode_limits import MeshError
 from urdfcheck.facts.mesh.measure import measure_mesh, restore_mesh_facts
 from urdfcheck.system.array_cache import ArrayCache, find_default_folder
 
+pytestmark = pytest.mark.slow
+
 WHEEL = FIXTURES / "car-3" / "meshes" / "wheel_1.STL"
 KEY = "0123456789abcdef"
 

@@ -85,6 +85,7 @@ def test_a_folder_and_what_is_no_file_are_an_os_error(tmp_path: Path, name: str)
         read_regular(tmp_path / name)
 
 
+@pytest.mark.slow
 @needs_unix
 def test_folders_are_walked_however_deep_and_through_no_link(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("a", ".b"):

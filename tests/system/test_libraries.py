@@ -12,6 +12,8 @@ from conftest import check_text
 
 from urdfcheck.system import libraries
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def ros(tmp_path: Path) -> Path:
