@@ -21,10 +21,7 @@ from pathlib import Path
 
 import urdfcheck
 from urdfcheck.core import NEWLINE, Finding, Run, Severity
-from urdfcheck.policy.policy import Policy
 from urdfcheck.rules import load_rules
-from urdfcheck.run.jobs import PackageFolders, Request
-from urdfcheck.run.pipeline import IN_THIS_PROCESS, run
 
 LABELS = Path(__file__).parent / "labels.tsv"
 FAMILIES = ("INR", "SYM")
@@ -93,17 +90,15 @@ def claims(corpus: Path) -> Iterator[Claim]:
     """All findings of the rules about inertia and symmetry, at warning or above, in the order of the corpus."""
     rules = load_rules()
     judged = {code for code in rules if code.startswith(FAMILIES)}
-    codes = frozenset(judged.union(*(rules[code].hidden_by for code in judged)))
+    codes = judged.union(*(rules[code].hidden_by for code in judged))
     for entry in json.loads((corpus / "corpus.json").read_text(encoding="utf-8")):
-        packages = tuple(corpus / root for root in entry["package_roots"])
-        request = Request(
-            paths=(corpus / entry["entry"],),
-            root=corpus,
-            policy=Policy(codes=codes),
-            packages=PackageFolders(search_path=packages),
+        outcome = urdfcheck.check(
+            corpus / entry["entry"],
+            select=codes,
             arguments=entry["xacro_args"],
+            package_paths=[corpus / root for root in entry["package_roots"]],
+            isolated=True,
         )
-        outcome = run(request, IN_THIS_PROCESS)
         for finding in outcome.findings:
             if finding.code in judged and finding.severity >= Severity.WARNING:
                 yield Claim(entry["id"], finding, _lines(outcome, finding))
