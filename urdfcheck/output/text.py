@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 from urdfcheck.output.shared.code_frames import extract_code_frame
-from urdfcheck.output.shared.drop_test_lines import iter_drop_test_lines
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line, find_ci_command
 from urdfcheck.output.shared.rule_statistics import count_by_rule, format_table
 from urdfcheck.output.shared.wording import (
@@ -101,6 +100,9 @@ def _iter_report(run: Run, *, width: int, detail: DetailLevel, fail_on: str) -> 
     infos = {info.id: info for info in run.models}
     full = {id(f) for f in run.active_findings if detail is DetailLevel.FULL or _needs_full_detail(run, f, fail_on)}
     brief = [] if detail is DetailLevel.QUIET else [f for f in run.active_findings if id(f) not in full]
+    if run.drops:
+        # Few runs drop a robot, and this is a tenth of what this module would import.
+        from urdfcheck.output.shared.drop_test_lines import iter_drop_test_lines
     for drop in run.drops:
         yield _format_separator(_format_model_heading(infos.get(drop.model), drop.model, width), width)
         yield from (piece for line in iter_drop_test_lines(drop) for piece in _wrap_text(line, width, Text("  ")))
