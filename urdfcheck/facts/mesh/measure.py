@@ -11,12 +11,14 @@ from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.facts.inertials.inertia_tensor import Solid, transform_solid
-from urdfcheck.facts.mesh.decode import RawMesh, decode_mesh
+from urdfcheck.facts.mesh.assimp import decode_with_assimp
+from urdfcheck.facts.mesh.decode import RawMesh
 from urdfcheck.facts.mesh.decode_limits import MeshError
 from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.facts.mesh.topology import (
@@ -93,6 +95,10 @@ class MeshFacts:
     """COLLADA's ``X_UP``, ``Y_UP`` (also if it declares none) or ``Z_UP``; None in other formats."""
     bad_unit: str | None
     """COLLADA's unit as written if that is not a plausible length."""
+    flaw: str | None
+    """See `urdfcheck.facts.mesh.decode.RawMesh`."""
+    assimp: str
+    """See `urdfcheck.facts.mesh.decode.RawMesh`."""
     n_triangles: int
     """As stored in the file."""
     n_vertices: int
@@ -222,10 +228,18 @@ class MeshFacts:
         return {key: _freeze_array(np.asarray(array)) for key, array in self.parts[name].items()}
 
 
-def measure_mesh(data: bytes, file_type: str, parts: Parts | None = None) -> MeshFacts:
+def measure_mesh(
+    data: bytes,
+    file_type: str,
+    parts: Parts | None = None,
+    *,
+    path: Path | None = None,
+    files: Mapping[str, bytes | MeshError] | None = None,
+) -> MeshFacts:
     """Measure the mesh file ``data``; ``file_type`` is its extension in lower case, without the dot.
 
-    The results are stored in ``parts``, from which `restore_mesh_facts` restores them.
+    The results are stored in ``parts``, from which `restore_mesh_facts` restores them. Where our own readers fail, Assimp is
+    asked about the file at ``path``. ``files``: of glTF, see `urdfcheck.facts.mesh.gltf.read_gltf_parts`.
 
     :raises MeshError: when it is not a complete mesh file, or has no triangle with finite corners.
     :raises ImportError, MemoryError: see `urdfcheck.facts.mesh.decode.decode_mesh`; nothing is stored in ``parts``.
@@ -233,9 +247,9 @@ def measure_mesh(data: bytes, file_type: str, parts: Parts | None = None) -> Mes
     parts = {} if parts is None else parts
     try:
         with np.errstate(all="ignore"):  # meaningless numbers are a finding, not a warning on stderr
-            return _measure_raw_mesh(decode_mesh(data, file_type), parts)
+            return _measure_raw_mesh(decode_with_assimp(data, file_type, path, files), parts)
     except MeshError as error:
-        parts["error"] = {"text": _encode_json([error.reason_id, error.message])}
+        parts["error"] = {"text": _encode_json([error.reason_id, error.message, error.assimp])}
         raise
 
 
@@ -275,6 +289,8 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
         "unit": raw.unit,
         "up_axis": raw.up_axis,
         "bad_unit": raw.bad_unit,
+        "flaw": raw.flaw,
+        "assimp": raw.assimp,
         "n_triangles": raw.n_triangles,
         "n_vertices": len(vertices),
         "bounds": compute_bounds(vertices),
