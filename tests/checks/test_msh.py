@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from builders import find, joint, link, robot
 from conftest import check_text
+from scipy.spatial import ConvexHull
 
 from urdfcheck.checks import msh011_format_unsupported
 from urdfcheck.core import Finding, Severity, Verdict
@@ -336,6 +337,34 @@ def test_the_hole_is_as_large_as_the_mesh_is_drawn(tmp_path: Path) -> None:
     (loop,) = finding.data["loops"]
     assert np.max(loop["points"]) == 0.4
     assert loop["length"] == pytest.approx(0.4 * (2 + 2**0.5), rel=1e-5)
+
+
+def test_a_hole_that_hardly_changes_the_volume_is_an_info(tmp_path: Path) -> None:
+    def sphere(rings: int) -> str:
+        """A sphere of triangles, of which one is missing."""
+        points = [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]
+        for up in np.linspace(0, np.pi, rings + 2)[1:-1]:
+            points += [
+                (np.sin(up) * np.cos(a), np.sin(up) * np.sin(a), np.cos(up))
+                for a in np.linspace(0, 2 * np.pi, 2 * rings + 1)[:-1]
+            ]
+        hull = ConvexHull(points)
+        faces = [
+            f if np.cross(*(hull.points[f[1:]] - hull.points[f[0]])) @ e[:3] > 0 else f[::-1]
+            for f, e in zip(hull.simplices, hull.equations, strict=True)
+        ]
+        lines = ["v " + " ".join(map(repr, map(float, p))) for p in points]
+        return "\n".join([*lines, *("f " + " ".join(str(i + 1) for i in f) for f in faces[1:])]) + "\n"
+
+    for rings, expected in ((6, (Severity.WARNING, "collision")), (40, (Severity.INFO, "small"))):
+        (finding,) = find_in_mesh(tmp_path, "MSH002", sphere(rings), shape("collision"))
+        assert (finding.severity, finding.message_id) == expected
+
+
+def test_a_seam_is_no_finding(tmp_path: Path) -> None:
+    seam = CORNERS + "v 0.5 0 0\nf 1 3 2\nf 1 5 4\nf 5 2 4\nf 1 4 3\nf 2 3 4\n"
+    assert not find_in_mesh(tmp_path, "MSH002", seam, shape("collision"), shape("visual"))
+    assert find_in_mesh(tmp_path, "MSH002", seam.replace("v 0.5 0 0", "v 0.5 0 0.01"), shape("collision"))
 
 
 # -- MSH003, MSH004 -------------------------------------------------------------------------------------------------

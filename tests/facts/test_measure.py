@@ -360,6 +360,75 @@ def test_noise_inside_the_surface_is_welded_to_what_hangs_on_it() -> None:
     assert (facts.n_vertices, facts.duplicate_faces) == (8, 1)
 
 
+# A tetrahedron, one of whose edges has a corner in its middle, which only one of its two faces uses.
+SEAM = [*TETRAHEDRON[0], (0.5, 0, 0)], [(0, 2, 1), (0, 4, 3), (4, 1, 3), (0, 3, 2), (1, 2, 3)]
+# A tetrahedron, on whose edge or in whose corner a face with two sides stands.
+FLAG = [*TETRAHEDRON[0], (0.5, -1, -1)], [*TETRAHEDRON[1], (0, 1, 4), (1, 0, 4)]
+WEB = [*TETRAHEDRON[0], (0, 0, 2)], [(0, 2, 1), (0, 1, 4), (0, 4, 2), (1, 2, 4), (0, 1, 3), (1, 0, 3)]
+
+
+def turned(vertices: object, angles: tuple[float, float, float], scale: float) -> NDArray[np.float64]:
+    points: NDArray[np.float64] = scale * (np.asarray(vertices, dtype=float) @ rpy_to_matrix(angles).T)
+    return points
+
+
+def test_where_a_face_ends_in_the_middle_of_an_edge_is_no_hole() -> None:
+    facts = measure_mesh(obj(*SEAM), "obj")
+    assert (facts.open_edges, len(facts.boundaries), facts.holes) == (3, 1, ())
+    wide = measure_mesh(obj([*SEAM[0][:4], (0.5, 0, 1e-4)], SEAM[1]), "obj")
+    assert len(wide.holes) == 1
+
+
+@pytest.mark.parametrize("mesh", [FLAG, WEB])
+def test_a_fin_with_two_sides_does_not_open_the_body_on_which_it_stands(mesh: Any) -> None:
+    facts = measure_mesh(obj(*mesh), "obj")
+    assert (facts.open_edges, facts.closed, facts.dropped_duplicates, facts.duplicate_faces) == (0, True, 0, 1)
+    body = measure_mesh(obj(mesh[0], mesh[1][:4]), "obj")
+    assert facts.volume == pytest.approx(body.volume)
+
+
+def test_a_sheet_with_two_sides_that_stands_on_nothing_is_open() -> None:
+    sheet = [(4, 5, 6), (5, 7, 6)]
+    points = [*TETRAHEDRON[0], (5, 0, 0), (6, 0, 0), (5, 1, 0), (6, 1, 0)]
+    facts = measure_mesh(obj(points, [*TETRAHEDRON[1], *sheet, *(face[::-1] for face in sheet)]), "obj")
+    assert (facts.open_edges, facts.dropped_duplicates) == (4, 2)
+
+
+def test_of_walls_with_two_sides_one_is_kept_where_a_floor_with_one_side_needs_it() -> None:
+    walls = [(0, 1, 3), (0, 3, 2), (1, 2, 3)]
+    facts = measure_mesh(obj(TETRAHEDRON[0], [(0, 2, 1), *walls[:2], *(face[::-1] for face in walls[:2])]), "obj")
+    assert facts.dropped_duplicates == 2
+    assert facts.open_edges == 3  # of the wall that is missing
+
+
+HOLED = trimesh.creation.icosphere(subdivisions=3)
+ONE_MISSING = HOLED.vertices, HOLED.faces[1:]
+CAP_MISSING = HOLED.vertices, HOLED.faces[HOLED.triangles_center[:, 2] < 0.9]
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    mesh=st.sampled_from([SEAM, FLAG, WEB, ONE_MISSING, CAP_MISSING]),
+    angles=st.tuples(*[st.floats(-3.0, 3.0)] * 3),
+    scale=st.sampled_from([1e-3, 0.0254, 1.0, 1000.0]),
+)
+def test_holes_do_not_depend_on_how_the_mesh_is_turned_nor_on_its_size(
+    mesh: Any, angles: tuple[float, float, float], scale: float
+) -> None:
+    before, after = (measure_mesh(obj(v, mesh[1]), "obj") for v in (mesh[0], turned(mesh[0], angles, scale)))
+    assert [len(hole.points) for hole in after.holes] == [len(hole.points) for hole in before.holes]
+    assert after.hole_share == pytest.approx(before.hole_share, rel=1e-3, abs=1e-9)
+    assert (after.open_edges, after.closed) == (before.open_edges, before.closed)
+
+
+def test_the_share_of_a_hole_bounds_what_it_changes_of_the_volume() -> None:
+    whole = measure_mesh(obj(HOLED.vertices, HOLED.faces), "obj")
+    for mesh in (ONE_MISSING, CAP_MISSING):
+        facts = measure_mesh(obj(*mesh), "obj")
+        assert abs(facts.volume - whole.volume) / whole.volume <= facts.hole_share
+    assert measure_mesh(obj(*ONE_MISSING), "obj").hole_share < 0.01 < measure_mesh(obj(*CAP_MISSING), "obj").hole_share
+
+
 def test_non_finite_corners_are_counted_and_their_triangles_dropped() -> None:
     vertices = [*BOX.vertices.tolist(), (np.nan, 0, 0), (np.inf, 1, 1)]
     facts = measure_mesh(obj(vertices, [*BOX.faces.tolist(), (0, 1, 8), (2, 3, 9)]), "obj")

@@ -33,6 +33,7 @@ from urdfcheck.facts.mesh.topology import (
     find_face_origins,
     find_points_near_rim,
     find_repeated_faces,
+    measure_gap_width,
     weld_exact,
     weld_near,
 )
@@ -176,6 +177,29 @@ class MeshFacts:
     def boundaries(self) -> tuple[Boundary, ...]:
         """The boundaries that the open edges form, longest first."""
         return find_boundaries(self.vertices, self._edges.open) if self.open_edges else ()
+
+    @cached_property
+    def size(self) -> float:
+        """Twice the largest distance of a vertex from the centroid of the surface: the same however the mesh is turned."""
+        return 2.0 * float(np.linalg.norm(self.vertices - self.surface_centroid, axis=1).max())
+
+    @cached_property
+    def holes(self) -> tuple[Boundary, ...]:
+        """The boundaries that are holes, longest first: those that are not a seam.
+
+        A seam is a rim that is no wider than what single precision makes of one line: where one face ends in the middle of
+        another's edge, the three corners are on one line but for rounding."""
+        seam = _NOISE[-1] * self.size
+        return tuple(b for b in self.boundaries if not (b.closed and measure_gap_width(b.points) <= seam))
+
+    @cached_property
+    def hole_share(self) -> float:
+        """What part of the surface the holes are, at most: for closed rims their length times half their width, over the area of
+        the surface; and if that is more, for other runs of open edges their share of all edges."""
+        rims = sum(b.length * measure_gap_width(b.points) / 2.0 for b in self.holes if b.closed)
+        runs = sum(len(b.points) - 1 for b in self.holes if not b.closed)
+        edges = (3 * len(self.faces) + self.open_edges) / 2.0
+        return max(rims / self.area if self.area > 0.0 else float(rims > 0.0), runs / edges)
 
     @cached_property
     def open_lines(self) -> Array:
@@ -385,8 +409,8 @@ def _measure_open_length(surface: Surface, edges: Edges) -> float:
 
 
 def _deduplicate_faces(surface: Surface, edges: Edges) -> tuple[Surface, Edges]:
-    """Drop repeated faces. Bodies that share a face keep both copies, which each needs to be closed; a sheet with two sides keeps
-    one, and is open."""
+    """Drop repeated faces. Bodies that share a face keep both copies, which each needs to be closed, and so does a fin on a body;
+    a sheet with two sides that stands on nothing keeps one, and is open."""
     if not len(edges.non_manifold) and not len(edges.flipped):
         return surface, edges  # two faces with the same corners would share all three edges with no other face
     single = drop_repeated_faces(surface)
