@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from builders import find, joint, limit, link, robot
 
-from urdfcheck.core import Finding, Severity
+from urdfcheck.core import Finding, Severity, Verdict
 from urdfcheck.facts.motion.kinematics import build_origin_transform
 
 
@@ -57,7 +57,6 @@ def box(role: str, size: str = "0.1 0.1 0.1", xyz: str = "0 0 0", rpy: str = "0 
         '<box size="0.1 -0.1 0.1"/>',
         '<box size="0 0.1 0.1"/>',
         '<sphere radius="-0.1"/>',
-        '<sphere radius="-0"/>',
         '<cylinder radius="0" length="0.1"/>',
         '<cylinder radius="0.1" length="-0.1"/>',
         '<mesh filename="a.stl" scale="1 1 0"/>',
@@ -66,6 +65,26 @@ def box(role: str, size: str = "0.1 0.1 0.1", xyz: str = "0 0 0", rpy: str = "0 
 def test_a_shape_without_volume_is_an_error_where_it_collides(tmp_path: Path, shape: str) -> None:
     (finding,) = find(tmp_path, robot(link("a", geometry("collision", shape))), "GEO001")
     assert finding.severity is Severity.ERROR
+
+
+@pytest.mark.parametrize(
+    ("targets", "severity"),
+    [
+        ((), Severity.WARNING),
+        (("drake",), Severity.INFO),
+        (("drake", "gazebo"), Severity.WARNING),
+        (("drake", "mujoco"), Severity.ERROR),
+    ],
+)
+@pytest.mark.parametrize("radius", ["0", "-0", "0.0"])
+def test_a_sphere_without_radius_is_a_point_which_drake_means_and_mujoco_refuses(
+    tmp_path: Path, radius: str, targets: tuple[str, ...], severity: Severity
+) -> None:
+    text = robot(link("a", geometry("collision", f'<sphere radius="{radius}"/>')))
+    (finding,) = find(tmp_path, text, "GEO001", targets=targets)
+    assert (finding.message_id, finding.severity) == ("point", severity)
+    assert Verdict.from_sentence(finding.consequences["drake"]) == Verdict.LOADS
+    assert not any("box" in sentence for sentence in finding.consequences.values())
 
 
 @pytest.mark.parametrize(

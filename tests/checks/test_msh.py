@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import struct
+import urllib.parse
 from itertools import pairwise
 from pathlib import Path
 
@@ -10,9 +12,10 @@ import numpy as np
 import pytest
 from builders import find, joint, link, robot
 from conftest import check_text
+from scipy.spatial import ConvexHull
 
 from urdfcheck.checks import msh011_format_unsupported
-from urdfcheck.core import Finding, Severity
+from urdfcheck.core import Finding, Severity, Verdict
 
 # A tetrahedron with corners 0, x, y, z, as OBJ faces.
 CORNERS = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
@@ -123,6 +126,133 @@ def test_a_missing_file_is_another_rules_business(tmp_path: Path) -> None:
     assert not find_in_mesh(tmp_path, "MSH001", CLOSED, shape("visual", "elsewhere.obj"))
 
 
+def find_broken(folder: Path, name: str, content: str | bytes, role: str = "collision") -> Finding:
+    (finding,) = find_in_mesh(folder, "MSH001", content, shape(role, name), name=name)
+    return finding
+
+
+def test_what_only_assimp_loads_is_a_warning_that_names_the_line(tmp_path: Path) -> None:
+    finding = find_broken(tmp_path, "part.dae", "\n<?xml version='1.0'?>" + collada(1.0, 1.0))
+    assert (finding.severity, finding.message_id) == (Severity.WARNING, "tolerated")
+    assert "line 2: the XML declaration" in finding.message
+    assert set(finding.consequences) == {"trimesh", "yourdfpy"}
+    # Its numbers are those of the mesh: the tetrahedron lacks a side.
+    assert find(tmp_path, robot(link("a", shape("collision", "part.dae"))), "MSH002")
+
+
+def test_consequences_are_told_of_programs_whose_loader_was_asked(tmp_path: Path) -> None:
+    cut = find_broken(tmp_path, "part.dae", collada(1.0, 1.0)[:-20])
+    assert (cut.severity, cut.message_id) == (Severity.ERROR, "refused")
+    assert cut.message.startswith("mesh part.dae cannot be read as dae: line 1: ")
+    verdicts = {program: Verdict.from_sentence(sentence) for program, sentence in cut.consequences.items()}
+    assert verdicts == {
+        "pinocchio": Verdict.REFUSES,
+        "moveit": Verdict.DROPS,
+        "rviz": Verdict.DROPS,
+        "mujoco": Verdict.REFUSES,
+        "drake": Verdict.REFUSES,
+    }
+    bad = find_broken(tmp_path, "part.obj", CORNERS + "f 1 2 9\n")
+    assert bad.message_id == "refused"
+    assert "not asked" in bad.consequences["mujoco"]
+    assert "not asked" in bad.consequences["drake"]
+
+
+def test_a_mesh_that_we_read_and_assimp_refuses_is_an_error(tmp_path: Path) -> None:
+    content = collada(1.0, 1.0).replace('source="#a" count="4"', 'source="#a" count="12"')
+    finding = find_broken(tmp_path, "part.dae", content)
+    assert (finding.severity, finding.message_id) == (Severity.ERROR, "refused")
+    assert "counts 36 numbers, and its array has 12, and Assimp refuses it" in finding.message
+
+
+def test_entities_are_an_error_only_where_assimp_refuses_them_too(tmp_path: Path) -> None:
+    content = "<?xml version='1.0'?><!DOCTYPE x [<!ENTITY a '7'>]>" + collada(1.0, 1.0)
+    finding = find_broken(tmp_path, "part.dae", content)
+    assert (finding.severity, finding.message_id) == (Severity.WARNING, "unread")
+    assert find_broken(tmp_path, "part.dae", content.replace("0 0 0 1.0", "0 0 0 &a;")).severity is Severity.ERROR
+
+
+# A triangle, with its corners in another file.
+GLTF = {
+    "asset": {"version": "2.0"},
+    "scenes": [{"nodes": [0]}],
+    "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+}
+TRIANGLE = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
+
+
+def gltf(uri: str) -> str:
+    return json.dumps({**GLTF, "buffers": [{"uri": uri, "byteLength": 36}]})
+
+
+@pytest.mark.parametrize("uri", ["part.bin", "./data/part.bin", "data/a%20part.bin"])
+def test_the_buffer_of_a_gltf_file_is_read(tmp_path: Path, uri: str) -> None:
+    (tmp_path / "data").mkdir()
+    (tmp_path / urllib.parse.unquote(uri)).write_bytes(TRIANGLE)
+    assert not find_in_mesh(tmp_path, "MSH001", gltf(uri), shape("collision", "part.gltf"), name="part.gltf")
+    (finding,) = find(tmp_path, robot(link("a", shape("collision", "part.gltf"))), "MSH002")
+    assert finding.data["open_edges"] == 3
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (None, "missing-buffer"),
+        (b"", "truncated"),
+        (TRIANGLE[:-1], "truncated"),
+        (b"version https://git-lfs.github.com/spec/v1\n", "missing-buffer"),
+    ],
+)
+def test_a_buffer_that_is_not_there_is_told_at_the_mesh(tmp_path: Path, content: bytes | None, reason: str) -> None:
+    if content is not None:
+        (tmp_path / "part.bin").write_bytes(content)
+    finding = find_broken(tmp_path, "part.gltf", gltf("part.bin"))
+    assert (finding.severity, finding.data["reason_id"]) == (Severity.ERROR, reason)
+
+
+@pytest.mark.parametrize(
+    "uri",
+    [
+        "/etc/hostname",
+        "../../secret.bin",
+        "file:///etc/hostname",
+        "~/x.bin",
+        "package://p/x.bin",
+        "%2e%2e/%2e%2e/secret.bin",
+    ],
+)
+def test_a_buffer_out_of_reach_is_not_opened(tmp_path: Path, uri: str) -> None:
+    (tmp_path / "secret.bin").write_bytes(TRIANGLE)
+    folder = tmp_path / "a" / "robot"
+    finding = find_broken(folder, "part.gltf", gltf(uri))
+    assert (finding.severity, finding.message_id) == (Severity.ERROR, "outside")
+
+
+def test_a_changed_buffer_changes_the_findings(tmp_path: Path) -> None:
+    cache = tmp_path / "cache"
+    (tmp_path / "part.gltf").write_text(gltf("part.bin"))
+    urdf = robot(link("a", shape("collision", "part.gltf")))
+    lengths = []
+    for size in (1.0, 2.0, 2.0):
+        (tmp_path / "part.bin").write_bytes(struct.pack("<9f", 0, 0, 0, size, 0, 0, 0, size, 0))
+        (finding,) = find(tmp_path, urdf, "MSH002", cache=cache)
+        lengths.append(finding.data["length"])
+    assert lengths[1] == lengths[2] == pytest.approx(2 * lengths[0], rel=1e-3)
+
+
+def test_two_documents_of_one_text_have_buffers_of_their_own(tmp_path: Path) -> None:
+    for folder, size in (("a", 1.0), ("b", 3.0)):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "part.gltf").write_text(gltf("part.bin"))
+        (tmp_path / folder / "part.bin").write_bytes(struct.pack("<9f", 0, 0, 0, size, 0, 0, 0, size, 0))
+    both = robot(link("l", *(shape("collision", f"{folder}/part.gltf") for folder in "ab")))
+    (finding,) = find(tmp_path, both, "MSH002")
+    assert finding.data["length"] == pytest.approx(3 * (2 + 2**0.5), rel=1e-3)
+
+
 # -- PKG009 ---------------------------------------------------------------------------------------------------------
 
 POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 1234\n"
@@ -207,6 +337,34 @@ def test_the_hole_is_as_large_as_the_mesh_is_drawn(tmp_path: Path) -> None:
     (loop,) = finding.data["loops"]
     assert np.max(loop["points"]) == 0.4
     assert loop["length"] == pytest.approx(0.4 * (2 + 2**0.5), rel=1e-5)
+
+
+def test_a_hole_that_hardly_changes_the_volume_is_an_info(tmp_path: Path) -> None:
+    def sphere(rings: int) -> str:
+        """A sphere of triangles, of which one is missing."""
+        points = [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]
+        for up in np.linspace(0, np.pi, rings + 2)[1:-1]:
+            points += [
+                (np.sin(up) * np.cos(a), np.sin(up) * np.sin(a), np.cos(up))
+                for a in np.linspace(0, 2 * np.pi, 2 * rings + 1)[:-1]
+            ]
+        hull = ConvexHull(points)
+        faces = [
+            f if np.cross(*(hull.points[f[1:]] - hull.points[f[0]])) @ e[:3] > 0 else f[::-1]
+            for f, e in zip(hull.simplices, hull.equations, strict=True)
+        ]
+        lines = ["v " + " ".join(map(repr, map(float, p))) for p in points]
+        return "\n".join([*lines, *("f " + " ".join(str(i + 1) for i in f) for f in faces[1:])]) + "\n"
+
+    for rings, expected in ((6, (Severity.WARNING, "collision")), (40, (Severity.INFO, "small"))):
+        (finding,) = find_in_mesh(tmp_path, "MSH002", sphere(rings), shape("collision"))
+        assert (finding.severity, finding.message_id) == expected
+
+
+def test_a_seam_is_no_finding(tmp_path: Path) -> None:
+    seam = CORNERS + "v 0.5 0 0\nf 1 3 2\nf 1 5 4\nf 5 2 4\nf 1 4 3\nf 2 3 4\n"
+    assert not find_in_mesh(tmp_path, "MSH002", seam, shape("collision"), shape("visual"))
+    assert find_in_mesh(tmp_path, "MSH002", seam.replace("v 0.5 0 0", "v 0.5 0 0.01"), shape("collision"))
 
 
 # -- MSH003, MSH004 -------------------------------------------------------------------------------------------------

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import base64
 import builtins
+import io
 import json
 import logging
 import os
 import pickle
 import struct
+import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -30,9 +32,9 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     make_sphere_solid,
     transform_solid,
 )
-from urdfcheck.facts.mesh import decode_limits
+from urdfcheck.facts.mesh import assimp, decode_limits
 from urdfcheck.facts.mesh.decode_limits import MeshError
-from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid, measure_mesh
+from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid, measure_mesh, restore_mesh_facts
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
 BOX = trimesh.creation.box((1.0, 2.0, 3.0))
@@ -358,6 +360,75 @@ def test_noise_inside_the_surface_is_welded_to_what_hangs_on_it() -> None:
     assert (facts.n_vertices, facts.duplicate_faces) == (8, 1)
 
 
+# A tetrahedron, one of whose edges has a corner in its middle, which only one of its two faces uses.
+SEAM = [*TETRAHEDRON[0], (0.5, 0, 0)], [(0, 2, 1), (0, 4, 3), (4, 1, 3), (0, 3, 2), (1, 2, 3)]
+# A tetrahedron, on whose edge or in whose corner a face with two sides stands.
+FLAG = [*TETRAHEDRON[0], (0.5, -1, -1)], [*TETRAHEDRON[1], (0, 1, 4), (1, 0, 4)]
+WEB = [*TETRAHEDRON[0], (0, 0, 2)], [(0, 2, 1), (0, 1, 4), (0, 4, 2), (1, 2, 4), (0, 1, 3), (1, 0, 3)]
+
+
+def turned(vertices: object, angles: tuple[float, float, float], scale: float) -> NDArray[np.float64]:
+    points: NDArray[np.float64] = scale * (np.asarray(vertices, dtype=float) @ rpy_to_matrix(angles).T)
+    return points
+
+
+def test_where_a_face_ends_in_the_middle_of_an_edge_is_no_hole() -> None:
+    facts = measure_mesh(obj(*SEAM), "obj")
+    assert (facts.open_edges, len(facts.boundaries), facts.holes) == (3, 1, ())
+    wide = measure_mesh(obj([*SEAM[0][:4], (0.5, 0, 1e-4)], SEAM[1]), "obj")
+    assert len(wide.holes) == 1
+
+
+@pytest.mark.parametrize("mesh", [FLAG, WEB])
+def test_a_fin_with_two_sides_does_not_open_the_body_on_which_it_stands(mesh: Any) -> None:
+    facts = measure_mesh(obj(*mesh), "obj")
+    assert (facts.open_edges, facts.closed, facts.dropped_duplicates, facts.duplicate_faces) == (0, True, 0, 1)
+    body = measure_mesh(obj(mesh[0], mesh[1][:4]), "obj")
+    assert facts.volume == pytest.approx(body.volume)
+
+
+def test_a_sheet_with_two_sides_that_stands_on_nothing_is_open() -> None:
+    sheet = [(4, 5, 6), (5, 7, 6)]
+    points = [*TETRAHEDRON[0], (5, 0, 0), (6, 0, 0), (5, 1, 0), (6, 1, 0)]
+    facts = measure_mesh(obj(points, [*TETRAHEDRON[1], *sheet, *(face[::-1] for face in sheet)]), "obj")
+    assert (facts.open_edges, facts.dropped_duplicates) == (4, 2)
+
+
+def test_of_walls_with_two_sides_one_is_kept_where_a_floor_with_one_side_needs_it() -> None:
+    walls = [(0, 1, 3), (0, 3, 2), (1, 2, 3)]
+    facts = measure_mesh(obj(TETRAHEDRON[0], [(0, 2, 1), *walls[:2], *(face[::-1] for face in walls[:2])]), "obj")
+    assert facts.dropped_duplicates == 2
+    assert facts.open_edges == 3  # of the wall that is missing
+
+
+HOLED = trimesh.creation.icosphere(subdivisions=3)
+ONE_MISSING = HOLED.vertices, HOLED.faces[1:]
+CAP_MISSING = HOLED.vertices, HOLED.faces[HOLED.triangles_center[:, 2] < 0.9]
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    mesh=st.sampled_from([SEAM, FLAG, WEB, ONE_MISSING, CAP_MISSING]),
+    angles=st.tuples(*[st.floats(-3.0, 3.0)] * 3),
+    scale=st.sampled_from([1e-3, 0.0254, 1.0, 1000.0]),
+)
+def test_holes_do_not_depend_on_how_the_mesh_is_turned_nor_on_its_size(
+    mesh: Any, angles: tuple[float, float, float], scale: float
+) -> None:
+    before, after = (measure_mesh(obj(v, mesh[1]), "obj") for v in (mesh[0], turned(mesh[0], angles, scale)))
+    assert [len(hole.points) for hole in after.holes] == [len(hole.points) for hole in before.holes]
+    assert after.hole_share == pytest.approx(before.hole_share, rel=1e-3, abs=1e-9)
+    assert (after.open_edges, after.closed) == (before.open_edges, before.closed)
+
+
+def test_the_share_of_a_hole_bounds_what_it_changes_of_the_volume() -> None:
+    whole = measure_mesh(obj(HOLED.vertices, HOLED.faces), "obj")
+    for mesh in (ONE_MISSING, CAP_MISSING):
+        facts = measure_mesh(obj(*mesh), "obj")
+        assert abs(facts.volume - whole.volume) / whole.volume <= facts.hole_share
+    assert measure_mesh(obj(*ONE_MISSING), "obj").hole_share < 0.01 < measure_mesh(obj(*CAP_MISSING), "obj").hole_share
+
+
 def test_non_finite_corners_are_counted_and_their_triangles_dropped() -> None:
     vertices = [*BOX.vertices.tolist(), (np.nan, 0, 0), (np.inf, 1, 1)]
     facts = measure_mesh(obj(vertices, [*BOX.faces.tolist(), (0, 1, 8), (2, 3, 9)]), "obj")
@@ -495,16 +566,138 @@ def test_a_collada_scene_may_place_its_geometry_often_but_not_without_end() -> N
         ("utf-16", "entities"),
         ("utf-16-be", "entities"),
         ("latin-1", "entities"),
-        ("utf-32", "unsupported"),
-        ("utf-32-be", "unsupported"),
-        ("utf-7", "unsupported"),
-        ("cp037", "unsupported"),
+        ("utf-32", "encoding"),
+        ("utf-32-be", "encoding"),
+        ("utf-7", "encoding"),
+        ("cp1252", "entities"),
+        ("iso-2022-jp", "encoding"),
+        ("hz", "encoding"),
+        ("cp037", "malformed"),  # without a letter of ASCII, it says nothing
     ],
 )
 def test_collada_entities_are_found_in_every_encoding_that_is_read(encoding: str, expected: str) -> None:
     head = f'<?xml version="1.0" encoding="{encoding}"?><!DOCTYPE x [<!ENTITY a "b">]>'
     text = dae(*TETRAHEDRON).decode().replace('<?xml version="1.0"?>', head)
     assert reason(text.encode(encoding), "dae") == expected
+
+
+def test_a_codec_with_a_state_cannot_hide_a_declaration() -> None:
+    declaration = b"<!DOCTYPE x [<!E\x1b(BNTITY a '7'>]>"
+    text = dae(*TETRAHEDRON).replace(b"<COLLADA", declaration + b"<COLLADA").replace(b"1.0 0.0 0.0", b"&a; 0.0 0.0")
+    assert reason(text.replace(b'"1.0"?>', b'"1.0" encoding="iso-2022-jp"?>'), "dae") == "encoding"
+    assert reason(text, "dae") in {"malformed", "entities"}
+
+
+@pytest.mark.parametrize(
+    "encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "latin-1", "cp1252", "ascii"]
+)
+def test_collada_is_read_in_the_encodings_that_exporters_write(encoding: str) -> None:
+    name = "" if encoding == "ascii" else "bätch"
+    text = dae(*TETRAHEDRON, asset=f"<contributor><author>{name}</author></contributor>").decode()
+    declared = "utf-8" if encoding == "utf-8-sig" else encoding
+    text = text.replace('"1.0"?>', f'"1.0" encoding="{declared}"?>')
+    assert measure_mesh(text.encode(encoding), "dae").watertight
+
+
+# --- what other readers make of it -----------------------------------------------------------------------------------
+
+BAD_COLOR = """<library_effects><effect id="e"><profile_COMMON><technique sid="t"><phong><diffuse>
+<color>0.1 0.2 0.3 1</color></diffuse><specular>
+<color>0.0 0.0 0.01.0</color></specular></phong></technique></profile_COMMON></effect></library_effects>
+<library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
+<library_geometries>"""
+BOUND = """<instance_geometry url="#g"><bind_material><technique_common>
+<instance_material symbol="s" target="#m"/></technique_common></bind_material></instance_geometry>"""
+
+
+def with_bad_color() -> bytes:
+    text = dae(*TETRAHEDRON).decode().replace("<library_geometries>", BAD_COLOR)
+    return (
+        text.replace('<instance_geometry url="#g"/>', BOUND).replace("<triangles ", '<triangles material="s" ').encode()
+    )
+
+
+def measure_file(folder: Path, content: bytes, kind: str = "dae") -> MeshFacts:
+    path = folder / f"part.{kind}"
+    path.write_bytes(content)
+    return measure_mesh(content, kind, path=path)
+
+
+def test_broken_colours_do_not_cost_the_geometry(tmp_path: Path) -> None:
+    content = with_bad_color()
+    line = content.decode().splitlines().index(BAD_COLOR.splitlines()[2])
+    facts = measure_file(tmp_path, content)
+    assert (facts.n_triangles, facts.watertight, facts.assimp) == (4, True, "loads")
+    assert facts.flaw is not None
+    assert f"line {line + 1}: corrupted color definition ('0.0 0.0 0.01.0')" in facts.flaw
+    assert "built-in" not in facts.flaw
+    # As the consequence says, pycollada drops what has the material, and trimesh what pycollada drops.
+    assert not trimesh.load(io.BytesIO(content), file_type="dae").geometry
+
+
+def test_a_blank_line_before_the_declaration_does_not_cost_the_geometry(tmp_path: Path) -> None:
+    facts = measure_file(tmp_path, b"\n\n" + dae(*TETRAHEDRON))
+    assert (facts.n_triangles, facts.assimp) == (4, "loads")
+    assert facts.flaw is not None
+    assert "line 3: the XML declaration" in facts.flaw
+
+
+def test_what_only_assimp_reads_is_measured_as_assimp_reads_it(tmp_path: Path) -> None:
+    # An attribute twice: no XML, and nothing to Assimp's parser. The unit is not applied, as by our own reader.
+    content = dae(*TETRAHEDRON, asset='<unit meter="0.01"/><up_axis>Y_UP</up_axis>')
+    facts = measure_file(tmp_path, content.replace(b"<node>", b'<node id="n" id="n">'))
+    own = measure_mesh(content, "dae")
+    assert facts.bounds.tolist() == own.bounds.tolist()
+    assert facts.volume == pytest.approx(own.volume)
+    assert (facts.assimp, facts.flaw) == ("loads", "cannot be read as dae: line 13: duplicate attribute")
+
+
+def test_what_assimp_refuses_too_says_so_once_with_the_line(tmp_path: Path) -> None:
+    path = tmp_path / "part.dae"
+    path.write_bytes(dae(*TETRAHEDRON)[:-40])
+    parts: dict[str, Mapping[str, NDArray[Any]]] = {}
+    with pytest.raises(MeshError, match=r"^cannot be read as dae: line 15: unclosed token$") as caught:
+        measure_mesh(path.read_bytes(), "dae", parts, path=path)
+    assert caught.value.assimp == "refuses"
+    with pytest.raises(MeshError) as again:
+        restore_mesh_facts(parts)
+    assert (str(again.value), again.value.assimp) == (str(caught.value), "refuses")
+
+
+def test_an_accessor_beyond_its_array_is_read_by_us_and_refused_by_assimp(tmp_path: Path) -> None:
+    content = dae(*TETRAHEDRON).replace(b'<accessor source="#a" count="4"', b'<accessor source="#a" count="12"')
+    facts = measure_file(tmp_path, content)
+    assert (facts.n_triangles, facts.assimp) == (4, "refuses")
+    assert facts.flaw == "is inconsistent: the <accessor> in line 6 counts 36 numbers, and its array has 12"
+    assert measure_mesh(content, "dae").flaw is None  # nobody was asked
+
+
+def test_a_sound_file_is_not_given_to_assimp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise AssertionError("asked")
+
+    monkeypatch.setattr(assimp, "load_by_assimp", refuse)
+    assert measure_file(tmp_path, dae(*TETRAHEDRON)).assimp == ""
+    assert measure_file(tmp_path, obj(*TETRAHEDRON), "obj").flaw is None
+    for settled, kind in ((b"", "stl"), (b"<html></html>", "obj"), (b"PK\5\6", "dae"), (b"{}", "gltf")):
+        with pytest.raises(MeshError):
+            measure_file(tmp_path, settled, kind)
+
+
+def test_entities_are_not_measured_even_if_assimp_loads_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "part.dae"
+    path.write_bytes(dae(*TETRAHEDRON).replace(b"<COLLADA", b"<!DOCTYPE x [<!ENTITY a '7'>]><COLLADA"))
+    with pytest.raises(MeshError, match="DOCTYPE") as caught:
+        measure_mesh(path.read_bytes(), "dae", path=path)
+    assert (caught.value.reason_id, caught.value.assimp) == ("entities", "loads")
+
+
+def test_without_coal_nothing_is_said_of_assimp(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "coal", None)
+    assert measure_file(tmp_path, with_bad_color()).assimp == ""
+    with pytest.raises(MeshError) as caught:
+        measure_file(tmp_path, dae(*TETRAHEDRON)[:-40])
+    assert caught.value.assimp == ""
 
 
 def test_triangles_are_counted_before_room_is_made_for_them(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model, Shape
 from urdfcheck.model.repairs.edits import edit_literal
+from urdfcheck.source.text.engine_reactions import describe_loss
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Attribute
 
@@ -24,6 +25,13 @@ _DIMENSIONS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
 REFUSED = "refuses to compile: size must be positive in geom"
 FLAT = "refuses to compile: mesh volume is too small"
 DRAWN = "loads it: it leaves out what is only drawn"
+# What a sphere of radius 0 is to Drake, and a sphere of negative radius to coal; other shapes they treat in another way.
+POINT = "loads it as a point, the way to mark where a body touches"
+INSIDE_OUT = "loads it; a sphere of negative radius has a negative volume and is touched only deep inside"
+# They read the file by urdfdom, which knows no capsule.
+THROUGH_URDFDOM = ("urdfdom", "gazebo", "pinocchio")
+# Programs that load a sphere of radius 0 as what it is meant for.
+KNOW_POINTS = frozenset({"drake", "pinocchio"})
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -34,32 +42,42 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 values = None if attribute is None else parse_numbers(attribute.value, len(parts))
                 if attribute is not None and values is not None:
                     sizes = dict(zip(parts, values, strict=True))
-                    yield from _check_dimensions(rule, shape, attribute, link=link.name, values=sizes)
+                    yield from _check_dimensions(model, rule, shape, attribute, link=link.name, values=sizes)
 
 
 def _check_dimensions(
-    rule: Rule, shape: Shape, attribute: Attribute, *, link: str, values: dict[str, float]
+    model: Model, rule: Rule, shape: Shape, attribute: Attribute, *, link: str, values: dict[str, float]
 ) -> Iterator[Finding]:
     mesh = shape.kind == "mesh"  # whose negative scale mirrors it and is not a wrong size
     negative = [part for part, value in values.items() if value < 0 and not mesh]
     # A capsule without a cylinder between its caps is a sphere.
     may_be_zero = shape.kind == "capsule" and attribute.name == "length"
     zero = [part for part, value in values.items() if value == 0 and not may_be_zero]
+    reactions = {"mujoco": DRAWN if shape.role == "visual" else FLAT if mesh else REFUSED}
     data: dict[str, Any] = {
         "link": link,
         "role": shape.role,
         "kind": shape.kind,
         "dimension": attribute.name,
         "value": attribute.value,
-        "consequences": {"mujoco": DRAWN if shape.role == "visual" else FLAT if mesh else REFUSED},
+        "consequences": reactions,
     }
+    if shape.kind == "capsule":
+        reactions.update(dict.fromkeys(THROUGH_URDFDOM, describe_loss(shape.element)))
     if negative:
+        if shape.kind == "sphere":
+            reactions["pinocchio"] = INSIDE_OUT
         positive = " ".join(word.removeprefix("-") for word in attribute.typed.split())
         yield rule.finding("negative", at=attribute, edits=edit_literal(attribute, positive), **data)
     elif zero and mesh:
         severity = Severity.WARNING if shape.role == "visual" else None
         yield rule.finding("flattened", at=attribute, severity=severity, axes=", ".join(zero), **data)
     elif zero and shape.role == "visual":
+        if shape.kind == "sphere":
+            reactions["drake"] = POINT
         yield rule.finding("drawn", at=attribute, severity=Severity.INFO, **data)
+    elif zero and shape.kind == "sphere":
+        meant = model.targets and set(model.targets) <= KNOW_POINTS
+        yield rule.finding("point", at=attribute, severity=Severity.INFO if meant else Severity.WARNING, **data)
     elif zero:
         yield rule.finding("zero", at=attribute, **data)

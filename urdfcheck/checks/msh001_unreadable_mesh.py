@@ -2,38 +2,78 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.facts.mesh.decode_limits import MeshError
 from urdfcheck.model import Model
+from urdfcheck.model.meshes import MeshUse
 from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh
 
-# A file in a format that we cannot read, or with its geometry in a second file, need not be broken.
-UNREAD_SEVERITIES = {"unsupported": Severity.WARNING, "external-buffer": Severity.INFO}
 CAUSES = {"html": "web_page", "truncated": "incomplete", "wrong-size": "incomplete"}
 REPAIRS = {
     "html": "download the raw file: the link to its content, not to the page that shows it",
-    "entities": "export the mesh again, or write the text of the entities where they are used and delete their declarations",
+    "entities": "export the mesh again, or write the text of the entities where they are used and delete the <!DOCTYPE",
     "no-triangles": "export the part as a surface of triangles",
+    "missing-buffer": "put the file there (with the name that the glTF file gives it), or export the mesh as one file: .glb",
 }
+DEFAULT_REPAIR = "export or download the file again"
+# What is no mesh to any program.
+NO_MESH = frozenset({"empty", "html"})
 # PKG009 and URC905 report these.
-REPORTED_ELSEWHERE = {"lfs-pointer", "too-large"}
+REPORTED_ELSEWHERE = frozenset({"lfs-pointer", "too-large"})
+# The formats for which programs have loaders of their own. A mesh of another format these load by Assimp (RViz) or not at all.
+OWN_LOADERS = {"mujoco": frozenset({"stl", "obj"}), "drake": frozenset({"obj", "gltf"}), "rviz": frozenset({"stl"})}
+NOT_ASKED = "has a loader of its own for this format, which was not asked"
+# trimesh and yourdfpy read COLLADA as we do, by pycollada.
+PYCOLLADA = ("trimesh", "yourdfpy")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for path, uses in model.meshes.group_by_file().items():
-        error = model.meshes.errors.get(path)
+        error, facts = model.meshes.errors.get(path), model.meshes.facts.get(path)
         if error is not None and error.reason_id not in REPORTED_ELSEWHERE:
-            other = error.reason_id in UNREAD_SEVERITIES
-            yield rule.finding(
-                "unread" if other else "unreadable",
-                at=uses[0].filename,
-                related=[use.filename for use in uses[1:]],
-                cause=CAUSES.get(error.reason_id),
-                severity=UNREAD_SEVERITIES.get(error.reason_id),
-                consequences=None if other else describe_unreadable_mesh(use.shape.element for use in uses),
-                mesh=uses[0].filename.value,
-                reason=str(error),
-                repair=REPAIRS.get(error.reason_id, "export or download the file again"),
-                reason_id=error.reason_id,
-            )
+            message = _choose_message(error)
+            severity = Severity.WARNING if message == "unread" else None
+            yield _build_finding(rule, uses, message, error.message, reason_id=error.reason_id, severity=severity)
+        elif facts is not None and facts.flaw is not None:
+            message = {"refuses": "refused", "loads": "tolerated"}.get(facts.assimp, "broken")
+            severity = None if message == "refused" else Severity.WARNING
+            yield _build_finding(rule, uses, message, facts.flaw, reason_id="flaw", severity=severity)
+
+
+def _choose_message(error: MeshError) -> str:
+    if error.reason_id in NO_MESH:
+        return "unreadable"
+    if error.reason_id == "external-buffer":
+        return "outside"
+    if error.reason_id == "unsupported" or error.assimp == "loads":
+        return "unread"
+    return "refused" if error.assimp == "refuses" else "broken"
+
+
+def _build_finding(
+    rule: Rule, uses: Sequence[MeshUse], message: str, reason: str, *, reason_id: str, severity: Severity | None
+) -> Finding:
+    return rule.finding(
+        message,
+        at=uses[0].filename,
+        related=[use.filename for use in uses[1:]],
+        cause=CAUSES.get(reason_id),
+        severity=severity,
+        consequences=_describe_consequences(rule, uses, message),
+        mesh=uses[0].filename.value,
+        reason=reason,
+        repair=REPAIRS.get(reason_id, DEFAULT_REPAIR),
+        reason_id=reason_id,
+    )
+
+
+def _describe_consequences(rule: Rule, uses: Sequence[MeshUse], message: str) -> dict[str, str]:
+    """Describe what the programs of the page do in this case."""
+    file_type = uses[0].name.rpartition(".")[2].lower()
+    described = describe_unreadable_mesh(use.shape.element for use in uses)
+    if message != "unreadable":
+        described.update({program: NOT_ASKED for program, own in OWN_LOADERS.items() if file_type in own})
+        described.update(dict.fromkeys(PYCOLLADA if file_type != "dae" else (), NOT_ASKED))
+    return {program: sentence for program, sentence in described.items() if program in rule.consumers[message]}

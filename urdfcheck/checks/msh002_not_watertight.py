@@ -19,6 +19,8 @@ from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 # A report draws the longest rims, each thinned to this many points.
 MAX_LOOPS, MAX_POINTS = 16, 64
+# Holes of this part of the surface, on a round body, change its volume by the same part (see the page).
+SMALL_SHARE = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,19 +38,35 @@ class _OpenMesh:
     @property
     def label(self) -> str:
         """``arm.stl (1,234)``: the file and its number of open edges."""
-        return f"{self.use.name} ({self.facts.open_edges:,})"
+        return f"{self.use.name} ({self.open_edges:,})"
+
+    @property
+    def open_edges(self) -> int:
+        """The number of edges around its holes."""
+        return sum(len(hole.points) - (0 if hole.closed else 1) for hole in self.facts.holes)
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     drawn: list[_OpenMesh] = []
     colliding: list[_OpenMesh] = []
+    nearly_closed: list[_OpenMesh] = []
     for uses, facts in model.meshes.list_measured():
         # The triangles at a corner that is not finite are missing: MSH007 reports it.
-        if facts.open_edges and not facts.non_finite_vertices:
-            group = colliding if uses[0].shape.role == "collision" else drawn
+        if facts.open_edges and not facts.non_finite_vertices and facts.holes:
+            collides = uses[0].shape.role == "collision"
+            group = drawn if not collides else nearly_closed if facts.hole_share < SMALL_SHARE else colliding
             group.append(_OpenMesh(uses, facts))
     if colliding:
         yield _build_collision_finding(model, rule, colliding)
+    if nearly_closed:
+        yield rule.finding(
+            "small",
+            at=nearly_closed[0].use.filename,
+            related=[mesh.use.filename for mesh in nearly_closed[1:]],
+            severity=Severity.INFO,
+            share=SMALL_SHARE,
+            meshes=join_names(mesh.label for mesh in nearly_closed),
+        )
     if drawn:
         yield rule.finding(
             "drawn",
@@ -64,7 +82,7 @@ def _build_collision_finding(model: Model, rule: Rule, meshes: Sequence[_OpenMes
     """Return one finding for the whole robot: one exporter made all meshes, or one program simplified them."""
     holes = {mesh.use: _collect_boundary_loops(model, mesh) for mesh in meshes}
     worst = max(holes, key=lambda use: holes[use][0]["length"])
-    open_edges = sum(mesh.facts.open_edges for mesh in meshes)
+    open_edges = sum(mesh.open_edges for mesh in meshes)
     several = len(meshes) > 1
     at, *related = (use.filename for mesh in meshes for use in mesh.uses)
     finding = rule.finding(
@@ -86,7 +104,7 @@ def _build_collision_finding(model: Model, rule: Rule, meshes: Sequence[_OpenMes
 
 def _collect_boundary_loops(model: Model, mesh: _OpenMesh) -> list[dict[str, Any]]:
     """Describe the rims of a mesh, the longest first."""
-    loops = [_describe_boundary_loop(model, mesh.use, boundary) for boundary in mesh.facts.boundaries]
+    loops = [_describe_boundary_loop(model, mesh.use, boundary) for boundary in mesh.facts.holes]
     return sorted(loops, key=lambda loop: -loop["length"])
 
 

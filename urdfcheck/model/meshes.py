@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from urdfcheck.model.gltf_buffers import FORMATS as GLTF_FORMATS
+from urdfcheck.model.gltf_buffers import Buffers, resolve_buffers
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.source.load import Source
-from urdfcheck.source.package.finder import Resource
+from urdfcheck.source.package.finder import PackageFinder, Resource
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.system.array_cache import ArrayCache, compute_code_version, find_library_origin
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, read_regular
@@ -22,8 +26,9 @@ if TYPE_CHECKING:
 
 # What the measurements of a mesh depend on besides its content.
 MEASURING_MODULES = ("urdfcheck.facts.mesh",)
-# The libraries that read the formats that urdfcheck does not read itself.
+# The libraries that read the formats that urdfcheck does not read itself, and the one by which it asks Assimp.
 READERS = {"dae": "collada", "ply": "trimesh"}
+SECOND_READER = "coal"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +57,7 @@ class ModelMeshes:
     errors: Mapping[Path, MeshError]
     """By file, of those that could not."""
     digests: Mapping[Path, str]
-    """SHA-256 of the content, by file."""
+    """SHA-256 of the content, by file; of glTF, with that of the files in which it keeps its geometry."""
     by_shape: Mapping[int, MeshUse]
     """The use of each shape, by the ``id`` of the shape."""
 
@@ -67,7 +72,7 @@ class ModelMeshes:
                     resource = source.finder.resolve_resource(filename.value, source.path.parent)
                     uses.append(MeshUse(link=link, shape=shape, filename=filename, resource=resource))
         meshes = cls(uses=tuple(uses), facts={}, errors={}, digests={}, by_shape={id(u.shape): u for u in uses})
-        return meshes._read_files(cache) if read and meshes.group_by_file() else meshes
+        return meshes._read_files(cache, source.finder) if read and meshes.group_by_file() else meshes
 
     def get_facts(self, shape: Shape) -> MeshFacts | None:
         """Return the facts of a shape's mesh; None when it is not a mesh, is missing or could not be read."""
@@ -94,25 +99,24 @@ class ModelMeshes:
         digest = self.digests.get(path)
         return None if digest is None else f"{digest}-{_get_file_kind(path)}"
 
-    def _read_files(self, cache: ArrayCache) -> ModelMeshes:
+    def _read_files(self, cache: ArrayCache, finder: PackageFinder) -> ModelMeshes:
         from urdfcheck.facts.mesh.decode_limits import MeshError
-        from urdfcheck.facts.mesh.measure import restore_mesh_facts
 
         facts: dict[Path, MeshFacts] = {}
         errors: dict[Path, MeshError] = {}
         digests: dict[Path, str] = {}
         by_content: dict[str, MeshFacts | MeshError] = {}
         for path in sorted(self.group_by_file()):
-            kind = _get_file_kind(path)
             try:
-                digests[path], data = cache.compute_digest(path)
-                key = f"{digests[path]}-{kind}-{_compute_reader_version(kind)}"
+                content = _read_content(path, cache, finder)
+                digests[path] = content.digest
+                kind = _get_file_kind(path)
+                key = f"{content.digest}-{kind}-{_compute_reader_version(kind)}"
                 if key not in by_content:
-                    parts = cache.entry("meshes", key)
-                    known = restore_mesh_facts(parts, remeasure=partial(_measure_mesh, path, parts))
-                    by_content[key] = known or _measure_mesh(path, parts, data)
-            except MeshError as error:
-                by_content[key] = error
+                    by_content[key] = _recall_or_measure(content, cache.entry("meshes", key))
+            except MeshError as error:  # of the buffers of one document
+                errors[path] = error
+                continue
             except (OSError, ImportError, MemoryError) as error:
                 errors[path] = _make_mesh_error(error)
                 continue
@@ -124,10 +128,78 @@ class ModelMeshes:
         return replace(self, facts=facts, errors=errors, digests=digests)
 
 
-def _measure_mesh(path: Path, parts: Entry, data: bytes | None = None) -> MeshFacts:
+@dataclass(slots=True, eq=False)
+class _Content:
+    """A mesh file, and of glTF the files in which it keeps its geometry."""
+
+    path: Path
+    digest: str
+    """Of all of them."""
+    data: bytes | None
+    """What the file contains, if it was read."""
+    buffers: Buffers | None = None
+
+    def read(self) -> bytes:
+        """Read the file unless that was done.
+
+        :raises OSError: when it cannot be read any more.
+        """
+        return read_regular(self.path, MAX_MESH) if self.data is None else self.data
+
+    def forget(self) -> None:
+        """Free the memory that the file takes: it may be read again."""
+        self.data = None
+
+
+def _read_content(path: Path, cache: ArrayCache, finder: PackageFinder) -> _Content:
+    """Compute the digest of a mesh file, and read it if that needs to.
+
+    :raises OSError: when a file cannot be read, or is too large.
+    :raises MeshError: when there are too many buffers.
+    """
+    kind = _get_file_kind(path)
+    digest, data = cache.compute_digest(path)
+    content = _Content(path, digest, data)
+    if kind not in GLTF_FORMATS:
+        return content
+    uris = _list_buffers(content, cache.entry("gltf-buffers", f"{digest}-{kind}-{_compute_reader_version(kind)}"))
+    if uris:
+        content.buffers = resolve_buffers(uris, path, finder, cache)
+        content.digest = hashlib.sha256(f"{digest}{content.buffers.digest}".encode()).hexdigest()
+    return content
+
+
+def _list_buffers(content: _Content, known: Entry) -> tuple[str, ...]:
+    """List the URIs of a document's buffer files, or recall what was listed."""
+    import numpy as np
+
+    from urdfcheck.facts.mesh.gltf import list_buffer_files
+
+    if "uris" not in known:
+        uris = list_buffer_files(content.read(), _get_file_kind(content.path))
+        known["uris"] = {"text": np.frombuffer(json.dumps(uris).encode(), dtype=np.uint8)}
+    return tuple(json.loads(known["uris"]["text"].tobytes()))
+
+
+def _recall_or_measure(content: _Content, parts: Entry) -> MeshFacts | MeshError:
+    """Return the facts of a mesh, or why it gives none, as ``parts`` keeps them or anew."""
+    from urdfcheck.facts.mesh.decode_limits import MeshError
+    from urdfcheck.facts.mesh.measure import restore_mesh_facts
+
+    try:
+        known = restore_mesh_facts(parts, remeasure=partial(_measure_mesh, content, parts))
+        return known or _measure_mesh(content, parts)
+    except MeshError as error:
+        return error
+    finally:
+        content.forget()
+
+
+def _measure_mesh(content: _Content, parts: Entry) -> MeshFacts:
     from urdfcheck.facts.mesh.measure import measure_mesh
 
-    return measure_mesh(read_regular(path, MAX_MESH) if data is None else data, _get_file_kind(path), parts)
+    files = None if content.buffers is None else content.buffers.read()
+    return measure_mesh(content.read(), _get_file_kind(content.path), parts, path=content.path, files=files)
 
 
 def _make_mesh_error(error: OSError | ImportError | MemoryError) -> MeshError:
@@ -145,8 +217,8 @@ def _make_mesh_error(error: OSError | ImportError | MemoryError) -> MeshError:
 
 def _compute_reader_version(kind: str) -> str:
     """Return a digest of what decides the measurements of a file of this kind besides its content."""
-    reader = READERS.get(kind)
-    return compute_code_version(*MEASURING_MODULES, library=reader and find_library_origin(reader))
+    origins = [find_library_origin(library) for library in (READERS.get(kind), SECOND_READER) if library is not None]
+    return compute_code_version(*MEASURING_MODULES, library="\n".join(map(str, origins)))
 
 
 def _get_file_kind(path: Path) -> str:

@@ -1,23 +1,22 @@
 """Mesh files as raw triangles. A file that common loaders silently read as empty is rejected with the reason.
 
 STL, OBJ and OFF are decoded here because trimesh silently returns an empty or shortened mesh for broken ones; glTF because
-trimesh decodes images and decompresses. pycollada reads COLLADA and trimesh reads PLY, from memory, so that no other file is
-ever read.
+trimesh decodes images and decompresses. pycollada reads COLLADA (`urdfcheck.facts.mesh.collada`) and trimesh reads PLY, from
+memory, so that no other file is ever read.
 """
 
 from __future__ import annotations
 
-import codecs
 import io
-import logging
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.facts.mesh.collada import Color, read_collada, silence_logger
 from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
 from urdfcheck.facts.mesh.gltf import read_glb_parts, read_gltf_parts
 from urdfcheck.facts.mesh.number_text import BadTokenError, TokenizedText
@@ -35,22 +34,9 @@ _LINE_END = re.compile(rb"[\r\n]")
 _BOM = b"\xef\xbb\xbf"
 # First bytes that identify a format regardless of the file name. STL, OBJ and OFF readers would find garbage or nothing.
 _SIGNATURES = {"dae": (b"<?xml", b"<COLLADA"), "ply": (b"ply\n", b"ply\r"), "glb": (b"glTF",)}
-# In UTF-16 too.
-_ENTITY = re.compile(rb"<\0?!\0?E\0?N\0?T\0?I\0?T\0?Y")
-_ZIP_END = b"PK\5\6"
-# No unit of a drawing is below a picometre or above a thousand million kilometres. Squares within this range are finite.
-_SMALLEST_UNIT = 1e-12
-# pycollada reads NaN as 0; a number too large for it stays infinite.
-_NAN = re.compile(rb"(?<=[\s>])[-+]?nan(?=[\s<])", re.IGNORECASE)
-# The XML declaration of a COLLADA file, and the characters that must have the same bytes in the encoding that it names.
-_DECLARED = re.compile(rb"""^<\?xml[^>]{0,300}?encoding\s{0,9}=\s{0,9}["']([A-Za-z0-9._-]{1,40})["']""")
-_ASCII = bytes(range(32, 127))
 # The largest header of a PLY file, and the lines in it that declare the number of elements.
 _PLY_HEADER = 64 * 1024
 _PLY_ELEMENT = re.compile(rb"^element\s+(\S+)\s+(\d+)\s*$", re.MULTILINE)
-
-
-Color = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -74,14 +60,22 @@ class RawMesh:
     colors: tuple[tuple[int, Color | None], ...] = ()
     """Runs of faces with the r g b a (0 to 1, as shown) of their material, None without one; empty if the format or file has no
     colours."""
+    flaw: str | None = None
+    """What is wrong with the file for stricter readers of its format, although all its triangles are here."""
+    doubt: str | None = None
+    """What is wrong with the file for readers that may be stricter. Both complete the sentence "the mesh …"."""
+    assimp: str = ""
+    """What Assimp does with a file that has a flaw or a doubt: ``loads`` or ``refuses``; empty if it was not asked."""
 
     @property
     def n_triangles(self) -> int:
         return len(self.vertices) // 3 if self.faces is None else len(self.faces)
 
 
-def decode_mesh(data: bytes, file_type: str) -> RawMesh:
+def decode_mesh(data: bytes, file_type: str, files: Mapping[str, bytes | MeshError] | None = None) -> RawMesh:
     """Decode the triangles of a mesh file; ``file_type`` is its extension in lower case, without the dot.
+
+    ``files``: of glTF, see `urdfcheck.facts.mesh.gltf.read_gltf_parts`.
 
     :raises MeshError: when the file has none, or fewer than it declares.
     :raises ImportError: when the library that reads the format is not installed.
@@ -89,7 +83,10 @@ def decode_mesh(data: bytes, file_type: str) -> RawMesh:
     """
     _refuse_impostors(data, file_type)
     try:
-        mesh = _DECODERS[file_type](data)
+        if file_type in _GLTF_READERS:
+            mesh = _join_parts(file_type, _GLTF_READERS[file_type](data, files or {}))
+        else:
+            mesh = _DECODERS[file_type](data)
     except (MeshError, ImportError, MemoryError):
         raise
     except Exception as error:  # loaders raise whatever their internals do: AttributeError, IndexError, DaeError …
@@ -110,8 +107,8 @@ def _refuse_impostors(data: bytes, file_type: str) -> None:
         raise MeshError("lfs-pointer", f"is a Git LFS pointer; the file{real} was never fetched (git lfs pull)")
     if start[:14].lower().startswith((b"<!doctype html", b"<html")):
         raise MeshError("html", "is a web page, not a mesh: the download saved an error or a preview page")
-    if file_type not in _DECODERS:
-        raise MeshError("unsupported", f"has the format {file_type or '(none)'!r}; known are {', '.join(_DECODERS)}")
+    if file_type not in _FORMATS:
+        raise MeshError("unsupported", f"has the format {file_type or '(none)'!r}; known are {', '.join(_FORMATS)}")
     for name, signatures in _SIGNATURES.items():
         if name != file_type and start.startswith(signatures):
             raise MeshError("malformed", f"is named {file_type} and begins as a {name} file does")
@@ -290,128 +287,17 @@ def _refuse_bad_indices(faces: Indices, n_vertices: int) -> None:
 
 
 def _decode_dae(data: bytes) -> RawMesh:
-    from collada import Collada
-    from collada.common import DaeError
-
-    if _ZIP_END in data:  # pycollada would unpack it, regardless of its size
-        raise MeshError("malformed", "is a zip archive, not a COLLADA document")
-    _refuse_encoding(data)
-    if _ENTITY.search(data):
-        raise MeshError("entities", "declares XML entities, which no exporter writes and no loader should expand")
-    # A broken material or light does not matter here, and other loaders ignore it.
-    with _silence_logger("collada"):
-        document = Collada(io.BytesIO(_NAN.sub(b"1e999", data) if b"nan" in data.lower() else data), ignore=[DaeError])
-    parts: list[tuple[Array, Indices, Array]] = []
-    colors: list[tuple[int, Color | None]] = []
-    if document.scene is not None:
-        _refuse_bomb(document.scene.nodes)
-        for geometry in document.scene.objects("geometry"):
-            for primitive in geometry.primitives():
-                triangles = primitive.triangleset() if hasattr(primitive, "triangleset") else primitive
-                if hasattr(triangles, "ntriangles") and triangles.vertex is not None and triangles.ntriangles:
-                    faces = np.asarray(triangles.vertex_index, dtype=np.int64).reshape(-1, 3)
-                    parts.append((np.asarray(triangles.vertex, dtype=np.float64), faces, geometry.matrix))
-                    colors.append((len(faces), _get_diffuse_color(primitive.material)))
-    if not parts and document.scene is None:
-        raise MeshError("no-triangles", "has no <scene> that places its geometry")
-    if not parts and document.errors:
-        raise MeshError("malformed", f"cannot be read as dae: {' '.join(str(document.errors[0]).split())[:200]}")
-    declared = document.xmlnode.find("{*}asset/{*}unit")
-    text = None if declared is None else declared.get("meter")
-    unit = None if text is None else _parse_unit_length(text)
-    bad_unit = text if unit is None else None
-    known = tuple(colors) if any(color is not None for _, color in colors) else ()
-    joined = _join_parts("dae", parts)
-    return replace(joined, unit=unit, up_axis=document.assetInfo.upaxis, bad_unit=bad_unit, colors=known)
-
-
-def _get_diffuse_color(material: Any) -> Color | None:
-    """Return the diffuse colour of pycollada's material; None without one, and for a texture, which is another file."""
-    color = getattr(getattr(material, "effect", None), "diffuse", None)
-    if not isinstance(color, tuple) or len(color) < 3 or not all(0.0 <= part <= 1.0 for part in color[:3]):
-        return None
-    red, green, blue = map(float, color[:3])
-    return red, green, blue, 1.0
-
-
-def _refuse_encoding(data: bytes) -> None:
-    """Reject text in which other bytes than `_ENTITY` could declare an entity."""
-    start = data[:400].removeprefix(_BOM).lstrip()
-    declared = _DECLARED.match(start)
-    encoding = "utf-8" if declared is None else declared[1].decode("ascii")
-    try:
-        spells = (
-            _ASCII.decode(encoding, "replace") == _ASCII.decode("ascii") and codecs.lookup(encoding).name != "utf-7"
-        )
-    except (LookupError, UnicodeError):
-        spells = False
-    # `_ENTITY` allows for the zero bytes of UTF-16, not for those of UTF-32.
-    utf_16 = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE, b"<\0", b"\0<"))
-    if data.startswith((codecs.BOM_UTF32_LE, b"\0\0", b"<\0\0")) or not (utf_16 or (spells and start.startswith(b"<"))):
-        raise MeshError("unsupported", f"is text in an encoding ({encoding[:40]!r} or another) that is not read")
-
-
-def _refuse_bomb(nodes: list[Any]) -> None:
-    """Reject nodes of pycollada that place too much, or truncated geometry, before anything is expanded."""
-    known: dict[int, Array] = {}  # geometries and triangles that a node places
-
-    def count_placed(node: Any) -> Array:
-        if id(node) not in known:
-            total = np.zeros(2)
-            if hasattr(node, "geometry"):
-                total += 1, sum(_count_triangles(primitive) for primitive in node.geometry.primitives)
-            for child in (node.node,) if hasattr(node, "node") else getattr(node, "children", ()):
-                total += count_placed(child)
-            known[id(node)] = total
-        return known[id(node)]
-
-    geometries, triangles = sum((count_placed(node) for node in nodes), np.zeros(2))
-    ensure_size_limits(float(triangles), float(geometries))
-
-
-def _count_triangles(primitive: Any) -> int:
-    """Estimate how many triangles a primitive has.
-
-    :raises MeshError: when it declares more polygons than it has.
-    """
-    present = getattr(primitive, "ntriangles", getattr(primitive, "npolygons", None))
-    if present is None:
-        return 0
-    kind, declared = primitive.xmlnode.tag.rpartition("}")[2], primitive.xmlnode.get("count", "")
-    if kind in {"triangles", "polylist", "polygons"} and declared.isdecimal() and present < int(declared):
-        raise MeshError("truncated", f"is truncated: it declares {int(declared):,} {kind} and has {present:,}")
-    return len(primitive.index)
-
-
-def _parse_unit_length(text: str) -> float | None:
-    """Parse the length of a unit in metres; None if the text is not a plausible one."""
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if _SMALLEST_UNIT <= value <= 1 / _SMALLEST_UNIT else None
-
-
-@contextmanager
-def _silence_logger(library: str) -> Iterator[None]:
-    """Keep what a library logs about an untrusted file, such as tracebacks, from stderr."""
-    logger, handler = logging.getLogger(library), logging.NullHandler()
-    before = logger.propagate
-    logger.addHandler(handler)
-    logger.propagate = False
-    try:
-        yield
-    finally:
-        logger.propagate = before
-        logger.removeHandler(handler)
-
-
-def _decode_gltf(data: bytes) -> RawMesh:
-    return _join_parts("gltf", read_gltf_parts(data))
-
-
-def _decode_glb(data: bytes) -> RawMesh:
-    return _join_parts("glb", read_glb_parts(data))
+    scene = read_collada(data)
+    joined = _join_parts("dae", scene.parts)
+    return replace(
+        joined,
+        unit=scene.unit,
+        up_axis=scene.up_axis,
+        bad_unit=scene.bad_unit,
+        colors=scene.colors,
+        flaw=scene.flaw,
+        doubt=scene.doubt,
+    )
 
 
 def _decode_ply(data: bytes) -> RawMesh:
@@ -426,7 +312,7 @@ def _decode_ply(data: bytes) -> RawMesh:
     ensure_size_limits(declared.get(b"face", 0))
     import trimesh  # takes half a second: only for formats that need it
 
-    with _silence_logger("trimesh"):
+    with silence_logger("trimesh"):
         # Without materials: another library would decode images.
         part = trimesh.load_mesh(io.BytesIO(data), file_type="ply", process=False, skip_materials=True)
     faces = np.asarray(getattr(part, "faces", ()), dtype=np.int64).reshape(-1, 3)
@@ -461,6 +347,6 @@ _DECODERS: dict[str, Callable[[bytes], RawMesh]] = {
     "dae": _decode_dae,
     "ply": _decode_ply,
     "off": _decode_off,
-    "glb": _decode_glb,
-    "gltf": _decode_gltf,
 }
+_GLTF_READERS = {"gltf": read_gltf_parts, "glb": read_glb_parts}
+_FORMATS = (*_DECODERS, *_GLTF_READERS)

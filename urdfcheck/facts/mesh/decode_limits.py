@@ -15,17 +15,19 @@ MOST_NESTED = 256
 class MeshError(Exception):
     """A mesh file that gives no triangles. The message completes the sentence "the mesh …".
 
-    ``reason_id``: empty | lfs-pointer | html | unsupported | truncated | wrong-size | external-buffer | malformed |
-    entities | no-triangles | too-large.
+    ``reason_id``: empty | lfs-pointer | html | unsupported | truncated | wrong-size | external-buffer | missing-buffer |
+    malformed | incomplete | entities | encoding | archive | no-triangles | too-large | refused. ``assimp``: what Assimp does
+    with the file, ``loads`` or ``refuses``; empty if it was not asked.
     """
 
-    def __init__(self, reason_id: str, message: str) -> None:
+    def __init__(self, reason_id: str, message: str, assimp: str = "") -> None:
         super().__init__(message)
         self.reason_id = reason_id
         self.message = message
+        self.assimp = assimp
 
-    def __reduce__(self) -> tuple[type[MeshError], tuple[str, str]]:
-        return MeshError, (self.reason_id, self.message)
+    def __reduce__(self) -> tuple[type[MeshError], tuple[str, str, str]]:
+        return MeshError, (self.reason_id, self.message, self.assimp)
 
 
 def ensure_size_limits(triangles: float, placements: float = 0) -> None:

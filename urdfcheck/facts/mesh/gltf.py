@@ -1,5 +1,5 @@
 """glTF 2.0, as text and binary (GLB): the triangles that its default scene places. Materials, images, animations and skins
-are ignored, nothing is decompressed, and no other file is opened.
+are ignored, nothing is decompressed, and no other file is opened: whoever calls reads those that `list_buffer_files` names.
 
 Khronos Group, *glTF 2.0 Specification*, sections 3.5 (scenes), 3.6 (accessors), 3.7 (primitives) and 4.4 (GLB).
 """
@@ -10,6 +10,7 @@ import base64
 import json
 from collections.abc import Iterator, Mapping
 from itertools import islice
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,23 +23,57 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Indices, Mat4
 
     Json = Mapping[str, Any]
+    # The content of other files by URI, or why one is not read.
+    Files = Mapping[str, bytes | MeshError]
 
+# The most files that the buffers of one document may be in: exporters write one.
+MOST_BUFFERS = 64
 _COMPRESSED = {"KHR_draco_mesh_compression": "Draco", "EXT_meshopt_compression": "meshopt"}
 _NUMBERS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _TRIANGLES, _STRIP, _FAN = _DRAWN = (4, 5, 6)
 _GLB_HEADER, _CHUNK_HEADER = 12, 8
+_NO_FILES: Files = MappingProxyType({})
 
 
-def read_gltf_parts(data: bytes) -> list[tuple[Array, Indices, Array]]:
+def list_buffer_files(data: bytes, file_type: str) -> tuple[str, ...]:
+    """List the URIs, as written, of the other files in which a glTF document (``gltf`` or ``glb``) keeps its buffers.
+
+    A document that cannot be read has none.
+
+    :raises MeshError: when there are more than `MOST_BUFFERS`.
+    """
+    try:
+        document, _ = _parse_gltf(data) if file_type == "gltf" else _parse_glb(data)
+        named = [buffer.get("uri", "") for buffer in document.get("buffers", ())]
+        files = tuple(dict.fromkeys(uri for uri in named if uri and not uri.startswith("data:")))
+    except (MeshError, ValueError, AttributeError, TypeError, RecursionError):
+        return ()
+    if len(files) > MOST_BUFFERS:
+        raise MeshError("too-large", f"keeps its geometry in {len(files):,} files, more than {MOST_BUFFERS}")
+    return files
+
+
+def read_gltf_parts(data: bytes, files: Files = _NO_FILES) -> list[tuple[Array, Indices, Array]]:
     """Read the placed vertices (V, 3), the faces (F, 3) and the matrix (4, 4) that placed them, for each primitive of each node.
+
+    ``files``: the content of other files by URI, or why one is not read.
 
     :raises MeshError: when the geometry is in another file, compressed, truncated, or above the limits.
     """
-    return _GltfDocument(json.loads(data), b"").read_parts()
+    return _GltfDocument(*_parse_gltf(data), files).read_parts()
 
 
-def read_glb_parts(data: bytes) -> list[tuple[Array, Indices, Array]]:
+def read_glb_parts(data: bytes, files: Files = _NO_FILES) -> list[tuple[Array, Indices, Array]]:
     """Read the parts as :func:`read_gltf_parts` does, from the binary form."""
+    return _GltfDocument(*_parse_glb(data), files).read_parts()
+
+
+def _parse_gltf(data: bytes) -> tuple[Json, bytes]:
+    return json.loads(data), b""
+
+
+def _parse_glb(data: bytes) -> tuple[Json, bytes]:
+    """Return the document, and the buffer beside its JSON."""
     version = int.from_bytes(data[4:8], "little")
     if version != 2:
         raise MeshError("unsupported", f"is glTF {version}, and only glTF 2 is read")
@@ -55,15 +90,16 @@ def read_glb_parts(data: bytes) -> list[tuple[Array, Indices, Array]]:
         at += size
     if b"JSON" not in chunks:
         raise MeshError("malformed", "cannot be read as glb: it has no JSON chunk")
-    return _GltfDocument(json.loads(chunks[b"JSON"]), chunks.get(b"BIN\0", b"")).read_parts()
+    return json.loads(chunks[b"JSON"]), chunks.get(b"BIN\0", b"")
 
 
 class _GltfDocument:
-    """One document; ``binary`` is the buffer beside its JSON."""
+    """One document; ``binary`` is the buffer beside its JSON, ``files`` those in other files."""
 
-    def __init__(self, document: Json, binary: bytes) -> None:
+    def __init__(self, document: Json, binary: bytes, files: Files) -> None:
         self.document = document
         self.binary = binary
+        self.files = files
         self.buffers: dict[int, bytes] = {}
 
     def read_parts(self) -> list[tuple[Array, Indices, Array]]:
@@ -79,11 +115,6 @@ class _GltfDocument:
         return parts
 
     def refuse_unread(self) -> None:
-        outside = [b["uri"] for b in self.document.get("buffers", ()) if not b.get("uri", "data:").startswith("data:")]
-        if outside:
-            raise MeshError(
-                "external-buffer", f"keeps its geometry in another file ({outside[0][:200]!r}), which is not read"
-            )
         for extension, name in _COMPRESSED.items():
             if extension in self.document.get("extensionsRequired", ()):
                 raise MeshError("unsupported", f"is compressed with {name} ({extension}), which is not read")
@@ -163,8 +194,21 @@ class _GltfDocument:
         if index not in self.buffers:
             entry = self.document["buffers"][index]
             uri = entry.get("uri")
-            self.buffers[index] = self.binary if uri is None else base64.b64decode(uri.partition(",")[2])
+            if uri is None:
+                self.buffers[index] = self.binary
+            elif uri.startswith("data:"):
+                self.buffers[index] = base64.b64decode(uri.partition(",")[2])
+            else:
+                self.buffers[index] = self.get_file(uri)
         return self.buffers[index]
+
+    def get_file(self, uri: str) -> bytes:
+        content = self.files.get(uri)
+        if isinstance(content, bytes):
+            return content
+        raise content or MeshError(
+            "external-buffer", f"keeps its geometry in another file ({uri[:200]!r}), not read here"
+        )
 
 
 def _get_primitive_mode(primitive: Json) -> Any:

@@ -11,12 +11,14 @@ from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.facts.inertials.inertia_tensor import Solid, transform_solid
-from urdfcheck.facts.mesh.decode import RawMesh, decode_mesh
+from urdfcheck.facts.mesh.assimp import decode_with_assimp
+from urdfcheck.facts.mesh.decode import RawMesh
 from urdfcheck.facts.mesh.decode_limits import MeshError
 from urdfcheck.facts.mesh.moments import compute_mesh_moments
 from urdfcheck.facts.mesh.topology import (
@@ -31,6 +33,7 @@ from urdfcheck.facts.mesh.topology import (
     find_face_origins,
     find_points_near_rim,
     find_repeated_faces,
+    measure_gap_width,
     weld_exact,
     weld_near,
 )
@@ -93,6 +96,10 @@ class MeshFacts:
     """COLLADA's ``X_UP``, ``Y_UP`` (also if it declares none) or ``Z_UP``; None in other formats."""
     bad_unit: str | None
     """COLLADA's unit as written if that is not a plausible length."""
+    flaw: str | None
+    """See `urdfcheck.facts.mesh.decode.RawMesh`."""
+    assimp: str
+    """See `urdfcheck.facts.mesh.decode.RawMesh`."""
     n_triangles: int
     """As stored in the file."""
     n_vertices: int
@@ -172,6 +179,29 @@ class MeshFacts:
         return find_boundaries(self.vertices, self._edges.open) if self.open_edges else ()
 
     @cached_property
+    def size(self) -> float:
+        """Twice the largest distance of a vertex from the centroid of the surface: the same however the mesh is turned."""
+        return 2.0 * float(np.linalg.norm(self.vertices - self.surface_centroid, axis=1).max())
+
+    @cached_property
+    def holes(self) -> tuple[Boundary, ...]:
+        """The boundaries that are holes, longest first: those that are not a seam.
+
+        A seam is a rim that is no wider than what single precision makes of one line: where one face ends in the middle of
+        another's edge, the three corners are on one line but for rounding."""
+        seam = _NOISE[-1] * self.size
+        return tuple(b for b in self.boundaries if not (b.closed and measure_gap_width(b.points) <= seam))
+
+    @cached_property
+    def hole_share(self) -> float:
+        """What part of the surface the holes are, at most: for closed rims their length times half their width, over the area of
+        the surface; and if that is more, for other runs of open edges their share of all edges."""
+        rims = sum(b.length * measure_gap_width(b.points) / 2.0 for b in self.holes if b.closed)
+        runs = sum(len(b.points) - 1 for b in self.holes if not b.closed)
+        edges = (3 * len(self.faces) + self.open_edges) / 2.0
+        return max(rims / self.area if self.area > 0.0 else float(rims > 0.0), runs / edges)
+
+    @cached_property
     def open_lines(self) -> Array:
         """Ends (n, 2, 3) of the edges of one face."""
         return _freeze_array(self.vertices[self._edges.open])
@@ -222,10 +252,18 @@ class MeshFacts:
         return {key: _freeze_array(np.asarray(array)) for key, array in self.parts[name].items()}
 
 
-def measure_mesh(data: bytes, file_type: str, parts: Parts | None = None) -> MeshFacts:
+def measure_mesh(
+    data: bytes,
+    file_type: str,
+    parts: Parts | None = None,
+    *,
+    path: Path | None = None,
+    files: Mapping[str, bytes | MeshError] | None = None,
+) -> MeshFacts:
     """Measure the mesh file ``data``; ``file_type`` is its extension in lower case, without the dot.
 
-    The results are stored in ``parts``, from which `restore_mesh_facts` restores them.
+    The results are stored in ``parts``, from which `restore_mesh_facts` restores them. Where our own readers fail, Assimp is
+    asked about the file at ``path``. ``files``: of glTF, see `urdfcheck.facts.mesh.gltf.read_gltf_parts`.
 
     :raises MeshError: when it is not a complete mesh file, or has no triangle with finite corners.
     :raises ImportError, MemoryError: see `urdfcheck.facts.mesh.decode.decode_mesh`; nothing is stored in ``parts``.
@@ -233,9 +271,9 @@ def measure_mesh(data: bytes, file_type: str, parts: Parts | None = None) -> Mes
     parts = {} if parts is None else parts
     try:
         with np.errstate(all="ignore"):  # meaningless numbers are a finding, not a warning on stderr
-            return _measure_raw_mesh(decode_mesh(data, file_type), parts)
+            return _measure_raw_mesh(decode_with_assimp(data, file_type, path, files), parts)
     except MeshError as error:
-        parts["error"] = {"text": _encode_json([error.reason_id, error.message])}
+        parts["error"] = {"text": _encode_json([error.reason_id, error.message, error.assimp])}
         raise
 
 
@@ -275,6 +313,8 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
         "unit": raw.unit,
         "up_axis": raw.up_axis,
         "bad_unit": raw.bad_unit,
+        "flaw": raw.flaw,
+        "assimp": raw.assimp,
         "n_triangles": raw.n_triangles,
         "n_vertices": len(vertices),
         "bounds": compute_bounds(vertices),
@@ -369,8 +409,8 @@ def _measure_open_length(surface: Surface, edges: Edges) -> float:
 
 
 def _deduplicate_faces(surface: Surface, edges: Edges) -> tuple[Surface, Edges]:
-    """Drop repeated faces. Bodies that share a face keep both copies, which each needs to be closed; a sheet with two sides keeps
-    one, and is open."""
+    """Drop repeated faces. Bodies that share a face keep both copies, which each needs to be closed, and so does a fin on a body;
+    a sheet with two sides that stands on nothing keeps one, and is open."""
     if not len(edges.non_manifold) and not len(edges.flipped):
         return surface, edges  # two faces with the same corners would share all three edges with no other face
     single = drop_repeated_faces(surface)

@@ -26,6 +26,8 @@ _MIX = tuple(np.uint64(factor) for factor in (0x9E3779B97F4A7C15, 0x243F6A8885A3
 _ROUNDS = 8
 # Grids that are half a cell apart.
 _SHIFTS = tuple(np.array(shift) for shift in product((0.0, 0.5), repeat=3))
+# Rims of more points are holes, whatever their shape.
+_MOST_RIM_POINTS = 500
 # Items processed at a time: their temporaries stay in the processor's cache.
 _CHUNK = 16384
 
@@ -178,12 +180,47 @@ def drop_collapsed_faces(surface: Surface) -> Surface:
 
 
 def drop_repeated_faces(surface: Surface) -> Surface:
-    """Drop the faces that have the corners of an earlier one, in either order."""
+    """Drop the faces that have the corners of an earlier one, in either order, but for those of fins (`find_fin_faces`)."""
     again = find_repeated_faces(surface.faces)
+    if again.any():
+        again &= ~find_fin_faces(surface.faces, len(surface.vertices))
     if not again.any():
         return surface
     count = surface.repeated + int(again.sum())
     return Surface(surface.vertices, surface.faces[~again], collapsed=surface.collapsed, repeated=count)
+
+
+def find_fin_faces(faces: Indices, n_vertices: int) -> Bools:
+    """Return which of the faces (F, 3) belong to a fin: a sheet, both of whose sides are stored, that stands on a surface.
+
+    Its two sides cancel each other: with both, the surface is as closed as without any, and with one it is open. A fin is a
+    group of such pairs that hang together, and of whose edges at least one has further faces, each as many in either direction.
+    A sheet that stands on nothing is none, and neither are two sides of which a third face needs just one to be closed.
+    """
+    group = _find_first_equal_rows(np.sort(faces, axis=1), 4 * len(faces))
+    count = np.bincount(group, minlength=len(faces))[group]
+    # Three corners have one cyclic order or the other.
+    turned = np.take_along_axis(faces, (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
+    sign = np.where(turned[:, 1] < turned[:, 2], 1, -1)
+    paired = (count == 2) & (np.bincount(group, weights=sign, minlength=len(faces))[group] == 0)
+    if not paired.any() or paired.all():
+        return np.zeros(len(faces), dtype=bool)
+    keys, _, backward = _build_half_edges(faces, n_vertices)
+    of_pair = np.tile(paired, 3)
+    edges, inverse = np.unique(keys, return_inverse=True)
+    direction = np.where(of_pair, 0.0, np.where(backward, -1.0, 1.0))
+    uneven = np.bincount(inverse, weights=direction, minlength=len(edges)) != 0
+    stands = np.bincount(inverse, weights=np.where(of_pair, 0.0, 1.0), minlength=len(edges)) > 0
+    piece = label_components(faces[paired], n_vertices)
+    corner = np.tile(piece, 3)  # of each half edge of a pair, in the order of `keys`
+    mine = inverse[of_pair]
+    pieces = int(piece.max()) + 1
+    good = (np.bincount(corner, weights=uneven[mine], minlength=pieces) == 0) & (
+        np.bincount(corner, weights=stands[mine], minlength=pieces) > 0
+    )
+    fins = np.zeros(len(faces), dtype=bool)
+    fins[paired] = good[piece]
+    return fins
 
 
 def find_repeated_faces(faces: Indices) -> Bools:
@@ -366,6 +403,20 @@ def _iter_boundary_paths(open_edges: list[list[int]]) -> Iterator[tuple[list[int
                     path.append(there)
             if len(path) > 1:
                 yield path, False
+
+
+def measure_gap_width(points: Array) -> float:
+    """Measure how wide a hole with the rim ``points`` (k, 3) is: the largest distance of a point from the line between the two
+    that are farthest apart. For a rim of very many points, an upper bound."""
+    if len(points) > _MOST_RIM_POINTS:
+        return float(np.linalg.norm(np.ptp(points, axis=0)))
+    apart = np.linalg.norm(points[:, None] - points[None, :], axis=2)
+    start, end = np.unravel_index(int(apart.argmax()), apart.shape)
+    chord = points[end] - points[start]
+    length = float(np.linalg.norm(chord))
+    if not length > 0.0:
+        return 0.0
+    return float(np.linalg.norm(np.cross(points - points[start], chord / length), axis=1).max())
 
 
 def _build_boundary(vertices: Array, path: list[int], closed: bool) -> Boundary:
