@@ -268,3 +268,80 @@ def test_edits_of_the_build_files_mend_them(workspace: Path) -> None:
         assert text[edit.span.start : edit.span.end] == edit.expected
         path.write_text(text[: edit.span.start] + edit.replacement + text[edit.span.end :], encoding="utf-8")
     assert told(".") == []
+
+
+# -- files that lie elsewhere before they are installed ---------------------------------------------------------------
+
+
+SPLIT: Mapping[str, str] = {
+    "src/demo/package.xml": manifest("demo", "ament_cmake", "xacro", "robot_state_publisher"),
+    "src/demo/CMakeLists.txt": "project(demo)\ninstall(DIRECTORY bringup/launch description/urdf description/meshes "
+    "description/control DESTINATION share/${PROJECT_NAME})\nament_package()\n",
+    "src/demo/description/urdf/demo.urdf.xacro": f"""<robot name="demo" {XACRO}>
+  <xacro:include filename="$(find demo)/control/demo.control.xacro"/>
+  <xacro:include filename="../control/limits.xacro"/>
+  <link name="base">
+    <visual><geometry><mesh filename="package://demo/meshes/base.stl"/></geometry></visual>
+  </link>
+  <xacro:control/>
+</robot>
+""",
+    "src/demo/description/control/demo.control.xacro": f"""<robot {XACRO}>
+  <xacro:include filename="../urdf/parts.xacro"/>
+  <xacro:macro name="control"><xacro:tool/></xacro:macro>
+</robot>
+""",
+    "src/demo/description/control/limits.xacro": f'<robot {XACRO}><xacro:property name="side" value="left"/></robot>',
+    "src/demo/description/urdf/parts.xacro": f"""<robot {XACRO}>
+  <xacro:macro name="tool">
+    <link name="tool"/>
+    <joint name="${{side}}_mount" type="fixed"><parent link="base"/><child link="tool"/></joint>
+  </xacro:macro>
+</robot>
+""",
+    "src/demo/description/meshes/base.stl": "solid base\nendsolid base\n",
+    "src/demo/bringup/launch/demo.launch.xml": """<launch>
+  <node pkg="robot_state_publisher" exec="robot_state_publisher">
+    <param name="robot_description" value="$(command 'xacro $(find-pkg-share demo)/urdf/demo.urdf.xacro')"/>
+  </node>
+</launch>
+""",
+    "src/demo/bringup/launch/demo.launch.py": """from launch.substitutions import Command, PathJoinSubstitution, PathSubstitution
+from launch_ros.substitutions import FindPackageShare
+
+model = PathJoinSubstitution([FindPackageShare("demo"), "urdf", "demo.urdf.xacro"])
+other = PathSubstitution(FindPackageShare("demo")) / "urdf" / "demo.urdf.xacro"
+nodes = [Node(parameters=[{"robot_description": Command(["xacro ", model])}])]
+""",
+}
+
+
+def run_workspace(folder: Path, monkeypatch: pytest.MonkeyPatch, files: Mapping[str, str]) -> Run:
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    monkeypatch.chdir(folder)
+    return audit(".")
+
+
+def test_a_package_is_read_as_its_build_installs_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = run_workspace(tmp_path, monkeypatch, SPLIT)
+    assert [(model.robot, model.links, model.status) for model in run.models] == [("demo", 2, "checked")]
+    assert not [f for f in run.findings if f.code[:3] in {"LCH", "PKG", "XAC"}]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        (" description/control", "", "XAC001"),
+        ("{PROJECT_NAME})", '{PROJECT_NAME} PATTERN "*.stl" EXCLUDE)', "PKG002"),
+        ("description/urdf ", "", "LCH001"),
+    ],
+)
+def test_what_is_not_installed_is_not_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, old: str, new: str, code: str
+) -> None:
+    name = "src/demo/CMakeLists.txt"
+    assert old in SPLIT[name]
+    run = run_workspace(tmp_path, monkeypatch, {**SPLIT, name: SPLIT[name].replace(old, new)})
+    assert code in {f.code for f in run.findings}

@@ -132,6 +132,7 @@ class FolderIndex:
                 places = [os.path.join(place, name) for place in places for name in self._match_names(place, part)]
             else:
                 places = [os.path.join(place, part) for place in places]
+        places = [str(self.finder.find_source(Path(place))) for place in places]
         return [path for path in places if os.path.lexists(path)]
 
     def _match_names(self, folder: str, pattern: str) -> list[str]:

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
+from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_type, read_installed_files
+from urdfcheck.source.package.installed_files import InstalledFiles
 from urdfcheck.source.reach import FileReach, is_below, resolve_real_path
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
@@ -104,6 +106,7 @@ class PackageFinder:
         self._below: dict[str, Path] | None = None
         self._ros: dict[str, Path] | None = None
         self._packages: dict[Path, Package | None] = {}
+        self._installed: dict[Path, InstalledFiles | None] = {}
         self._resources: dict[tuple[str, Path], Resource] = {}
 
     def find(self, name: str) -> Path | None:
@@ -260,6 +263,39 @@ class PackageFinder:
                 return package
         return None
 
+    def find_source(self, path: Path) -> Path:
+        """Return the file or folder that a path in a package means before the package is installed.
+
+        That is what lies at the path, or else what the package's build installs there; the path itself if there is neither.
+        """
+        if os.path.lexists(path) or not self.can_open(path):
+            return path
+        absolute = path.absolute()
+        package = self.find_package_of(Path(os.path.normpath(absolute)))
+        installed = None if package is None else self._read_installed(package)
+        if package is None or installed is None or not absolute.is_relative_to(package.path):
+            return path
+        for place in installed.resolve_path(absolute.relative_to(package.path).as_posix()):
+            source = package.path / place
+            if os.path.exists(source) and self.can_open(source):
+                return source
+        return path
+
+    def _read_installed(self, package: Package) -> InstalledFiles | None:
+        """Return what the build of a package installs, from memory."""
+        if package.path not in self._installed:
+
+            def read_text(name: str) -> str | None:
+                path = package.path / name
+                try:
+                    data = read_regular(path, LARGEST_BUILD_FILE) if self.can_open(path) else None
+                except OSError:
+                    return None
+                return None if data is None else data.decode("utf-8-sig", "replace")
+
+            self._installed[package.path] = read_installed_files(package.name, read_build_type(package.root), read_text)
+        return self._installed[package.path]
+
     def resolve_resource(self, text: str, base: Path) -> Resource:
         """Parse a path of a model and look it up; a relative path starts at ``base`` (the folder of the file that names it)."""
         if (text, base) not in self._resources:
@@ -290,6 +326,8 @@ class PackageFinder:
         if not self.can_open(path):
             return Resource(text=text, kind=kind, package=package, path=path, exists=False, allowed=False)
         note_lookup(path)
+        if kind == "package":
+            path = self.find_source(path)
         try:
             exists = path.is_file()
         except (OSError, ValueError):  # the name is too long or contains a NUL
