@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -10,6 +12,8 @@ from conftest import check
 
 from urdfcheck.core import Finding, Run
 from urdfcheck.rules import load_rules
+from urdfcheck.source.discover import discover_targets
+from urdfcheck.source.package import finder
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 FAMILIES = ("KIN", "LCH", "PKG", "SRD", "XAC", "XML")
@@ -345,3 +349,64 @@ def test_what_is_not_installed_is_not_found(
     assert old in SPLIT[name]
     run = run_workspace(tmp_path, monkeypatch, {**SPLIT, name: SPLIT[name].replace(old, new)})
     assert code in {f.code for f in run.findings}
+
+
+# -- packages at any depth --------------------------------------------------------------------------------------------
+
+
+def write_deep(folder: Path, *repositories: str) -> None:
+    """Two metapackages as `vcs import` makes them; the first one's robot uses a package far down in the other."""
+    files = {
+        "src/bot/bot_description/package.xml": manifest("bot_description", "ament_cmake", "xacro", "base_description"),
+        "src/bot/bot_description/CMakeLists.txt": cmake("bot_description", "urdf"),
+        "src/bot/bot_description/urdf/bot.urdf.xacro": f"""<robot name="bot" {XACRO}>
+  <xacro:include filename="$(find base_description)/urdf/base.xacro"/>
+  <xacro:base/>
+</robot>
+""",
+        "src/maker/common/ros2/base_description/package.xml": manifest("base_description", "ament_cmake", "xacro"),
+        "src/maker/common/ros2/base_description/CMakeLists.txt": cmake("base_description", "urdf"),
+        "src/maker/common/ros2/base_description/urdf/base.xacro": f"""<robot {XACRO}>
+  <xacro:macro name="base"><link name="base"/></xacro:macro>
+</robot>
+""",
+    }
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    for repository in repositories:
+        (folder / repository / ".git").mkdir()
+
+
+@pytest.mark.parametrize("repositories", [(), ("src/bot", "src/maker"), ("",)])
+@pytest.mark.parametrize("given", [".", "src", "src/bot", "src/bot/bot_description/urdf/bot.urdf.xacro"])
+def test_packages_are_found_at_any_depth_below_the_given_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, given: str, repositories: tuple[str, ...]
+) -> None:
+    write_deep(tmp_path, *repositories)
+    monkeypatch.chdir(tmp_path)
+    run = audit(given)
+    # In a repository of its own, a robot must not depend on what lies around the repository: only what was given is searched.
+    found = given in {".", "src"} or "src/bot" not in repositories
+    assert [model.status for model in run.models] == ["checked" if found else "failed"]
+    assert ("PKG001" in {f.code for f in run.findings}) != found
+
+
+def test_a_folder_is_not_walked_again_for_its_packages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The walk that looks for models finds the packages too, and a given file is searched around within a limit."""
+    write_deep(tmp_path, "")
+    for number in range(30):
+        (tmp_path / f"data/{number}/a/b/leaf").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path)
+    listed: list[str] = []
+    scandir = os.scandir
+    monkeypatch.setattr(os, "scandir", lambda path: listed.append(str(path)) or scandir(path))
+    plan = discover_targets([Path()], {}, packages={}, package_paths=[])
+    assert set(plan.known_packages) == {"bot_description", "base_description"}
+    assert max(Counter(folder for folder in listed if folder.endswith("/leaf")).values()) == 1
+    monkeypatch.setattr(finder, "MOST_FOLDERS_OF_REPOSITORY", 8)
+    listed.clear()
+    model = Path("src/bot/bot_description/urdf/bot.urdf.xacro")
+    plan = discover_targets([model], {}, packages={}, package_paths=[])
+    assert "base_description" not in plan.known_packages
+    assert not [folder for folder in listed if folder.endswith("/leaf")]

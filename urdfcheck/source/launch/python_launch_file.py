@@ -14,7 +14,8 @@ from pathlib import Path
 
 from urdfcheck.core import NEWLINE, Location, Span
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
-from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path, list_subfolders
+from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import SourceFile
