@@ -139,8 +139,8 @@ def test_a_worker_sees_nothing_around_what_is_checked(tmp_path: Path, monkeypatc
     Path("r.launch").write_text('<launch><param name="robot_description" textfile="../outside/r.urdf"/></launch>')
     Path("a.launch").write_text('<launch><param name="robot_description" textfile="/etc/r.urdf"/></launch>')
     request = make_request(Path(), codes=())
-    _, units = pipeline.plan_units(request)
-    with pipeline.audit_session(request, units, request.reach) as settings:
+    plan, units = pipeline.plan_units(request)
+    with pipeline.audit_session(request, units, plan) as settings:
         seen = {folder for folder in settings.visible_folders if not folder.endswith("rules")}
     assert {unit.kind for unit in units} >= {"launch", "package"}
     assert seen == {str(tmp_path / "repo")}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -10,6 +12,8 @@ from conftest import check
 
 from urdfcheck.core import Finding, Run
 from urdfcheck.rules import load_rules
+from urdfcheck.source.discover import discover_targets
+from urdfcheck.source.package import finder
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 FAMILIES = ("KIN", "LCH", "PKG", "SRD", "XAC", "XML")
@@ -268,3 +272,141 @@ def test_edits_of_the_build_files_mend_them(workspace: Path) -> None:
         assert text[edit.span.start : edit.span.end] == edit.expected
         path.write_text(text[: edit.span.start] + edit.replacement + text[edit.span.end :], encoding="utf-8")
     assert told(".") == []
+
+
+# -- files that lie elsewhere before they are installed ---------------------------------------------------------------
+
+
+SPLIT: Mapping[str, str] = {
+    "src/demo/package.xml": manifest("demo", "ament_cmake", "xacro", "robot_state_publisher"),
+    "src/demo/CMakeLists.txt": "project(demo)\ninstall(DIRECTORY bringup/launch description/urdf description/meshes "
+    "description/control DESTINATION share/${PROJECT_NAME})\nament_package()\n",
+    "src/demo/description/urdf/demo.urdf.xacro": f"""<robot name="demo" {XACRO}>
+  <xacro:include filename="$(find demo)/control/demo.control.xacro"/>
+  <xacro:include filename="../control/limits.xacro"/>
+  <link name="base">
+    <visual><geometry><mesh filename="package://demo/meshes/base.stl"/></geometry></visual>
+  </link>
+  <xacro:control/>
+</robot>
+""",
+    "src/demo/description/control/demo.control.xacro": f"""<robot {XACRO}>
+  <xacro:include filename="../urdf/parts.xacro"/>
+  <xacro:macro name="control"><xacro:tool/></xacro:macro>
+</robot>
+""",
+    "src/demo/description/control/limits.xacro": f'<robot {XACRO}><xacro:property name="side" value="left"/></robot>',
+    "src/demo/description/urdf/parts.xacro": f"""<robot {XACRO}>
+  <xacro:macro name="tool">
+    <link name="tool"/>
+    <joint name="${{side}}_mount" type="fixed"><parent link="base"/><child link="tool"/></joint>
+  </xacro:macro>
+</robot>
+""",
+    "src/demo/description/meshes/base.stl": "solid base\nendsolid base\n",
+    "src/demo/bringup/launch/demo.launch.xml": """<launch>
+  <node pkg="robot_state_publisher" exec="robot_state_publisher">
+    <param name="robot_description" value="$(command 'xacro $(find-pkg-share demo)/urdf/demo.urdf.xacro')"/>
+  </node>
+</launch>
+""",
+    "src/demo/bringup/launch/demo.launch.py": """from launch.substitutions import Command, PathJoinSubstitution, PathSubstitution
+from launch_ros.substitutions import FindPackageShare
+
+model = PathJoinSubstitution([FindPackageShare("demo"), "urdf", "demo.urdf.xacro"])
+other = PathSubstitution(FindPackageShare("demo")) / "urdf" / "demo.urdf.xacro"
+nodes = [Node(parameters=[{"robot_description": Command(["xacro ", model])}])]
+""",
+}
+
+
+def run_workspace(folder: Path, monkeypatch: pytest.MonkeyPatch, files: Mapping[str, str]) -> Run:
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    monkeypatch.chdir(folder)
+    return audit(".")
+
+
+def test_a_package_is_read_as_its_build_installs_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = run_workspace(tmp_path, monkeypatch, SPLIT)
+    assert [(model.robot, model.links, model.status) for model in run.models] == [("demo", 2, "checked")]
+    assert not [f for f in run.findings if f.code[:3] in {"LCH", "PKG", "XAC"}]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code"),
+    [
+        (" description/control", "", "XAC001"),
+        ("{PROJECT_NAME})", '{PROJECT_NAME} PATTERN "*.stl" EXCLUDE)', "PKG002"),
+        ("description/urdf ", "", "LCH001"),
+    ],
+)
+def test_what_is_not_installed_is_not_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, old: str, new: str, code: str
+) -> None:
+    name = "src/demo/CMakeLists.txt"
+    assert old in SPLIT[name]
+    run = run_workspace(tmp_path, monkeypatch, {**SPLIT, name: SPLIT[name].replace(old, new)})
+    assert code in {f.code for f in run.findings}
+
+
+# -- packages at any depth --------------------------------------------------------------------------------------------
+
+
+def write_deep(folder: Path, *repositories: str) -> None:
+    """Two metapackages as `vcs import` makes them; the first one's robot uses a package far down in the other."""
+    files = {
+        "src/bot/bot_description/package.xml": manifest("bot_description", "ament_cmake", "xacro", "base_description"),
+        "src/bot/bot_description/CMakeLists.txt": cmake("bot_description", "urdf"),
+        "src/bot/bot_description/urdf/bot.urdf.xacro": f"""<robot name="bot" {XACRO}>
+  <xacro:include filename="$(find base_description)/urdf/base.xacro"/>
+  <xacro:base/>
+</robot>
+""",
+        "src/maker/common/ros2/base_description/package.xml": manifest("base_description", "ament_cmake", "xacro"),
+        "src/maker/common/ros2/base_description/CMakeLists.txt": cmake("base_description", "urdf"),
+        "src/maker/common/ros2/base_description/urdf/base.xacro": f"""<robot {XACRO}>
+  <xacro:macro name="base"><link name="base"/></xacro:macro>
+</robot>
+""",
+    }
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    for repository in repositories:
+        (folder / repository / ".git").mkdir()
+
+
+@pytest.mark.parametrize("repositories", [(), ("src/bot", "src/maker"), ("",)])
+@pytest.mark.parametrize("given", [".", "src", "src/bot", "src/bot/bot_description/urdf/bot.urdf.xacro"])
+def test_packages_are_found_at_any_depth_below_the_given_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, given: str, repositories: tuple[str, ...]
+) -> None:
+    write_deep(tmp_path, *repositories)
+    monkeypatch.chdir(tmp_path)
+    run = audit(given)
+    # In a repository of its own, a robot must not depend on what lies around the repository: only what was given is searched.
+    found = given in {".", "src"} or "src/bot" not in repositories
+    assert [model.status for model in run.models] == ["checked" if found else "failed"]
+    assert ("PKG001" in {f.code for f in run.findings}) != found
+
+
+def test_a_folder_is_not_walked_again_for_its_packages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The walk that looks for models finds the packages too, and a given file is searched around within a limit."""
+    write_deep(tmp_path, "")
+    for number in range(30):
+        (tmp_path / f"data/{number}/a/b/leaf").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path)
+    listed: list[str] = []
+    scandir = os.scandir
+    monkeypatch.setattr(os, "scandir", lambda path: listed.append(str(path)) or scandir(path))
+    plan = discover_targets([Path()], {}, packages={}, package_paths=[])
+    assert set(plan.known_packages) == {"bot_description", "base_description"}
+    assert max(Counter(folder for folder in listed if folder.endswith("/leaf")).values()) == 1
+    monkeypatch.setattr(finder, "MOST_FOLDERS_OF_REPOSITORY", 8)
+    listed.clear()
+    model = Path("src/bot/bot_description/urdf/bot.urdf.xacro")
+    plan = discover_targets([model], {}, packages={}, package_paths=[])
+    assert "base_description" not in plan.known_packages
+    assert not [folder for folder in listed if folder.endswith("/leaf")]

@@ -42,6 +42,25 @@ def test_the_places_come_in_a_fixed_order(tmp_path: Path) -> None:
     assert find() is None
 
 
+def test_of_two_packages_of_one_name_the_one_around_the_start_comes_first(tmp_path: Path) -> None:
+    outer = make(tmp_path / "outer", "car")
+    inner = make(outer / "car", "car")
+    make(inner / "urdf")
+    path = make(tmp_path / "path/car", "car")
+    assert PackageFinder(inner / "urdf", environment={}).find("car") == inner
+    assert PackageFinder(inner / "urdf", {}, [outer, path], environment={}).find("car") == inner
+    assert PackageFinder(outer, {}, [path], environment={}).find("car") == outer
+    assert PackageFinder(inner / "urdf", {"car": path}, environment={}).find("car") == path
+
+
+def test_of_the_known_packages_of_a_run_the_nearest_is_taken(tmp_path: Path) -> None:
+    far, near = make(tmp_path / "a/b/c/d/car", "car"), make(tmp_path / "x/y/z/1/2/3/4/5/car", "car")
+    start = make(tmp_path / "x/y/z/9/8/7/6/5/4/3/2")
+    known = {"car": [far, near]}
+    assert PackageFinder(start, environment={}, known=known).find("car") == near
+    assert PackageFinder(tmp_path / "a/b/c/d/1/2/3/4/5/6/7", environment={}, known=known).find("car") == far
+
+
 def test_the_name_in_the_manifest_counts_before_the_name_of_a_folder(tmp_path: Path) -> None:
     make(tmp_path / "car", "robot")
     named = make(tmp_path / "zz", "car")

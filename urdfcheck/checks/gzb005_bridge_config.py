@@ -8,7 +8,8 @@ from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint
-from urdfcheck.source.package.finder import BUILD_FOLDERS, Package, PackageFinder
+from urdfcheck.source.package.finder import Package, PackageFinder
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.ros.yaml_files import read_located_yaml
 from urdfcheck.source.text.yaml import YamlReadError, YamlValue
 from urdfcheck.system.files import read_regular, walk

@@ -14,12 +14,12 @@ from urdfcheck.source.package.references import PackageMention, iter_package_men
 
 def check(package: Package, rule: Rule) -> Iterator[Finding]:
     install = read_install_rules(package)
-    if install is None or install.installs_all:
+    if install is None:
         return
     missing: dict[str, list[PackageMention]] = {}
     for mention in iter_package_mentions(package):
         folder = mention.folder
-        if folder and folder not in install.path_parts and (package.path / folder).is_dir():
+        if folder and not install.installed.may_fill(folder) and (package.path / folder).is_dir():
             missing.setdefault(folder, []).append(mention)
     if not missing:
         return

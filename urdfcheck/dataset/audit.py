@@ -74,7 +74,7 @@ def audit_dataset(
         return AuditOutcome(summary=unit_lines.AuditSummary(), checked=0, unchanged=0)
     keys = [_compute_unit_key(unit) for unit in units]
     with (
-        audit_session(request, units, plan.reach or request.reach) as settings,
+        audit_session(request, units, plan) as settings,
         Journal(folder, _describe_settings(request, settings), frozenset(keys), restart=restart) as journal,
     ):
         todo = [index for index, key in enumerate(keys) if key not in journal]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -149,6 +149,8 @@ class AuditSettings:
     """Folder of cached results; None for no cache."""
     reach: tuple[str, ...] | None = None
     """Folders below which files may be opened; None for all."""
+    known_packages: Mapping[str, Sequence[Path]] = field(default_factory=dict)
+    """The folders of each package that the search for models came across, by its name."""
     visible_folders: tuple[str, ...] = ()
     """Folders that the worker process must see."""
 

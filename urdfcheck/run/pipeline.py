@@ -90,7 +90,7 @@ def run_audit(request: Request, execution: Execution = IN_WORKERS, *, previous: 
     start = time.perf_counter()
     plan, units = plan_units(request, in_process=execution.audit is not None)
     reports = {} if previous is None else _reuse_reports(previous, units, request.options.texts)
-    with audit_session(request, units, plan.reach or request.reach) as settings:
+    with audit_session(request, units, plan) as settings:
         while missing := [index for index in range(len(units)) if index not in reports]:
             stream = stream_reports(
                 [units[index] for index in missing], settings, jobs=request.jobs, execution=execution
@@ -142,7 +142,7 @@ def audit_single_model(request: Request, execution: Execution = IN_WORKERS) -> U
     if len(models) != 1:
         names = f"{len(models)} models, name one of them: {', '.join(m.id for m in models)}" if models else "no model"
         raise UrdfcheckError(f"{', '.join(map(str, request.paths))}: {names}")
-    with audit_session(request, models, plan.reach or request.reach) as settings:
+    with audit_session(request, models, plan) as settings:
         ((_, report),) = stream_reports(models, settings, jobs=1, execution=execution)
     return report
 
@@ -191,8 +191,9 @@ def _discover_bounded(memory: int, texts: Mapping[str, bytes], search: Mapping[s
 
 
 @contextlib.contextmanager
-def audit_session(request: Request, units: Sequence[Unit], reach: FileReach) -> Iterator[AuditSettings]:
-    """Yield the settings for the audit of these units; they hold as long as the context. ``reach``: which files may be opened."""
+def audit_session(request: Request, units: Sequence[Unit], plan: Plan) -> Iterator[AuditSettings]:
+    """Yield the settings for the audit of these units of a plan; they hold as long as the context."""
+    reach = plan.reach or request.reach
     with _open_cache_folder(request, units) as folder:
         yield AuditSettings(
             policy=request.policy,
@@ -200,6 +201,7 @@ def audit_session(request: Request, units: Sequence[Unit], reach: FileReach) -> 
             packages=request.packages,
             cache=folder,
             reach=reach.roots,
+            known_packages=plan.known_packages,
             visible_folders=_list_visible_folders(reach, units),
         )
 

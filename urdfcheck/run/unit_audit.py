@@ -113,6 +113,7 @@ class _UnitAudit:
             self.packages.by_name,
             self.packages.search_path,
             reach=None if self.settings.reach is None else FileReach(self.settings.reach),
+            known={name: list(folders) for name, folders in self.settings.known_packages.items()},
         )
 
     # -- kinds of units ----------------------------------------------------------------------------------------

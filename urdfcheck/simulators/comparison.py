@@ -58,7 +58,7 @@ def compare_engines(request: Request) -> EngineComparison:
     report = engine.audit_single_model(request)
     found, units = engine.plan_units(request)
     unit = next(unit for unit in units if unit.kind == "model")
-    with engine.audit_session(request, [unit], found.reach or request.reach) as settings:
+    with engine.audit_session(request, [unit], found) as settings:
         ((_, robot),) = map_in_processes(_read_input, [(unit, settings)], 1)
         if not isinstance(robot, EngineInput) or report.info is None:
             raise UrdfcheckError(f"{unit.id}: no engine can be given what cannot be read (urdfcheck check says why)")
@@ -112,7 +112,8 @@ def _read_input(unit: Unit, settings: AuditSettings) -> EngineInput | None:
     path = Path(unit.path)
     packages = settings.packages
     reach = None if settings.reach is None else FileReach(settings.reach)
-    finder = PackageFinder(path.absolute(), packages.by_name, packages.search_path, reach=reach)
+    known = {name: list(folders) for name, folders in settings.known_packages.items()}
+    finder = PackageFinder(path.absolute(), packages.by_name, packages.search_path, reach=reach, known=known)
     with sandbox.enforce_deadline(settings.options.limits.seconds):
         source = load_source(
             path,

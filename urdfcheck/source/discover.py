@@ -5,6 +5,7 @@ Standard library only: this runs before anything heavy is loaded.
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -88,6 +89,8 @@ class Plan:
     """Packages in a folder that was given, which are checked with all their files."""
     config_errors: tuple[str, ...] = ()
     """Errors in configurations, each text beginning with its place."""
+    known_packages: Mapping[str, Sequence[Path]] = field(default_factory=dict)
+    """The folders of each package below the given folders, and in the repositories of the given files, by its name."""
 
 
 def discover_targets(
@@ -114,6 +117,7 @@ def discover_targets(
         find_config=find_config,
         all_arguments=all_arguments,
     )
+    planner.index_packages(paths)
     for path in paths:
         planner.add_path(path)
     return planner.build_plan()
@@ -145,12 +149,13 @@ class _Planner:
         self.unused: list[tuple[str, str]] = []
         self.folders: dict[Path, FolderIndex] = {}
         self.given_folders: list[Path] = []
+        self.known_packages: dict[str, list[Path]] = {}
 
     def make_finder(self, start: Path) -> PackageFinder:
         config = self.get_config(start)
         packages = {**config.packages, **self.packages} if config else self.packages
         paths = (*self.package_paths, *config.package_path) if config else self.package_paths
-        return PackageFinder(start.absolute(), packages, paths, reach=self.reach)
+        return PackageFinder(start.absolute(), packages, paths, reach=self.reach, known=self.known_packages)
 
     def get_config(self, path: Path) -> DiscoveryConfig | None:
         """Return the configuration for a path; None around a file that may not be opened.
@@ -171,6 +176,22 @@ class _Planner:
                 self.missing.append((format_path(path), f"is not checked, its configuration is wrong: {error}"))
             return False
         return named or config is None or not config.excludes(path)
+
+    def index_packages(self, paths: Sequence[Path]) -> None:
+        """Note the packages below the given folders, and in the repositories around all given paths, before one is needed."""
+        roots: set[Path] = set()
+        for path in sorted(paths, key=lambda path: not path.is_dir()):
+            # What is wrong with a path is told when it is added.
+            with contextlib.suppress(OSError, UrdfcheckError):
+                if self.reach is not None and not self.reach.can_open(path):
+                    continue
+                if path.is_dir():
+                    roots.add(self.get_folder(path).path.absolute())  # it notes the packages that it comes across
+                finder = self.make_finder(path)
+                root = finder.find_repository()
+                if root is not None and not roots & {root, *root.parents}:
+                    roots.add(root)
+                    finder.note_packages(folder for _, folder in finder.walk_repository(root))
 
     def add_path(self, path: Path) -> None:
         try:
@@ -402,6 +423,7 @@ class _Planner:
             configs={str(path): config for path in checked if (config := self.get_config(path)) is not None},
             whole_packages=frozenset(filter(self.is_in_given_folder, packages)),
             config_errors=tuple(self.config_errors),
+            known_packages=self.sort_known_packages(packages),
         )
 
     def list_targets(self) -> list[ModelTarget]:
@@ -424,6 +446,13 @@ class _Planner:
             if package is not None:
                 packages[package.path] = None
         return list(packages)
+
+    def sort_known_packages(self, checked: Sequence[Path]) -> dict[str, list[Path]]:
+        """Return the known packages by name, of each name those first that are checked."""
+        return {
+            name: sorted(folders, key=lambda folder: (folder not in checked, folder))
+            for name, folders in sorted(self.known_packages.items())
+        }
 
     def is_in_given_folder(self, path: Path) -> bool:
         """Whether a path is one of the given folders, or below one."""

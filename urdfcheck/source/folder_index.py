@@ -13,7 +13,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_srdf
-from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path
+from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import can_stand_alone, has_only_macros, has_parts
 from urdfcheck.system.files import read_regular
@@ -92,6 +93,8 @@ class FolderIndex:
         self.finder = finder
         self.outside: list[Path] = []
         files = sorted(_iter_files(path, finder, self.outside))
+        self.packages = [f.parent for f in files if f.name == "package.xml"]
+        finder.note_packages(self.packages)
         self.launches = [f for f in files if is_launch(f)]
         self.files = {f: ModelFile(f) for f in files if f.suffix in {".xacro", ".urdf"} and not is_srdf(f)}
         self.by_real = {resolve_path(f): file for f, file in self.files.items()}
@@ -132,6 +135,7 @@ class FolderIndex:
                 places = [os.path.join(place, name) for place in places for name in self._match_names(place, part)]
             else:
                 places = [os.path.join(place, part) for place in places]
+        places = [str(self.finder.find_source(Path(place))) for place in places]
         return [path for path in places if os.path.lexists(path)]
 
     def _match_names(self, folder: str, pattern: str) -> list[str]:

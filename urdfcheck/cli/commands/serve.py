@@ -64,7 +64,7 @@ def _iter_answers(setup: dict[str, Any]) -> Iterator[dict[str, Any]]:
     if FORKS:
         preload_modules()  # the worker processes are forked from this one
     fail_on = options.fail_on or settings.fail_on
-    with audit_session(request, units, plan.reach or request.reach) as audit_settings:
+    with audit_session(request, units, plan) as audit_settings:
         for line in sys.stdin:
             indices = json.loads(line)
             for place, report in stream_reports([units[i] for i in indices], audit_settings, jobs=request.jobs):

@@ -23,7 +23,8 @@ from urdfcheck.run.jobs import Request
 from urdfcheck.run.pipeline import AuditedRun, Execution, run_audit
 from urdfcheck.run.preload import start_warm_worker
 from urdfcheck.source.package.file_kinds import is_launch
-from urdfcheck.source.package.finder import BUILD_FOLDERS, format_path
+from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.system.files import Stamp, read_stamp, walk
 
 if TYPE_CHECKING:

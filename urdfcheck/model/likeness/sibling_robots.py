@@ -13,7 +13,8 @@ from pathlib import Path
 
 from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
-from urdfcheck.source.package.finder import BUILD_FOLDERS, format_path
+from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.system.files import read_regular, walk
 
 _SUFFIXES = frozenset({".urdf", ".xacro"})

@@ -131,6 +131,7 @@ def _resolve_parameter_file(model: Model, element: Element, text: str) -> Parame
         return ParameterFile(element=element, text=text, path=known, literal=True)
     if not source.finder.can_open(path):
         return ParameterFile(element=element, text=text, path=None)
+    path = source.finder.find_source(path)
     exists = os.path.isfile(path)  # pathlib raises for a name that is too long
     return ParameterFile(element=element, text=text, path=path if exists else None, missing=not exists)
 
@@ -142,7 +143,7 @@ def _resolve_launch_path(text: str, launch: Launch) -> Path | None:
     rest = "" if match is None else text.strip()[match.end() :]
     if folder is None or "$" in rest or "\0" in rest:
         return None
-    path = folder / rest.lstrip("/")
+    path = launch.finder.find_source(folder / rest.lstrip("/"))
     return path if launch.finder.can_open(path) and os.path.isfile(path) else None
 
 

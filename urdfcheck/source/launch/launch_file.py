@@ -267,7 +267,8 @@ class _IncludeReader:
             data = {"path": shown}
             self.problems.append(Problem(kind="out-of-reach", message=message, location=file.location, data=data))
             return None
-        if not os.path.isfile(text):
+        path = self.finder.find_source(path)
+        if not os.path.isfile(path):
             if resolver.has_known_conditions(include) and self._is_missing(path):
                 self._add_broken(include, UnresolvedReason("file", format_path(path)))
             return None
@@ -382,7 +383,7 @@ def _make_description(
     arguments: Mapping[str, str] | None = None,
 ) -> DescriptionSource:
     resolved, unresolved = resolver.resolve_value(file)
-    path = None if resolved is None else Path(resolved)
+    path = None if resolved is None else resolver.finder.find_source(Path(resolved))
     # The existence of a file out of reach is not probed: reading it is refused later.
     allowed = path is not None and resolver.finder.can_open(path)
     if path is not None and (allowed or not path.is_absolute()) and not (allowed and os.path.isfile(path)):

@@ -14,7 +14,8 @@ from pathlib import Path
 
 from urdfcheck.core import NEWLINE, Location, Span
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
-from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path, list_subfolders
+from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import SourceFile
@@ -210,7 +211,7 @@ class PythonLaunchReader:
         for folder in self.named_folders:
             # A folder that only has the package's name may not be the package.
             if folder is not None and (folder / "package.xml").is_file() and text.startswith(f"{folder}/"):
-                return Path(text), folder
+                return self.finder.find_source(Path(text)), folder
         return None
 
     def evaluate_text(self, node: ast.AST) -> str | None:
@@ -249,7 +250,7 @@ class PythonLaunchReader:
         if function == "find" and isinstance(node.func, ast.Attribute):  # FindPackageShare("p").find("p")
             share = node.func.value
             return self.evaluate_text(share) if isinstance(share, ast.Call) and get_package_name(share) else None
-        if function in {"join", "joinpath", "Path", "str"} and not node.keywords:
+        if function in {"join", "joinpath", "Path", "PathSubstitution", "str"} and not node.keywords:
             before = [node.func.value] if function == "joinpath" and isinstance(node.func, ast.Attribute) else []
             return self.evaluate_all([*before, *node.args], _join_paths)
         if (
@@ -344,7 +345,7 @@ def _find_model_file(literal: str, folders: Sequence[Path], finder: PackageFinde
         return None
     for base in folders:
         beside = [folder / Path(tail).name for folder in list_subfolders(base) if folder.name not in BUILD_FOLDERS]
-        for candidate in (base / tail, base / "urdf" / tail, *beside):
+        for candidate in (*map(finder.find_source, (base / tail, base / "urdf" / tail)), *beside):
             if finder.can_open(candidate) and os.path.isfile(candidate):
                 return candidate
     return None

@@ -4,24 +4,33 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
+from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_type, read_installed_files
+from urdfcheck.source.package.installed_files import InstalledFiles
+from urdfcheck.source.package.package_folders import (
+    PackagesByName,
+    find_nearest_folder,
+    list_subfolders,
+    read_manifest_name,
+    walk_packages,
+)
 from urdfcheck.source.reach import FileReach, is_below, resolve_real_path
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
-from urdfcheck.system.files import note_lookup, read_regular, record_reads
+from urdfcheck.system.files import note_lookup, read_regular
 
-# How many levels above a model its workspace is searched, and how many folders on each level.
+# How many levels above a model its workspace is searched.
 LEVELS_UP = 6
-MAX_SIBLINGS = 2000
-# How deep packages are below a folder of the workspace (src/repository/package) and below a given package path.
+# How deep packages are below a folder of the workspace (src/repository/package), below a given package path, and below the
+# repository of a given file, where at most so many folders are looked into, the outer ones first.
 LEVELS_DOWN_AROUND = 2
 LEVELS_DOWN_PATHS = 3
-BUILD_FOLDERS = frozenset({"build", "install", "log"})
-_NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
+LEVELS_DOWN_REPOSITORY = 8
+MOST_FOLDERS_OF_REPOSITORY = 2_000
 _SUFFIXES = frozenset({"description", "support", "gazebo", "config", "bringup", "meshes", "resources", "robot"})
 _SCHEME = re.compile(r"^([A-Za-z][A-Za-z0-9+.-]*)://(.*)$", re.DOTALL)
 
@@ -79,9 +88,10 @@ class Resource:
 class PackageFinder:
     """Finds packages by name.
 
-    In this order: ``explicit`` folders, folders below ``paths``, package.xml in the folders around ``start``,
-    ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and last a folder of that name around ``start``. ``reach``: which files may be
-    opened besides those of the packages that were found; None for all.
+    In this order: ``explicit`` folders, the package that contains ``start``, folders below ``paths``, package.xml in the
+    folders around ``start``, the ``known`` packages of the run (the nearest), ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and last
+    a folder of that name around ``start``. ``reach``: which files may be opened besides those of the packages that were
+    found; None for all.
     """
 
     def __init__(
@@ -91,19 +101,22 @@ class PackageFinder:
         paths: Sequence[Path] = (),
         environment: Mapping[str, str] | None = None,
         reach: FileReach | None = None,
+        known: dict[str, list[Path]] | None = None,
     ) -> None:
         self.reach = reach
+        self.known: dict[str, list[Path]] = {} if known is None else known
         self.start = start if os.path.isdir(start) else start.parent  # pathlib raises for a name too long
         # Absolute, because xacro resolves a relative path from the file that names it.
         self.explicit = {name: path.absolute() for name, path in (explicit or {}).items()}
         self.paths = [path.absolute() for path in paths]
         self.environment = os.environ if environment is None else environment
         self._found: dict[str, Path | None] = {}
-        self._around: dict[str, Path] | None = None
+        self._around: dict[str, list[Path]] | None = None
         self._workspace: dict[str, Path] | None = None
         self._below: dict[str, Path] | None = None
         self._ros: dict[str, Path] | None = None
         self._packages: dict[Path, Package | None] = {}
+        self._installed: dict[Path, InstalledFiles | None] = {}
         self._resources: dict[tuple[str, Path], Resource] = {}
 
     def find(self, name: str) -> Path | None:
@@ -113,6 +126,13 @@ class PackageFinder:
             if found is not None:
                 note_lookup(found / "package.xml")
         return self._found[name]
+
+    def note_packages(self, folders: Iterable[Path]) -> None:
+        """Add the packages at these folders to the known ones of the run."""
+        for folder in folders:
+            name = read_manifest_name(folder)
+            if name is not None and folder.absolute() not in (places := self.known.setdefault(name, [])):
+                places.append(folder.absolute())
 
     def can_open(self, path: Path) -> bool:
         """Whether a file may be opened: it is in reach, or in a package that was found by its name."""
@@ -142,10 +162,15 @@ class PackageFinder:
     def _search_package(self, name: str) -> Path | None:
         if not name or name in {".", ".."} or "/" in name or "\\" in name:
             return None
+        own = self.find_package_of(self.start / "package.xml")
+        around = self._scan_around_start()
+        known = self.known.get(name)
         return (
             self.explicit.get(name)
+            or (own.path if own is not None and own.name == name else None)
             or self._scan_paths().get(name)
-            or self._scan_around_start().get(name)
+            or (around[name][0] if name in around else None)
+            or (find_nearest_folder(known, self.start) if known else None)
             or self._scan_ros_paths().get(name)
             or self._find_by_folder_name(name)
         )
@@ -154,24 +179,38 @@ class PackageFinder:
         if self._below is None:
             self._below = {}
             for path in self.paths:
-                for name, folder in _walk_packages(path, LEVELS_DOWN_PATHS):
+                for name, folder in walk_packages(path, LEVELS_DOWN_PATHS):
                     self._below.setdefault(name, folder)
             for path in self.paths:
                 for folder in (path, *list_subfolders(path)):
                     self._below.setdefault(folder.name, folder)
         return self._below
 
-    def _scan_around_start(self) -> dict[str, Path]:
+    def _scan_around_start(self) -> dict[str, list[Path]]:
         if self._around is None:
             self._around = self._scan_folders(self.list_parent_folders())
         return self._around
 
-    def _scan_folders(self, levels: Sequence[Path]) -> dict[str, Path]:
-        packages: dict[str, Path] = {}
+    def _scan_folders(self, levels: Sequence[Path]) -> dict[str, list[Path]]:
+        """Return the folders of each package below these levels, those of the first level first."""
+        packages: dict[str, list[Path]] = {}
         for level in levels:
-            for name, folder in _walk_packages(level, LEVELS_DOWN_AROUND, self._can_follow):
-                packages.setdefault(name, folder)
+            for name, folder in walk_packages(level, LEVELS_DOWN_AROUND, self._can_follow):
+                folders = packages.setdefault(name, [])
+                if folder not in folders:
+                    folders.append(folder)
         return packages
+
+    def find_repository(self) -> Path | None:
+        """Return the repository around the start; without one, the outermost folder ``src`` around it, or None."""
+        levels = self.list_parent_folders()
+        if levels and (levels[-1] / ".git").exists():
+            return levels[-1]
+        return next((level for level in reversed(levels) if level.name == "src"), None)
+
+    def walk_repository(self, root: Path) -> Iterator[tuple[str, Path]]:
+        """Yield the packages of the repository around the start, as far as a bounded search finds them."""
+        return walk_packages(root, LEVELS_DOWN_REPOSITORY, self._can_follow, most=MOST_FOLDERS_OF_REPOSITORY)
 
     def list_parent_folders(self) -> list[Path]:
         """Return the folders from the start upwards that can belong to the same workspace."""
@@ -189,7 +228,7 @@ class PackageFinder:
         if self._ros is None:
             self._ros = {}
             for entry in self.environment.get("ROS_PACKAGE_PATH", "").split(os.pathsep):
-                for name, folder in _walk_packages(Path(entry), LEVELS_DOWN_PATHS) if entry else ():
+                for name, folder in walk_packages(Path(entry), LEVELS_DOWN_PATHS) if entry else ():
                     self._ros.setdefault(name, folder)
             for entry in self.environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
                 for folder in list_subfolders(Path(entry) / "share") if entry else ():
@@ -213,6 +252,8 @@ class PackageFinder:
         levels = self.list_parent_folders()
         if levels:
             places.append(f"package.xml from {format_path(self.start)} up to {format_path(levels[-1])}")
+        if self.known:
+            places.append("every package.xml below the given folders")
         for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"):
             value = self.environment.get(variable)
             places.append(f"{variable}={value}" if value else f"{variable} (not set)")
@@ -220,7 +261,12 @@ class PackageFinder:
 
     def list_packages(self) -> dict[str, Path]:
         """Return every package that is found by its name, with its folder."""
-        return {**self._scan_ros_paths(), **self._scan_around_start(), **self._scan_paths(), **self.explicit}
+        near = _take_first(self._scan_around_start())
+        return {**self._scan_ros_paths(), **_take_first(self.known), **near, **self._scan_paths(), **self.explicit}
+
+    def list_namesakes(self, name: str) -> list[Path]:
+        """Return every folder with a package of a name, the known ones of the run first."""
+        return [*self.known.get(name, ()), *self._scan_around_start().get(name, ())]
 
     def list_workspace_packages(self) -> dict[str, Path]:
         """Return the packages that may be about the model.
@@ -230,10 +276,14 @@ class PackageFinder:
         """
         if self._workspace is None:
             levels = self.list_parent_folders()
-            if levels and not (levels[-1] / ".git").exists():
+            deeper: dict[str, Path] = {}
+            if levels and (levels[-1] / ".git").exists():
+                deeper = {name: f for name, f in _take_first(self.known).items() if levels[-1] in f.parents}
+            elif levels:
                 innermost = next((n for n, level in enumerate(levels) if (level / "package.xml").is_file()), None)
                 levels = levels[: 1 if innermost is None else innermost + 2]
-            self._workspace = {**self._scan_folders(levels), **self._scan_paths(), **self.explicit}
+            near = _take_first(self._scan_folders(levels))
+            self._workspace = {**deeper, **near, **self._scan_paths(), **self.explicit}
         return self._workspace
 
     def suggest_names(self, name: str) -> list[str]:
@@ -259,6 +309,39 @@ class PackageFinder:
             if package is not None:
                 return package
         return None
+
+    def find_source(self, path: Path) -> Path:
+        """Return the file or folder that a path in a package means before the package is installed.
+
+        That is what lies at the path, or else what the package's build installs there; the path itself if there is neither.
+        """
+        if os.path.lexists(path) or not self.can_open(path):
+            return path
+        absolute = path.absolute()
+        package = self.find_package_of(Path(os.path.normpath(absolute)))
+        installed = None if package is None else self._read_installed(package)
+        if package is None or installed is None or not absolute.is_relative_to(package.path):
+            return path
+        for place in installed.resolve_path(absolute.relative_to(package.path).as_posix()):
+            source = package.path / place
+            if os.path.exists(source) and self.can_open(source):
+                return source
+        return path
+
+    def _read_installed(self, package: Package) -> InstalledFiles | None:
+        """Return what the build of a package installs, from memory."""
+        if package.path not in self._installed:
+
+            def read_text(name: str) -> str | None:
+                path = package.path / name
+                try:
+                    data = read_regular(path, LARGEST_BUILD_FILE) if self.can_open(path) else None
+                except OSError:
+                    return None
+                return None if data is None else data.decode("utf-8-sig", "replace")
+
+            self._installed[package.path] = read_installed_files(package.name, read_build_type(package.root), read_text)
+        return self._installed[package.path]
 
     def resolve_resource(self, text: str, base: Path) -> Resource:
         """Parse a path of a model and look it up; a relative path starts at ``base`` (the folder of the file that names it)."""
@@ -290,6 +373,8 @@ class PackageFinder:
         if not self.can_open(path):
             return Resource(text=text, kind=kind, package=package, path=path, exists=False, allowed=False)
         note_lookup(path)
+        if kind == "package":
+            path = self.find_source(path)
         try:
             exists = path.is_file()
         except (OSError, ValueError):  # the name is too long or contains a NUL
@@ -363,52 +448,12 @@ def _find_actual_spelling(path: Path) -> str | None:
         return None
 
 
+def _take_first(folders: PackagesByName) -> dict[str, Path]:
+    """Return the first folder of each name."""
+    return {name: places[0] for name, places in folders.items() if places}
+
+
 def _split_suffix(name: str) -> tuple[str, str]:
     """Return a package's name without the suffix for its kind, and this suffix."""
     stem, _, suffix = name.rpartition("_")
     return (stem, suffix) if stem and suffix in _SUFFIXES else (name, "")
-
-
-def _walk_packages(
-    folder: Path, depth: int, allows: Callable[[Path], bool] = lambda _: True, *, inner: bool = False
-) -> Iterator[tuple[str, Path]]:
-    """Yield the packages at a folder and at most ``depth`` levels below it; none inside another one below it.
-
-    ``allows``: whether a link may be followed.
-    """
-    name = _read_manifest_name(folder, allows) if os.path.lexists(f"{folder}/package.xml") else None
-    if name:
-        yield name, folder
-    if depth and not (name and inner):
-        for below in list_subfolders(folder):
-            if below.name not in BUILD_FOLDERS and (not os.path.islink(below) or allows(below)):
-                yield from _walk_packages(below, depth - 1, allows, inner=True)
-
-
-def list_subfolders(path: Path) -> list[Path]:
-    """Return the folders in a folder without hidden ones; none if it cannot be read."""
-    try:
-        with os.scandir(path) as entries:
-            names = [entry.name for entry in entries if not entry.name.startswith(".") and _is_folder(entry)]
-    except OSError:
-        return []
-    return [path / name for name in sorted(names)[:MAX_SIBLINGS]]
-
-
-def _is_folder(entry: os.DirEntry[str]) -> bool:
-    try:
-        return entry.is_dir()
-    except OSError:  # a circular link is not a folder, and does not hide the others
-        return False
-
-
-def _read_manifest_name(folder: Path, allows: Callable[[Path], bool]) -> str | None:
-    manifest = folder / "package.xml"
-    if os.path.islink(manifest) and not allows(manifest):
-        return None
-    try:
-        with record_reads():  # apart: of all packages that are searched, only the one that is found affects the result
-            match = _NAME.search(read_regular(manifest).decode("utf-8", "replace"))
-    except OSError:
-        return None
-    return match.group(1) if match else None

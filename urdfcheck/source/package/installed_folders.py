@@ -4,37 +4,25 @@ from __future__ import annotations
 
 import ast
 import re
-import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from urdfcheck.core import Edit, Location, Span
+from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_type
+from urdfcheck.source.package.cmake_installs import CmakeCommand, parse_commands, read_cmake_installs
 from urdfcheck.source.package.finder import Package, format_path
+from urdfcheck.source.package.installed_files import InstalledFiles
+from urdfcheck.source.package.setup_py_installs import parse_setup, read_setup_installs
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import read_regular
-
-_LARGEST = 1_000_000
-# A text without an end reaches to the end of the file, so that each character is matched once.
-_TOKEN = re.compile(r'#[^\n]*|"(?:[^"\\]|\\.)*(?:"|\Z)|[()]|[^\s()"#]+', re.DOTALL)
-_VARIABLE = re.compile(r"\$\{(\w+)\}")
-_SOURCE_DIR_VARIABLES = frozenset(
-    {"CMAKE_CURRENT_SOURCE_DIR", "CMAKE_SOURCE_DIR", "PROJECT_SOURCE_DIR", "CMAKE_CURRENT_LIST_DIR"}
-)
-# The most values of one variable, and of one word that contains several variables.
-_MOST_VALUES = 1_000
-# Commands that only name variables, or do not read a folder of the package.
-_SETS = frozenset({"set", "foreach", "list", "project", "message", "find_package", "cmake_minimum_required"})
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class InstallRules:
-    """What a package installs."""
+    """What a package installs, and where its build file says so."""
 
-    installs_all: bool
-    """Whether it installs everything, or may do so."""
-    path_parts: frozenset[str]
-    """Every part of a path in a command that may install."""
+    installed: InstalledFiles
     at: Location
     """Where a missing folder has to be named."""
     build_form: str
@@ -54,26 +42,19 @@ class InstallRules:
 
 def read_install_rules(package: Package) -> InstallRules | None:
     """Return what a ROS 2 package installs; None for another package, or without a build file."""
-    build = _read_build_type(package)
+    build = read_build_type(package.root)
     name = {"ament_cmake": "CMakeLists.txt", "ament_python": "setup.py"}.get(build)
     file = None if name is None else _read_file(package, package.path / name)
     if file is None:
         return None
-    return _parse_cmake(file, package) if build == "ament_cmake" else _parse_setup_py(file, package)
-
-
-def _read_build_type(package: Package) -> str:
-    """Return the build type that the manifest exports: ament_cmake, ament_python …"""
-    export = None if package.root is None else package.root.find_child("export")
-    types = [] if export is None else [e.text.strip() for e in export.find_children("build_type")]
-    return types[0] if types else ""
+    return _read_cmake(file, package) if build == "ament_cmake" else _read_setup_py(file, package)
 
 
 def _read_file(package: Package, path: Path) -> SourceFile | None:
     if package.finder is not None and not package.finder.can_open(path):
         return None
     try:
-        text = read_regular(path, _LARGEST).decode("utf-8-sig", "replace")
+        text = read_regular(path, LARGEST_BUILD_FILE).decode("utf-8-sig", "replace")
     except OSError:
         return None
     return SourceFile(path, format_path(path), text=text)
@@ -82,42 +63,16 @@ def _read_file(package: Package, path: Path) -> SourceFile | None:
 # -- CMakeLists.txt ----------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class _CmakeCommand:
-    """A command of CMake."""
-
-    name: str
-    start: int
-    end: int
-    words: tuple[str, ...]
-    """The arguments as typed."""
-    ends: tuple[int, ...]
-    """The offset at which each argument ends."""
-
-
-def _parse_cmake(file: SourceFile, package: Package) -> InstallRules:
-    values: dict[str, list[str]] = {"PROJECT_NAME": [package.name], **{name: ["."] for name in _SOURCE_DIR_VARIABLES}}
-    names: set[str] = set()
-    everything = False
-    commands = list(_parse_commands(file.text))
-    for command in commands:
-        if command.name in _SETS:
-            _assign_variable(command, values)
-            continue
-        installs = command.name in {"install", "ament_auto_package"}
-        for word in command.words:
-            for text in _expand_variables(word, values):
-                everything |= installs and ("${" in text or text in {".", "./"})
-                names.update(text.split("/"))
-        everything |= command.name in {"add_subdirectory", "include"} and bool(command.words)
+def _read_cmake(file: SourceFile, package: Package) -> InstallRules:
+    commands = list(parse_commands(file.text))
     rules = InstallRules(
-        installs_all=everything, path_parts=frozenset(names), at=Location("install", None), build_form="cmake"
+        installed=read_cmake_installs(commands, package.name), at=Location("install", None), build_form="cmake"
     )
     return _locate_insertion(rules, file, commands=commands, package=package.name)
 
 
 def _locate_insertion(
-    rules: InstallRules, file: SourceFile, *, commands: Sequence[_CmakeCommand], package: str
+    rules: InstallRules, file: SourceFile, *, commands: Sequence[CmakeCommand], package: str
 ) -> InstallRules:
     """Return the rules with the place for another folder.
 
@@ -138,7 +93,7 @@ def _locate_insertion(
     return replace(rules, at=at, insertion_point=file.make_span(last.start, last.start), insertion=insertion)
 
 
-def _find_share_folder(command: _CmakeCommand, package: str) -> int | None:
+def _find_share_folder(command: CmakeCommand, package: str) -> int | None:
     """Return the index of the last folder in a command that installs folders into the package's share folder."""
     words = command.words
     if command.name == "ament_auto_package" and "INSTALL_TO_SHARE" in words:
@@ -152,78 +107,32 @@ def _find_share_folder(command: _CmakeCommand, package: str) -> int | None:
     return at - 1 if share in {"share/${PROJECT_NAME}", f"share/{package}"} else None
 
 
-def _parse_commands(text: str) -> Iterator[_CmakeCommand]:
-    words: list[str] = []
-    ends: list[int] = []
-    name, start, depth = "", 0, 0
-    for match in _TOKEN.finditer(text):
-        token = match.group(0)
-        if token.startswith("#"):
-            continue
-        if token == "(":
-            depth += 1
-        elif token == ")":
-            depth = max(depth - 1, 0)
-            if depth == 0 and name:
-                yield _CmakeCommand(name=name, start=start, end=match.end(), words=tuple(words), ends=tuple(ends))
-                name, words, ends = "", [], []
-        elif depth == 0:
-            name, start, words, ends = token.lower(), match.start(), [], []
-        else:
-            words.append(token)
-            ends.append(match.end())
-
-
-def _assign_variable(command: _CmakeCommand, values: dict[str, list[str]]) -> None:
-    """Note the values of a variable; of a loop's variable, all of them."""
-    name, *words = command.words or ("",)
-    if command.name == "set":
-        values[name] = [text for word in words for text in _expand_variables(word, values)][:_MOST_VALUES]
-    elif command.name == "foreach":
-        lists = "LISTS" in words
-        plain = [word for word in words if word not in {"IN", "ITEMS", "LISTS", "RANGE"}]
-        named = [f"${{{word}}}" for word in plain] if lists else plain
-        values[name] = [text for word in named for text in _expand_variables(word, values)][:_MOST_VALUES]
-    elif command.name == "list" and name == "APPEND" and words:
-        appended = [text for word in words[1:] for text in _expand_variables(word, values)]
-        values[words[0]] = [*values.get(words[0], []), *appended][:_MOST_VALUES]
-
-
-def _expand_variables(word: str, values: Mapping[str, list[str]]) -> list[str]:
-    """Return the texts that a word means; an unknown variable stays as it is."""
-    texts = [word.strip('"')]
-    for variable in dict.fromkeys(_VARIABLE.findall(word)):
-        if variable in values:
-            texts = [t.replace(f"${{{variable}}}", value) for t in texts for value in values[variable]][:_MOST_VALUES]
-    return [part for text in texts for part in text.split(";")]
-
-
 # -- setup.py ----------------------------------------------------------------------------------------------------------
 
 
-def _parse_setup_py(file: SourceFile, package: Package) -> InstallRules | None:
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # Python's warnings about a stranger's code do not belong on the terminal
-            tree = ast.parse(file.text)
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
+def _read_setup_py(file: SourceFile, package: Package) -> InstallRules | None:
+    tree = parse_setup(file.text)
+    if tree is None:
         return None
     nodes = list(ast.walk(tree))
-    texts = [n.value for n in nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)]
-    for name in ("setup.cfg", "pyproject.toml", "MANIFEST.in"):
-        other = _read_file(package, package.path / name)
-        texts += [] if other is None else re.split(r"[\s=,\"']+", other.text)
-    everything = any(text in {".", "./", "*"} or text.lstrip("./").startswith("**") for text in texts)
-    names = frozenset(part for text in texts for part in text.split("/"))
     keyword = next((n for n in nodes if isinstance(n, ast.keyword) and n.arg == "data_files"), None)
     line = 1 if keyword is None else keyword.lineno
     starts = [0, *(m.end() for m in re.finditer(r"\r\n|\n|\r", file.text))]
     begin = starts[min(line, len(starts)) - 1]
     begin += len(file.text[begin:]) - len(file.text[begin:].lstrip(" \t"))
     end = begin + len("data_files") if keyword is not None else begin
-    return InstallRules(
-        installs_all=everything,
-        path_parts=names,
-        at=Location("install", file.make_span(begin, end)),
-        build_form="python",
-    )
+    installed = read_setup_installs(tree, package.name)
+    if installed is None or not installed.is_complete:
+        installed = _collect_names(nodes, package)
+    return InstallRules(installed=installed, at=Location("install", file.make_span(begin, end)), build_form="python")
+
+
+def _collect_names(nodes: Sequence[ast.AST], package: Package) -> InstalledFiles:
+    """Return what a setup.py that is not understood may install: each name in its texts and in the files beside it."""
+    texts = [n.value for n in nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)]
+    for name in ("setup.cfg", "pyproject.toml", "MANIFEST.in"):
+        other = _read_file(package, package.path / name)
+        texts += [] if other is None else re.split(r"[\s=,\"']+", other.text)
+    everything = any(text in {".", "./", "*"} or text.lstrip("./").startswith("**") for text in texts)
+    names = frozenset(part for text in texts for part in text.split("/"))
+    return InstalledFiles(entries=(), is_complete=not everything, other_names=names)

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from urdfcheck.core import Location
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
-from urdfcheck.source.package.finder import BUILD_FOLDERS, Package, format_path, has_dependency_entry
+from urdfcheck.source.package.finder import Package, format_path, has_dependency_entry
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import read_regular, walk
 

@@ -12,7 +12,8 @@ from pathlib import Path
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import is_srdf
-from urdfcheck.source.package.finder import BUILD_FOLDERS, PackageFinder, format_path, list_subfolders, load_package
+from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import has_only_macros

@@ -214,7 +214,7 @@ def _find_included_files(text: str, folder: Path, finder: PackageFinder) -> list
     if path is None:
         return []
     if "$" not in path:
-        return [Path(path)]
+        return [finder.find_source(Path(path))]
     return [Path(file) for _, _, file in _iter_fitting_files(path, finder)]
 
 

@@ -68,9 +68,10 @@ class FileAccess:
     def _parse_file(self, path: Path) -> minidom.Document:
         import xacro
 
-        name = format_path(path)
         self.trace.count_nodes(NODES_OF_FILE)
         self.ensure_reach(path)
+        path = self.finder.find_source(path)
+        name = format_path(path)
         try:
             source = SourceFile.read(path, name)
         except OSError as error:
@@ -98,6 +99,7 @@ class FileAccess:
         places = [""]
         for part in Path(pattern).parts:
             if has_magic(part):
+                places = [str(self.finder.find_source(Path(folder))) for folder in places]
                 places = [os.path.join(folder, name) for folder in places for name in self._match_names(folder, part)]
             else:
                 places = [os.path.join(folder, part) for folder in places]
@@ -122,6 +124,7 @@ class FileAccess:
         path = Path(xacro.abs_filename_spec(filename))
         self.trace.count_nodes(NODES_OF_FILE)
         self.ensure_reach(path)
+        path = self.finder.find_source(path)
         name = format_path(path)
         xacro.filestack.append(filename)
         try:

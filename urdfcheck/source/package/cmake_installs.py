@@ -1,0 +1,253 @@
+"""What a CMakeLists.txt installs into its package's share folder. It is read as text and never run."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from urdfcheck.source.package.installed_files import (
+    MOST_ENTRIES,
+    InstalledEntry,
+    InstalledFiles,
+    find_share_place,
+    has_magic,
+    normalize_source,
+)
+
+# A text without an end reaches to the end of the file, so that each character is matched once.
+_TOKEN = re.compile(r'#[^\n]*|"(?:[^"\\]|\\.)*(?:"|\Z)|[()]|[^\s()"#]+', re.DOTALL)
+_VARIABLE = re.compile(r"\$\{(\w+)\}")
+_SOURCE_DIR_VARIABLES = ("CMAKE_CURRENT_SOURCE_DIR", "CMAKE_SOURCE_DIR", "PROJECT_SOURCE_DIR", "CMAKE_CURRENT_LIST_DIR")
+# The most values of one variable and of one word that contains several variables, and the most commands with those repeated
+# by loops.
+_MOST_VALUES = 1_000
+_MOST_COMMANDS = 20_000
+# Commands that install nothing and read no folder of the package.
+_QUIET = frozenset({
+    "message", "find_package", "cmake_minimum_required", "if", "elseif", "else", "endif", "endforeach", "ament_package",
+    "catkin_package", "unset", "option", "set_property", "target_link_libraries", "target_include_directories",
+    "include_directories", "add_executable", "add_library", "ament_target_dependencies", "ament_export_dependencies",
+    "ament_export_include_directories", "ament_export_libraries", "ament_export_targets", "add_compile_options",
+})  # fmt: skip
+# What ends the list of folders or files of an install command.
+_KEYWORDS = frozenset({
+    "DESTINATION", "TYPE", "RENAME", "PATTERN", "REGEX", "EXCLUDE", "PERMISSIONS", "CONFIGURATIONS", "COMPONENT", "OPTIONAL",
+    "FILES_MATCHING", "USE_SOURCE_PERMISSIONS", "FILE_PERMISSIONS", "DIRECTORY_PERMISSIONS", "MESSAGE_NEVER",
+    "EXCLUDE_FROM_ALL",
+})  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class CmakeCommand:
+    """A command of CMake."""
+
+    name: str
+    start: int
+    end: int
+    words: tuple[str, ...]
+    """The arguments as typed."""
+    ends: tuple[int, ...]
+    """The offset at which each argument ends."""
+
+
+def parse_commands(text: str) -> Iterator[CmakeCommand]:
+    """Yield the commands of a file in order."""
+    words: list[str] = []
+    ends: list[int] = []
+    name, start, depth = "", 0, 0
+    for match in _TOKEN.finditer(text):
+        token = match.group(0)
+        if token.startswith("#"):
+            continue
+        if token == "(":
+            depth += 1
+        elif token == ")":
+            depth = max(depth - 1, 0)
+            if depth == 0 and name:
+                yield CmakeCommand(name=name, start=start, end=match.end(), words=tuple(words), ends=tuple(ends))
+                name, words, ends = "", [], []
+        elif depth == 0:
+            name, start, words, ends = token.lower(), match.start(), [], []
+        else:
+            words.append(token)
+            ends.append(match.end())
+
+
+def read_cmake_installs(commands: Sequence[CmakeCommand], package: str) -> InstalledFiles:
+    """Return what the commands install for a package of this name. Both branches of a condition count."""
+    reader = _CmakeReader(package)
+    reader.run_commands(commands)
+    return InstalledFiles(
+        entries=tuple(reader.entries), is_complete=reader.is_complete, other_names=frozenset(reader.other_names)
+    )
+
+
+class _CmakeReader:
+    """Follows variables, lists and loops."""
+
+    def __init__(self, package: str) -> None:
+        self.package = package
+        self.values: dict[str, list[str]] = {
+            "PROJECT_NAME": [package],
+            "CMAKE_PROJECT_NAME": [package],
+            "CATKIN_PACKAGE_SHARE_DESTINATION": [f"share/{package}"],
+            "CATKIN_GLOBAL_SHARE_DESTINATION": ["share"],
+            "CMAKE_INSTALL_DATADIR": ["share"],
+            "CMAKE_INSTALL_DATAROOTDIR": ["share"],
+            "CMAKE_INSTALL_PREFIX": [""],
+            **{name: ["."] for name in _SOURCE_DIR_VARIABLES},
+        }
+        self.entries: list[InstalledEntry] = []
+        self.is_complete = True
+        self.other_names: set[str] = set()
+        self.count = 0
+
+    def run_commands(self, commands: Sequence[CmakeCommand]) -> None:
+        """Run commands in order, the bodies of loops once for each value."""
+        at = 0
+        while at < len(commands):
+            self.count += 1
+            if self.count > _MOST_COMMANDS or len(self.entries) > MOST_ENTRIES:
+                self.is_complete = False
+                return
+            command = commands[at]
+            if command.name == "foreach":
+                end = _find_loop_end(commands, at)
+                self.run_loop(command, commands[at + 1 : end])
+                at = end + 1
+                continue
+            self.run_command(command)
+            at += 1
+
+    def run_loop(self, loop: CmakeCommand, body: Sequence[CmakeCommand]) -> None:
+        name, *words = loop.words or ("",)
+        plain = [word for word in words if word not in {"IN", "ITEMS", "LISTS", "RANGE"}]
+        named = [f"${{{word}}}" for word in plain] if "LISTS" in words else plain
+        for value in self.expand_words(named)[:_MOST_VALUES]:
+            self.values[name] = [value]
+            self.run_commands(body)
+
+    def run_command(self, command: CmakeCommand) -> None:
+        name, *words = command.words or ("",)
+        if command.name == "set":
+            self.values[name] = self.expand_words(words)
+        elif command.name == "list" and name == "APPEND" and words:
+            appended = self.expand_words(words[1:])
+            self.values[words[0]] = [*self.values.get(words[0], []), *appended][:_MOST_VALUES]
+        elif command.name == "project":
+            self.values["PROJECT_NAME"] = [name] if name else [self.package]
+        elif command.name == "file" and name in {"GLOB", "GLOB_RECURSE"} and words:
+            self.read_glob(words, recursive=name == "GLOB_RECURSE")
+        elif command.name == "install":
+            self.read_install(self.expand_words(command.words))
+        elif command.name == "ament_auto_package" and "INSTALL_TO_SHARE" in command.words:
+            rest = command.words[command.words.index("INSTALL_TO_SHARE") + 1 :]
+            folders = self.expand_words(rest[: next((i for i, w in enumerate(rest) if w.isupper()), len(rest))])
+            self.add_folders(folders, f"share/{self.package}")
+        elif command.name in {"add_subdirectory", "include"}:
+            self.is_complete &= not command.words
+        elif command.name not in _QUIET and command.name != "list":
+            self.other_names.update(p for word in self.expand_words(command.words) for p in word.split("/"))
+
+    def read_glob(self, words: Sequence[str], *, recursive: bool) -> None:
+        """Note the patterns of ``file(GLOB …)`` as the values of its variable."""
+        rest = [word for word in words[1:] if word != "CONFIGURE_DEPENDS"]
+        if rest[:1] == ["RELATIVE"]:
+            rest = rest[2:]
+        patterns = self.expand_words(rest)
+        self.values[words[0]] = ["${recursive}"] if recursive else patterns
+
+    def read_install(self, words: list[str]) -> None:
+        """Note what ``install(DIRECTORY | FILES | PROGRAMS …)`` installs into the share folder."""
+        kind = words[0] if words else ""
+        if kind not in {"DIRECTORY", "FILES", "PROGRAMS"}:
+            if kind not in {"TARGETS", "EXPORT"}:  # scripts and code may install anything
+                self.is_complete = False
+            return
+        count = next((i for i, word in enumerate(words[1:]) if word in _KEYWORDS), len(words) - 1)
+        named, rest = words[1 : count + 1], words[count + 1 :]
+        if "DESTINATION" not in rest[:-1]:
+            self.is_complete = False
+            return
+        destination = rest[rest.index("DESTINATION") + 1]
+        if kind == "DIRECTORY":
+            self.add_folders(named, destination, rest)
+        else:
+            renamed = rest[rest.index("RENAME") + 1] if "RENAME" in rest[:-1] else ""
+            self.add_files(named, destination, renamed)
+
+    def find_target(self, destination: str) -> str | None:
+        """Return the place in the share folder that a destination means; None for another one or an unknown one."""
+        if "${" in destination or "$<" in destination or "$ENV" in destination:
+            self.is_complete = False
+            return None
+        return find_share_place(destination, self.package)
+
+    def add_folders(self, folders: Sequence[str], destination: str, options: Sequence[str] = ()) -> None:
+        target = self.find_target(destination)
+        if target is None:
+            return
+        wanted, excluded = _read_patterns(options)
+        for folder in folders:
+            source = normalize_source(folder)
+            if source is None or "${" in folder or has_magic(folder):
+                self.is_complete = False
+                continue
+            whole = folder.endswith("/") or not source
+            place = target if whole else posixpath.join(target, posixpath.basename(source))
+            entry = InstalledEntry(source=source, target=place, kind="folder", wanted=wanted, excluded=excluded)
+            self.entries.append(entry)
+
+    def add_files(self, files: Sequence[str], destination: str, renamed: str) -> None:
+        target = self.find_target(destination)
+        if target is None:
+            return
+        for file in files:
+            source = normalize_source(file)
+            if source is None or "${" in file:
+                self.is_complete = False
+            elif has_magic(source):
+                self.is_complete &= not has_magic(posixpath.dirname(source))
+                self.entries.append(InstalledEntry(source=source, target=target, kind="pattern"))
+            else:
+                place = posixpath.join(target, renamed or posixpath.basename(source))
+                self.entries.append(InstalledEntry(source=source, target=place, kind="file"))
+
+    def expand_words(self, words: Sequence[str]) -> list[str]:
+        """Return the texts that words mean; an unknown variable stays as it is."""
+        return [text for word in words for text in _expand_variables(word, self.values)][:_MOST_VALUES]
+
+
+def _find_loop_end(commands: Sequence[CmakeCommand], at: int) -> int:
+    """Return the index of the command that ends a loop."""
+    depth = 0
+    for index in range(at, len(commands)):
+        depth += (commands[index].name == "foreach") - (commands[index].name == "endforeach")
+        if depth == 0:
+            return index
+    return len(commands)
+
+
+def _expand_variables(word: str, values: Mapping[str, list[str]]) -> list[str]:
+    texts = [word.strip('"')]
+    for variable in dict.fromkeys(_VARIABLE.findall(word)):
+        if variable in values:
+            texts = [t.replace(f"${{{variable}}}", value) for t in texts for value in values[variable]][:_MOST_VALUES]
+    return [part for text in texts for part in text.split(";")]
+
+
+def _read_patterns(options: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the wanted and the excluded patterns of ``install(DIRECTORY …)``.
+
+    ``REGEX`` is left out: a stranger's regular expression can take hours.
+    """
+    wanted: list[str] = []
+    excluded: list[str] = []
+    for index, word in enumerate(options[:-1]):
+        if word == "PATTERN" and options[index + 2 : index + 3] == ["EXCLUDE"]:
+            excluded.append(options[index + 1])
+        elif word == "PATTERN" and "FILES_MATCHING" in options:
+            wanted.append(options[index + 1])
+    return (() if "REGEX" in options else tuple(wanted)), tuple(excluded)

@@ -1,0 +1,63 @@
+"""Packages that have the name of another one, as a build tool sees them."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.system.files import read_regular
+
+# What makes colcon and catkin pass over a folder, and folders into which they do not look.
+_IGNORE_MARKS = ("COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE")
+_SKIPPED = BUILD_FOLDERS | {"build_isolated", "devel", "devel_isolated", "install_isolated", "node_modules"}
+_GIT_FOLDER = re.compile(r"gitdir:\s*(.+?)[/\\]worktrees[/\\]")
+
+
+def select_rivals(own: Path, folders: Sequence[Path]) -> list[Path]:
+    """Return those of the folders with a package's name that are other packages for a build tool that sees both.
+
+    Not among them: the same folder by another path, what was built or installed, what a build tool passes over or never sees
+    (it does not look for packages in a package), and the same package in other work trees of its repository.
+    """
+    found: dict[str, Path] = {}
+    for folder in folders:
+        real = os.path.realpath(folder)
+        if real != os.path.realpath(own) and real not in found and _is_rival(own, folder):
+            found[real] = folder
+    return list(found.values())
+
+
+def _is_rival(own: Path, other: Path) -> bool:
+    common = Path(os.path.commonpath([own, other]))
+    if common not in (own, other) and any(map(_has_manifest, (common, *common.parents))):
+        return False
+    for folder in (own, other):
+        between = [folder, *folder.parents][: len(folder.relative_to(common).parts)]
+        copied = folder.parent.name == "share"  # PREFIX/share/NAME
+        ignored = any(os.path.lexists(level / mark) for level in between for mark in _IGNORE_MARKS)
+        inside = any(_has_manifest(level) for level in between[1:] if level != common)
+        if copied or ignored or inside or any(level.name in _SKIPPED for level in between):
+            return False
+    place = _find_place_in_repository(own)
+    return place is None or place != _find_place_in_repository(other)
+
+
+def _has_manifest(folder: Path) -> bool:
+    return os.path.lexists(folder / "package.xml")
+
+
+def _find_place_in_repository(folder: Path) -> tuple[str, str] | None:
+    """Return the repository that a folder is checked out from, and its path there; None outside of one."""
+    top = next((level for level in (folder, *folder.parents) if os.path.lexists(level / ".git")), None)
+    if top is None:
+        return None
+    mark = top / ".git"
+    try:
+        match = None if mark.is_dir() else _GIT_FOLDER.match(read_regular(mark, 10_000).decode("utf-8", "replace"))
+    except OSError:
+        match = None
+    shared = mark if match is None else top / match.group(1)
+    return os.path.realpath(shared), os.path.relpath(folder, top)

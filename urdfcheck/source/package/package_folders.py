@@ -1,0 +1,91 @@
+"""The folders with a package.xml at and below a folder."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+from urdfcheck.system.files import read_regular, record_reads
+
+# How many folders of one folder are looked into.
+MAX_SIBLINGS = 2_000
+BUILD_FOLDERS = frozenset({"build", "install", "log"})
+_NAME = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
+# The folders of each package, by its name.
+PackagesByName = Mapping[str, Sequence[Path]]
+
+
+def walk_packages(
+    folder: Path, depth: int, allows: Callable[[Path], bool] = lambda _: True, *, most: int | None = None
+) -> Iterator[tuple[str, Path]]:
+    """Yield the packages at a folder and at most ``depth`` levels below it, the outer ones first; none inside another one
+    below it.
+
+    ``allows``: whether a link may be followed; ``most``: how many folders are looked into.
+    """
+    waiting = deque([(folder, 0)])
+    count = 0
+    while waiting and (most is None or count < most):
+        here, level = waiting.popleft()
+        count += 1
+        has_manifest, below = _list_folder(here)
+        name = read_manifest_name(here, allows) if has_manifest else None
+        if name:
+            yield name, here
+        if level < depth and not (name and level):
+            for inner in below:
+                if inner.name not in BUILD_FOLDERS and (not os.path.islink(inner) or allows(inner)):
+                    waiting.append((inner, level + 1))
+
+
+def list_subfolders(path: Path) -> list[Path]:
+    """Return the folders in a folder without hidden ones; none if it cannot be read."""
+    return _list_folder(path)[1]
+
+
+def read_manifest_name(folder: Path, allows: Callable[[Path], bool] = lambda _: True) -> str | None:
+    """Return the name in the package.xml of a folder; None where it has none, or is a link that may not be followed."""
+    manifest = folder / "package.xml"
+    if os.path.islink(manifest) and not allows(manifest):
+        return None
+    try:
+        with record_reads():  # apart: of all packages that are searched, only the one that is found affects the result
+            match = _NAME.search(read_regular(manifest).decode("utf-8", "replace"))
+    except OSError:
+        return None
+    return match.group(1) if match else None
+
+
+def find_nearest_folder(folders: Sequence[Path], start: Path) -> Path:
+    """Return the folder that shares the most folders with ``start``; of equals, the first."""
+    parts = start.parts
+
+    def count_common(folder: Path) -> int:
+        return next((n for n, (a, b) in enumerate(zip(folder.parts, parts, strict=False)) if a != b), len(parts))
+
+    return max(folders, key=count_common)
+
+
+def _list_folder(path: Path) -> tuple[bool, list[Path]]:
+    """Return whether a folder has a package.xml, and its folders without hidden ones; nothing if it cannot be read."""
+    names: list[str] = []
+    has_manifest = False
+    try:
+        with os.scandir(path) as entries:
+            for entry in entries:
+                has_manifest |= entry.name == "package.xml"
+                if not entry.name.startswith(".") and _is_folder(entry):
+                    names.append(entry.name)
+    except OSError:
+        return False, []
+    return has_manifest, [path / name for name in sorted(names)[:MAX_SIBLINGS]]
+
+
+def _is_folder(entry: os.DirEntry[str]) -> bool:
+    try:
+        return entry.is_dir()
+    except OSError:  # a circular link is not a folder, and does not hide the others
+        return False
