@@ -98,11 +98,32 @@ def test_bullet_assumes_a_mass_for_frames_too(tmp_path: Path) -> None:
         (make_arm(ZERO.format(0)), "loose", Severity.WARNING),
         (make_arm(ZERO.format(0), kind="fixed"), "helper", Severity.INFO),
         (make_arm(SOUND, base=ZERO.format(0) + BOX), "root", Severity.INFO),
+        (make_arm(SOUND, base=inertial("0") + BOX), "base", Severity.WARNING),
     ],
 )
 def test_what_a_mass_of_zero_or_less_means(tmp_path: Path, text: str, message: str, severity: Severity) -> None:
     (finding,) = find(tmp_path, text, "INR002")
     assert (finding.message_id, finding.severity) == (message, severity)
+
+
+@pytest.mark.parametrize(
+    ("text", "mujoco", "gazebo"),
+    [
+        (make_arm(SOUND, base=inertial("0")), "loads", "refuses"),
+        (make_arm(SOUND, base=inertial("0"), more=fixed("plate", SOUND, parent="base")), "loads", "loads"),
+        (make_arm(inertial("0")), "refuses", "drops"),
+        (make_arm(SOUND, more=fixed("tool", inertial("0"))), "ignores", "loads"),
+        (make_arm(SOUND, base=inertial("-1")), "loads", "refuses"),
+        (make_arm(inertial("-1")), "refuses", "refuses"),
+        (make_arm(SOUND, more=fixed("tool", inertial("-2"))), "ignores", "refuses"),
+        (make_arm(SOUND, base=ZERO.format(0) + BOX), "loads", "refuses"),
+    ],
+)
+def test_what_programs_do_without_mass_depends_on_where_the_link_is(
+    tmp_path: Path, text: str, mujoco: str, gazebo: str
+) -> None:
+    (finding,) = find(tmp_path, text, "INR002")
+    assert [finding.consequences[name].partition(" ")[0] for name in ("mujoco", "gazebo")] == [mujoco, gazebo]
 
 
 def test_the_smallest_positive_mass_is_a_mass(tmp_path: Path) -> None:
