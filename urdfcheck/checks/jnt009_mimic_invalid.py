@@ -11,7 +11,6 @@ from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.values import read_attribute_number
 from urdfcheck.source.text.xml import Attribute, Element
 
-
 # What Drake does with the <mimic> of a fixed joint: the numbers of degrees of freedom must agree.
 _EQUAL, _UNEQUAL = "ignores the <mimic>, with a warning", "refuses the file: a fixed joint cannot mimic one that moves"
 
