@@ -1,7 +1,9 @@
-"""What the pages say that engines do is what they do: all examples, and real robots, are loaded in those that are installed.
+"""What the rules say that engines do is what they do: no rule says "refuses" of a model that an engine loads, and none is refused
+of which no finding says so.
 
-Only MuJoCo and Pinocchio are asked, which are quick, about the Bad examples and small robots of a corpus;
-``URDFCHECK_ENGINES=1`` asks all that are installed about all of them.
+All examples of the pages, and the robots in the folders that ``URDFCHECK_CORPUS`` names (with a ``corpus.json``, or with
+repositories as they come), are loaded once in each engine. Only MuJoCo, Pinocchio and urdfdom are asked, which are quick, about
+the Bad examples and robots with small meshes; ``URDFCHECK_ENGINES=1`` asks all that are installed about all of them.
 """
 
 from __future__ import annotations
@@ -15,7 +17,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
-from conftest import FIXTURES, check
+from builders import Number, arm_on_base, inertial, joint, link
+from conftest import CORPORA, FIXTURES, make_request
 from real_robots import list_robots
 from test_rules import BAD, GOOD, Case
 
@@ -26,6 +29,8 @@ from urdfcheck.policy import consumers
 from urdfcheck.policy.config import TARGETS
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.rules import load_rules
+from urdfcheck.run.jobs import PackageFolders, Request
+from urdfcheck.run.pipeline import IN_THIS_PROCESS, plan_units, run_audit
 from urdfcheck.simulators.comparison import predict_verdict
 from urdfcheck.simulators.engine_input import build_input
 from urdfcheck.simulators.judgement import judge_outcome, matches_prediction
@@ -54,8 +59,8 @@ KNOWN = {
     ): "it refuses a missing mesh that PKG002 does not hold against it",
     ("PR2/pr2_common:pr2", "gazebo"): "joints inside of <gazebo> name a link that the conversion drops",
 }
-# Bytes: of a robot with larger meshes there is nothing to be learned that others do not show.
-LARGEST = (3 if ALL else 0.1) * 1024**2
+# Bytes: larger meshes take Pinocchio minutes.
+LARGEST = math.inf if ALL else 0.1 * 1024**2
 # Words that a sentence may not begin with, because the report's table is made from the first one.
 NEARLY = {"is", "its", "this", "has", "does", "warns", "accepts", "takes", "prints", "crashes"}
 
@@ -87,25 +92,40 @@ class Example:
     findings: tuple[Finding, ...]
 
 
-def read(path: Path, arguments: Mapping[str, str], package_paths: Sequence[Path]) -> EngineInput | None:
-    source = load_source(path, arguments, PackageFinder(path.absolute(), {}, list(package_paths)))
+def read(path: Path, arguments: Mapping[str, str], packages: PackageFolders, **reading: bool) -> EngineInput | None:
+    source = load_source(
+        path, arguments, PackageFinder(path.absolute(), packages.by_name, packages.search_path), **reading
+    )
     is_robot = source.root is not None and source.root.tag == "robot"
     return build_input(source, Model(source=source, robot=source.root, tier="source") if is_robot else None)
 
 
-def checked(name: str, folder: Path, target: Path, **request: object) -> Iterator[Example]:
-    """The models at a target; all rules must have been asked, for the worst of all findings counts."""
-    targets = tuple(engine for engine in ENGINES if engine in TARGETS)
-    run = check(target, targets=targets, **request)
+def checked(name: str, request: Request) -> Iterator[Example]:
+    """The models that a request leads to, with their findings; those that were not read whole are left out."""
+    plan, units = plan_units(request, in_process=True)
+    read_units = {}
+    for unit in units if not plan.missing else ():
+        if unit.kind == "model":
+            packages = unit.packages or request.packages
+            reading = {"explicit": unit.is_explicit, "xacro": unit.is_xacro}
+            read_units[unit.id] = read(Path(unit.path), unit.arguments, packages, **reading)
+    if not any(robot is not None and meshes(robot) <= LARGEST for robot in read_units.values()):
+        return
+    run = run_audit(request, IN_THIS_PROCESS).outcome
     assert not run.failures, run.failures
     for model in run.models:
         findings = tuple(f for f in run.findings if f.model == model.id)
-        path = folder / model.id.partition(" ")[0]
+        robot = read_units.get(model.id)
         if model.status == "needs-arguments" or UNREAD & {(f.code, f.message_id) for f in findings}:
             continue
-        robot = read(path, request.get("arguments", {}), request.get("package_paths", ()))  # type: ignore[arg-type]
-        if robot is not None:
-            yield Example(name, robot, findings)
+        if robot is not None and meshes(robot) <= LARGEST:
+            yield Example(name if len(run.models) == 1 else f"{name}:{model.id}", robot, findings)
+
+
+def ask(path: Path, **settings: object) -> Request:
+    """A request with all rules, which must have been asked, for the worst of all findings counts."""
+    targets = tuple(engine for engine in ENGINES if engine in TARGETS)
+    return make_request(path, targets=targets, **settings)
 
 
 @pytest.fixture(scope="module")
@@ -129,7 +149,7 @@ def written(case: Case, folder: Path) -> Iterator[Example]:
         path.write_text(text, encoding="utf-8", newline="")
     target = folder if len(case.files) > 1 else folder / case.files[0][0]
     needs = {"dynamics", "collision"} & set(load_rules()[case.rule].needs)
-    yield from checked(str(case), folder, target, tier="full" if needs else "mesh")
+    yield from checked(str(case), ask(target, tier="full" if needs else "mesh"))
 
 
 def wrong(engine: str, examples: Sequence[Example], around: Path) -> list[str]:
@@ -173,27 +193,67 @@ def meshes(robot: EngineInput) -> int:
     return sum(file.stat().st_size for file in files if file.is_file())
 
 
-@pytest.fixture(scope="module")
-def robots(corpus: Path) -> list[Example]:
-    """Real robots without large meshes."""
-    found: list[Example] = []
-    for entry in list_robots(corpus):
-        if not entry["expands"] or not entry.get("urdf_links"):
-            continue
-        roots = tuple(corpus / root for root in entry["package_roots"])
-        request = {"arguments": entry["xacro_args"], "package_paths": roots, "tier": "mesh"}
-        path = corpus / entry["entry"]
-        robot = read(path, entry["xacro_args"], roots)
-        if robot is None or meshes(robot) > LARGEST:
-            continue
-        found += checked(entry["id"], path.parent, path, **request)
-    return found
+@pytest.fixture(scope="module", params=CORPORA or [None], ids=lambda folder: folder.name if folder else "no-corpus")
+def robots(request: pytest.FixtureRequest) -> tuple[Path, list[Example]]:
+    """The real robots of a folder, with or without a ``corpus.json``."""
+    folder: Path | None = request.param
+    if folder is None:
+        pytest.skip("URDFCHECK_CORPUS names no folder")
+    return folder, [example for name, asked in list_requests(folder) for example in checked(name, asked)]
+
+
+def list_requests(folder: Path) -> Iterator[tuple[str, Request]]:
+    if not (folder / "corpus.json").is_file():
+        for repository in sorted(path for path in folder.iterdir() if path.is_dir()):
+            yield repository.name, ask(repository, tier="mesh")
+        return
+    for entry in list_robots(folder):
+        if entry["expands"] and entry.get("urdf_links"):
+            roots = tuple(folder / root for root in entry["package_roots"])
+            path = folder / entry["entry"]
+            yield entry["id"], ask(path, arguments=entry["xacro_args"], package_paths=roots, tier="mesh")
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_real_robots_load_as_their_findings_say(engine: str, robots: list[Example], corpus: Path) -> None:
+def test_real_robots_load_as_their_findings_say(engine: str, robots: tuple[Path, list[Example]]) -> None:
     ensure_asked(engine)
-    assert wrong(engine, robots, corpus) == []
+    folder, found = robots
+    assert wrong(engine, found, folder) == []
+
+
+# -- where MuJoCo takes a number for zero -------------------------------------------------------------------------------
+
+SOUND = inertial()
+TINY = ("0", "1e-20", "0.9e-15", "0.9e-14", "1.1e-14")
+
+
+def equal(mass: Number, value: Number) -> str:
+    return inertial(mass, ixx=value, ixy=value, ixz=value, iyy=value, iyz=value, izz=value)
+
+
+def list_light_robots() -> Iterator[tuple[str, str]]:
+    """Robots with masses and inertias about what programs take for zero: on a link that moves, on one that is fixed to it, and on
+    the root."""
+    parts = {f"{mass} kg, {value}": inertial(mass, value) for mass in ("1", "1e-6", "1e-16") for value in TINY}
+    parts |= {f"ixx {value}": inertial(1, ixx=value) for value in (*TINY, "-1e-20")}
+    parts |= {f"{mass} kg": inertial(mass) for mass in ("0", "-0.5", "-2")}
+    parts |= {"six equal numbers": equal("1e-6", "1e-6"), "impossible": inertial("0", izz="9")}
+    leg = link("leg", SOUND) + joint("hip", "arm", "leg", "continuous")
+    for name, part in parts.items():
+        yield f"{name} moves", arm_on_base(part, base=SOUND, axis="0 0 1")
+        yield f"{name} is fixed", arm_on_base(SOUND, base=SOUND, more=link("tip", part) + joint("k", "arm", "tip"))
+        for kind in ("continuous", "fixed"):
+            yield f"{name} is the root, {kind}", arm_on_base(SOUND, base=part, kind=kind, more=leg)
+
+
+def test_mujoco_refuses_of_light_links_what_the_rules_say(tmp_path: Path) -> None:
+    ensure_asked("mujoco")
+    found = []
+    for number, (name, text) in enumerate(list_light_robots()):
+        path = tmp_path / f"{number}.urdf"
+        path.write_text(text, encoding="utf-8")
+        found += checked(name, ask(path, tier="source", codes={f"INR{i:03}" for i in (1, 2, 3, 4, 12, 17)}))
+    assert wrong("mujoco", found, tmp_path) == []
 
 
 def test_the_command_compares_all_engines(capsys: pytest.CaptureFixture[str]) -> None:

@@ -86,6 +86,17 @@ def test_bullet_assumes_a_mass_for_frames_too(tmp_path: Path) -> None:
     assert finding.data["links"] == "tool, tip"
 
 
+@pytest.mark.parametrize(("pad", "found"), [(SOLID, True), (BOX, False), (ZERO.format(0) + SOLID, False)])
+def test_mujoco_adds_the_mass_of_what_collides_without_inertial(tmp_path: Path, pad: str, found: bool) -> None:
+    findings = find(tmp_path, make_arm(SOUND, more=fixed("pad", pad) + fixed("tip", pad)), "INR001")
+    assert [(f.message_id, f.severity) for f in findings] == [("inferred", Severity.INFO)] * found
+    assert not found or findings[0].data["links"] == "pad, tip"
+
+
+def test_what_collides_on_the_base_adds_nothing(tmp_path: Path) -> None:
+    assert not find(tmp_path, make_arm(SOUND, more=fixed("plate", SOLID, parent="base")), "INR001")
+
+
 # -- INR002 ---------------------------------------------------------------------------------------------------------
 
 
@@ -98,11 +109,32 @@ def test_bullet_assumes_a_mass_for_frames_too(tmp_path: Path) -> None:
         (make_arm(ZERO.format(0)), "loose", Severity.WARNING),
         (make_arm(ZERO.format(0), kind="fixed"), "helper", Severity.INFO),
         (make_arm(SOUND, base=ZERO.format(0) + BOX), "root", Severity.INFO),
+        (make_arm(SOUND, base=inertial("0") + BOX), "base", Severity.WARNING),
     ],
 )
 def test_what_a_mass_of_zero_or_less_means(tmp_path: Path, text: str, message: str, severity: Severity) -> None:
     (finding,) = find(tmp_path, text, "INR002")
     assert (finding.message_id, finding.severity) == (message, severity)
+
+
+@pytest.mark.parametrize(
+    ("text", "mujoco", "gazebo"),
+    [
+        (make_arm(SOUND, base=inertial("0")), "loads", "refuses"),
+        (make_arm(SOUND, base=inertial("0"), more=fixed("plate", SOUND, parent="base")), "loads", "loads"),
+        (make_arm(inertial("0")), "refuses", "drops"),
+        (make_arm(SOUND, more=fixed("tool", inertial("0"))), "ignores", "loads"),
+        (make_arm(SOUND, base=inertial("-1")), "loads", "refuses"),
+        (make_arm(inertial("-1")), "refuses", "refuses"),
+        (make_arm(SOUND, more=fixed("tool", inertial("-2"))), "ignores", "refuses"),
+        (make_arm(SOUND, base=ZERO.format(0) + BOX), "loads", "refuses"),
+    ],
+)
+def test_what_programs_do_without_mass_depends_on_where_the_link_is(
+    tmp_path: Path, text: str, mujoco: str, gazebo: str
+) -> None:
+    (finding,) = find(tmp_path, text, "INR002")
+    assert [finding.consequences[name].partition(" ")[0] for name in ("mujoco", "gazebo")] == [mujoco, gazebo]
 
 
 def test_the_smallest_positive_mass_is_a_mass(tmp_path: Path) -> None:
@@ -174,6 +206,18 @@ def test_an_impossible_link_is_found_although_the_tree_is_broken(tmp_path: Path)
     assert [f.message_id for f in find(tmp_path, text, "INR003")] == ["violated"]
 
 
+def six_numbers(mass: str, value: str) -> str:
+    return inertial(mass, ixx=value, ixy=value, ixz=value, iyy=value, iyz=value, izz=value)
+
+
+@pytest.mark.parametrize("kind", ["fixed", "floating"])
+def test_six_equal_numbers_on_a_light_root_are_found(tmp_path: Path, kind: str) -> None:
+    # The two smaller moments are zero but for rounding, to either side.
+    text = make_arm(SOUND, base=six_numbers("1e-6", "1e-6"), kind=kind)
+    (finding,) = check_text(tmp_path, text, codes={"INR003", "INR004", "INR017"}, targets=("mujoco",)).findings
+    assert (finding.code, finding.severity) == ("INR003", Severity.ERROR)
+
+
 # -- INR004 ---------------------------------------------------------------------------------------------------------
 
 
@@ -189,6 +233,21 @@ def test_no_edit_when_the_tensor_stays_impossible_without_the_sign(tmp_path: Pat
     (finding,) = find(tmp_path, make_arm(inertial(iyy="-9")), "INR004")
     assert finding.fix is not None
     assert not finding.fix.edits
+
+
+@pytest.mark.parametrize(("ixx", "mujoco"), [("0", "refuses"), ("1e-15", "refuses"), ("1e-13", "loads")])
+def test_mujoco_loads_a_line_that_is_a_little_thick(tmp_path: Path, ixx: str, mujoco: str) -> None:
+    (finding,) = find(tmp_path, make_arm(inertial(ixx=ixx)), "INR004")
+    assert finding.message_id == "line"
+    assert finding.consequences["mujoco"].startswith(mujoco)
+
+
+@pytest.mark.parametrize(("value", "mujoco"), [("0", "loads"), ("1e-20", "refuses")])
+def test_mujoco_refuses_the_residue_of_a_zero_tensor(tmp_path: Path, value: str, mujoco: str) -> None:
+    text = make_arm(SOUND, more=fixed("tip", inertial("1", ixx=value, iyy=value, izz=value)))
+    (finding,) = find(tmp_path, text, "INR004")
+    assert finding.message_id == "point_fixed"
+    assert finding.consequences["mujoco"].startswith(mujoco)
 
 
 def test_numbers_in_the_order_of_another_tool_are_recognised(tmp_path: Path) -> None:
@@ -440,3 +499,31 @@ def test_numbers_of_no_robot_neither_crash_nor_warn(tmp_path: Path, value: str) 
     run = check_text(tmp_path, f'<robot name="r">{links}{joints}</robot>', scene=True)
     assert not run.failures
     assert not [f for f in run.findings if " nan" in f.message or " inf " in f.message]
+
+
+# -- INR017 ---------------------------------------------------------------------------------------------------------
+
+
+def tiny(value: str, mass: str = "1e-6") -> str:
+    return inertial(mass, ixx=value, iyy=value, izz=value)
+
+
+def test_all_links_that_are_too_small_for_mujoco_are_one_finding(tmp_path: Path) -> None:
+    text = make_arm(SOUND, base=tiny("2e-15"), more=fixed("tip", tiny("1e-15")) + fixed("cap", tiny("1.1e-14")))
+    (finding,) = find(tmp_path, text, "INR017")
+    assert finding.severity == Severity.INFO
+    assert finding.subjects == ("link[tip]/inertial/inertia", "link[base]/inertial/inertia")
+    assert "1 other link (base)" in finding.message
+
+
+def test_what_mujoco_refuses_is_an_error_where_it_is_a_target(tmp_path: Path) -> None:
+    text = make_arm(SOUND, more=fixed("tip", tiny("9e-15")))
+    (finding,) = check_text(tmp_path, text, codes={"INR017"}, targets=("mujoco",)).findings
+    (other,) = check_text(tmp_path, text, codes={"INR017"}, targets=("drake",)).findings
+    assert [finding.severity, other.severity] == [Severity.ERROR, Severity.INFO]
+
+
+def test_a_whole_moving_body_that_is_next_to_nothing_is_one_finding(tmp_path: Path) -> None:
+    (finding,) = check_text(tmp_path, make_arm(tiny("5e-15")), codes={"INR012", "INR017"}).findings
+    assert finding.code == "INR012"
+    assert finding.consequences["mujoco"].startswith("refuses")

@@ -158,6 +158,22 @@ def test_following_a_fixed_joint(tmp_path: Path) -> None:
     assert [f.message_id for f in find(tmp_path, text, "JNT009")] == ["fixed"]
 
 
+@pytest.mark.parametrize(("kind", "drake"), [("fixed", "ignores"), ("revolute", "refuses")])
+def test_a_fixed_joint_with_a_mimic_is_an_info(tmp_path: Path, kind: str, drake: str) -> None:
+    text = make_three_links(
+        make_joint(follows("k"), kind="fixed"), make_joint(follows("j"), kind=kind, name="k", child="c")
+    )
+    first, *others = find(tmp_path, text, "JNT009")
+    assert (first.message_id, first.severity) == ("idle", Severity.INFO)
+    assert first.consequences["drake"].startswith(drake)
+    assert [f.message_id for f in others] == ["idle" if kind == "fixed" else "fixed"]  # and no cycle
+
+
+def test_a_fixed_joint_that_mimics_itself_is_idle(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, make_three_links(make_joint(follows("j"), kind="fixed")), "JNT009")
+    assert (finding.message_id, finding.severity) == ("idle", Severity.INFO)
+
+
 @pytest.mark.parametrize(("multiplier", "leaves"), [("1", False), ("-1", False), ("1.0009", False), ("1.01", True)])
 def test_a_follower_stays_within_its_limits(tmp_path: Path, multiplier: str, leaves: bool) -> None:
     text = make_three_links(

@@ -10,6 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+from urdfcheck.facts.inertials.engine_floors import is_refused_by_mujoco
 from urdfcheck.facts.inertials.inertia_tensor import (
     Solid,
     TensorRounding,
@@ -24,6 +25,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_triangle_excess,
     fit_equivalent_box,
     fit_equivalent_cylinder,
+    list_inertia_components,
     make_box_solid,
     make_capsule_solid,
     make_cylinder_solid,
@@ -108,6 +110,21 @@ def test_the_triangle_inequality_is_one_of_principal_moments() -> None:
 def test_borderline_tensors(diagonal: tuple[float, ...], definite: bool, triangle: bool) -> None:
     report = check_inertia_validity(np.diag(diagonal))
     assert (report.positive_definite, report.triangle_inequality) == (definite, triangle)
+
+
+@given(st.floats(-18.0, -10.0), st.floats(0.0, 3.0), angle, angle, angle)
+def test_what_is_too_small_for_mujoco_is_so_in_any_orientation(
+    decade: float, larger: float, roll: float, pitch: float, yaw: float
+) -> None:
+    smallest = 10.0**decade
+    assume(abs(decade + 14.0) > 0.01)
+    turn = np.array(rpy_to_matrix((roll, pitch, yaw)))
+    tensor = turn @ np.diag((smallest, smallest * 10.0**larger, smallest * 10.0**larger)) @ turn.T
+    assert is_refused_by_mujoco(list_inertia_components(tensor)) == (decade < -14.0)
+
+
+def test_mujoco_accepts_a_tensor_of_zeros() -> None:
+    assert not is_refused_by_mujoco((0.0,) * 6)
 
 
 def test_a_tensor_that_is_not_finite_has_no_moments() -> None:

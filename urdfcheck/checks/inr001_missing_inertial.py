@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import join_names
+from urdfcheck.core.merging import build_group_finding
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 
@@ -34,6 +35,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         return
     if "bullet" in model.targets:
         yield from _check_assumed_masses(rule, moving, model)
+    yield from _check_inferred_masses(rule, moving, model)
     for body in moving:
         links = [model.link_by_name[name] for name in body.links]
         if any(link.inertial is not None for link in links):
@@ -56,12 +58,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 def _check_assumed_masses(rule: Rule, moving: list[RigidLinkGroup], model: Model) -> Iterator[Finding]:
     """Report together all links for which Bullet assumes a mass although their moving body has one."""
-    frames: list[Link] = []
-    for body in moving:
-        links = [model.link_by_name[name] for name in body.links]
-        bare = [link for link in links if link.inertial is None]
-        if len(bare) < len(links):
-            frames += bare
+    frames = _list_bare_links(moving, model)
     if frames:
         yield rule.finding(
             "assumed",
@@ -71,6 +68,33 @@ def _check_assumed_masses(rule: Rule, moving: list[RigidLinkGroup], model: Model
             count="one link" if len(frames) == 1 else f"{len(frames)} links",
             added=len(frames),
         )
+
+
+def _check_inferred_masses(rule: Rule, moving: list[RigidLinkGroup], model: Model) -> Iterator[Finding]:
+    """Report together all links to which MuJoCo gives the mass of what collides although their moving body has one."""
+    links = [link for link in _list_bare_links(moving, model) if link.collisions]
+    if links:
+        yield build_group_finding(
+            rule,
+            "inferred",
+            links,
+            severity=Severity.WARNING if "mujoco" in model.targets else Severity.INFO,
+            links=join_names(link.name for link in links),
+            count=format_count(len(links), "link", "links"),
+            collide="collides" if len(links) == 1 else "collide",
+            fixed="is fixed to a moving body" if len(links) == 1 else "are fixed to moving bodies",
+        )
+
+
+def _list_bare_links(moving: list[RigidLinkGroup], model: Model) -> list[Link]:
+    """List the links without inertial in moving bodies that have one."""
+    bare: list[Link] = []
+    for body in moving:
+        links = [model.link_by_name[name] for name in body.links]
+        without = [link for link in links if link.inertial is None]
+        if len(without) < len(links):
+            bare += without
+    return bare
 
 
 def _inspect_subtree(model: Model, body: RigidLinkGroup) -> tuple[int, bool]:

@@ -19,6 +19,17 @@ FUSED = {
     "gazebo": "loads it, merged into the link that it is fixed to",
     "mujoco": "ignores the inertia",
 }
+# That of the base, which MuJoCo welds to the world.
+BASE = {
+    "gazebo": "refuses the model: the conversion to SDF leaves it without links",
+    "mujoco": "loads it, with the base welded to the world",
+}
+# The fate of a negative mass beside others of the body, and on the base.
+OUTWEIGHED = {"mujoco": "ignores the mass and the inertia of the link"}
+WELDED = {
+    "mujoco": "loads it, with the base welded to the world",
+    "bullet": "loads it where the base is fixed to the world; else it computes NaN accelerations",
+}
 # Pinocchio's and Drake's treatment of a body without mass: it carries a mass, or none at all.
 LIGHT = "loads it without mass"
 NAN = "computes NaN accelerations: a joint moves what has no mass (Drake stops with an error)"
@@ -32,15 +43,15 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             continue
         link, largest = declared.link, max(map(abs, declared.inertial.inertia_components or (0.0,)))
         if declared.mass < 0:
-            yield rule.finding("negative", at=declared.attribute, link=link.name, mass=declared.mass)
-        elif largest > ZERO:
             yield rule.finding(
-                "inertia_without_mass",
+                "negative",
                 at=declared.attribute,
-                consequences=ALONE if _is_isolated(model, link) else FUSED,
+                consequences=_predict_negative(model, link),
                 link=link.name,
-                largest=largest,
+                mass=declared.mass,
             )
+        elif largest > ZERO:
+            yield _build_massless_inertia_finding(model, rule, declared, largest=largest)
         else:
             massless.append(declared)
     # The tree is built only for these: whether a link without mass matters depends on the links fixed to it.
@@ -82,6 +93,43 @@ def _classify_massless_link(model: Model, link: Link) -> str:
     if model.tree.is_movable_link(link.name):
         return "zero" if drawn or carries else "loose"
     return "root" if drawn or carries else "helper"
+
+
+def _build_massless_inertia_finding(model: Model, rule: Rule, declared: DeclaredMass, *, largest: float) -> Finding:
+    """Report an inertia without mass: on the root it is a warning, for Bullet fixes a base of mass 0 to the world."""
+    link, welded = declared.link, _is_welded(model, declared.link)
+    fused = not _is_isolated(model, link)
+    is_root = welded and link.name == model.tree.root
+    consequences = FUSED if fused else BASE if welded else ALONE
+    return rule.finding(
+        "base" if is_root else "inertia_without_mass",
+        at=declared.attribute,
+        severity=Severity.WARNING if is_root else None,
+        consequences={**consequences, "mujoco": BASE["mujoco"]} if welded else consequences,
+        link=link.name,
+        largest=largest,
+    )
+
+
+def _predict_negative(model: Model, link: Link) -> dict[str, str]:
+    """Return what differs from the page: programs do not ask for the mass of what does not move, nor MuJoCo where the other
+    links of the body have one."""
+    if _is_welded(model, link):
+        return WELDED
+    try:
+        body = model.tree.list_body_links(link.name)
+    except FactUnavailableError:
+        return {}
+    inertials = (model.link_by_name[name].inertial for name in body)
+    return OUTWEIGHED if any(i is not None and (i.mass or 0.0) > 0.0 for i in inertials) else {}
+
+
+def _is_welded(model: Model, link: Link) -> bool:
+    """Whether no joint moves the link, as far as the tree is known."""
+    try:
+        return not model.tree.is_movable_link(link.name)
+    except FactUnavailableError:
+        return False
 
 
 def _is_isolated(model: Model, link: Link) -> bool:

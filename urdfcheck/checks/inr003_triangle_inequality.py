@@ -41,7 +41,8 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             continue
         if whole is not None and whole.is_physically_valid(rel_tol):
             if whole.link_is_negligible:
-                if compute_principal_moments(declared.tensor)[0][0] >= 0:  # else INR004
+                moments, _ = compute_principal_moments(declared.tensor)
+                if moments[0] >= -rel_tol * moments[2]:  # else INR004
                     helpers.append(declared)
                 continue
             data |= {"other": whole.heaviest, "whole": join_numbers(whole.moments)}

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
+from urdfcheck.facts.inertials.engine_floors import MUJOCO_REFUSAL, is_refused_by_mujoco
 from urdfcheck.facts.inertials.inertia_tensor import (
     TensorRounding,
     build_inertia_tensor,
@@ -203,11 +204,12 @@ def _check_singular_links(
         (alone if singular else harmless).append(declared)
     for declared in alone:
         point = NAN if message == "point" and _is_on_joint_axis(model, declared) else "loads it as a point mass"
+        of_point = dict.fromkeys(("pinocchio", "drake"), point) if message == "point" else {}
         yield rule.finding(
             message,
             at=declared.element,
             severity=Severity.WARNING,
-            consequences=dict.fromkeys(("pinocchio", "drake"), point) if message == "point" else None,
+            consequences={**of_point, **_predict_mujoco(message, [declared])},
             links=_format_masses([declared]),
         )
     if harmless:
@@ -216,8 +218,16 @@ def _check_singular_links(
             at=harmless[0].element,
             related=[declared.element for declared in harmless[1:]],
             severity=Severity.INFO,
+            consequences=_predict_mujoco(message, harmless),
             links=_format_masses(harmless),
         )
+
+
+def _predict_mujoco(message: str, links: Sequence[DeclaredTensor]) -> dict[str, str]:
+    """Return what differs from the page: MuJoCo refuses the residue of a zero, and loads a line that is a little thick."""
+    if any(is_refused_by_mujoco(declared.components) for declared in links):
+        return {"mujoco": MUJOCO_REFUSAL}
+    return {"mujoco": "loads it"} if message == "line" else {}
 
 
 def _is_on_joint_axis(model: Model, declared: DeclaredTensor) -> bool:

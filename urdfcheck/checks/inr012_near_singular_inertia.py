@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.facts.inertials.engine_floors import MUJOCO_REFUSAL, is_refused_by_mujoco
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments, compute_triangle_excess
 from urdfcheck.model import Model
-from urdfcheck.model.rigid_bodies import compute_body_inertia, list_rigid_bodies
+from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_inertia, list_rigid_bodies
 
 # MuJoCo's mjMINVAL, in kg and kg m², and its error message.
 LEAST = 1e-15
@@ -27,7 +28,7 @@ def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: 
         declared_tensor = model.tensor_by_name[heaviest.link.name].element
         smallest, _, largest = compute_principal_moments(tensor)[0].tolist()
         data: dict[str, Any] = {"link": heaviest.link.name, "mass": total, "smallest": smallest, "largest": largest}
-        consequences = {"mujoco": REFUSED if min(total, smallest) < LEAST else "loads it"}
+        consequences = {"mujoco": _predict_mujoco(model, body, mass=total, smallest=smallest)}
         if total <= mass:
             yield rule.finding("mass", at=heaviest.attribute, cause="unit", consequences=consequences, **data)
         elif not (largest > 0 and smallest > 1e-9 * largest and compute_triangle_excess(tensor) >= -1e-9):
@@ -38,4 +39,17 @@ def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: 
                 "point", at=declared_tensor, cause="unit", consequences=consequences, radius=radius, **data
             )
         elif smallest < condition * largest:
-            yield rule.finding("condition", at=declared_tensor, ratio=smallest / largest, **data)
+            consequences = {} if consequences["mujoco"] == "loads it" else consequences
+            yield rule.finding(
+                "condition", at=declared_tensor, consequences=consequences, ratio=smallest / largest, **data
+            )
+
+
+def _predict_mujoco(model: Model, body: RigidLinkGroup, *, mass: float, smallest: float) -> str:
+    """Return what MuJoCo does: it checks each link's own tensor, and then the whole body."""
+    if any(
+        name in model.tensor_by_name and is_refused_by_mujoco(model.tensor_by_name[name].components)
+        for name in body.links
+    ):
+        return MUJOCO_REFUSAL
+    return REFUSED if min(mass, smallest) < LEAST else "loads it"

@@ -11,6 +11,9 @@ from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.values import read_attribute_number
 from urdfcheck.source.text.xml import Attribute, Element
 
+# What Drake does with the <mimic> of a fixed joint: the numbers of degrees of freedom must agree.
+_EQUAL, _UNEQUAL = "ignores the <mimic>, with a warning", "refuses the file: a fixed joint cannot mimic one that moves"
+
 
 def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
     for joint in model.joints:
@@ -26,6 +29,16 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
             edits = edit_literal(at, near) if near is not None else []
             hint = format_name_hint(at.value, known)
             yield rule.finding("unknown", at=at, edits=edits, joint=joint.name, leader=at.value, near=hint)
+        elif joint.type == "fixed":
+            yield rule.finding(
+                "idle",
+                at=at,
+                severity=Severity.INFO,
+                consequences={"drake": _EQUAL if leader.type == "fixed" and leader is not joint else _UNEQUAL},
+                joint=joint.name,
+                leader=leader.name,
+                related=[leader],
+            )
         elif leader.name == joint.name:
             yield rule.finding("itself", at=at, joint=joint.name)
         elif loop:
@@ -38,12 +51,14 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
 
 
 def _find_mimic_loop(model: Model, start: Joint) -> tuple[str, ...]:
-    """Return the names of the joints that follow each other in a circle through ``start``, or nothing."""
+    """Return the names of the joints that follow each other in a circle through ``start``, or nothing; a fixed joint follows
+    none."""
     names: list[str] = []
     joint: Joint | None = start
     while joint is not None and joint.name not in names:
         names.append(joint.name)
-        joint = model.joint_by_name.get("" if joint.mimic is None else joint.mimic.get("joint"))
+        follows = joint.mimic if joint.type != "fixed" else None
+        joint = model.joint_by_name.get("" if follows is None else follows.get("joint"))
     return tuple(names) if joint is not None and joint.name == start.name else ()
 
 

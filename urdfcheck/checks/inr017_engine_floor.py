@@ -1,0 +1,47 @@
+"""INR017 reports inertia tensors that a body can have, and that are too small for MuJoCo."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from urdfcheck.core import Finding, Rule
+from urdfcheck.core.merging import build_group_finding
+from urdfcheck.core.text import format_count, join_names
+from urdfcheck.facts.inertials.engine_floors import MUJOCO_LEAST_MOMENT, is_refused_by_mujoco
+from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments, compute_triangle_excess
+from urdfcheck.model import DeclaredTensor, Model
+from urdfcheck.model.rigid_bodies import is_point_mass
+
+# Below this part of the largest moment the smallest is that of a line or of no body: INR004.
+_REL_TOL = 1e-9
+
+
+def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    small = [d for d in model.tensors if is_refused_by_mujoco(d.components) and _is_possible_body(d)]
+    if not small:
+        return
+    small.sort(key=_compute_smallest_moment)
+    first, others = small[0], [declared.link.name for declared in small[1:]]
+    yield build_group_finding(
+        rule,
+        "small",
+        [declared.element for declared in small],
+        link=first.link.name,
+        smallest=_compute_smallest_moment(first),
+        least=MUJOCO_LEAST_MOMENT,
+        others=f"; so do those of {format_count(len(others), 'other link')} ({join_names(others)})" if others else "",
+    )
+
+
+def _is_possible_body(declared: DeclaredTensor) -> bool:
+    """Whether a solid body can have the tensor; what INR003 and INR004 report says of MuJoCo what there is to say."""
+    moments = compute_principal_moments(declared.tensor)[0]
+    return (
+        not is_point_mass(declared.inertial)
+        and bool(moments[0] > _REL_TOL * moments[2])
+        and compute_triangle_excess(declared.tensor) >= -_REL_TOL
+    )
+
+
+def _compute_smallest_moment(declared: DeclaredTensor) -> float:
+    return float(compute_principal_moments(declared.tensor)[0][0])

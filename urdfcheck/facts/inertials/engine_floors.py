@@ -1,0 +1,19 @@
+"""The values below which an engine takes an inertia for none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from urdfcheck.facts.inertials.inertia_tensor import build_inertia_tensor, compute_principal_moments
+
+# kg m². MuJoCo refuses a link's tensor with a smaller eigenvalue (mjEPS), unless all six numbers are zero; it checks each link
+# before it merges those that fixed joints connect, the root too. Measured with MuJoCo 4.0.
+MUJOCO_LEAST_MOMENT = 1e-14
+# What it then does, as pages say it.
+MUJOCO_REFUSAL = "refuses to compile: inertia must have positive eigenvalues"
+
+
+def is_refused_by_mujoco(components: Sequence[float]) -> bool:
+    """Whether MuJoCo refuses a tensor (URDF's ``ixx ixy ixz iyy iyz izz`` in kg m²) for its smallest principal moment."""
+    smallest = float(compute_principal_moments(build_inertia_tensor(components))[0][0])
+    return any(components) and smallest < MUJOCO_LEAST_MOMENT
