@@ -6,7 +6,6 @@ positions that expat reports for start tags are refined by reading the text of t
 
 from __future__ import annotations
 
-import codecs
 import re
 from array import array
 from bisect import bisect_right
@@ -17,6 +16,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from urdfcheck.core import NEWLINE, Location, Span
+from urdfcheck.system.encodings import UnreadableEncodingError, decode_text, decode_xml
 from urdfcheck.system.files import FileTooLargeError, read_regular
 
 # In 366 XML files of published robots the maxima are 9 levels, 25 attributes of one element, 557 characters in an
@@ -27,9 +27,6 @@ MAX_VALUE = 1024**2
 # Elements, attributes and comments; each takes up to 500 bytes of memory.
 MAX_PARTS = 2_000_000
 
-_DECLARED = re.compile(rb"""^\s*<\?xml[^>\x80-\xff]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
-# Codecs of Python that are not a character encoding of a file.
-_NO_CHARSETS = frozenset({"idna", "punycode", "raw-unicode-escape", "undefined", "unicode-escape"})
 _BREAK = re.compile(r"\r\n|[\r\n\t]")
 _TAG = re.compile(r"[^ \t\r\n/>]+")
 _ATTRIBUTE = re.compile(r"""\s+([^\s=/>"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
@@ -194,50 +191,43 @@ class Comment:
 class SourceFile:
     """The decoded text of one file.
 
-    ``name`` is its name in findings, ``path`` its place, and ``encoding`` the codec of its bytes. ``instruction`` is the
-    first processing instruction (``<?…?>``) that comes after an element or a comment.
+    ``name`` is its name in findings, ``path`` its place, and ``encoding`` the codec of its bytes, ``declared`` the
+    encoding that it states (empty without one). ``instruction`` is the first processing instruction (``<?…?>``) that comes
+    after an element or a comment.
     """
 
-    __slots__ = ("_starts", "comments", "encoding", "instruction", "name", "path", "text")
+    __slots__ = ("_starts", "comments", "declared", "encoding", "instruction", "name", "path", "text")
 
-    def __init__(self, path: Path, name: str, text: str, encoding: str = "utf-8") -> None:
+    def __init__(self, path: Path, name: str, text: str, encoding: str = "utf-8", declared: str = "") -> None:
         self.path = path
         self.name = name
         self.text = text
         self.encoding = encoding
+        self.declared = declared
         self.comments: list[Comment] = []
         self.instruction: Span | None = None
         self._starts = array("q", (0,))  # a list would take forty bytes for each line
         self._starts.extend(m.end() for m in NEWLINE.finditer(text))
 
     @classmethod
-    def read(cls, path: Path, name: str) -> SourceFile:
-        """Read and decode a file by its byte order mark or its XML declaration, else UTF-8.
+    def read(cls, path: Path, name: str, *, declares: bool = True) -> SourceFile:
+        """Read and decode a file. ``declares``: it is XML, which may declare its encoding; yaml cannot.
 
         :raises OSError: if it cannot be read.
-        :raises XmlError: if it is too large, or its bytes are not text in the declared encoding.
+        :raises XmlError: if it is too large, or its bytes are no text, or not the same for all.
         """
         try:
             data = read_regular(path)
         except FileTooLargeError as error:
             start = cls(path, name, "").make_span(0, 0)
             raise _make_too_large_error("bytes", error.found, error.limit, message=error.message, span=start) from None
-        encoding = _detect_encoding(data)
-        declared = _DECLARED.match(data[:400]) if encoding is None else None
-        if declared is not None:
-            encoding = declared.group(1).decode("ascii")
-            if not _can_decode(encoding, declared.group(0)):
-                at = cls(path, name, declared.group(0).decode("ascii")).make_span(*declared.span(1))
-                raise XmlError("encoding", f"the text is not in the encoding {encoding!r} that it declares", at)
-        encoding = encoding or "utf-8"
         try:
-            return cls(path, name, text=data.decode(encoding), encoding=encoding)
-        except UnicodeDecodeError as error:
-            # error.object is the data without the byte order mark.
-            valid, wrong = error.object[: error.start], error.object[error.start]
-            broken = cls(path, name, valid.decode(encoding, "replace"))
-            at = broken.make_span(len(broken.text), len(broken.text))
-            raise XmlError("encoding", f"byte 0x{wrong:02x} is not valid {encoding}", at) from None
+            decoded = decode_xml(data) if declares else decode_text(data)
+        except UnreadableEncodingError as error:
+            broken = cls(path, name, error.before + error.wrong)
+            at = broken.make_span(len(error.before), len(broken.text))
+            raise XmlError("encoding", str(error), at) from None
+        return cls(path, name, text=decoded.text, encoding=decoded.encoding, declared=decoded.declared)
 
     def locate_character(self, line: int, col: int) -> Span:
         """Return the span of the character at a line and column that a parser reports."""
@@ -262,29 +252,6 @@ class SourceFile:
 
 def _make_too_large_error(what: str, found: int, limit: int, *, message: str, span: Span) -> XmlError:
     return XmlError("too-large", message, span, data={"what": what, "limit": limit, "found": found})
-
-
-def _detect_encoding(data: bytes) -> str | None:
-    """Return the encoding that the first bytes show: by a byte order mark, or the zero bytes of UTF-16."""
-    for mark, name in (
-        (codecs.BOM_UTF8, "utf-8-sig"),
-        (codecs.BOM_UTF16_LE, "utf-16"),
-        (codecs.BOM_UTF16_BE, "utf-16"),
-        (b"<\0", "utf-16-le"),
-        (b"\0<", "utf-16-be"),
-    ):
-        if data.startswith(mark):
-            return name
-    return None
-
-
-def _can_decode(encoding: str, declaration: bytes) -> bool:
-    """Whether an encoding exists and can decode its own declaration (UTF-16 decodes ASCII bytes to other text)."""
-    try:
-        known = codecs.lookup(encoding).name not in _NO_CHARSETS
-        return known and declaration.decode(encoding, "replace") == declaration.decode("ascii", "replace")
-    except (LookupError, UnicodeError):
-        return False
 
 
 def parse_xml(source: SourceFile) -> Element:
